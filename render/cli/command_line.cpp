@@ -34,7 +34,7 @@
 #include "sim/base/error.h"
 #include "sim/scene/settings.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 constexpr const char* kName = "kirireel";
@@ -140,7 +140,7 @@ Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
 /// What holds for the program as a whole, and its commands. Their order is that of the help.
 std::vector<Command> addCommands(CLI::App& program) {
   program.allow_extras();
-  program.set_version_flag("--version", versionText());
+  program.set_version_flag("--version", record::versionText());
   program.footer(fmt::format("kirireel COMMAND --help explains a command.\n\n{}", kExitCodesHelp));
   return {addCommand(program, addRecordCommand),   addCommand(program, addSimulateCommand),
           addCommand(program, addRenderCommand),   addCommand(program, addExportCommand),
@@ -166,12 +166,12 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
     if (command.app->parsed()) return command.completeOrder(usesPeerSpellings(arguments));
   }
   throw InputError(fmt::format("error: no command given; choose {}, see kirireel --help",
-                               listWords(commandNames(program))));
+                               scene::listWords(commandNames(program))));
 }
 
 LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options) {
   LoadedModel loaded{{}, place, options, {}, {}};
-  ReadSettings settings;
+  model::ReadSettings settings;
   CLI::App program(kPurpose, kName);
   program.allow_extras();
   OptionGroup group(program, "Model");
@@ -379,4 +379,4 @@ bool usesPeerSpellings(const std::vector<std::string>& arguments) {
   });
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -14,7 +14,7 @@ namespace CLI {
 class App;
 }
 
-namespace kirireel {
+namespace kirireel::cli {
 
 /// `--help` and `--version`. The text is the whole page, made while parsing.
 struct PrintOrder {
@@ -32,7 +32,7 @@ using Order =
 
 /// A model in memory, with what a run of it must know beside.
 struct LoadedModel {
-  Model model;                        ///< as it was generated, to be written into the folder
+  model::Model model;                 ///< as it was generated, to be written into the folder
   std::filesystem::path place;        ///< that it was read from, as it was named; may be empty
   std::vector<std::string> options;   ///< of `record` that it was read with
   std::vector<InputFile> inputs;      ///< files that it was read from
@@ -114,4 +114,4 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
 /// counts, because only PyKirigami has them.
 bool usesPeerSpellings(const std::vector<std::string>& arguments);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

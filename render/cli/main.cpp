@@ -14,6 +14,7 @@
 namespace {
 
 using namespace kirireel;
+using namespace kirireel::cli;
 
 /// One line on standard error, whatever line breaks the message holds. Returns the code.
 int complain(int exitCode, const std::string& message) {

@@ -21,7 +21,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 /// "\-" is a minus that can be copied from a terminal; "\e" prints a backslash.
@@ -665,4 +665,4 @@ std::string pythonStub(const CommandDescription& program) {
              parameters(optionsWithout(commandNamed(program, "record"), optionsNotForRuns())));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

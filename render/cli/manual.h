@@ -8,7 +8,7 @@
 
 #include "render/cli/command_line.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
 // Man pages, from the descriptions of the commands.
@@ -58,4 +58,4 @@ std::string renderDoc(const CommandDescription& program);
 /// it.
 std::string pythonStub(const CommandDescription& program);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -18,21 +18,23 @@
 #include "sim/model/read_model.h"
 #include "sim/study/stepped_scene.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 /// Values are kept by name; what was not given is absent, and the family has its own default.
-void addParameter(OptionGroup& group, const FamilyParameter& parameter, GenerateOrder& order) {
-  const Range range{parameter.least, parameter.most};
+void addParameter(OptionGroup& group, const generate::FamilyParameter& parameter,
+                  GenerateOrder& order) {
+  const scene::Range range{parameter.least, parameter.most};
   const auto read = [&order, range, name = parameter.name,
-                     whole = parameter.whole](const TypedValue& typed) {
+                     whole = parameter.whole](const scene::TypedValue& typed) {
     order.values[name] =
         // Whole numbers are kept as doubles, which hold them exactly up to 2^53.
-        whole ? static_cast<double>(parseInteger(typed, range)) : parseNumber(typed, range);
+        whole ? static_cast<double>(scene::parseInteger(typed, range))
+              : scene::parseNumber(typed, range);
   };
   const auto write = [&order, parameter] {
     const auto given = order.values.find(parameter.name);
-    return numberText(given == order.values.end() ? parameter.usual : given->second);
+    return scene::numberText(given == order.values.end() ? parameter.usual : given->second);
   };
   group
       .value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.usual),
@@ -42,17 +44,18 @@ void addParameter(OptionGroup& group, const FamilyParameter& parameter, Generate
 
 }  // namespace
 
-CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order) {
+CLI::App* addFamily(CLI::App& generate, const generate::Family& family, GenerateOrder& order) {
   CLI::App* command = generate.add_subcommand(family.name, family.help);
   addPlace(*command, "FOLDER", order.folder, "where the model goes");
   OptionGroup shape(*command, kShapeGroup);
-  for (const FamilyParameter& parameter : family.parameters) addParameter(shape, parameter, order);
-  shape.choice<std::optional<JointFace>>("--face", order.face,
-                                         {{"auto", std::nullopt},
-                                          {"both", JointFace::Both},
-                                          {"bottom", JointFace::Bottom},
-                                          {"top", JointFace::Top}},
-                                         "faces that joints lie on");
+  for (const generate::FamilyParameter& parameter : family.parameters)
+    addParameter(shape, parameter, order);
+  shape.choice<std::optional<model::JointFace>>("--face", order.face,
+                                                {{"auto", std::nullopt},
+                                                 {"both", model::JointFace::Both},
+                                                 {"bottom", model::JointFace::Bottom},
+                                                 {"top", model::JointFace::Top}},
+                                                "faces that joints lie on");
   // Called for the family that was given alone, so the order learns its name.
   command->parse_complete_callback([&order, name = family.name] { order.family = name; });
   command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
@@ -61,7 +64,7 @@ CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& ord
 
 CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order) {
   CLI::App* generate = program.add_subcommand("generate", "make a model folder from parameters");
-  for (const Family& family : families()) addFamily(*generate, family, order);
+  for (const generate::Family& family : generate::families()) addFamily(*generate, family, order);
   generate->footer("kirireel generate FAMILY --help explains a family.");
   return generate;
 }
@@ -75,17 +78,17 @@ void completeOrder(const CLI::App& generate, GenerateOrder& order) {
   requireGiven(order.folder, "FOLDER", chosenCommand(generate));
 }
 
-Model makeModel(const GenerateOrder& order) {
-  Model model = generateModel(familyNamed(order.family), order.values);
+model::Model makeModel(const GenerateOrder& order) {
+  model::Model model = generate::generateModel(generate::familyNamed(order.family), order.values);
   if (order.face) {
-    for (Joint& joint : model.joints) joint.face = *order.face;
+    for (model::Joint& joint : model.joints) joint.face = *order.face;
   }
   return model;
 }
 
 int carryOut(const GenerateOrder& order) {
-  const Model model = makeModel(order);
-  writeModelFolder(model, order.folder);
+  const model::Model model = makeModel(order);
+  model::writeModelFolder(model, order.folder);
   fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
              model.joints.size());
   return kExitDone;
@@ -118,8 +121,8 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
 }
 
 int carryOut(const ConvertOrder& order) {
-  const Model model = readModelAt(order.input, order.target, order.reading);
-  writeModel(model, order.output);
+  const model::Model model = readModelAt(order.input, order.target, order.reading);
+  model::writeModel(model, order.output);
   fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
              model.joints.size(), model.target ? ", a target" : "");
   return kExitDone;
@@ -132,21 +135,22 @@ int carryOut(const ConvertOrder& order) {
 namespace {
 
 // Pixels of each of the two states.
-constexpr FrameSize kStateSize{1200, 1200};
+constexpr picture::FrameSize kStateSize{1200, 1200};
 
 /// The rank of the constraints takes long in large sheets, so the line says what is at work.
-Inspection inspectWithProgress(const Scene& scene) {
+record::Inspection inspectWithProgress(const scene::Scene& scene) {
   ProgressLine line;
-  return inspect(scene, [&line](const char* what) { line.show(what); });
+  return record::inspect(scene, [&line](const char* what) { line.show(what); });
 }
 
 /// Reads the model; of a tile that cannot be meant a picture is left before the error goes on.
-Model readOrDraw(const InspectOrder& order) {
+model::Model readOrDraw(const InspectOrder& order) {
   try {
     return readModelAt(order.model, order.target, order.reading);
-  } catch (const CrossedTile& error) {
+  } catch (const model::CrossedTile& error) {
     if (!order.picture.empty()) {
-      writePng(crossingPicture(error.tile(), error.place(), kStateSize), order.picture);
+      picture::writePng(record::crossingPicture(error.tile(), error.place(), kStateSize),
+                        order.picture);
     }
     throw;
   }
@@ -162,14 +166,14 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addTargetOption(group, order.target);
   addReadOptions(group, order.reading);
   // The default has to stand in the scene before the option is added, which shows it in the help.
-  order.scene.brick.thickness = openScene().brick.thickness;
-  group.setting(sceneSetting("thickness"), order.scene);
+  order.scene.brick.thickness = scene::openScene().brick.thickness;
+  group.setting(scene::sceneSetting("thickness"), order.scene);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
   output.value("--picture", "FILE", "",
                "paint both states with numbers into a PNG file, what was mended marked; or a tile "
                "that crosses itself",
-               [&order](const TypedValue& typed) { order.picture = typed.text; });
+               [&order](const scene::TypedValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
 }
@@ -179,17 +183,19 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 }
 
 int carryOut(const InspectOrder& order) {
-  Scene scene = order.scene;
+  scene::Scene scene = order.scene;
   scene.model = readOrDraw(order);
-  fillFromModel(scene);
+  scene::fillFromModel(scene);
   std::vector<std::string> warnings;
   checkThickness(scene, warnings);
   printWarnings(warnings);
   // What a run needs depends on where its start stands.
-  alignStartToTarget(scene.model);
-  const Inspection inspection = inspectWithProgress(scene);
-  fmt::print("{}", order.printJson ? inspectionJson(inspection) : inspectionText(inspection));
-  if (!order.picture.empty()) writePng(numberedPicture(scene, kStateSize), order.picture);
+  model::alignStartToTarget(scene.model);
+  const record::Inspection inspection = inspectWithProgress(scene);
+  fmt::print("{}", order.printJson ? record::inspectionJson(inspection)
+                                   : record::inspectionText(inspection));
+  if (!order.picture.empty())
+    picture::writePng(record::numberedPicture(scene, kStateSize), order.picture);
   return kExitDone;
 }
 
@@ -204,15 +210,16 @@ constexpr const char* kAll = "all";
 
 std::string studyList() {
   std::string text;
-  for (const Study& study : studies()) text += fmt::format("{:<16}{}\n", study.name, study.help);
+  for (const study::Study& study : study::studies())
+    text += fmt::format("{:<16}{}\n", study.name, study.help);
   return text + fmt::format("{:<16}{}\n", kAll, "these one after the other");
 }
 
 /// Throws InputError for a name that no study has.
-std::vector<const Study*> chosenStudies(const std::string& name) {
-  std::vector<const Study*> chosen;
-  if (name != kAll) return {&studyNamed(name)};
-  for (const Study& study : studies()) chosen.push_back(&study);
+std::vector<const study::Study*> chosenStudies(const std::string& name) {
+  std::vector<const study::Study*> chosen;
+  if (name != kAll) return {&study::studyNamed(name)};
+  for (const study::Study& study : study::studies()) chosen.push_back(&study);
   return chosen;
 }
 
@@ -220,13 +227,13 @@ std::vector<const Study*> chosenStudies(const std::string& name) {
 /// NAME.json.
 std::string commandText(const StudyOrder& order) {
   return fmt::format("kirireel study {}{}", order.name.string(),
-                     order.settings.extent == Extent::Quick ? " --quick" : "");
+                     order.settings.extent == study::Extent::Quick ? " --quick" : "");
 }
 
 /// What a timing depends on: program, compiler, Eigen.
 std::string ownVersions() {
   std::vector<std::string> parts;
-  for (const auto& [name, version] : allVersions()) {
+  for (const auto& [name, version] : record::allVersions()) {
     if (name == "kirireel" || name == "compiler" || name == "eigen") {
       parts.push_back(fmt::format("{} {}", name, version));
     }
@@ -236,25 +243,25 @@ std::string ownVersions() {
 
 /// Engines are found when the program is built; a study leaves out those that were not.
 void sayWhatIsMissing() {
-  const std::vector<std::pair<Engine, const char*>> packages = {
-      {Engine::Chipmunk, "libchipmunk-dev"},
-      {Engine::Box2d, "libbox2d-dev"},
-      {Engine::Mujoco, "libmujoco-dev"}};
+  const std::vector<std::pair<study::Engine, const char*>> packages = {
+      {study::Engine::Chipmunk, "libchipmunk-dev"},
+      {study::Engine::Box2d, "libbox2d-dev"},
+      {study::Engine::Mujoco, "libmujoco-dev"}};
   for (const auto& [engine, package] : packages) {
-    if (isAvailable(engine)) continue;
+    if (study::isAvailable(engine)) continue;
     fmt::print(stderr,
                "kirireel: built without {0}, which is left out; install {1} and build again to "
                "compare with it\n",
-               toString(engine), package);
+               study::toString(engine), package);
   }
 }
 
 /// Returns whether the study came to its end.
-bool runOne(const Study& study, const StudySettings& settings) {
+bool runOne(const study::Study& study, const study::StudySettings& settings) {
   const bool isTerminal = isatty(STDERR_FILENO) != 0;
   bool stopped = false;
-  const Table table =
-      runStudy(study, settings, [&](const std::string& name, std::size_t done, std::size_t total) {
+  const study::Table table = study::runStudy(
+      study, settings, [&](const std::string& name, std::size_t done, std::size_t total) {
         if (isTerminal) {
           fmt::print(stderr, "\r\033[K{} {}/{}: {}", study.name, done, total, name);
         }
@@ -267,7 +274,7 @@ bool runOne(const Study& study, const StudySettings& settings) {
   if (stopped) return false;
   const std::filesystem::path file = settings.folder / (study.name + ".csv");
   fmt::print("{}: {} rows in {}\n", study.name, table.rows.size(), file.string());
-  for (const Finding& finding : study.findings(table)) {
+  for (const study::Finding& finding : study.findings(table)) {
     fmt::print("  {:<40} {:<12.4g} {}\n", finding.name, finding.value, finding.meaning);
   }
   std::fflush(stdout);
@@ -284,12 +291,12 @@ CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
   OptionGroup group(*command, "Study");
   group.flag("--list", "say which studies there are", [&order] { order.list = true; });
   group.flag("--quick", "fewer and smaller cases: all studies within five minutes",
-             [&order] { order.settings.extent = Extent::Quick; });
+             [&order] { order.settings.extent = study::Extent::Quick; });
   group.flag("--resume", "keep the rows that an earlier, interrupted run has finished",
              [&order] { order.settings.resume = true; });
   group.value("--out", "FOLDER", order.settings.folder.string(),
               "where NAME.csv and NAME.json go; scripts/plot-study draws them",
-              [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+              [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   command->footer("Example:\n  kirireel study work-precision --quick");
   return command;
 }
@@ -303,13 +310,13 @@ int carryOut(const StudyOrder& order) {
     fmt::print("{}", studyList());
     return kExitDone;
   }
-  const std::vector<const Study*> chosen = chosenStudies(order.name.string());
-  StudySettings settings = order.settings;
+  const std::vector<const study::Study*> chosen = chosenStudies(order.name.string());
+  study::StudySettings settings = order.settings;
   settings.command = commandText(order);
   settings.versions = ownVersions();
   sayWhatIsMissing();
   noteSignals();
-  for (const Study* study : chosen) {
+  for (const study::Study* study : chosen) {
     if (runOne(*study, settings)) continue;
     fmt::print(stderr, "kirireel: interrupted; --resume goes on after the finished rows\n");
     return kExitInterrupted;
@@ -317,4 +324,4 @@ int carryOut(const StudyOrder& order) {
   return kExitDone;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

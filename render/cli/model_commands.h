@@ -16,7 +16,7 @@ namespace CLI {
 class App;
 }
 
-namespace kirireel {
+namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel generate FAMILY FOLDER`.
@@ -26,7 +26,7 @@ namespace kirireel {
 struct GenerateOrder {
   std::string family;                    ///< as sim/generate/families.h names it
   std::map<std::string, double> values;  ///< of the family's parameters, those that were given
-  std::optional<JointFace> face;         ///< of all joints; absent: chosen from the deployed shape
+  std::optional<model::JointFace> face;  ///< of all joints; absent: chosen from the deployed shape
   std::filesystem::path folder;          ///< where the model goes; made when absent
 };
 
@@ -37,13 +37,13 @@ CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order);
 inline constexpr const char* kShapeGroup = "Shape";
 
 /// Adds one family with its parameters. The order must outlive the parsing. Returns its command.
-CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order);
+CLI::App* addFamily(CLI::App& generate, const generate::Family& family, GenerateOrder& order);
 
 /// Throws InputError when no family or no folder was given. To be called after parsing.
 void completeOrder(const CLI::App& generate, GenerateOrder& order);
 
 /// Makes the model; the order needs no folder. Throws as generateModel().
-Model makeModel(const GenerateOrder& order);
+model::Model makeModel(const GenerateOrder& order);
 
 /// Makes the model and writes its folder. Returns the exit code. Prints how many tiles and joints
 /// it has. Throws OutputError where the folder cannot be written.
@@ -55,7 +55,7 @@ int carryOut(const GenerateOrder& order);
 /// A model to be written in another format. The formats of both are told by their names.
 struct ConvertOrder {
   std::filesystem::path input;   ///< the model, a folder or a file
-  ReadSettings reading;          ///< how it is read
+  model::ReadSettings reading;   ///< how it is read
   std::filesystem::path target;  ///< another model whose start is the target; empty for none
   std::filesystem::path output;  ///< its ending says the format
 };
@@ -77,10 +77,10 @@ int carryOut(const ConvertOrder& order);
 /// it.
 struct InspectOrder {
   std::filesystem::path model;    ///< a folder or a file
-  ReadSettings reading;           ///< how it is read
+  model::ReadSettings reading;    ///< how it is read
   std::filesystem::path target;   ///< another model whose start is the target; empty for none
   std::filesystem::path picture;  ///< where a numbered picture goes; empty for none
-  Scene scene;                    ///< everything but the model
+  scene::Scene scene;             ///< everything but the model
   bool printJson = false;         ///< the report as JSON on standard output, instead of text
 };
 
@@ -101,9 +101,9 @@ int carryOut(const InspectOrder& order);
 /// A study to be run. The name is a text; it is a path only because it stands as an argument like
 /// other commands'.
 struct StudyOrder {
-  std::filesystem::path name;  ///< of a study, or "all"
-  StudySettings settings;      ///< everything but the caption's texts
-  bool list = false;           ///< say which studies there are instead
+  std::filesystem::path name;     ///< of a study, or "all"
+  study::StudySettings settings;  ///< everything but the caption's texts
+  bool list = false;              ///< say which studies there are instead
 };
 
 /// Adds `study`. The order must outlive the parsing.
@@ -116,4 +116,4 @@ void completeOrder(const CLI::App& command, StudyOrder& order);
 /// to hours. 4 when a signal ended it.
 int carryOut(const StudyOrder& order);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -26,7 +26,7 @@
 #include "sim/base/geometry.h"
 #include "sim/scene/settings.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 // Notes on an option: the words that it accepts, and its table of a scene file.
@@ -54,8 +54,8 @@ std::string noteOf(CLI::Option& option, const char* kind) {
 /// As typed; all values of an option that takes several.
 std::string typedText(const CLI::Option& option) {
   std::vector<std::string> texts;
-  for (const std::string& text : option.results()) texts.push_back(quotedText(text));
-  return quotedList(texts);
+  for (const std::string& text : option.results()) texts.push_back(scene::quotedText(text));
+  return scene::quotedList(texts);
 }
 
 }  // namespace
@@ -107,7 +107,7 @@ OptionGroup::Statement OptionGroup::values(const std::string& name, const std::s
   return added(option).saidAs([option] { return typedText(*option); });
 }
 
-void OptionGroup::setting(const Setting& setting, Scene& scene) {
+void OptionGroup::setting(const scene::Setting& setting, scene::Scene& scene) {
   const std::string name = setting.option();
   // Settings stand as long as the program runs.
   const auto write = [&setting, &scene] { return setting.write(scene); };
@@ -119,16 +119,18 @@ void OptionGroup::setting(const Setting& setting, Scene& scene) {
   }
   Statement statement =
       value(name, setting.unit, setting.usual, setting.help,
-            [&setting, &scene](const TypedValue& typed) { setting.read(scene, typed); });
+            [&setting, &scene](const scene::TypedValue& typed) { setting.read(scene, typed); });
   statement.saidAs(write);
   if (!setting.words.empty()) statement.accepts(setting.words);
 }
 
-void OptionGroup::number(const std::string& name, double& target, Range range,
+void OptionGroup::number(const std::string& name, double& target, scene::Range range,
                          const std::string& unit, const std::string& help) {
-  value(name, unit, fmt::format("{:.4g}", target), help, [&target, range](const TypedValue& typed) {
-    target = parseNumber(typed, range);
-  }).saidAs([&target] { return numberText(target); });
+  value(name, unit, fmt::format("{:.4g}", target), help,
+        [&target, range](const scene::TypedValue& typed) {
+          target = scene::parseNumber(typed, range);
+        })
+      .saidAs([&target] { return scene::numberText(target); });
 }
 
 OptionGroup::Statement OptionGroup::flag(const std::string& name, bool& target,
@@ -196,22 +198,23 @@ constexpr int kMostGridCells = 100;
 
 /// "3x4"; nothing where there is no single x or a part is no whole number.
 std::optional<std::pair<long, long>> readPair(std::string_view text) {
-  const std::vector<std::string_view> parts = split(text, 'x');
+  const std::vector<std::string_view> parts = scene::split(text, 'x');
   if (parts.size() != 2) return std::nullopt;
-  const std::optional<long> first = readWhole(parts[0]);
-  const std::optional<long> second = readWhole(parts[1]);
+  const std::optional<long> first = scene::readWhole(parts[0]);
+  const std::optional<long> second = scene::readWhole(parts[1]);
   if (!first || !second) return std::nullopt;
   return std::pair(*first, *second);
 }
 
 /// The parts of a caption, in the order in which they are written. Words and the members that they
 /// switch on; reader and writer share the list.
-const Choices<bool CaptionParts::*>& captionChoices() {
-  static const Choices<bool CaptionParts::*> choices = {{"progress", &CaptionParts::progress},
-                                                        {"time", &CaptionParts::time},
-                                                        {"angle", &CaptionParts::angle},
-                                                        {"error", &CaptionParts::error},
-                                                        {"gap", &CaptionParts::gap}};
+const scene::Choices<bool picture::CaptionParts::*>& captionChoices() {
+  static const scene::Choices<bool picture::CaptionParts::*> choices = {
+      {"progress", &picture::CaptionParts::progress},
+      {"time", &picture::CaptionParts::time},
+      {"angle", &picture::CaptionParts::angle},
+      {"error", &picture::CaptionParts::error},
+      {"gap", &picture::CaptionParts::gap}};
   return choices;
 }
 
@@ -223,8 +226,8 @@ bool isBetween(long number, long least, long most) {
 }  // namespace
 
 /// Names of colours as CSS has them.
-const Choices<Colour>& namedColours() {
-  static const Choices<Colour> names = {
+const scene::Choices<picture::Colour>& namedColours() {
+  static const scene::Choices<picture::Colour> names = {
       {"black", {0, 0, 0}},          {"white", {255, 255, 255}},  {"grey", {128, 128, 128}},
       {"gray", {128, 128, 128}},     {"silver", {192, 192, 192}}, {"lightgrey", {211, 211, 211}},
       {"darkgrey", {169, 169, 169}}, {"red", {255, 0, 0}},        {"darkred", {139, 0, 0}},
@@ -240,7 +243,7 @@ const Choices<Colour>& namedColours() {
   return names;
 }
 
-Colour parseColour(const TypedValue& value) {
+picture::Colour parseColour(const scene::TypedValue& value) {
   for (const auto& [name, colour] : namedColours()) {
     if (value.text == name) return colour;
   }
@@ -251,96 +254,100 @@ Colour parseColour(const TypedValue& value) {
   unsigned bits = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bits, 16);
   if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size()) {
-    throw valueError(value,
-                     "red, green and blue in hexadecimal, for example 80AEDC, or a name of CSS "
-                     "such as teal, navy or grey");
+    throw scene::valueError(
+        value,
+        "red, green and blue in hexadecimal, for example 80AEDC, or a name of CSS "
+        "such as teal, navy or grey");
   }
   // Red is in the highest of the three bytes.
   const auto channel = [bits](int shift) { return static_cast<std::uint8_t>(bits >> shift); };
   return {channel(16), channel(8), channel(0)};
 }
 
-std::vector<CameraKey> parseCameraKeys(const TypedValue& value) {
-  std::vector<CameraKey> keys;
-  for (const std::string_view text : split(value.text, ',')) {
-    const std::vector<std::string_view> parts = split(text, ':');
+std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value) {
+  std::vector<picture::CameraKey> keys;
+  for (const std::string_view text : scene::split(value.text, ',')) {
+    const std::vector<std::string_view> parts = scene::split(text, ':');
     // All four are needed: a key that left zoom out would be read as another order of parts.
     if (parts.size() != 4) {
-      throw valueError({value.name, std::string(text)},
-                       "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
+      throw scene::valueError({value.name, std::string(text)},
+                              "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
     }
     // Each part is read as an option's value of its own, so that its error names what was typed.
-    const auto part = [&](int k, Range range) {
-      return parseNumber({value.name, std::string(parts[k])}, range);
+    const auto part = [&](int k, scene::Range range) {
+      return scene::parseNumber({value.name, std::string(parts[k])}, range);
     };
-    const ViewAngles view =
-        viewFromYawPitch(part(1, {-36000, 36000}) * kDegree, part(2, {-90, 90}) * kDegree);
+    const picture::ViewAngles view =
+        picture::viewFromYawPitch(part(1, {-36000, 36000}) * kDegree, part(2, {-90, 90}) * kDegree);
     keys.push_back({part(0, {0, 1e6}), view, part(3, {1e-3, 1e3})});
   }
   return keys;
 }
 
-CaptionParts parseCaption(const TypedValue& value) {
-  CaptionParts parts;
+picture::CaptionParts parseCaption(const scene::TypedValue& value) {
+  picture::CaptionParts parts;
   // All parts are off from the start.
   if (value.text == "none") return parts;
-  Choices<bool CaptionParts::*> choices = captionChoices();
+  scene::Choices<bool picture::CaptionParts::*> choices = captionChoices();
   // "none" is among the words so that the message for a wrong word lists it; beside others it is
   // refused.
   choices.emplace_back("none", nullptr);
-  for (const std::string_view word : split(value.text, ',')) {
-    const auto part = parseChoice<bool CaptionParts::*>({value.name, std::string(word)}, choices);
-    if (part == nullptr) throw valueError(value, "none alone, or parts such as time,error");
+  for (const std::string_view word : scene::split(value.text, ',')) {
+    const auto part =
+        scene::parseChoice<bool picture::CaptionParts::*>({value.name, std::string(word)}, choices);
+    if (part == nullptr) throw scene::valueError(value, "none alone, or parts such as time,error");
     parts.*part = true;
   }
   return parts;
 }
 
-std::vector<FrameChoice> parseFrameChoices(const TypedValue& value) {
-  std::vector<FrameChoice> choices;
-  for (const std::string_view text : split(value.text, ',')) {
+std::vector<record::FrameChoice> parseFrameChoices(const scene::TypedValue& value) {
+  std::vector<record::FrameChoice> choices;
+  for (const std::string_view text : scene::split(value.text, ',')) {
     // A share is kept as 0 to 1.
     const bool isShare = text.ends_with('%');
-    const TypedValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
+    const scene::TypedValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
     if (isShare) {
       // Times are simulated seconds.
-      choices.push_back({parseNumber(number, {0, 100}) / 100, FrameChoice::Unit::Share});
+      choices.push_back(
+          {scene::parseNumber(number, {0, 100}) / 100, record::FrameChoice::Unit::Share});
     } else {
-      choices.push_back({parseNumber(number, {0, 1e6}), FrameChoice::Unit::Seconds});
+      choices.push_back({scene::parseNumber(number, {0, 1e6}), record::FrameChoice::Unit::Seconds});
     }
   }
   return choices;
 }
 
-FrameSize parseSize(const TypedValue& value) {
+picture::FrameSize parseSize(const scene::TypedValue& value) {
   const auto pair = readPair(value.text);
-  const bool fits =
-      pair && isBetween(pair->first, 1, kMaxFrameSide) && isBetween(pair->second, 1, kMaxFrameSide);
+  const bool fits = pair && isBetween(pair->first, 1, picture::kMaxFrameSide) &&
+                    isBetween(pair->second, 1, picture::kMaxFrameSide);
   if (!fits) {
-    throw valueError(value, fmt::format("WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1280x720",
-                                        kMaxFrameSide));
+    throw scene::valueError(value,
+                            fmt::format("WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1280x720",
+                                        picture::kMaxFrameSide));
   }
   return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
 
-GridShape parseGrid(const TypedValue& value) {
+picture::GridShape parseGrid(const scene::TypedValue& value) {
   const auto pair = readPair(value.text);
   const bool fits = pair && isBetween(pair->first, 1, kMostGridCells) &&
                     isBetween(pair->second, 1, kMostGridCells);
   if (!fits) {
-    throw valueError(value,
-                     fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMostGridCells));
+    throw scene::valueError(
+        value, fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMostGridCells));
   }
   return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
 
-std::vector<int> parseTiles(const TypedValue& value) {
+std::vector<int> parseTiles(const scene::TypedValue& value) {
   std::vector<int> tiles;
   if (value.text == "all") return tiles;
-  for (const std::string_view part : split(value.text, ',')) {
-    const std::optional<long> number = readWhole(part);
+  for (const std::string_view part : scene::split(value.text, ',')) {
+    const std::optional<long> number = scene::readWhole(part);
     if (!number || !isBetween(*number, 0, std::numeric_limits<int>::max()))
-      throw valueError(value, "all, or numbers of tiles, as in 3,7,8");
+      throw scene::valueError(value, "all, or numbers of tiles, as in 3,7,8");
     tiles.push_back(static_cast<int>(*number));
   }
   return tiles;
@@ -352,11 +359,11 @@ namespace {
 std::optional<std::vector<int>> tilesAndRanges(std::string_view text) {
   constexpr long kMostTile = 1'000'000;
   std::vector<int> tiles;
-  for (const std::string_view part : split(text, ',')) {
+  for (const std::string_view part : scene::split(text, ',')) {
     const std::size_t dash = part.find('-');
-    const std::optional<long> first = readWhole(part.substr(0, dash));
+    const std::optional<long> first = scene::readWhole(part.substr(0, dash));
     const std::optional<long> last =
-        dash == std::string_view::npos ? first : readWhole(part.substr(dash + 1));
+        dash == std::string_view::npos ? first : scene::readWhole(part.substr(dash + 1));
     if (!first || !last || *first < 0 || *last < *first || *last > kMostTile) return std::nullopt;
     for (long tile = *first; tile <= *last; ++tile) tiles.push_back(static_cast<int>(tile));
   }
@@ -365,92 +372,96 @@ std::optional<std::vector<int>> tilesAndRanges(std::string_view text) {
 
 }  // namespace
 
-TileColour parseTileColour(const TypedValue& value) {
+picture::TileColour parseTileColour(const scene::TypedValue& value) {
   constexpr const char* kAllowed = "numbers of tiles and a colour, as in 3,7,10-15=teal";
   const std::size_t equals = value.text.rfind('=');
-  if (equals == std::string::npos) throw valueError(value, kAllowed);
+  if (equals == std::string::npos) throw scene::valueError(value, kAllowed);
   const std::string whose = value.text.substr(0, equals);
   const std::size_t colon = whose.rfind(':');
   const bool isNamed = colon != std::string::npos;
   const auto tiles = tilesAndRanges(std::string_view(whose).substr(isNamed ? colon + 1 : 0));
-  if (!tiles) throw valueError(value, kAllowed);
+  if (!tiles) throw scene::valueError(value, kAllowed);
   return {*tiles, parseColour({value.name, value.text.substr(equals + 1)}),
           isNamed ? whose.substr(0, colon) : std::string()};
 }
 
-TileOpacity parseTileOpacity(const TypedValue& value) {
+picture::TileOpacity parseTileOpacity(const scene::TypedValue& value) {
   constexpr const char* kAllowed = "numbers of tiles and a share, as in 3,7,10-15=0.3";
   const std::size_t equals = value.text.find('=');
-  if (equals == std::string::npos) throw valueError(value, kAllowed);
+  if (equals == std::string::npos) throw scene::valueError(value, kAllowed);
   const auto tiles = tilesAndRanges(std::string_view(value.text).substr(0, equals));
-  if (!tiles) throw valueError(value, kAllowed);
-  return {*tiles, parseNumber({value.name, value.text.substr(equals + 1)}, {0, 1})};
+  if (!tiles) throw scene::valueError(value, kAllowed);
+  return {*tiles, scene::parseNumber({value.name, value.text.substr(equals + 1)}, {0, 1})};
 }
 
-std::string sizeText(FrameSize size) {
+std::string sizeText(picture::FrameSize size) {
   return fmt::format("\"{}x{}\"", size.width, size.height);
 }
 
-std::string gridText(GridShape grid) {
+std::string gridText(picture::GridShape grid) {
   return fmt::format("\"{}x{}\"", grid.rows, grid.columns);
 }
 
-std::string frameChoicesText(const std::vector<FrameChoice>& choices) {
+std::string frameChoicesText(const std::vector<record::FrameChoice>& choices) {
   std::vector<std::string> texts;
   for (const auto& [value, unit] : choices) {
-    const bool isShare = unit == FrameChoice::Unit::Share;
-    texts.push_back(isShare ? numberText(numberReadAs(value, 100 * value,
-                                                      [](double share) { return share / 100; })) +
+    const bool isShare = unit == record::FrameChoice::Unit::Share;
+    texts.push_back(isShare ? scene::numberText(scene::numberReadAs(
+                                  value, 100 * value, [](double share) { return share / 100; })) +
                                   '%'
-                            : numberText(value));
+                            : scene::numberText(value));
   }
-  return quotedText(fmt::format("{}", fmt::join(texts, ",")));
+  return scene::quotedText(fmt::format("{}", fmt::join(texts, ",")));
 }
 
-std::string colourText(Colour colour) {
+std::string colourText(picture::Colour colour) {
   return fmt::format("\"{:02X}{:02X}{:02X}\"", colour.red, colour.green, colour.blue);
 }
 
-TypedView typedView(const ViewAngles& view) {
+TypedView typedView(const picture::ViewAngles& view) {
   // Yaw differs from azimuth by a constant, pitch from elevation by its sign; degrees are found by
   // guess and check.
-  const ViewAngles level = viewFromYawPitch(0, 0);
-  const auto azimuth = [](double yaw) { return viewFromYawPitch(yaw * kDegree, 0).azimuth; };
-  const auto elevation = [](double pitch) {
-    return viewFromYawPitch(0, pitch * kDegree).elevation;
+  const picture::ViewAngles level = picture::viewFromYawPitch(0, 0);
+  const auto azimuth = [](double yaw) {
+    return picture::viewFromYawPitch(yaw * kDegree, 0).azimuth;
   };
-  return {numberReadAs(view.azimuth, (view.azimuth - level.azimuth) / kDegree, azimuth),
-          numberReadAs(view.elevation, -view.elevation / kDegree, elevation)};
+  const auto elevation = [](double pitch) {
+    return picture::viewFromYawPitch(0, pitch * kDegree).elevation;
+  };
+  return {scene::numberReadAs(view.azimuth, (view.azimuth - level.azimuth) / kDegree, azimuth),
+          scene::numberReadAs(view.elevation, -view.elevation / kDegree, elevation)};
 }
 
-std::string tileColoursText(const std::vector<TileColour>& colours) {
+std::string tileColoursText(const std::vector<picture::TileColour>& colours) {
   std::vector<std::string> texts;
   for (const auto& [tiles, colour, name] : colours) {
     const std::string hex = colourText(colour);  // with its quotes
-    texts.push_back(quotedText(fmt::format("{}{}{}={}", name, name.empty() ? "" : ":",
-                                           fmt::join(tiles, ","), hex.substr(1, hex.size() - 2))));
+    texts.push_back(
+        scene::quotedText(fmt::format("{}{}{}={}", name, name.empty() ? "" : ":",
+                                      fmt::join(tiles, ","), hex.substr(1, hex.size() - 2))));
   }
-  return quotedList(texts);
+  return scene::quotedList(texts);
 }
 
-std::string tileOpacitiesText(const std::vector<TileOpacity>& opacities) {
+std::string tileOpacitiesText(const std::vector<picture::TileOpacity>& opacities) {
   std::vector<std::string> texts;
   for (const auto& [tiles, opacity] : opacities) {
-    texts.push_back(quotedText(fmt::format("{}={}", fmt::join(tiles, ","), numberText(opacity))));
+    texts.push_back(
+        scene::quotedText(fmt::format("{}={}", fmt::join(tiles, ","), scene::numberText(opacity))));
   }
-  return quotedList(texts);
+  return scene::quotedList(texts);
 }
 
-std::string cameraKeysText(const std::vector<CameraKey>& keys) {
+std::string cameraKeysText(const std::vector<picture::CameraKey>& keys) {
   std::vector<std::string> texts;
-  for (const CameraKey& key : keys) {
+  for (const picture::CameraKey& key : keys) {
     const TypedView view = typedView(key.view);
     texts.push_back(fmt::format("{}:{}:{}:{}", key.time, view.yaw, view.pitch, key.zoom));
   }
-  return quotedText(fmt::format("{}", fmt::join(texts, ",")));
+  return scene::quotedText(fmt::format("{}", fmt::join(texts, ",")));
 }
 
-std::string captionText(const CaptionParts& parts) {
+std::string captionText(const picture::CaptionParts& parts) {
   std::vector<std::string> words;
   for (const auto& [word, part] : captionChoices()) {
     if (parts.*part) words.push_back(word);
@@ -474,16 +485,16 @@ std::string tilesText(const std::vector<int>& tiles) {
 namespace {
 
 /// The project's own solver: other engines have no pins, links or guided paths.
-bool isDirect(const Scene& scene) {
-  return scene.solver.kind == SolverKind::Direct;
+bool isDirect(const scene::Scene& scene) {
+  return scene.solver.kind == scene::SolverKind::Direct;
 }
 
 /// What must hold for an option of this command to mean anything.
-std::vector<Condition> conditionsOf(const std::string& option) {
+std::vector<scene::Condition> conditionsOf(const std::string& option) {
   // Of a model's parts, which are no settings.
   if (option == "--pin" || option == "--link") return {{isDirect, "--solver direct"}};
-  for (const SettingGroup& group : sceneSettings()) {
-    const auto found = std::ranges::find(group.settings, option, &Setting::option);
+  for (const scene::SettingGroup& group : scene::sceneSettings()) {
+    const auto found = std::ranges::find(group.settings, option, &scene::Setting::option);
     if (found != group.settings.end()) return found->conditions;
   }
   return {};
@@ -512,9 +523,10 @@ bool isChosen(const CLI::App& command, const char* option, const char* word) {
 
 }  // namespace
 
-bool hasEffect(const std::string& option, const Scene& scene) {
-  return std::ranges::all_of(conditionsOf(option),
-                             [&](const Condition& condition) { return condition.holds(scene); });
+bool hasEffect(const std::string& option, const scene::Scene& scene) {
+  return std::ranges::all_of(conditionsOf(option), [&](const scene::Condition& condition) {
+    return condition.holds(scene);
+  });
 }
 
 void requireConsistentPace(const CLI::App& command) {
@@ -530,20 +542,20 @@ void requireConsistentPace(const CLI::App& command) {
   }
 }
 
-void requireConsistent(const CLI::App& command, const Scene& scene) {
+void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
   requireConsistentPace(command);
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0) continue;
-    for (const Condition& condition : conditionsOf(option->get_name())) {
+    for (const scene::Condition& condition : conditionsOf(option->get_name())) {
       if (condition.holds(scene)) continue;
       if (condition.isWithout) refuseBeside(option->get_name(), condition.needed);
       refuse(option->get_name(), condition.needed);
     }
   }
   // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.
-  const bool isGuided = scene.path.kind == PathKind::Guided;
-  const Drive drive = scene.actuation.drive;
-  const bool pullsToTarget = drive == Drive::Target || drive == Drive::Auto;
+  const bool isGuided = scene.path.kind == scene::PathKind::Guided;
+  const scene::Drive drive = scene.actuation.drive;
+  const bool pullsToTarget = drive == scene::Drive::Target || drive == scene::Drive::Auto;
   if (isGuided && !isDirect(scene)) refuse("--path guided", "--solver direct");
   if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
   if (isGuided && scene.solver.isToleranceGiven()) {
@@ -557,4 +569,4 @@ void requireConsistent(const CLI::App& command, const Scene& scene) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -21,7 +21,7 @@ class App;
 class Option;
 }  // namespace CLI
 
-namespace kirireel {
+namespace kirireel::cli {
 
 /// Whether a name is in a list, which is short.
 inline bool has(const std::vector<std::string>& names, const std::string& name) {
@@ -34,53 +34,53 @@ inline bool has(const std::vector<std::string>& names, const std::string& name) 
 // found and what is allowed.
 
 /// "1280x720": a valid frame size. Width before height, in pixels, each from 1 to kMaxFrameSide.
-FrameSize parseSize(const TypedValue& value);
+picture::FrameSize parseSize(const scene::TypedValue& value);
 
 /// "3x4": rows x columns, each 1 to 100.
-GridShape parseGrid(const TypedValue& value);
+picture::GridShape parseGrid(const scene::TypedValue& value);
 
 /// "0,1.5,50%": seconds from 0, or shares of the way from 0% to 100%.
-std::vector<FrameChoice> parseFrameChoices(const TypedValue& value);
+std::vector<record::FrameChoice> parseFrameChoices(const scene::TypedValue& value);
 
 /// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal; or a usual name of CSS, "teal".
-Colour parseColour(const TypedValue& value);
+picture::Colour parseColour(const scene::TypedValue& value);
 
 /// "0:50:-35:1,2.5:90:-20:1.5": keys of a camera as TIME:YAW:PITCH:ZOOM, seconds and degrees. Yaw
 /// and pitch are PyKirigami's; zoom is a factor. That times rise is checked by CameraPath.
-std::vector<CameraKey> parseCameraKeys(const TypedValue& value);
+std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value);
 
 /// "time,error": parts of a caption, or "none". Parts are progress, time, angle, error and gap;
 /// "none" stands alone.
-CaptionParts parseCaption(const TypedValue& value);
+picture::CaptionParts parseCaption(const scene::TypedValue& value);
 
 /// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
-std::vector<int> parseTiles(const TypedValue& value);
+std::vector<int> parseTiles(const scene::TypedValue& value);
 
 /// "3,7,10-15=teal": numbers of tiles, or ranges of them, and a colour; "hinge row:3,7=teal": with
 /// the name that they have in the legend.
-TileColour parseTileColour(const TypedValue& value);
+picture::TileColour parseTileColour(const scene::TypedValue& value);
 
 /// "3,7,10-15=0.3": numbers of tiles, or ranges of them, and how opaque they are, 0 to 1.
-TileOpacity parseTileOpacity(const TypedValue& value);
+picture::TileOpacity parseTileOpacity(const scene::TypedValue& value);
 
 /// The functions below write what those above read, as values of a scene file.
 
 /// "1280x720" in quotation marks.
-std::string sizeText(FrameSize size);
+std::string sizeText(picture::FrameSize size);
 /// Rows by columns, "3x4".
-std::string gridText(GridShape grid);
+std::string gridText(picture::GridShape grid);
 /// Shares with a per cent sign, seconds without.
-std::string frameChoicesText(const std::vector<FrameChoice>& choices);
+std::string frameChoicesText(const std::vector<record::FrameChoice>& choices);
 /// Six hexadecimal digits in capitals.
-std::string colourText(Colour colour);
+std::string colourText(picture::Colour colour);
 /// Each as TILES=COLOUR or NAME:TILES=COLOUR.
-std::string tileColoursText(const std::vector<TileColour>& colours);
+std::string tileColoursText(const std::vector<picture::TileColour>& colours);
 /// Each as TILES=SHARE.
-std::string tileOpacitiesText(const std::vector<TileOpacity>& opacities);
+std::string tileOpacitiesText(const std::vector<picture::TileOpacity>& opacities);
 /// TIME:YAW:PITCH:ZOOM with commas; degrees.
-std::string cameraKeysText(const std::vector<CameraKey>& keys);
+std::string cameraKeysText(const std::vector<picture::CameraKey>& keys);
 /// Words with commas, "none" where no part is wanted.
-std::string captionText(const CaptionParts& parts);
+std::string captionText(const picture::CaptionParts& parts);
 /// Numbers with commas, "all" for none.
 std::string tilesText(const std::vector<int>& tiles);
 
@@ -90,7 +90,7 @@ struct TypedView {
   double pitch = 0;  ///< of the camera, degrees
 };
 /// The shortest degrees that read back to this view, to the last bit.
-TypedView typedView(const ViewAngles& view);
+TypedView typedView(const picture::ViewAngles& view);
 
 // ------------------------------------------------------------------------------------------------
 // Options of one group in a command's help.
@@ -106,7 +106,7 @@ class OptionGroup {
       : command_(command), heading_(std::move(heading)), table_(std::move(table)) {}
 
   /// Sets what the option stands for; throws InputError for a value that is not allowed.
-  using Reader = std::function<void(const TypedValue&)>;
+  using Reader = std::function<void(const scene::TypedValue&)>;
   /// The value that it has now, in the spelling of a scene file.
   using Writer = std::function<std::string()>;
 
@@ -145,34 +145,37 @@ class OptionGroup {
 
   /// A setting of a scene. Name, unit, help, reader and writer are those of the setting. The scene
   /// must outlive the parsing.
-  void setting(const Setting& setting, Scene& scene);
+  void setting(const scene::Setting& setting, scene::Scene& scene);
 
   /// A number within a range; the target's value is the default. Both ends of the range are
   /// accepted, unless it says otherwise.
-  void number(const std::string& name, double& target, Range range, const std::string& unit,
+  void number(const std::string& name, double& target, scene::Range range, const std::string& unit,
               const std::string& help);
 
   /// A whole number within a range; the target's value is the default.
   template <typename Integer>
-  void integer(const std::string& name, Integer& target, Range range, const std::string& unit,
-               const std::string& help) {
-    value(name, unit, fmt::format("{}", target), help, [&target, range](const TypedValue& typed) {
-      target = static_cast<Integer>(parseInteger(typed, range));
-    }).saidAs([&target] { return fmt::format("{}", target); });
+  void integer(const std::string& name, Integer& target, scene::Range range,
+               const std::string& unit, const std::string& help) {
+    value(name, unit, fmt::format("{}", target), help,
+          [&target, range](const scene::TypedValue& typed) {
+            target = static_cast<Integer>(scene::parseInteger(typed, range));
+          })
+        .saidAs([&target] { return fmt::format("{}", target); });
   }
 
   /// One of several words; the first is the default.
   template <typename T, typename Target>
   /// Values that are no words of the list are refused with the list.
-  Statement choice(const std::string& name, Target& target, const Choices<T>& choices,
+  Statement choice(const std::string& name, Target& target, const scene::Choices<T>& choices,
                    const std::string& help) {
-    const std::vector<std::string> words = choiceNames(choices);
-    return value(name, "WORD", words.front(), fmt::format("{}: {}", help, listWords(words)),
-                 [&target, choices](const TypedValue& typed) {
-                   target = parseChoice(typed, choices);
+    const std::vector<std::string> words = scene::choiceNames(choices);
+    return value(name, "WORD", words.front(), fmt::format("{}: {}", help, scene::listWords(words)),
+                 [&target, choices](const scene::TypedValue& typed) {
+                   target = scene::parseChoice(typed, choices);
                  })
         .accepts(words)
-        .saidAs([&target, choices] { return quotedText(nameOfChoice(choices, target)); });
+        .saidAs(
+            [&target, choices] { return scene::quotedText(scene::nameOfChoice(choices, target)); });
   }
 
   /// An option without a value, which sets the target to `given`. It says true where the target is
@@ -222,12 +225,10 @@ const CLI::App& chosenCommand(const CLI::App& program);
 //
 // What an option needs stands with the settings of a scene (sim/scene/settings.h).
 
-struct Scene;
-
 /// Throws InputError for an option that was given, on the command line or in a scene file, although
 /// another choice leaves it without effect: what it needs, and that it can be left away. To be
 /// called once all settings are read.
-void requireConsistent(const CLI::App& command, const Scene& scene);
+void requireConsistent(const CLI::App& command, const scene::Scene& scene);
 
 /// The same for how a video's time follows the run. --speed needs --pace real, --length an even
 /// pace.
@@ -236,6 +237,6 @@ void requireConsistentPace(const CLI::App& command);
 /// Whether an option means anything, its name with hyphens, beside the scene's other choices. True
 /// for options that are no settings of a scene. The fingerprint of a run leaves out what has no
 /// effect.
-bool hasEffect(const std::string& option, const Scene& scene);
+bool hasEffect(const std::string& option, const scene::Scene& scene);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -12,16 +12,16 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 /// "180mm" or "7pt": a positive number with its unit, or without. In the unit that is named, as a
 /// plain number.
-double parseLength(const TypedValue& value, const std::string& unit, Range range) {
+double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
   // The unit may be left out, since only one is allowed.
   std::string digits = value.text;
   if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
-  return parseNumber({value.name, digits}, range);
+  return scene::parseNumber({value.name, digits}, range);
 }
 
 /// Between commas; a comma at the very end adds no empty word.
@@ -33,94 +33,98 @@ std::vector<std::string> parseWords(const std::string& text) {
 }
 
 /// Each format once.
-std::vector<PageFormat> parsePages(const TypedValue& value) {
-  std::vector<PageFormat> pages;
+std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value) {
+  std::vector<picture::PageFormat> pages;
   for (const std::string& word : parseWords(value.text)) {
-    const auto format = parseChoice<PageFormat>(
-        {value.name, word}, {{"svg", PageFormat::Svg}, {"pdf", PageFormat::Pdf}});
+    const auto format = scene::parseChoice<picture::PageFormat>(
+        {value.name, word}, {{"svg", picture::PageFormat::Svg}, {"pdf", picture::PageFormat::Pdf}});
     if (std::ranges::find(pages, format) == pages.end()) pages.push_back(format);
   }
   return pages;
 }
 
 /// As a scene file has it: "svg,pdf" in quotation marks.
-std::string pagesText(const std::vector<PageFormat>& pages) {
+std::string pagesText(const std::vector<picture::PageFormat>& pages) {
   std::string text;
-  for (const PageFormat page : pages) {
-    text += (text.empty() ? "" : ",") + std::string(page == PageFormat::Svg ? "svg" : "pdf");
+  for (const picture::PageFormat page : pages) {
+    text +=
+        (text.empty() ? "" : ",") + std::string(page == picture::PageFormat::Svg ? "svg" : "pdf");
   }
-  return quotedText(text);
+  return scene::quotedText(text);
 }
 
 /// What a figure for a paper needs beside the pictures.
-void addPrintOptions(OptionGroup& group, PictureSettings& settings) {
+void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
   group
       .value("--width", "MM", "as it comes", "of the grid in print, 180mm; at --dpi, else 300 dpi",
-             [&](const TypedValue& typed) {
+             [&](const scene::TypedValue& typed) {
                settings.gridWidth = parseLength(typed, "mm", {1, 10000});
              })
-      .saidAs([&] { return settings.gridWidth ? numberText(*settings.gridWidth) : ""; });
+      .saidAs([&] { return settings.gridWidth ? scene::numberText(*settings.gridWidth) : ""; });
   group
       .value("--font-size", "PT", "by the pictures' size", "of the grid's text in print, 7pt",
-             [&](const TypedValue& typed) {
+             [&](const scene::TypedValue& typed) {
                settings.fontPoints = parseLength(typed, "pt", {1, 200});
              })
-      .saidAs([&] { return settings.fontPoints ? numberText(*settings.fontPoints) : ""; });
+      .saidAs([&] { return settings.fontPoints ? scene::numberText(*settings.fontPoints) : ""; });
   group
       .value("--font", "NAME", "DejaVu Sans", "family of all text, as fc-list names it",
-             [&](const TypedValue& typed) { settings.font = typed.text; })
-      .saidAs([&] { return quotedText(settings.font); });
+             [&](const scene::TypedValue& typed) { settings.font = typed.text; })
+      .saidAs([&] { return scene::quotedText(settings.font); });
   group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
   group.flag("--arrows", settings.arrows,
              "from each of the grid's pictures to the next in its row");
   group
       .value("--column-heads", "LIST", "none",
              "over the grid's columns, in place of captions, commas between them: flat,half,open",
-             [&](const TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
-      .saidAs([&] { return quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ","))); });
+             [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
+      .saidAs([&] {
+        return scene::quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ",")));
+      });
   group
       .value("--figure", "LIST", "none",
              "the whole grid as vector graphics too: svg, pdf, as snapshots.svg, snapshots.pdf",
-             [&](const TypedValue& typed) { settings.pages = parsePages(typed); })
+             [&](const scene::TypedValue& typed) { settings.pages = parsePages(typed); })
       .saidAs([&] { return pagesText(settings.pages); });
 }
 
 }  // namespace
 
-void addPictureOptions(CLI::App& command, PictureSettings& settings) {
+void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   OptionGroup group(command, "Pictures", "recording");
   group
       .value("--size", "WxH", "1280x720", "of each picture, pixels",
-             [&](const TypedValue& typed) { settings.size = parseSize(typed); })
+             [&](const scene::TypedValue& typed) { settings.size = parseSize(typed); })
       .saidAs([&] { return sizeText(settings.size); });
   group
       .value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
-             [&](const TypedValue& typed) { settings.grid = parseGrid(typed); })
+             [&](const scene::TypedValue& typed) { settings.grid = parseGrid(typed); })
       .saidAs([&] { return gridText(settings.grid); });
   group
       .value("--captions", "PARTS", "progress, at real pace time",
              "under the grid's pictures, and where given under the video's frames: progress, time, "
              "angle, error, gap; or none",
-             [&](const TypedValue& typed) { settings.captions = parseCaption(typed); })
+             [&](const scene::TypedValue& typed) { settings.captions = parseCaption(typed); })
       .saidAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
              "a length under the grid and the video; needs a parallel projection");
   group
       .value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
-             [&](const TypedValue& typed) {
-               settings.dotsPerInch = parseNumber(typed, {1, 100000});
+             [&](const scene::TypedValue& typed) {
+               settings.dotsPerInch = scene::parseNumber(typed, {1, 100000});
              })
-      .saidAs([&] { return settings.dotsPerInch ? numberText(*settings.dotsPerInch) : ""; });
+      .saidAs([&] { return settings.dotsPerInch ? scene::numberText(*settings.dotsPerInch) : ""; });
   addPrintOptions(group, settings);
-  group.choice<SnapshotSpacing>(
+  group.choice<record::SnapshotSpacing>(
       "--snapshots", settings.spacing,
-      {{"progress", SnapshotSpacing::Progress}, {"time", SnapshotSpacing::Time}},
+      {{"progress", record::SnapshotSpacing::Progress}, {"time", record::SnapshotSpacing::Time}},
       "spacing of the grid's pictures, in equal shares of motion or of time");
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
   group
-      .value("--frames-at", "LIST", "none",
-             "the same of these moments: seconds, or shares of the motion, such as 0,1.5,50%,100%",
-             [&](const TypedValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
+      .value(
+          "--frames-at", "LIST", "none",
+          "the same of these moments: seconds, or shares of the motion, such as 0,1.5,50%,100%",
+          [&](const scene::TypedValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
       .saidAs([&] { return frameChoicesText(settings.chosenFrames); });
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
   group.flag("--svg", settings.svg,
@@ -128,17 +132,18 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   group
       // More painters make the same bytes sooner, so the number is no part of an order.
       .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
-             [&](const TypedValue& typed) {
-               settings.painterCount = static_cast<int>(parseInteger(typed, {1, 64}));
+             [&](const scene::TypedValue& typed) {
+               settings.painterCount = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
       .decidesNothing();
   // Either library draws the same.
   group
-      .choice<std::optional<GraphicsLibrary>>("--gl", settings.graphics,
-                                              {{"auto", std::nullopt},
-                                               {"osmesa", GraphicsLibrary::Osmesa},
-                                               {"egl", GraphicsLibrary::Egl}},
-                                              "library that draws off screen")
+      .choice<std::optional<picture::GraphicsLibrary>>(
+          "--gl", settings.graphics,
+          {{"auto", std::nullopt},
+           {"osmesa", picture::GraphicsLibrary::Osmesa},
+           {"egl", picture::GraphicsLibrary::Egl}},
+          "library that draws off screen")
       .decidesNothing();
   addLookOptions(command, settings.look);
 }
@@ -160,94 +165,96 @@ constexpr double kUsualYaw = 50 * kDegree;
 constexpr double kUsualPitch = -35 * kDegree;
 
 /// "" where the colour is that of the theme.
-std::string saidColour(const std::optional<Colour>& colour) {
+std::string saidColour(const std::optional<picture::Colour>& colour) {
   return colour ? colourText(*colour) : "";
 }
 
 /// What colours stand for, and on which scale.
-void addScaleOptions(OptionGroup& group, Look& look) {
+void addScaleOptions(OptionGroup& group, picture::Look& look) {
   // Measures of single bricks are coloured by a scale, "plain" and "shape" need none.
-  group.choice<Colouring>("--colour", look.colouring,
-                          {{"plain", Colouring::Plain},
-                           {"shape", Colouring::Shape},
-                           {"state", Colouring::State},
-                           {"error", Colouring::TargetError},
-                           {"displacement", Colouring::Displacement},
-                           {"rotation", Colouring::Rotation},
-                           {"gap", Colouring::JointGap},
-                           {"moment", Colouring::Moment},
-                           {"energy", Colouring::Energy}},
-                          "what the bricks' colours say");
-  group.choice<ColourMap>("--colour-map", look.map,
-                          {{"viridis", ColourMap::Viridis},
-                           {"cividis", ColourMap::Cividis},
-                           {"coolwarm", ColourMap::CoolWarm}},
-                          "scale of colours for a measure, coolwarm is a diverging one");
+  group.choice<picture::Colouring>("--colour", look.colouring,
+                                   {{"plain", picture::Colouring::Plain},
+                                    {"shape", picture::Colouring::Shape},
+                                    {"state", picture::Colouring::State},
+                                    {"error", picture::Colouring::TargetError},
+                                    {"displacement", picture::Colouring::Displacement},
+                                    {"rotation", picture::Colouring::Rotation},
+                                    {"gap", picture::Colouring::JointGap},
+                                    {"moment", picture::Colouring::Moment},
+                                    {"energy", picture::Colouring::Energy}},
+                                   "what the bricks' colours say");
+  group.choice<picture::ColourMap>("--colour-map", look.map,
+                                   {{"viridis", picture::ColourMap::Viridis},
+                                    {"cividis", picture::ColourMap::Cividis},
+                                    {"coolwarm", picture::ColourMap::CoolWarm}},
+                                   "scale of colours for a measure, coolwarm is a diverging one");
   group
       .value("--colour-least", "VALUE", "0", "value at the first end of the scale",
-             [&look](const TypedValue& typed) {
-               look.colourLeast = parseNumber(typed, {-1e12, 1e12});
+             [&look](const scene::TypedValue& typed) {
+               look.colourLeast = scene::parseNumber(typed, {-1e12, 1e12});
              })
-      .saidAs([&look] { return look.colourLeast ? numberText(*look.colourLeast) : ""; });
+      .saidAs([&look] { return look.colourLeast ? scene::numberText(*look.colourLeast) : ""; });
   group
       .value("--colour-most", "VALUE", "the largest of the run",
              "value at the other end of the scale, in the unit of the measure",
-             [&look](const TypedValue& typed) {
-               look.colourMost = parseNumber(typed, {1e-15, 1e12});
+             [&look](const scene::TypedValue& typed) {
+               look.colourMost = scene::parseNumber(typed, {1e-15, 1e12});
              })
-      .saidAs([&look] { return look.colourMost ? numberText(*look.colourMost) : ""; });
+      .saidAs([&look] { return look.colourMost ? scene::numberText(*look.colourMost) : ""; });
 }
 
 /// Colours are names of CSS or six hexadecimal digits.
-void addColourOptions(OptionGroup& group, Look& look) {
+void addColourOptions(OptionGroup& group, picture::Look& look) {
   group
       .value("--brick-colour", "COLOUR", "80AEDC",
              "of all bricks, with --colour plain; a name such as teal, or RRGGBB",
-             [&look](const TypedValue& typed) { look.brickColour = parseColour(typed); })
+             [&look](const scene::TypedValue& typed) { look.brickColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.brickColour); });
   group
       .value("--back-colour", "COLOUR", "F4BE74", "of their other side, with --colour plain",
-             [&look](const TypedValue& typed) { look.backColour = parseColour(typed); })
+             [&look](const scene::TypedValue& typed) { look.backColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.backColour); });
   group
-      .values(
-          "--tile-colour", "[NAME:]TILES=COLOUR",
-          "of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in the "
-          "legend; with --colour plain, shape or state",
-          [&look](const TypedValue& typed) { look.tileColours.push_back(parseTileColour(typed)); })
+      .values("--tile-colour", "[NAME:]TILES=COLOUR",
+              "of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in the "
+              "legend; with --colour plain, shape or state",
+              [&look](const scene::TypedValue& typed) {
+                look.tileColours.push_back(parseTileColour(typed));
+              })
       .saidAs([&look] { return tileColoursText(look.tileColours); });
   group.number("--opacity", look.opacity, {0, 1}, "SHARE",
                "of all bricks, 0 leaves them out; their hidden sides do not show");
   group
       .values("--tile-opacity", "TILES=SHARE",
               "of some tiles, as in 3,7,10-15=0.3, whatever their colours stand for",
-              [&look](const TypedValue& typed) {
+              [&look](const scene::TypedValue& typed) {
                 look.tileOpacities.push_back(parseTileOpacity(typed));
               })
       .saidAs([&look] { return tileOpacitiesText(look.tileOpacities); });
   group
       .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
-             [&look](const TypedValue& typed) { look.outlineColour = parseColour(typed); })
+             [&look](const scene::TypedValue& typed) { look.outlineColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.outlineColour); });
   group
       .value("--background", "COLOUR", "that of --theme", "of the page",
-             [&look](const TypedValue& typed) { look.background = parseColour(typed); })
+             [&look](const scene::TypedValue& typed) { look.background = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.background); });
 }
 
 /// What decides a picture but not its camera.
-void addDrawingOptions(CLI::App& command, Look& look) {
+void addDrawingOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Look", "style");
-  group.choice<Theme>("--theme", look.theme, {{"light", Theme::Light}, {"dark", Theme::Dark}},
-                      "page that the pictures are for");
+  group.choice<picture::Theme>("--theme", look.theme,
+                               {{"light", picture::Theme::Light}, {"dark", picture::Theme::Dark}},
+                               "page that the pictures are for");
   addScaleOptions(group, look);
   addColourOptions(group, look);
-  group.choice<GroundLook>(
+  group.choice<picture::GroundLook>(
       "--ground-look", look.ground,
-      {{"auto", GroundLook::Auto},
-       {"plate", GroundLook::Plate},
-       {"shadow", GroundLook::Shadow},
-       {"none", GroundLook::None}},
+      {{"auto", picture::GroundLook::Auto},
+       {"plate", picture::GroundLook::Plate},
+       {"shadow", picture::GroundLook::Shadow},
+       {"none", picture::GroundLook::None}},
       "under the bricks, auto is a plate with a shadow when there is a ground");
   group.flag("--transparent", look.transparent, "no background in PNG files");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
@@ -260,75 +267,85 @@ void addDrawingOptions(CLI::App& command, Look& look) {
       .value("--occlusion", "SHARE", "0.6",
              "brightness that creases and gaps between bricks lose, 0 to 1; in part where colours "
              "stand for values",
-             [&look](const TypedValue& typed) {
-               look.occlusion = parseNumber(typed, {0, 1});
+             [&look](const scene::TypedValue& typed) {
+               look.occlusion = scene::parseNumber(typed, {0, 1});
              })
-      .saidAs([&look] { return look.occlusion ? numberText(*look.occlusion) : ""; });
+      .saidAs([&look] { return look.occlusion ? scene::numberText(*look.occlusion) : ""; });
 }
 
 /// One of the words, or "45,30".
-std::optional<ViewAngles> parseView(const TypedValue& value,
-                                    const Choices<std::optional<ViewAngles>>& views) {
+std::optional<picture::ViewAngles> parseView(
+    const scene::TypedValue& value,
+    const scene::Choices<std::optional<picture::ViewAngles>>& views) {
   // Words have no comma.
   const std::size_t comma = value.text.find(',');
-  if (comma == std::string::npos) return parseChoice(value, views);
+  if (comma == std::string::npos) return scene::parseChoice(value, views);
   const auto degrees = [&value](const std::string& text, double most) {
-    return parseNumber({value.name, text}, {-most, most}) * kDegree;
+    return scene::parseNumber({value.name, text}, {-most, most}) * kDegree;
   };
   // Azimuth may be any number of turns, elevation is from -90 to 90 degrees.
-  return ViewAngles{degrees(value.text.substr(0, comma), 3600),
-                    degrees(value.text.substr(comma + 1), 90)};
+  return picture::ViewAngles{degrees(value.text.substr(0, comma), 3600),
+                             degrees(value.text.substr(comma + 1), 90)};
 }
 
 /// `views` is kept by the readers, so it is copied into each.
-void addViewOptions(OptionGroup& group, CameraChoice& camera) {
-  const Choices<std::optional<ViewAngles>> views = {
-      {"auto", std::nullopt}, {"top", kTopView},       {"bottom", kBottomView},
-      {"front", kFrontView},  {"back", kBackView},     {"side", kRightView},
-      {"left", kLeftView},    {"iso", kIsometricView}, {"oblique", kObliqueView}};
+void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
+  const scene::Choices<std::optional<picture::ViewAngles>> views = {
+      {"auto", std::nullopt},
+      {"top", picture::kTopView},
+      {"bottom", picture::kBottomView},
+      {"front", picture::kFrontView},
+      {"back", picture::kBackView},
+      {"side", picture::kRightView},
+      {"left", picture::kLeftView},
+      {"iso", picture::kIsometricView},
+      {"oblique", picture::kObliqueView}};
   group
       .value("--view", "WORD|AZ,EL", "auto",
              fmt::format("where the camera stands: {}, auto is top for a flat model, else iso; or "
                          "azimuth and elevation in degrees, -90,0 is from the front, -90,90 from "
                          "above",
-                         listWords(choiceNames(views))),
-             [&camera, views](const TypedValue& typed) { camera.view = parseView(typed, views); })
-      .saidAs([&camera, views] { return quotedText(nameOfChoice(views, camera.view)); });
+                         scene::listWords(scene::choiceNames(views))),
+             [&camera, views](const scene::TypedValue& typed) {
+               camera.view = parseView(typed, views);
+             })
+      .saidAs(
+          [&camera, views] { return scene::quotedText(scene::nameOfChoice(views, camera.view)); });
   // A view with a name is said by that.
   const auto angles = [&camera, views]() -> std::optional<TypedView> {
-    return nameOfChoice(views, camera.view).empty() ? std::optional(typedView(*camera.view))
-                                                    : std::nullopt;
+    return scene::nameOfChoice(views, camera.view).empty() ? std::optional(typedView(*camera.view))
+                                                           : std::nullopt;
   };
   // The first of --yaw and --pitch sets both to PyBullet's start, so that one alone means what it
   // does there.
   const auto usual = [&camera] {
-    if (!camera.view) camera.view = viewFromYawPitch(kUsualYaw, kUsualPitch);
+    if (!camera.view) camera.view = picture::viewFromYawPitch(kUsualYaw, kUsualPitch);
   };
   group
       .value("--yaw", "DEGREES", "50 with --pitch",
              "turns the camera about z, 0 is from the front, as in PyKirigami",
-             [&camera, usual](const TypedValue& typed) {
+             [&camera, usual](const scene::TypedValue& typed) {
                usual();
                // viewFromYawPitch turns both; only the one that was typed is taken over.
-               const double yaw = parseNumber(typed, {-3600, 3600}) * kDegree;
-               camera.view->azimuth = viewFromYawPitch(yaw, 0).azimuth;
+               const double yaw = scene::parseNumber(typed, {-3600, 3600}) * kDegree;
+               camera.view->azimuth = picture::viewFromYawPitch(yaw, 0).azimuth;
              })
-      .saidAs([angles] { return angles() ? numberText(angles()->yaw) : ""; });
+      .saidAs([angles] { return angles() ? scene::numberText(angles()->yaw) : ""; });
   group
       .value("--pitch", "DEGREES", "-35 with --yaw",
              "-90 is from above, 0 from the side, as in PyKirigami",
-             [&camera, usual](const TypedValue& typed) {
+             [&camera, usual](const scene::TypedValue& typed) {
                usual();
-               const double pitch = parseNumber(typed, {-90, 90}) * kDegree;
-               camera.view->elevation = viewFromYawPitch(0, pitch).elevation;
+               const double pitch = scene::parseNumber(typed, {-90, 90}) * kDegree;
+               camera.view->elevation = picture::viewFromYawPitch(0, pitch).elevation;
              })
-      .saidAs([angles] { return angles() ? numberText(angles()->pitch) : ""; });
+      .saidAs([angles] { return angles() ? scene::numberText(angles()->pitch) : ""; });
 }
 
 /// Lengths in metres, angles in degrees.
-void addCameraOptions(CLI::App& command, Look& look) {
+void addCameraOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Camera", "camera");
-  CameraChoice& camera = look.camera;
+  picture::CameraChoice& camera = look.camera;
   addViewOptions(group, camera);
   group.choice<std::optional<bool>>(
       "--projection", camera.orthographic,
@@ -339,33 +356,35 @@ void addCameraOptions(CLI::App& command, Look& look) {
                "of the picture left free on each side");
   group
       .value("--distance", "METRES", "as it fits", "of the eye, in perspective",
-             [&camera](const TypedValue& typed) {
-               camera.distance = parseNumber(typed, {1e-9, 1e12});
+             [&camera](const scene::TypedValue& typed) {
+               camera.distance = scene::parseNumber(typed, {1e-9, 1e12});
              })
-      .saidAs([&camera] { return camera.distance ? numberText(*camera.distance) : ""; });
-  group.choice<FitScope>(
-      "--fit", look.fit,
-      {{"auto", FitScope::Auto}, {"run", FitScope::Run}, {"ends", FitScope::Ends}},
-      "what stays in sight, the whole run or its start and target");
+      .saidAs([&camera] { return camera.distance ? scene::numberText(*camera.distance) : ""; });
+  group.choice<picture::FitScope>("--fit", look.fit,
+                                  {{"auto", picture::FitScope::Auto},
+                                   {"run", picture::FitScope::Run},
+                                   {"ends", picture::FitScope::Ends}},
+                                  "what stays in sight, the whole run or its start and target");
   group
       .value("--orbit", "DEGREES", "0", "the camera turns about z over the run",
-             [&camera](const TypedValue& typed) {
-               camera.orbit = parseNumber(typed, {-36000, 36000}) * kDegree;
+             [&camera](const scene::TypedValue& typed) {
+               camera.orbit = scene::parseNumber(typed, {-36000, 36000}) * kDegree;
              })
       .saidAs([&camera] {
-        return numberText(numberReadAs(camera.orbit, camera.orbit / kDegree,
-                                       [](double degrees) { return degrees * kDegree; }));
+        return scene::numberText(
+            scene::numberReadAs(camera.orbit, camera.orbit / kDegree,
+                                [](double degrees) { return degrees * kDegree; }));
       });
   group
       .value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
              "the camera passes here at these times (seconds, degrees)",
-             [&camera](const TypedValue& typed) { camera.keys = parseCameraKeys(typed); })
+             [&camera](const scene::TypedValue& typed) { camera.keys = parseCameraKeys(typed); })
       .saidAs([&camera] { return cameraKeysText(camera.keys); });
 }
 
 }  // namespace
 
-void addLookOptions(CLI::App& command, Look& look) {
+void addLookOptions(CLI::App& command, picture::Look& look) {
   addDrawingOptions(command, look);
   addCameraOptions(command, look);
 }
@@ -377,12 +396,13 @@ void addLookOptions(CLI::App& command, Look& look) {
 namespace {
 
 /// A bare name: the folder is --out's.
-std::string parseFileName(const TypedValue& value) {
+std::string parseFileName(const scene::TypedValue& value) {
   const std::filesystem::path name = value.text;
   // UTF-8 that is valid, since the name goes into summary.json.
   const bool isName = name.has_filename() && !name.has_parent_path();
   if (isName && codePoints(value.text)) return value.text;
-  throw valueError(value, "the name of a file, for example talk.webm; --out gives its folder");
+  throw scene::valueError(value,
+                          "the name of a file, for example talk.webm; --out gives its folder");
 }
 
 /// Shells leave "\n" as it is typed. A backslash before an n is two characters on the command line.
@@ -395,48 +415,53 @@ std::string withLineFeeds(std::string text) {
 
 /// --length and --speed choose the pace that they belong to, and only the one in use is written
 /// down.
-void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
-  group.choice<Pace>("--pace", settings.pace, {{"even", Pace::Even}, {"real", Pace::Real}},
-                     "every frame brings the same motion, or the same simulated time");
+void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
+  group.choice<record::Pace>("--pace", settings.pace,
+                             {{"even", record::Pace::Even}, {"real", record::Pace::Real}},
+                             "every frame brings the same motion, or the same simulated time");
   group
-      .value("--length", "SECONDS", numberText(settings.length),
+      .value("--length", "SECONDS", scene::numberText(settings.length),
              "of a video at an even pace, without its title",
-             [&](const TypedValue& typed) {
-               settings.length = parseNumber(typed, {0.1, 36000});
-               settings.pace = Pace::Even;
+             [&](const scene::TypedValue& typed) {
+               settings.length = scene::parseNumber(typed, {0.1, 36000});
+               settings.pace = record::Pace::Even;
              })
-      .saidAs([&] { return settings.pace == Pace::Even ? numberText(settings.length) : ""; });
+      .saidAs([&] {
+        return settings.pace == record::Pace::Even ? scene::numberText(settings.length) : "";
+      });
   group
-      .value("--speed", "FACTOR", numberText(settings.speed),
+      .value("--speed", "FACTOR", scene::numberText(settings.speed),
              "real pace, with so many simulated seconds in a second of video; below 1 is slow "
              "motion",
-             [&](const TypedValue& typed) {
-               settings.speed = parseNumber(typed, {1e-3, 1e3});
-               settings.pace = Pace::Real;
+             [&](const scene::TypedValue& typed) {
+               settings.speed = scene::parseNumber(typed, {1e-3, 1e3});
+               settings.pace = record::Pace::Real;
              })
-      .saidAs([&] { return settings.pace == Pace::Real ? numberText(settings.speed) : ""; });
+      .saidAs([&] {
+        return settings.pace == record::Pace::Real ? scene::numberText(settings.speed) : "";
+      });
   group
       .value("--hold", "SECONDS", "0.5 at an even pace, else 0",
              "show the first and the last frame longer",
-             [&](const TypedValue& typed) {
-               settings.hold = parseNumber(typed, {0, 60});
+             [&](const scene::TypedValue& typed) {
+               settings.hold = scene::parseNumber(typed, {0, 60});
              })
-      .saidAs([&] { return numberText(settings.heldSeconds()); });
+      .saidAs([&] { return scene::numberText(settings.heldSeconds()); });
 }
 
 }  // namespace
 
-void addVideoOptions(CLI::App& command, PictureSettings& settings) {
+void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
   OptionGroup group(command, "Video", "recording");
   group
       .value("--video", "NAME", settings.videoFile,
              "file name; its ending gives the format: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv "
              "(FFV1, lossless)",
-             [&](const TypedValue& typed) { settings.videoFile = parseFileName(typed); })
-      .saidAs([&] { return quotedText(settings.videoFile); });
+             [&](const scene::TypedValue& typed) { settings.videoFile = parseFileName(typed); })
+      .saidAs([&] { return scene::quotedText(settings.videoFile); });
   group
       .value("--format", "WORD", "mp4", "the same as --video deployment.WORD",
-             [&](const TypedValue& typed) {
+             [&](const scene::TypedValue& typed) {
                settings.videoFile = parseFileName({typed.name, "deployment." + typed.text});
              })
       .decidesNothing();  // --video says it
@@ -444,29 +469,29 @@ void addVideoOptions(CLI::App& command, PictureSettings& settings) {
   addPaceOptions(group, settings);
   group
       .value("--title", "TEXT", "", "a card before the video, 2 s; \\n begins a new line",
-             [&](const TypedValue& typed) { settings.title = withLineFeeds(typed.text); })
-      .saidAs([&] { return quotedText(settings.title); });
+             [&](const scene::TypedValue& typed) { settings.title = withLineFeeds(typed.text); })
+      .saidAs([&] { return scene::quotedText(settings.title); });
   group
       .value("--subtitle", "TEXT", "", "smaller lines below the title",
-             [&](const TypedValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
-      .saidAs([&] { return quotedText(settings.subtitle); });
+             [&](const scene::TypedValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
+      .saidAs([&] { return scene::quotedText(settings.subtitle); });
   group.flag("--progress-bar", settings.progressBar,
              "a bar under the frames that fills with the motion");
   group
       .value("--crf", "NUMBER", "18 H.264, 24 VP9", "quality, 0 is best, to 51 (H.264) or 63 (VP9)",
-             [&](const TypedValue& typed) {
-               settings.crf = static_cast<int>(parseInteger(typed, {0, 63}));
+             [&](const scene::TypedValue& typed) {
+               settings.crf = static_cast<int>(scene::parseInteger(typed, {0, 63}));
              })
       .saidAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
   group
       .value("--preset", "WORD", settings.preset,
              "of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
-             [&](const TypedValue& typed) { settings.preset = typed.text; })
-      .saidAs([&] { return quotedText(settings.preset); });
+             [&](const scene::TypedValue& typed) { settings.preset = typed.text; })
+      .saidAs([&] { return scene::quotedText(settings.preset); });
   group
       .value("--encoder", "NAME", "that of the format", "another encoder of FFmpeg's libavcodec",
-             [&](const TypedValue& typed) { settings.encoder = typed.text; })
-      .saidAs([&] { return quotedText(settings.encoder); });
+             [&](const scene::TypedValue& typed) { settings.encoder = typed.text; })
+      .saidAs([&] { return scene::quotedText(settings.encoder); });
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

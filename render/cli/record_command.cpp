@@ -28,13 +28,13 @@
 #include "render/cli/run_commands.h"
 #include "render/cli/scene_options.h"
 #include "render/export/output_folder.h"
-#include "render/page/page.h"
+#include "render/record/page.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/read_model.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 /// None of them changes a byte of what is left, so none is in the fingerprint.
@@ -42,7 +42,7 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Output", "recording");
   group
       .value("--out", "FOLDER", "out/NAME of the model", "where the files go",
-             [&order](const TypedValue& typed) { order.settings.folder = typed.text; })
+             [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; })
       .decidesNothing();
   group
       .flag("--resume", order.settings.resume,
@@ -62,17 +62,19 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
   group.choice<double>("--unit", order.unit, {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}},
                        "unit of the model's lengths, and so of every length of the run; --gravity "
                        "and --density are given in metres all the same");
-  group.choice<std::optional<FaceRule>>(
+  group.choice<std::optional<model::FaceRule>>(
       "--faces", order.faces,
-      {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
+      {{"model", std::nullopt},
+       {"fold", model::FaceRule::Fold},
+       {"pykirigami", model::FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
   group
       .flag("--auto-detect-connections", "the same as --faces pykirigami",
-            [&order] { order.faces = FaceRule::PyKirigami; })
+            [&order] { order.faces = model::FaceRule::PyKirigami; })
       .decidesNothing();  // --faces says it
   group
       .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
-             [&order](const TypedValue& typed) { order.splitTiles = parseTiles(typed); })
+             [&order](const scene::TypedValue& typed) { order.splitTiles = parseTiles(typed); })
       .saidAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
 }
 
@@ -98,19 +100,19 @@ constexpr const char* kPeerNote =
     "dynamics with PyKirigami's constants for what they leave out.\n\n";
 
 /// What a run can live with is appended to the warnings; everything else throws.
-Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
-  Scene scene = order.scene;
+scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
+  scene::Scene scene = order.scene;
   scene.model =
       order.madeModel ? *order.madeModel : readModelAt(order.model, {}, order.reading, warnings);
-  completeScene(order.request.parts, scene, warnings);
-  fillFromModel(scene);
+  scene::completeScene(order.request.parts, scene, warnings);
+  scene::fillFromModel(scene);
   scene.environment.gravity /= order.unit;
   scene.brick.density *= std::pow(order.unit, 3);
-  if (order.faces) chooseJointFaces(scene.model, *order.faces);
+  if (order.faces) model::chooseJointFaces(scene.model, *order.faces);
   // After faces, since the triangles of a split tile inherit its joints.
-  if (order.splitTiles) splitTiles(*order.splitTiles, scene);
+  if (order.splitTiles) scene::splitTiles(*order.splitTiles, scene);
   // The ground is below the bricks where they start, whatever their thickness.
-  if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
+  if (scene.environment.ground) scene.environment.ground->height = scene::lowestPoint(scene);
   checkThickness(scene, warnings);
   return scene;
 }
@@ -118,10 +120,10 @@ Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
 /// The outcome in the words of summary.json, and whether the run ended at its target, if it has
 /// one. Diverged is a failure; interrupted and locked have codes of their own.
 int exitCode(const std::string& outcome, std::optional<bool> atTarget) {
-  if (outcome == toString(Outcome::Interrupted)) return kExitInterrupted;
-  if (outcome == toString(Outcome::Diverged)) return kExitFailed;
-  if (outcome == toString(Outcome::Locked)) return kExitShort;
-  const bool isShort = outcome == toString(Outcome::OutOfTime) && atTarget == false;
+  if (outcome == deploy::toString(deploy::Outcome::Interrupted)) return kExitInterrupted;
+  if (outcome == deploy::toString(deploy::Outcome::Diverged)) return kExitFailed;
+  if (outcome == deploy::toString(deploy::Outcome::Locked)) return kExitShort;
+  const bool isShort = outcome == deploy::toString(deploy::Outcome::OutOfTime) && atTarget == false;
   return isShort ? kExitShort : kExitDone;
 }
 
@@ -131,8 +133,8 @@ std::vector<std::filesystem::path> foldersOf(const RecordOrder& order) {
   std::vector<std::filesystem::path> folders = {findModel(order.model)};
   folders.insert(folders.end(), order.request.parts.targets.begin(),
                  order.request.parts.targets.end());
-  for (const TimelineEntry& entry : order.scene.timeline) {
-    if (const auto* target = std::get_if<timeline::GoTo>(&entry.action)) {
+  for (const scene::TimelineEntry& entry : order.scene.timeline) {
+    if (const auto* target = std::get_if<scene::timeline::GoTo>(&entry.action)) {
       folders.push_back(target->file);
     }
   }
@@ -149,13 +151,14 @@ RecordResult prepareLoudly(const RecordOrder& order) {
 
 /// A kill may have come while a whole run was put in place, or just before its checkpoint went.
 /// Nothing where the folder holds another run, an unfinished one, or files that have changed.
-std::optional<FinishedRun> findFinished(const RecordSettings& settings) {
-  std::optional<FileSet> files;
+std::optional<record::FinishedRun> findFinished(const record::RecordSettings& settings) {
+  std::optional<exports::FileSet> files;
   // Opening the set finishes what a kill has left to move.
-  if (std::filesystem::exists(settings.folder / output::kUnfinished)) {
-    files.emplace(settings.folder, output::kSummary);
+  if (std::filesystem::exists(settings.folder / exports::output::kUnfinished)) {
+    files.emplace(settings.folder, exports::output::kSummary);
   }
-  std::optional<FinishedRun> finished = findFinishedRun(settings.folder, settings.order);
+  std::optional<record::FinishedRun> finished =
+      record::findFinishedRun(settings.folder, settings.order);
   if (files && finished) files->dropCheckpoint();
   return finished;
 }
@@ -194,7 +197,7 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   CLI::App* command =
       program.add_subcommand("simulate", "deploy a model; leave the end state and the summary");
   addRunOptions(*command, order);
-  RecordSettings& settings = order.settings;
+  record::RecordSettings& settings = order.settings;
   settings.video = settings.snapshots = settings.meshes = false;
   command->footer(fmt::format(
       "Example:\n  kirireel simulate data/tessellation_4x4 --solver bullet --json\n\n{}{}",
@@ -207,17 +210,17 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 /// bricks; bricks pass through each other and are 0.02 m thick; steps are of fixed length
 /// (tolerance 0).
 void applyPeerDefaults(CLI::App& command) {
-  const TargetSpringSettings springs = paperSprings();
+  const scene::TargetSpringSettings springs = scene::paperSprings();
   struct PeerDefault {
     const char* option;
     std::string value;
     const char* other = nullptr;  // an option that says the same in another way
   };
   const PeerDefault defaults[] = {
-      {"--spring-stiffness", numberText(*springs.springStiffness), "--spring-frequency"},
-      {"--torque-stiffness", numberText(*springs.torqueStiffness), "--spring-frequency"},
-      {"--force-damping", numberText(*springs.forceDamping), "--damping-ratio"},
-      {"--torque-damping", numberText(*springs.torqueDamping), "--damping-ratio"},
+      {"--spring-stiffness", scene::numberText(*springs.springStiffness), "--spring-frequency"},
+      {"--torque-stiffness", scene::numberText(*springs.torqueStiffness), "--spring-frequency"},
+      {"--force-damping", scene::numberText(*springs.forceDamping), "--damping-ratio"},
+      {"--torque-damping", scene::numberText(*springs.torqueDamping), "--damping-ratio"},
       {"--path", "dynamic"},
       {"--contacts", "none"},
       {"--thickness", "0.02"},
@@ -233,7 +236,7 @@ void applyPeerDefaults(CLI::App& command) {
 void completeOrder(CLI::App& command, RecordOrder& order) {
   if (!order.madeModel) requireGiven(order.model, "MODEL", command);
   // What the scene file reads is noted in the order's inputs while the record lives.
-  SceneFile file;
+  scene::SceneFile file;
   {
     const InputRecord record(order.inputs);
     // A model that was never read has no folder where a scene file may stand.
@@ -255,13 +258,14 @@ OrderInputs readInputs(const RecordOrder& order) {
   const InputRecord record(inputs.files);
   std::vector<std::string> ignored;
   try {
-    Scene scene = order.scene;
-    scene.model = order.madeModel ? *order.madeModel
-                                  : readModel(findModel(order.model), {}, ignored, order.reading);
-    SceneParts parts;
+    scene::Scene scene = order.scene;
+    scene.model = order.madeModel
+                      ? *order.madeModel
+                      : model::readModel(findModel(order.model), {}, ignored, order.reading);
+    scene::SceneParts parts;
     // Pins and links read no files; targets do.
     parts.targets = order.request.parts.targets;
-    completeScene(parts, scene, ignored);
+    scene::completeScene(parts, scene, ignored);
     inputs.modelName = scene.model.name;
   } catch (const InputError&) {
     inputs.modelName.clear();  // the run itself says what is wrong
@@ -291,27 +295,27 @@ RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& wa
   return result;
 }
 
-RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer) {
+RecordResult runOrder(const RecordOrder& order, const record::ProgressObserver& observer) {
   RecordResult result = prepareLoudly(order);
   // A caller in code keeps no checkpoints: without a fingerprint nothing can be resumed.
   result.settings.order.clear();
-  result.summary = record(result.scene, result.settings, observer);
+  result.summary = record::record(result.scene, result.settings, observer);
   return result;
 }
 
 /// The page of a run whose files are in place.
 void addPage(const RecordOrder& order, const std::filesystem::path& folder) {
   if (!order.page) return;
-  WebPageSettings settings;
+  record::WebPageSettings settings;
   settings.folder = folder;
   settings.look = order.settings.look;
-  writePage({folder / output::kTrajectory}, settings);
+  record::writePage({folder / exports::output::kTrajectory}, settings);
 }
 
 int carryOut(const RecordOrder& order) {
   noteSignals();
   // Before the run, which may take hours.
-  if (order.page) requirePages();
+  if (order.page) record::requirePages();
   RecordResult result = prepareLoudly(order);
   // The model has been read, since its bytes decide whether the finished run is this one.
   if (order.settings.resume) {
@@ -327,17 +331,18 @@ int carryOut(const RecordOrder& order) {
   }
   {
     ProgressLine line;
-    result.summary = record(result.scene, result.settings, [&line](const Progress& progress) {
-      if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
-      line.show(progress);
-      return takeInterrupt();
-    });
+    result.summary =
+        record::record(result.scene, result.settings, [&line](const record::Progress& progress) {
+          if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
+          line.show(progress);
+          return takeInterrupt();
+        });
   }
   const auto& [scene, settings, summary] = result;
   addPage(order, settings.folder);
-  fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
+  fmt::print("{}", order.printJson ? record::summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
-  return exitCode(toString(summary.outcome), summary.atTarget);
+  return exitCode(deploy::toString(summary.outcome), summary.atTarget);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -375,7 +380,7 @@ std::string withoutNames(const CLI::Option& option) {
 
 /// The tables of a scene file; options that no scene file can set stand under "". A scene file in
 /// its form; the order of tables is that of their names.
-std::string tablesText(CLI::App& command, const Scene& scene, bool withFileNames) {
+std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFileNames) {
   // Sorted by name; within a table options keep the order in which they were added.
   std::map<std::string, std::string> tables;
   for (CLI::Option* option : command.get_options()) {
@@ -406,10 +411,11 @@ std::string roleOf(const fs::path& file, const std::vector<fs::path>& folders) {
 
 }  // namespace
 
-OrderText orderText(CLI::App& command, const Scene& scene, const SceneFile& sceneFile) {
-  return {tablesText(command, scene, true) + entriesText(sceneFile, true),
+OrderText orderText(CLI::App& command, const scene::Scene& scene,
+                    const scene::SceneFile& sceneFile) {
+  return {tablesText(command, scene, true) + scene::entriesText(sceneFile, true),
           fmt::format("{}\n{}{}", command.get_name(), tablesText(command, scene, false),
-                      entriesText(sceneFile, false))};
+                      scene::entriesText(sceneFile, false))};
 }
 
 std::string parametersText(CLI::App& command) {
@@ -418,11 +424,12 @@ std::string parametersText(CLI::App& command) {
 
 std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs,
                              const std::vector<fs::path>& folders) {
-  std::string text = fmt::format("{}\n{}\nmodel {}\n", versionText(), terms, inputs.modelName);
+  std::string text =
+      fmt::format("{}\n{}\nmodel {}\n", record::versionText(), terms, inputs.modelName);
   for (const InputFile& file : inputs.files) {
     text += fmt::format("{} {}\n", file.sha256, roleOf(file.path, folders));
   }
   return sha256(text);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -17,7 +17,7 @@ namespace CLI {
 class App;
 }
 
-namespace kirireel {
+namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
 // What tells one order to record from another.
@@ -32,7 +32,8 @@ struct OrderText {
 /// Every option of a command that means anything in this scene, with the value that it has now,
 /// however it was given or not given, and the scene file's timeline and obstacles. To be called
 /// after parsing. `scene` is the scene with all settings, by which options without effect are told.
-OrderText orderText(CLI::App& command, const Scene& scene, const SceneFile& sceneFile);
+OrderText orderText(CLI::App& command, const scene::Scene& scene,
+                    const scene::SceneFile& sceneFile);
 
 /// A command's name and its options as they are now, where no scene file has a part in them.
 /// Conditions are those of a scene with defaults.
@@ -58,20 +59,22 @@ std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs
 /// completeOrder() and, for what needs the model, by prepareOrder(). After parsing nothing in it
 /// points to the parser.
 struct RecordOrder {
-  std::filesystem::path model;     ///< a folder or a file
-  ReadSettings reading;            ///< of `model`
-  std::optional<Model> madeModel;  ///< takes the place of reading `model`
-  std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
+  std::filesystem::path model;            ///< a folder or a file
+  model::ReadSettings reading;            ///< of `model`
+  std::optional<model::Model> madeModel;  ///< takes the place of reading `model`
+  std::optional<model::FaceRule>
+      faces;  ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   double unit = 1;  ///< of length in all files, metres; gravity and density are SI until prepared
-  bool isLikePeer = false;    ///< what is left out is as PyKirigami has it
-  Scene scene = openScene();  ///< everything but the model; the ground's height is not known yet
-  SceneRequest request;       ///< what is added to the model
-  RecordSettings settings;    ///< the folder is empty when --out was not given
-  std::vector<InputFile> inputs;  ///< files that were read so far, but for the scene file
-  OrderText text;                 ///< the settings, once the order is complete
-  bool page = false;              ///< page.html beside the other files, once they are in place
-  bool printJson = false;         ///< the summary on standard output as JSON
+  bool isLikePeer = false;  ///< what is left out is as PyKirigami has it
+  scene::Scene scene =
+      scene::openScene();  ///< everything but the model; the ground's height is not known yet
+  SceneRequest request;    ///< what is added to the model
+  record::RecordSettings settings;  ///< the folder is empty when --out was not given
+  std::vector<InputFile> inputs;    ///< files that were read so far, but for the scene file
+  OrderText text;                   ///< the settings, once the order is complete
+  bool page = false;                ///< page.html beside the other files, once they are in place
+  bool printJson = false;           ///< the summary on standard output as JSON
 };
 
 /// Adds `record`. The order must outlive the parsing.
@@ -95,9 +98,9 @@ std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs);
 
 /// A run, before or after it was made. Before the run the summary is empty.
 struct RecordResult {
-  Scene scene;              ///< with its model, complete
-  RecordSettings settings;  ///< with their folder
-  RunSummary summary;       ///< of the run, as far as it came
+  scene::Scene scene;               ///< with its model, complete
+  record::RecordSettings settings;  ///< with their folder
+  record::RunSummary summary;       ///< of the run, as far as it came
 };
 
 /// Reads the model of a complete order and all that it is deployed with; nothing runs yet. Throws
@@ -107,10 +110,10 @@ RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& wa
 /// Reads the model, runs it, leaves its files but no checkpoints. The order must be complete.
 /// Throws as readModel() and record(). For sweeps: what it prints are warnings alone, on standard
 /// error.
-RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer);
+RecordResult runOrder(const RecordOrder& order, const record::ProgressObserver& observer);
 
 /// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code. Throws as
 /// readModel() and record(). Signals are noted from here on and end the run between steps.
 int carryOut(const RecordOrder& order);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -20,7 +20,7 @@
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 // What is missed by less than this part of a tile is reached.
@@ -37,12 +37,12 @@ std::string inTiles(double metres, double tile) {
 
 /// Why a run that came to rest did not come nearer; empty where it reached its target. One line.
 /// The errors and bounds are metres.
-std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
-  const double tile = tileSize(scene.model);
+std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& summary) {
+  const double tile = model::tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
-  if (summary.outcome != Outcome::Settled || error <= kReached * tile) return "";
+  if (summary.outcome != deploy::Outcome::Settled || error <= kReached * tile) return "";
   // Coordinates with few digits put tiles and target off by as much as the rounding spreads.
-  if (scene.model.rounding > 0 && error <= roundedReach(scene.model)) {
+  if (scene.model.rounding > 0 && error <= deploy::roundedReach(scene.model)) {
     return fmt::format(
         "why no nearer: coordinates rounded to {:g} m, with which tiles and target fit no better\n",
         scene.model.rounding);
@@ -62,7 +62,7 @@ std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
         "is known\n",
         summary.assembledError);
   }
-  const double gap = largestJointGap(scene.model.joints, *scene.model.target);
+  const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap > kReached * tile) {
     return fmt::format(
         "why no nearer: the target's own joints are open by {}, and closed joints cannot meet it\n",
@@ -73,9 +73,9 @@ std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
 }
 
 /// Two or three lines: error, bounds, reason.
-std::string describeTarget(const Scene& scene, const RunSummary& summary) {
-  const Accuracy& accuracy = summary.accuracy;
-  const double tile = tileSize(scene.model);
+std::string describeTarget(const scene::Scene& scene, const record::RunSummary& summary) {
+  const deploy::Accuracy& accuracy = summary.accuracy;
+  const double tile = model::tileSize(scene.model);
   std::string text = fmt::format("target error {} at the end ({:.3g} at the start)\n",
                                  inTiles(accuracy.targetErrorEnd, tile), accuracy.targetErrorStart);
   text +=
@@ -89,9 +89,9 @@ std::string describeTarget(const Scene& scene, const RunSummary& summary) {
 
 /// The largest gap of any step, and the gap at the end; compliant joints are told apart, since they
 /// are meant to open.
-std::string describeJoints(const Scene& scene, const RunSummary& summary) {
-  const Accuracy& accuracy = summary.accuracy;
-  const double tile = tileSize(scene.model);
+std::string describeJoints(const scene::Scene& scene, const record::RunSummary& summary) {
+  const deploy::Accuracy& accuracy = summary.accuracy;
+  const double tile = model::tileSize(scene.model);
   std::string text = fmt::format("joint gap {} at most, {:.3g} m at the end",
                                  inTiles(accuracy.jointGapMax, tile), accuracy.jointGapEnd);
   if (accuracy.jointOpeningMax > 0) {
@@ -103,13 +103,14 @@ std::string describeJoints(const Scene& scene, const RunSummary& summary) {
 
 /// How exact a run is in time that kept a tolerance there; empty for others. "Tiles" in it are
 /// lengths of a tile's mean edge.
-std::string describeTime(const Scene& scene, const RunSummary& summary) {
-  const DeployCost& cost = summary.deployCost;
+std::string describeTime(const scene::Scene& scene, const record::RunSummary& summary) {
+  const deploy::DeployCost& cost = summary.deployCost;
   // Simulated seconds in which the estimate of the error did not hold.
   const double uncertified = cost.took.touchingTime + cost.took.singularTime;
   if (cost.took.timeError == 0 && uncertified == 0) {
     // A tolerance was asked for, and a guided path cannot keep it.
-    const bool isLost = scene.solver.isToleranceGiven() && summary.path.kind == PathKind::Guided;
+    const bool isLost =
+        scene.solver.isToleranceGiven() && summary.path.kind == scene::PathKind::Guided;
     return isLost ? "time: tiles are guided in fixed steps, which keep no tolerance\n" : "";
   }
   std::string text = fmt::format(
@@ -129,10 +130,10 @@ std::string describeTime(const Scene& scene, const RunSummary& summary) {
 
 /// The depth as a whole, and what of it contacts would have to prevent. Overlap in the corners that
 /// joined bricks share cannot be avoided with thick bricks; contacts look at the rest.
-std::string describePenetration(const Scene& scene, const RunSummary& summary) {
-  const Accuracy& accuracy = summary.accuracy;
+std::string describePenetration(const scene::Scene& scene, const record::RunSummary& summary) {
+  const deploy::Accuracy& accuracy = summary.accuracy;
   std::string text = fmt::format("penetration {} at most",
-                                 inTiles(accuracy.penetrationMax, tileSize(scene.model)));
+                                 inTiles(accuracy.penetrationMax, model::tileSize(scene.model)));
   if (accuracy.penetrationOutsidePivotsMax >= kWhole * accuracy.penetrationMax) {
     text += ", outside of the corners that joined bricks share";
   } else {
@@ -146,10 +147,10 @@ std::string describePenetration(const Scene& scene, const RunSummary& summary) {
 }
 
 /// What forces between pairs hold; empty where there are none.
-std::string describeElasticity(const std::optional<Elasticity>& found) {
+std::string describeElasticity(const std::optional<model::Elasticity>& found) {
   if (!found) return "";
   std::vector<std::string> forces;
-  for (const PairForceKind& kind : pairForceKinds()) {
+  for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
     const int count = found->count(kind.name.counted);
     if (count > 0) forces.push_back(fmt::format(fmt::runtime(kind.name.words), count));
   }
@@ -159,12 +160,12 @@ std::string describeElasticity(const std::optional<Elasticity>& found) {
 }
 
 /// Runs without a target say nothing about a path unless joints opened.
-std::string describePath(const RunSummary& summary, bool hasTarget) {
+std::string describePath(const record::RunSummary& summary, bool hasTarget) {
   if (!hasTarget && summary.accuracy.jointOpeningMax == 0) return "";
   return fmt::format("path: {}\n", summary.pathReason);
 }
 
-std::string describeNeed(const char* name, const Need& need) {
+std::string describeNeed(const char* name, const scene::Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
@@ -172,11 +173,11 @@ std::string describeNeed(const char* name, const Need& need) {
 constexpr std::size_t kPairsNamed = 3;
 
 /// The deepest pairs come first.
-std::string describeBlocking(const std::vector<BlockingPair>& blocking, int countsFrom) {
+std::string describeBlocking(const std::vector<deploy::BlockingPair>& blocking, int countsFrom) {
   if (blocking.empty()) return "";
   std::vector<std::string> pairs;
-  for (const BlockingPair& pair : blocking) {
-    if (pairs.size() < kPairsNamed) pairs.push_back(describe(pair, countsFrom));
+  for (const deploy::BlockingPair& pair : blocking) {
+    if (pairs.size() < kPairsNamed) pairs.push_back(deploy::describe(pair, countsFrom));
   }
   return fmt::format("{} pair{} of bricks would overlap at the target: {}{}\n", blocking.size(),
                      blocking.size() > 1 ? "s" : "", fmt::join(pairs, "; "),
@@ -184,9 +185,9 @@ std::string describeBlocking(const std::vector<BlockingPair>& blocking, int coun
 }
 
 /// CPU seconds of the threads together, wall time for all of it.
-std::string describeCost(const RunSummary& summary) {
-  const DeployCost& deploy = summary.deployCost;
-  const RecordCost& record = summary.recordCost;
+std::string describeCost(const record::RunSummary& summary) {
+  const deploy::DeployCost& deploy = summary.deployCost;
+  const record::RecordCost& record = summary.recordCost;
   std::string text =
       fmt::format("{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
                   deploy.took.steps, deploy.cpuSeconds, record.cpuSecondsRender,
@@ -220,8 +221,9 @@ std::vector<std::string> shortList(const std::vector<std::string>& files) {
 
 }  // namespace
 
-std::string describePictures(const PictureSettings& settings, const PictureReport& report) {
-  const RecordCost& cost = report.recordCost;
+std::string describePictures(const record::PictureSettings& settings,
+                             const record::PictureReport& report) {
+  const record::RecordCost& cost = report.recordCost;
   std::string text = fmt::format("{} frames: pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
                                  report.videoFrames, cost.cpuSecondsRender, cost.cpuSecondsEncode,
                                  cost.wallSeconds);
@@ -239,7 +241,7 @@ ProgressLine::~ProgressLine() {
   if (!shown_.empty()) fmt::print(stderr, "\n");
 }
 
-void ProgressLine::show(const Progress& progress) {
+void ProgressLine::show(const record::Progress& progress) {
   show(fmt::format("{} {:3.0f}%", progress.stage, 100 * progress.share));
 }
 
@@ -252,10 +254,11 @@ void ProgressLine::show(const std::string& line) {
   shown_ = line;
 }
 
-std::string describeRun(const Scene& scene, const RecordSettings& settings,
-                        const RunSummary& summary) {
-  std::string text = fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
-                                 toString(summary.outcome), summary.endTime, summary.reason);
+std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
+                        const record::RunSummary& summary) {
+  std::string text =
+      fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
+                  deploy::toString(summary.outcome), summary.endTime, summary.reason);
   text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));
@@ -272,10 +275,10 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
     text += fmt::format(
         "pictures leave out bricks that go farther than {:g} model sizes, the first at {:.4g} s; "
         "trajectory.h5 has them\n",
-        kFarthestShown, *summary.leftOutFrom);
+        picture::kFarthestShown, *summary.leftOutFrom);
   }
-  if (scene.alignment.moved > kReached * tileSize(scene.model)) {
-    text += describe(scene.alignment) + "\n";
+  if (scene.alignment.moved > kReached * model::tileSize(scene.model)) {
+    text += scene::describe(scene.alignment) + "\n";
   }
   text += describeCost(summary);
   text += fmt::format("in {}: {}\n", settings.folder.string(),
@@ -325,4 +328,4 @@ std::optional<std::string> takeInterrupt() {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -6,7 +6,7 @@
 
 #include "render/record/record.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
 // What a person reads while and after a run.
@@ -22,7 +22,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   /// Redraws the line when what it says has changed. Shows stage and per cent.
-  void show(const Progress& progress);
+  void show(const record::Progress& progress);
   /// The text must be shorter than the terminal is wide, or the end of the line stays behind.
   void show(const std::string& line);
 
@@ -33,11 +33,12 @@ class ProgressLine {
 
 /// The summary in a few lines: outcome, accuracy, cost, files. Several lines, each with its line
 /// feed.
-std::string describeRun(const Scene& scene, const RecordSettings& settings,
-                        const RunSummary& summary);
+std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
+                        const record::RunSummary& summary);
 
 /// The same of pictures that were made of a recorded run. Frames, seconds, files.
-std::string describePictures(const PictureSettings& settings, const PictureReport& report);
+std::string describePictures(const record::PictureSettings& settings,
+                             const record::PictureReport& report);
 
 // ------------------------------------------------------------------------------------------------
 // What the program's exit code says.
@@ -70,4 +71,4 @@ void noteSignals();
 /// calls the later one is told.
 std::optional<std::string> takeInterrupt();
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -19,7 +19,7 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   CLI::App* command = program.add_subcommand(
@@ -32,7 +32,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of TRAJECTORY", "where the files go",
-               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+               [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                  "frames in a second of video");
   addPictureOptions(*command, order.settings);
@@ -51,7 +51,7 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
   // A folder stands for the trajectory.h5 in it.
   for (std::filesystem::path& trajectory : order.trajectories) {
-    if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
+    if (std::filesystem::is_directory(trajectory)) trajectory /= exports::output::kTrajectory;
   }
   requireConsistentPace(command);
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
@@ -63,19 +63,20 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
 
 int carryOut(const RenderOrder& order) {
   noteSignals();
-  PictureSettings settings = order.settings;
+  record::PictureSettings settings = order.settings;
   // A figure has no video, so there is no progress to show.
   if (order.trajectories.size() > 1) {
-    fmt::print("{}", describePictures(settings, renderFigure(order.trajectories, settings)));
+    fmt::print("{}",
+               describePictures(settings, record::renderFigure(order.trajectories, settings)));
     return kExitDone;
   }
   const std::filesystem::path& trajectory = order.trajectories.front();
   if (settings.folder.empty()) settings.folder = trajectory.parent_path();
   if (settings.folder.empty()) settings.folder = ".";
-  PictureReport report;
+  record::PictureReport report;
   {
     ProgressLine line;
-    report = render(trajectory, settings, [&line](const Progress& progress) {
+    report = record::render(trajectory, settings, [&line](const record::Progress& progress) {
       line.show(progress);
       return takeInterrupt();
     });
@@ -93,7 +94,7 @@ int carryOut(const RenderOrder& order) {
 namespace {
 
 /// One word more than there are commas; empty ones stay, and are refused by those who read them.
-std::vector<std::string> splitAtCommas(const TypedValue& value) {
+std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
   std::vector<std::string> words;
   std::size_t begin = 0;
   while (begin <= value.text.size()) {
@@ -104,13 +105,13 @@ std::vector<std::string> splitAtCommas(const TypedValue& value) {
   return words;
 }
 
-void addStateOptions(OptionGroup& group, ExportSettings& settings) {
+void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
   // What is typed takes the place of the default.
   // The default is two states. The first state that is typed empties the list, later ones add to
   // it; the flag is shared by both options and outlives this function.
   const auto isTyped = std::make_shared<bool>(false);
   const auto append = [&settings, isTyped](const std::string& name) {
-    requireStateName(name);
+    exports::requireStateName(name);
     if (!*isTyped) settings.states.clear();
     *isTyped = true;
     settings.states.push_back(name);
@@ -119,38 +120,39 @@ void addStateOptions(OptionGroup& group, ExportSettings& settings) {
       .values("--states", "LIST",
               "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
               "(30deg), separated by commas (initial,final)",
-              [append](const TypedValue& typed) {
+              [append](const scene::TypedValue& typed) {
                 for (const std::string& name : splitAtCommas(typed)) append(name);
               })
       .decidesNothing();  // --state says it
   group
       .values("--state", "NAME", "one of them, or event:TEXT",
-              [append](const TypedValue& typed) { append(typed.text); })
+              [append](const scene::TypedValue& typed) { append(typed.text); })
       .saidAs([&settings] {
         std::vector<std::string> names;
-        for (const std::string& name : settings.states) names.push_back(quotedText(name));
-        return quotedList(names);
+        for (const std::string& name : settings.states) names.push_back(scene::quotedText(name));
+        return scene::quotedList(names);
       });
 }
 
-void addElementOptions(CLI::App& command, ElementRule& elements) {
+void addElementOptions(CLI::App& command, exports::ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
   // Lengths of 0 mean "as usual" in the rule, so a typed one starts above it.
   const auto length = [&group](const char* name, const char* usual, const char* help,
                                double& target) {
     group
         .value(name, "METRES", usual, help,
-               [&target](const TypedValue& typed) {
-                 target = parseNumber(typed, {1e-12, 1e9});
+               [&target](const scene::TypedValue& typed) {
+                 target = scene::parseNumber(typed, {1e-12, 1e9});
                })
-        .saidAs([&target] { return target > 0 ? numberText(target) : ""; });
+        .saidAs([&target] { return target > 0 ? scene::numberText(target) : ""; });
   };
   group
       .value("--elements-per-edge", "COUNT", "8", "along each edge of a tile",
-             [&elements](const TypedValue& typed) {
-               elements.perEdge = static_cast<int>(parseInteger(typed, {1, 64}));
+             [&elements](const scene::TypedValue& typed) {
+               elements.perEdge = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
-      .saidAs([&elements] { return elements.perEdge > 0 ? numberText(elements.perEdge) : ""; });
+      .saidAs(
+          [&elements] { return elements.perEdge > 0 ? scene::numberText(elements.perEdge) : ""; });
   // Empty words for the default: the count per edge is in force then.
   length("--element-size", "", "the longest element edge, in place of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
@@ -161,12 +163,13 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
             [&elements] { elements.quadratic = true; })
       .decidesNothing();
   // The first word is the default.
-  group.choice<JointStyle>("--joints", elements.joints,
-                           {{"shared", JointStyle::Shared},
-                            {"equation", JointStyle::Equation},
-                            {"patch", JointStyle::Patch},
-                            {"neck", JointStyle::Neck}},
-                           "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
+  group.choice<exports::JointStyle>(
+      "--joints", elements.joints,
+      {{"shared", exports::JointStyle::Shared},
+       {"equation", exports::JointStyle::Equation},
+       {"patch", exports::JointStyle::Patch},
+       {"neck", exports::JointStyle::Neck}},
+      "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
   // Lengths of necks and patches are metres of the model, whatever the deck's unit.
   length("--patch-radius", "a quarter of the shortest edge",
          "of rigid patches; below half of an edge", elements.patchRadius);
@@ -176,50 +179,53 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
   length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
   // --shells and --plane-stress exclude each other with some joints; the element rule says so.
   group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
-             [&elements] { elements.family = ElementFamily::Shell; });
+             [&elements] { elements.family = exports::ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
-             [&elements] { elements.family = ElementFamily::Plane; });
+             [&elements] { elements.family = exports::ElementFamily::Plane; });
 }
 
 /// "all", "edge", or numbers with commas; whether the model has such tiles is seen when it is read.
-DriveChoice parseDrive(const TypedValue& typed) {
-  if (typed.text == "all") return {DriveChoice::All, {}};
-  if (typed.text == "edge") return {DriveChoice::Edge, {}};
-  DriveChoice drive{DriveChoice::Some, {}};
+exports::DriveChoice parseDrive(const scene::TypedValue& typed) {
+  if (typed.text == "all") return {exports::DriveChoice::All, {}};
+  if (typed.text == "edge") return {exports::DriveChoice::Edge, {}};
+  exports::DriveChoice drive{exports::DriveChoice::Some, {}};
   for (const std::string& word : splitAtCommas(typed)) {
-    drive.tiles.push_back(parseInteger({typed.name, word}, {0, 1e9}));
+    drive.tiles.push_back(scene::parseInteger({typed.name, word}, {0, 1e9}));
   }
   return drive;
 }
 
 /// `isAlone` tells the command whose options are these alone: names may be short there.
-void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
+void addDeckOptions(CLI::App& command, exports::DeckSettings& decks, bool isAlone) {
   OptionGroup group(command, "Decks (inp)", "recording");
   // Within `record` the names --solver and --density belong to the simulation, so a deck's have a
   // prefix there.
-  group.choice<Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
-                       {{"calculix", Solver::Calculix}, {"abaqus", Solver::Abaqus}},
-                       "whose keywords are written where they differ");
-  group.value(
-      "--sets", "WORD", "all up to 1000 tiles",
-      "named sets of each tile and joint: none, joints, all", [&decks](const TypedValue& typed) {
-        decks.sets = parseChoice<SetChoice>(
-            typed,
-            {{"none", SetChoice::None}, {"joints", SetChoice::Joints}, {"all", SetChoice::All}});
-      });
+  group.choice<exports::Solver>(
+      isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
+      {{"calculix", exports::Solver::Calculix}, {"abaqus", exports::Solver::Abaqus}},
+      "whose keywords are written where they differ");
+  group.value("--sets", "WORD", "all up to 1000 tiles",
+              "named sets of each tile and joint: none, joints, all",
+              [&decks](const scene::TypedValue& typed) {
+                decks.sets = scene::parseChoice<exports::SetChoice>(
+                    typed, {{"none", exports::SetChoice::None},
+                            {"joints", exports::SetChoice::Joints},
+                            {"all", exports::SetChoice::All}});
+              });
   // SI units here whatever --deck-unit says; the deck is what is scaled.
   group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
   // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
   group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
   group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
                {1e-12, 1e9}, "KG/M3", "of the material");
-  group.choice<DeckUnit>("--deck-unit", decks.unit,
-                         {{"m", DeckUnit::Model}, {"mm-N", DeckUnit::MillimetresNewtons}},
-                         "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
+  group.choice<exports::DeckUnit>(
+      "--deck-unit", decks.unit,
+      {{"m", exports::DeckUnit::Model}, {"mm-N", exports::DeckUnit::MillimetresNewtons}},
+      "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
   group.value("--drive", "TILES", "",
               "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12), "
               "numbered as in the model's file, planar ones from 1",
-              [&decks](const TypedValue& typed) { decks.drive = parseDrive(typed); });
+              [&decks](const scene::TypedValue& typed) { decks.drive = parseDrive(typed); });
   group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
   group.flag("--periodic",
              "a further job on a sheet that repeats: opposite ends tied to control nodes",
@@ -227,12 +233,12 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
   group
       .value("--deck-contacts", "FRICTION", "",
              "contact between flanks beside joints, with this coefficient of friction (0: none)",
-             [&decks](const TypedValue& typed) {
-               decks.contactFriction = parseNumber(typed, {0, 10});
+             [&decks](const scene::TypedValue& typed) {
+               decks.contactFriction = scene::parseNumber(typed, {0, 10});
              })
       // Absent contact is no contact; a coefficient of 0 is contact without friction.
       .saidAs([&decks] {
-        return decks.contactFriction ? numberText(*decks.contactFriction) : std::string();
+        return decks.contactFriction ? scene::numberText(*decks.contactFriction) : std::string();
       });
   group.flag("--state-map",
              "jobs that move the first state's mesh to the other states, without stress",
@@ -241,36 +247,38 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
 
 /// A folder stands for the trajectory.h5 in it.
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
-  return std::filesystem::is_directory(given) ? given / output::kTrajectory : given;
+  return std::filesystem::is_directory(given) ? given / exports::output::kTrajectory : given;
 }
 
 }  // namespace
 
 void addExportOptions(CLI::App& command, const std::string& formatOption,
-                      ExportSettings& settings) {
+                      exports::ExportSettings& settings) {
   OptionGroup group(command, "Export", "recording");
-  const std::vector<std::string> formats = exportFormatNames();
-  const std::string help = "formats, separated by commas: " + listWords(formats);
+  const std::vector<std::string> formats = exports::exportFormatNames();
+  const std::string help = "formats, separated by commas: " + scene::listWords(formats);
   group
       .value(formatOption, "LIST", "", help,
-             [&settings, formats](const TypedValue& typed) {
+             [&settings, formats](const scene::TypedValue& typed) {
                for (const std::string& word : splitAtCommas(typed)) {
                  if (std::ranges::find(formats, word) == formats.end()) {
-                   throw valueError({typed.name, word}, listWords(formats));
+                   throw scene::valueError({typed.name, word}, scene::listWords(formats));
                  }
                  settings.formats.push_back(word);
                }
              })
-      .saidAs(
-          [&settings] { return quotedText(fmt::format("{}", fmt::join(settings.formats, ","))); });
+      .saidAs([&settings] {
+        return scene::quotedText(fmt::format("{}", fmt::join(settings.formats, ",")));
+      });
   addStateOptions(group, settings);
   group
       .value("--hinge-width", "METRES", "tile size / 20", "of the necks in cut patterns (svg, dxf)",
-             [&settings](const TypedValue& typed) {
-               settings.hingeWidth = parseNumber(typed, {1e-12, 1e9});
+             [&settings](const scene::TypedValue& typed) {
+               settings.hingeWidth = scene::parseNumber(typed, {1e-12, 1e9});
              })
-      .saidAs(
-          [&settings] { return settings.hingeWidth > 0 ? numberText(settings.hingeWidth) : ""; });
+      .saidAs([&settings] {
+        return settings.hingeWidth > 0 ? scene::numberText(settings.hingeWidth) : "";
+      });
   addElementOptions(command, settings.elements);
   addDeckOptions(command, settings.decks, formatOption == "--format");
 }
@@ -281,7 +289,7 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
   addPlace(*command, "TRAJECTORY", order.trajectory, "a trajectory.h5, or the folder it is in");
   OptionGroup group(*command, "Output");
   group.value("--out", "FOLDER", "where the trajectory is", "where the files go",
-              [&order](const TypedValue& typed) { order.folder = typed.text; });
+              [&order](const scene::TypedValue& typed) { order.folder = typed.text; });
   addExportOptions(*command, "--format", order.settings);
   OptionGroup(*command, "Check (inp)")
       .flag(
@@ -310,18 +318,18 @@ void completeOrder(const CLI::App& command, ExportOrder& order) {
 
 int carryOut(const ExportOrder& order) {
   const std::filesystem::path file = trajectoryFile(order.trajectory);
-  const TrajectoryReader trajectory(file);
+  const trajectory::TrajectoryReader trajectory(file);
   const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
   // Warnings come before the files, which may take long.
-  for (const std::string& line : exportWarnings(trajectory, order.settings)) {
+  for (const std::string& line : exports::exportWarnings(trajectory, order.settings)) {
     fmt::print(stderr, "kirireel: {}\n", line);
   }
-  for (const std::string& name : exportStates(trajectory, order.settings, folder)) {
+  for (const std::string& name : exports::exportStates(trajectory, order.settings, folder)) {
     fmt::print("{}\n", (folder / name).string());
   }
   // The check solves every deck twice and may take far longer than the export.
   if (!order.isChecked) return kExitDone;
-  for (const std::string& line : meshSensitivity(trajectory, order.settings)) {
+  for (const std::string& line : exports::meshSensitivity(trajectory, order.settings)) {
     fmt::print("{}\n", line);
   }
   return kExitDone;
@@ -335,13 +343,14 @@ int carryOut(const ExportOrder& order) {
 namespace {
 
 /// "svg,png": each format once, in the order of their first naming.
-std::vector<PageFormat> parsePlots(const TypedValue& typed) {
-  std::vector<PageFormat> plots;
+std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
+  std::vector<picture::PageFormat> plots;
   std::istringstream words(typed.text);
   for (std::string word; std::getline(words, word, ',');) {
-    const auto format = parseChoice<PageFormat>(
-        {typed.name, word},
-        {{"png", PageFormat::Png}, {"svg", PageFormat::Svg}, {"pdf", PageFormat::Pdf}});
+    const auto format = scene::parseChoice<picture::PageFormat>(
+        {typed.name, word}, {{"png", picture::PageFormat::Png},
+                             {"svg", picture::PageFormat::Svg},
+                             {"pdf", picture::PageFormat::Pdf}});
     if (std::ranges::find(plots, format) == plots.end()) plots.push_back(format);
   }
   return plots;
@@ -355,17 +364,18 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   addPlace(*command, "RUN", order.run, "a trajectory.h5, or the folder it is in");
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of RUN", "where the files go",
-               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+               [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
-  figures.value("--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
-                [&order](const TypedValue& typed) { order.settings.plots = parsePlots(typed); });
-  figures.choice<CurvesAgainst>("--against", order.settings.against,
-                                {{"time", CurvesAgainst::Time},
-                                 {"progress", CurvesAgainst::Progress},
-                                 {"opening", CurvesAgainst::Opening}},
-                                "what lies along the horizontal axes");
+  figures.value(
+      "--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
+      [&order](const scene::TypedValue& typed) { order.settings.plots = parsePlots(typed); });
+  figures.choice<record::CurvesAgainst>("--against", order.settings.against,
+                                        {{"time", record::CurvesAgainst::Time},
+                                         {"progress", record::CurvesAgainst::Progress},
+                                         {"opening", record::CurvesAgainst::Opening}},
+                                        "what lies along the horizontal axes");
   // Millimetres and points are those of print; --dpi turns them into pixels of a PNG alone.
-  PlotSettings& plot = order.settings.plot;
+  record::PlotSettings& plot = order.settings.plot;
   figures.number("--width", plot.width, {30, 1000}, "MM", "of the figure in print");
   figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "of its text in print");
   figures.number("--dpi", plot.dotsPerInch, {30, 2400}, "COUNT", "pixels per inch of a PNG");
@@ -388,19 +398,19 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
 
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
   requireGiven(order.run, "RUN", command);
-  if (std::filesystem::is_directory(order.run)) order.run /= output::kTrajectory;
+  if (std::filesystem::is_directory(order.run)) order.run /= exports::output::kTrajectory;
 }
 
 int carryOut(const CurvesOrder& order) {
-  CurvesSettings settings = order.settings;
+  record::CurvesSettings settings = order.settings;
   // Beside the trajectory; a bare file name has no parent, so the current folder.
   if (settings.folder.empty()) settings.folder = order.run.parent_path();
   if (settings.folder.empty()) settings.folder = ".";
-  const TrajectoryReader run(order.run);
-  for (const std::string& name : writeCurves(run, settings)) {
+  const trajectory::TrajectoryReader run(order.run);
+  for (const std::string& name : record::writeCurves(run, settings)) {
     fmt::print("{}\n", (settings.folder / name).string());
   }
-  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", kNoMechanics);
+  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", trajectory::kNoMechanics);
   return kExitDone;
 }
 
@@ -411,31 +421,32 @@ int carryOut(const CurvesOrder& order) {
 namespace {
 
 /// 0 stands for all samples of the trajectory.
-int parseSamples(const TypedValue& typed) {
-  return typed.text == "all" ? 0 : static_cast<int>(parseInteger(typed, {2, 1e6}));
+int parseSamples(const scene::TypedValue& typed) {
+  return typed.text == "all" ? 0 : static_cast<int>(scene::parseInteger(typed, {2, 1e6}));
 }
 
 /// The trajectory of a run that was named by its folder or its file. A file is taken as it is; a
 /// folder without a trajectory is refused with what to do.
 std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
   if (!std::filesystem::is_directory(run)) return run;
-  const std::filesystem::path file = run / output::kTrajectory;
+  const std::filesystem::path file = run / exports::output::kTrajectory;
   if (std::filesystem::exists(file)) return file;
   throw InputError(
       fmt::format("{}: error: this folder has no {}, which a page is made from; record its "
                   "model again",
-                  run.string(), output::kTrajectory));
+                  run.string(), exports::output::kTrajectory));
 }
 
 }  // namespace
 
-void addPageOptions(CLI::App& command, WebPageSettings& settings) {
+void addPageOptions(CLI::App& command, record::WebPageSettings& settings) {
   OptionGroup group(command, "Page");
   group
-      .value(
-          "--samples", "COUNT", "201",
-          "states that the page has, at equal steps of motion, or all: those of trajectory.h5",
-          [&settings](const TypedValue& typed) { settings.states.samples = parseSamples(typed); })
+      .value("--samples", "COUNT", "201",
+             "states that the page has, at equal steps of motion, or all: those of trajectory.h5",
+             [&settings](const scene::TypedValue& typed) {
+               settings.states.samples = parseSamples(typed);
+             })
       .decidesNothing();
   group
       .flag("--exact", settings.states.exact,
@@ -445,7 +456,7 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
       .value("--embed", "LIST", "none",
              "files of the run that go into the page: videos play, pictures show, others can be "
              "saved from it, such as deployment.mp4,final.obj",
-             [&settings](const TypedValue& typed) {
+             [&settings](const scene::TypedValue& typed) {
                // Names are looked for beside the trajectory when the page is made.
                std::istringstream names(typed.text);
                for (std::string name; std::getline(names, name, ',');) {
@@ -455,8 +466,8 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
       .decidesNothing();
   group
       .value("--most-size", "MB", "25", "of a page; a larger one is refused",
-             [&settings](const TypedValue& typed) {
-               settings.mostMegabytes = parseNumber(typed, {0.1, 1e5});
+             [&settings](const scene::TypedValue& typed) {
+               settings.mostMegabytes = scene::parseNumber(typed, {0.1, 1e5});
              })
       .decidesNothing();
 }
@@ -471,7 +482,7 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of the first RUN", "where page.html goes",
-               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+               [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   addPageOptions(*command, order.settings);
   command->footer(
       "The page has the model in 3-D with a slider, its curves, and the summary in words. It "
@@ -486,22 +497,22 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 void completeOrder(const CLI::App& command, PageOrder& order) {
   // CLI11 is told to expect one at least, but --help and our own message come before its error.
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
-  if (order.runs.size() > kMostPageRuns) {
+  if (order.runs.size() > record::kMostPageRuns) {
     throw InputError(
         fmt::format("error: {} runs are given, and a page shows {} at most; make "
                     "several pages",
-                    order.runs.size(), kMostPageRuns));
+                    order.runs.size(), record::kMostPageRuns));
   }
 }
 
 int carryOut(const PageOrder& order) {
-  WebPageSettings settings = order.settings;
+  record::WebPageSettings settings = order.settings;
   std::vector<std::filesystem::path> trajectories;
   for (const std::filesystem::path& run : order.runs) trajectories.push_back(trajectoryOf(run));
   if (settings.folder.empty()) settings.folder = trajectories.front().parent_path();
   if (settings.folder.empty()) settings.folder = ".";
-  writePage(trajectories, settings);
-  const std::filesystem::path page = settings.folder / kPageFile;
+  record::writePage(trajectories, settings);
+  const std::filesystem::path page = settings.folder / record::kPageFile;
   fmt::print("{}: {:.2f} MB\n", page.string(),
              static_cast<double>(std::filesystem::file_size(page)) / 1e6);
   return kExitDone;
@@ -527,7 +538,7 @@ void completeOrder(const CLI::App& command, VerifyOrder& order) {
 }
 
 int carryOut(const VerifyOrder& order) {
-  const VerifyReport report = verifyRun(order.folder);
+  const record::VerifyReport report = record::verifyRun(order.folder);
   for (const std::string& complaint : report.complaints) fmt::print("{}\n", complaint);
   if (!report.complaints.empty()) return kExitFailed;
   fmt::print("{}: {} files and the figures of {} samples agree with the summary\n",
@@ -535,4 +546,4 @@ int carryOut(const VerifyOrder& order) {
   return kExitDone;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -5,15 +5,15 @@
 #include <vector>
 
 #include "render/export/export.h"
-#include "render/page/page.h"
 #include "render/record/curves.h"
+#include "render/record/page.h"
 #include "render/record/record.h"
 
 namespace CLI {
 class App;
 }
 
-namespace kirireel {
+namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel render TRAJECTORY`.
@@ -22,7 +22,7 @@ namespace kirireel {
 /// folder in its place.
 struct RenderOrder {
   std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row of each
-  PictureSettings settings;  ///< the folder is empty when --out was not given
+  record::PictureSettings settings;  ///< the folder is empty when --out was not given
 };
 
 /// Adds `render`. The order must outlive the parsing.
@@ -42,14 +42,15 @@ int carryOut(const RenderOrder& order);
 struct ExportOrder {
   std::filesystem::path trajectory;  ///< a trajectory.h5, or the folder that it is in
   std::filesystem::path folder;      ///< empty for the trajectory's own
-  ExportSettings settings;           ///< which states as what
+  exports::ExportSettings settings;  ///< which states as what
   bool isChecked = false;            ///< whether jobs are run with two sizes of elements
 };
 
 /// Adds the options that say which states are exported as what; `formatOption` is the name of the
 /// one for the formats. The settings must outlive the parsing. "--format" in `export`, where
 /// options may also have short names, "--export" in `record`.
-void addExportOptions(CLI::App& command, const std::string& formatOption, ExportSettings& settings);
+void addExportOptions(CLI::App& command, const std::string& formatOption,
+                      exports::ExportSettings& settings);
 
 /// Adds `export`. The order must outlive the parsing.
 CLI::App* addExportCommand(CLI::App& program, ExportOrder& order);
@@ -68,8 +69,8 @@ int carryOut(const ExportOrder& order);
 /// Which run's curves are wanted, and as what. completeOrder() puts the file of a folder in its
 /// place.
 struct CurvesOrder {
-  std::filesystem::path run;  ///< a trajectory.h5, or the folder that it is in
-  CurvesSettings settings;    ///< the folder is empty when --out was not given
+  std::filesystem::path run;        ///< a trajectory.h5, or the folder that it is in
+  record::CurvesSettings settings;  ///< the folder is empty when --out was not given
 };
 
 /// Adds `curves`. The order must outlive the parsing.
@@ -89,11 +90,11 @@ int carryOut(const CurvesOrder& order);
 /// Which runs go on a page, and how. At least one run, at most kMostPageRuns.
 struct PageOrder {
   std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or the folder that it is in
-  WebPageSettings settings;                 ///< the folder is empty when --out was not given
+  record::WebPageSettings settings;         ///< the folder is empty when --out was not given
 };
 
 /// Adds the options that say what a page has. The settings must outlive the parsing.
-void addPageOptions(CLI::App& command, WebPageSettings& settings);
+void addPageOptions(CLI::App& command, record::WebPageSettings& settings);
 
 /// Adds `page`. The order must outlive the parsing.
 CLI::App* addPageCommand(CLI::App& program, PageOrder& order);
@@ -124,4 +125,4 @@ void completeOrder(const CLI::App& command, VerifyOrder& order);
 /// the whole trajectory. Throws InputError for a folder without a finished run.
 int carryOut(const VerifyOrder& order);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -16,11 +16,11 @@
 #include "sim/model/read_model.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 /// "3,0,7": whole numbers from 0, as many as `count` when it is not 0.
-std::vector<int> parseIndices(const TypedValue& value, std::size_t count,
+std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
                               const std::string& wanted) {
   std::vector<int> numbers;
   const char* at = value.text.data();
@@ -31,12 +31,13 @@ std::vector<int> parseIndices(const TypedValue& value, std::size_t count,
     const bool isLast = next == end;
     // A comma must be followed by a number, so "3," is refused.
     if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
-      throw valueError(value, wanted);
+      throw scene::valueError(value, wanted);
     }
     numbers.push_back(number);
     at = isLast ? end : next + 1;
   }
-  if (numbers.empty() || (count != 0 && numbers.size() != count)) throw valueError(value, wanted);
+  if (numbers.empty() || (count != 0 && numbers.size() != count))
+    throw scene::valueError(value, wanted);
   return numbers;
 }
 
@@ -45,56 +46,59 @@ template <typename List>
 std::string listsText(const std::vector<List>& lists) {
   std::vector<std::string> texts;
   for (const List& list : lists)
-    texts.push_back(quotedText(fmt::format("{}", fmt::join(list, ","))));
-  return quotedList(texts);
+    texts.push_back(scene::quotedText(fmt::format("{}", fmt::join(list, ","))));
+  return scene::quotedList(texts);
 }
 
 }  // namespace
 
-void addSceneOptions(CLI::App& command, Scene& scene) {
+void addSceneOptions(CLI::App& command, scene::Scene& scene) {
   // A group of settings is a heading of the help and a table of a scene file.
-  for (const SettingGroup& group : sceneSettings()) {
+  for (const scene::SettingGroup& group : scene::sceneSettings()) {
     OptionGroup options(command, group.heading, group.table);
-    for (const Setting& setting : group.settings) options.setting(setting, scene);
+    for (const scene::Setting& setting : group.settings) options.setting(setting, scene);
   }
 }
 
-void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlignment& alignment) {
+void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
+                            scene::StartAlignment& alignment) {
   OptionGroup(command, "Scene")
       .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
              "settings and timeline; options given here count more",
-             [&request](const TypedValue& typed) { request.file = typed.text; })
+             [&request](const scene::TypedValue& typed) { request.file = typed.text; })
       .decidesNothing();  // what the file says does
   OptionGroup group(command, "Model", "model");
   // Numbers stay as they were typed; completeScene() knows from where the model's file counts.
-  SceneParts& parts = request.parts;
+  scene::SceneParts& parts = request.parts;
   group
       .values("--target", "MODEL",
               "target in place of the model's own: a file like target.txt, or another model whose "
               "start it is; given several times, each is reached before the next",
-              [&parts](const TypedValue& typed) { parts.targets.emplace_back(typed.text); })
+              [&parts](const scene::TypedValue& typed) { parts.targets.emplace_back(typed.text); })
       .saidAs([&parts] {
         std::vector<std::string> names;
-        for (const auto& target : parts.targets) names.push_back(quotedText(target.string()));
-        return quotedList(names);
+        for (const auto& target : parts.targets)
+          names.push_back(scene::quotedText(target.string()));
+        return scene::quotedList(names);
       });
   group
       .values("--pin", "TILES",
               "tiles fixed to the world from the start, as in 3,0,7; tiles and vertices are "
               "numbered as in "
               "the model's file, planar ones from 1",
-              [&parts](const TypedValue& typed) {
+              [&parts](const scene::TypedValue& typed) {
                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
               })
-      .saidAs([&parts] { return quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
+      .saidAs(
+          [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
   group.flag("--no-align", alignment.wanted,
              "leave the start where the model has it, instead of moving it onto the target (by its "
              "pinned tiles, where some are)",
              false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
-              [&parts](const TypedValue& typed) {
+              [&parts](const scene::TypedValue& typed) {
                 const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
                 parts.fixed.push_back({pair[0], pair[1]});
               })
@@ -102,7 +106,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlign
   group
       .values("--link", "TILE,VERTEX,TILE,VERTEX",
               "two corners that keep the distance that they start with",
-              [&parts](const TypedValue& typed) {
+              [&parts](const scene::TypedValue& typed) {
                 const auto link =
                     parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
                 parts.links.push_back({link[0], link[1], link[2], link[3]});
@@ -115,14 +119,14 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
   return request.file.empty() ? modelFolder / "scene.toml" : request.file;
 }
 
-SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
-                          const SceneRequest& request, Scene& scene) {
+scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+                                 const SceneRequest& request, scene::Scene& scene) {
   const std::filesystem::path file = sceneFileOf(modelFolder, request);
   std::error_code ignored;
   // A file that was named has to be there; scene.toml beside the model need not.
   if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
   // Settings went into the options; lists have no options and are taken here.
-  SceneFile read = applySceneFile(command, file);
+  scene::SceneFile read = applySceneFile(command, file);
   scene.timeline = read.timeline;
   scene.environment.obstacles = read.obstacles;
   scene.velocities = read.velocities;
@@ -152,7 +156,7 @@ std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
 
 /// The first option with this key and table; a key of another table gets a message of its own,
 /// since it is the most frequent mistake.
-CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
+CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
   for (CLI::Option* option : command.get_options()) {
     if (settingKey(*option) != setting.key) continue;
     const std::string table = settingTable(*option);
@@ -169,7 +173,7 @@ CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
 }
 
 /// An option without a value is switched on by true and left alone by false.
-void requireKindOfValue(const SceneSetting& setting, bool isSwitch) {
+void requireKindOfValue(const scene::SceneSetting& setting, bool isSwitch) {
   if (isSwitch == setting.isSwitch) return;
   throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
                                              : fmt::format("{} needs a value", setting.key));
@@ -190,7 +194,7 @@ std::string settingKey(const CLI::Option& option) {
   return key;
 }
 
-void applySetting(CLI::Option& option, const SceneSetting& setting) {
+void applySetting(CLI::Option& option, const scene::SceneSetting& setting) {
   const bool isSwitch = option.get_items_expected_max() == 0;
   requireKindOfValue(setting, isSwitch);
   const bool isGiven = option.count() > 0;
@@ -204,9 +208,9 @@ void applySetting(CLI::Option& option, const SceneSetting& setting) {
   }
 }
 
-SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
-  SceneFile scene = readSceneFile(file);
-  for (const SceneSetting& setting : scene.settings)
+scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
+  scene::SceneFile scene = scene::readSceneFile(file);
+  for (const scene::SceneSetting& setting : scene.settings)
     applySetting(findOption(command, setting), setting);
   return scene;
 }
@@ -219,12 +223,12 @@ namespace {
 /// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat. The depth
 /// is how far two tiles would have to move apart, in metres. One line tells the deepest pair and
 /// how many there are.
-void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
+void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warnings) {
   constexpr double kShareOfTile = 1e-3;  // less cannot be seen
-  const std::vector<TileOverlap> overlaps =
-      tileOverlaps(model.tiles, kShareOfTile * tileSize(model));
+  const std::vector<trajectory::TileOverlap> overlaps =
+      trajectory::tileOverlaps(model.tiles, kShareOfTile * model::tileSize(model));
   if (overlaps.empty()) return;
-  const TileOverlap& deepest = overlaps.front();
+  const trajectory::TileOverlap& deepest = overlaps.front();
   warnings.push_back(fmt::format(
       "{}: warning: tiles {} and {} overlap by {:.3g} m at the start{}; move them "
       "apart, or let them pass through each other (--contacts none)",
@@ -246,17 +250,17 @@ std::filesystem::path findModel(const std::filesystem::path& named) {
 
 void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
   group.value("--target", "MODEL", "the model's own", "another model whose start is the target",
-              [&target](const TypedValue& typed) { target = typed.text; });
+              [&target](const scene::TypedValue& typed) { target = typed.text; });
 }
 
-void addReadOptions(OptionGroup& group, ReadSettings& settings) {
+void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
   group
       .value("--joints-file", "FILE", "the model's own",
              "list of joints to take in place of constraints.txt: a path, or a name beside it",
-             [&settings](const TypedValue& typed) { settings.jointsFile = typed.text; })
+             [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
       .saidAs([&settings] {
         const std::string name = settings.jointsFile.string();
-        return name.empty() ? "" : quotedText(name);
+        return name.empty() ? "" : scene::quotedText(name);
       });
   group
       .flag("--strict", settings.strict,
@@ -265,34 +269,34 @@ void addReadOptions(OptionGroup& group, ReadSettings& settings) {
       .decidesNothing();
 }
 
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                  const ReadSettings& settings, std::vector<std::string>& warnings) {
+model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                         const model::ReadSettings& settings, std::vector<std::string>& warnings) {
   std::optional<std::filesystem::path> named;
   // A target of another model is looked for in the same places.
   if (!target.empty()) named = findModel(target);
-  Model model = readModel(findModel(place), named, warnings, settings);
+  model::Model model = model::readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);
   return model;
 }
 
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                  const ReadSettings& settings) {
+model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                         const model::ReadSettings& settings) {
   std::vector<std::string> warnings;
-  Model model = readModelAt(place, target, settings, warnings);
+  model::Model model = readModelAt(place, target, settings, warnings);
   printWarnings(warnings);
   return model;
 }
 
-void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
+void checkThickness(const scene::Scene& scene, std::vector<std::string>& warnings) {
   constexpr double kMost = 0.1;  // of a tile's mean edge
   constexpr double kLeast = 1e-3;
-  const double edge = tileSize(scene.model);
+  const double edge = model::tileSize(scene.model);
   const double thickness = scene.brick.thickness;
   if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
   warnings.push_back(
       fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
                   "lengths are in metres, and --thickness {:.2g} would be usual",
-                  scene.model.name, thickness, edge, kUsualThickness * edge));
+                  scene.model.name, thickness, edge, model::kUsualThickness * edge));
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {
@@ -301,4 +305,4 @@ void printWarnings(const std::vector<std::string>& warnings) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -21,22 +21,23 @@ class App;
 class Option;
 }  // namespace CLI
 
-namespace kirireel {
+namespace kirireel::cli {
 
 /// What the command line adds to a scene before it can run. Parts are kept as they were typed: the
 /// model, whose numbers they use, has not been read yet.
 struct SceneRequest {
   std::filesystem::path file;  ///< of --scene; empty when not given
-  SceneParts parts;            ///< what is added to the model that is read
+  scene::SceneParts parts;     ///< what is added to the model that is read
 };
 
 /// Adds all settings of a scene, see sceneSettings(). The scene must outlive the parsing. What is
 /// typed is written into the scene while the command line is parsed; ranges are checked there.
-void addSceneOptions(CLI::App& command, Scene& scene);
+void addSceneOptions(CLI::App& command, scene::Scene& scene);
 
 /// Adds --scene, --target, --pin, --fix and --link. The request must outlive the parsing. Adds
 /// --no-align too, which writes into `alignment`. Both must outlive the parsing.
-void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlignment& alignment);
+void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
+                            scene::StartAlignment& alignment);
 
 /// The scene file that was named, else scene.toml in the model's folder; it need not be there.
 std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
@@ -45,8 +46,8 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
 /// Reads the scene file that was named, else scene.toml in the model's folder where there is one,
 /// into what the command's options point at, the scene's timeline, its obstacles and its grips.
 /// Returns it, or an empty one. To be called after parsing. Throws InputError.
-SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
-                          const SceneRequest& request, Scene& scene);
+scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+                                 const SceneRequest& request, scene::Scene& scene);
 
 // ------------------------------------------------------------------------------------------------
 // scene.toml as a command's options: every long option is a key of the table that its group names.
@@ -56,7 +57,7 @@ SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelF
 /// Returns the whole file. To be called after parsing.
 /// Throws InputError with file:line:column for unknown keys (suggesting the nearest), keys in the
 /// wrong table, and values that the option refuses.
-SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
+scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
 
 /// The key of an option in a file, "brick_friction" for --brick-friction; empty for a place.
 std::string settingKey(const CLI::Option& option);
@@ -64,7 +65,7 @@ std::string settingKey(const CLI::Option& option);
 /// Gives an option the values of a setting, unless the option was given before. To be called after
 /// parsing. Throws InputError with file:line:column for values that the option refuses. A switch
 /// that is false in the file is left as it is.
-void applySetting(CLI::Option& option, const SceneSetting& setting);
+void applySetting(CLI::Option& option, const scene::SceneSetting& setting);
 
 // ------------------------------------------------------------------------------------------------
 // Models as they are named on the command line.
@@ -80,7 +81,7 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
 /// Adds --joints-file and --strict. Both decide how files are read, and no more. The settings must
 /// outlive the parsing.
-void addReadOptions(OptionGroup& group, ReadSettings& settings);
+void addReadOptions(OptionGroup& group, model::ReadSettings& settings);
 
 /// Where a model stands: as named, or in data/ when it stands only there, or among the models that
 /// were installed with the program. As named where it stands nowhere, so that the error names what
@@ -89,16 +90,16 @@ std::filesystem::path findModel(const std::filesystem::path& named);
 
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
 /// Warnings are appended, also of tiles that overlap at the start. Throws InputError.
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                  const ReadSettings& settings, std::vector<std::string>& warnings);
+model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                         const model::ReadSettings& settings, std::vector<std::string>& warnings);
 
 /// The same; warnings go to standard error.
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                  const ReadSettings& settings);
+model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                         const model::ReadSettings& settings);
 
 /// Appends a warning where bricks are thicker than a tenth of the tiles' mean edge or thinner than
 /// a thousandth: most often they are in another unit of length than the tiles.
-void checkThickness(const Scene& scene, std::vector<std::string>& warnings);
+void checkThickness(const scene::Scene& scene, std::vector<std::string>& warnings);
 
 /// Prints warnings on standard error, each on one line.
 void printWarnings(const std::vector<std::string>& warnings);
@@ -112,7 +113,7 @@ void printWarnings(const std::vector<std::string>& warnings);
 /// Adds the options of pictures and what is made of them. The settings must outlive the parsing.
 /// The group in a scene file is [recording]; look and camera follow in groups of their own. Values
 /// are checked one by one here, and together by record() and render().
-void addPictureOptions(CLI::App& command, PictureSettings& settings);
+void addPictureOptions(CLI::App& command, record::PictureSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
 // Options of how pictures look and where their camera stands.
@@ -120,13 +121,13 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings);
 /// Adds the options of look and camera, the same for every command that paints. The look must
 /// outlive the parsing. Two groups in the help, "Look" ([style] in a scene file) and "Camera"
 /// ([camera]).
-void addLookOptions(CLI::App& command, Look& look);
+void addLookOptions(CLI::App& command, picture::Look& look);
 
 // ------------------------------------------------------------------------------------------------
 // Options of the video.
 
 /// Adds the options of the video, but for its frames a second. The settings must outlive the
 /// parsing. They stand in [recording] of a scene file.
-void addVideoOptions(CLI::App& command, PictureSettings& settings);
+void addVideoOptions(CLI::App& command, record::PictureSettings& settings);
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -36,7 +36,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -57,7 +57,7 @@ int coreCount() {
 }
 
 /// A fair share of the machine's memory, unless a limit was given.
-WorkerLimits withMemoryLimit(WorkerLimits limits) {
+record::WorkerLimits withMemoryLimit(record::WorkerLimits limits) {
   if (limits.memoryBytes > 0) return limits;
   limits.memoryBytes =
       static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE) / limits.count;
@@ -65,37 +65,38 @@ WorkerLimits withMemoryLimit(WorkerLimits limits) {
 }
 
 /// "3/8". Both numbers from 1; any other text gets one message that shows the form.
-SweepShard parseShard(const TypedValue& value) {
+SweepShard parseShard(const scene::TypedValue& value) {
   const std::string wanted = "I/N, as in 3/8: part I of N, counted from 1";
   const std::size_t slash = value.text.find('/');
-  if (slash == std::string::npos) throw valueError(value, wanted);
+  if (slash == std::string::npos) throw scene::valueError(value, wanted);
   const auto number = [&](const std::string& text) {
     try {
-      return parseInteger({value.name, text}, {1, 1e9});
+      return scene::parseInteger({value.name, text}, {1, 1e9});
     } catch (const InputError&) {
-      throw valueError(value, wanted);
+      throw scene::valueError(value, wanted);
     }
   };
   const long part = number(value.text.substr(0, slash));
   const long count = number(value.text.substr(slash + 1));
-  if (part > count) throw valueError(value, fmt::format("a part from 1/{0} to {0}/{0}", count));
+  if (part > count)
+    throw scene::valueError(value, fmt::format("a part from 1/{0} to {0}/{0}", count));
   return {static_cast<std::uint64_t>(part), static_cast<std::uint64_t>(count)};
 }
 
-void addWorkerOptions(CLI::App& command, WorkerLimits& limits) {
+void addWorkerOptions(CLI::App& command, record::WorkerLimits& limits) {
   OptionGroup group(command, "Workers");
   limits.count = coreCount();
   group.value("--jobs", "COUNT", "one for each core", "processes at a time",
-              [&limits](const TypedValue& typed) {
-                limits.count = static_cast<int>(parseInteger(typed, {1, 4096}));
+              [&limits](const scene::TypedValue& typed) {
+                limits.count = static_cast<int>(scene::parseInteger(typed, {1, 4096}));
               });
   group.number("--run-limit", limits.seconds, {1e-3, 1e9}, "SECONDS",
                "a run that takes longer has failed");
   group.value("--memory-limit", "MEGABYTES", "the machine's memory over --jobs",
               "of each process; a run that needs more has failed",
-              [&limits](const TypedValue& typed) {
-                limits.memoryBytes =
-                    static_cast<std::int64_t>(kBytesInMegabyte * parseNumber(typed, {16, 1e9}));
+              [&limits](const scene::TypedValue& typed) {
+                limits.memoryBytes = static_cast<std::int64_t>(
+                    kBytesInMegabyte * scene::parseNumber(typed, {16, 1e9}));
               });
 }
 
@@ -153,12 +154,12 @@ class SweepFolder {
   }
 
   /// Makes a run that nobody has made or is making. In a worker.
-  Verdict make(std::uint64_t index) const {
-    std::optional<RunClaim> claim = take(index);
-    if (!claim) return Verdict::Skipped;
+  record::Verdict make(std::uint64_t index) const {
+    std::optional<record::RunClaim> claim = take(index);
+    if (!claim) return record::Verdict::Skipped;
     redirectPrints(claim->folder() / kMessages);
     // An empty reason means that the run was made.
-    RunRecord record{false, "", runs_.inputs(index)};
+    record::RunRecord record{false, "", runs_.inputs(index)};
     try {
       runs_.make(index, claim->folder());
     } catch (const std::bad_alloc&) {
@@ -171,16 +172,16 @@ class SweepFolder {
   }
 
   /// Keeps the reason why a run did not end.
-  Verdict lose(std::uint64_t index, const std::string& reason) const {
-    std::optional<RunClaim> claim = take(index);
-    if (!claim) return Verdict::Skipped;
+  record::Verdict lose(std::uint64_t index, const std::string& reason) const {
+    std::optional<record::RunClaim> claim = take(index);
+    if (!claim) return record::Verdict::Skipped;
     claim->finish({true, reason, runs_.inputs(index)});
-    return Verdict::Failed;
+    return record::Verdict::Failed;
   }
 
  private:
   /// On a full disk, keeps the reason in place of the run.
-  static Verdict finish(RunClaim& claim, RunRecord& record) {
+  static record::Verdict finish(record::RunClaim& claim, record::RunRecord& record) {
     record.failed = !record.reason.empty();
     try {
       claim.finish(record);
@@ -191,11 +192,11 @@ class SweepFolder {
       record.reason = withoutFolder(error.what(), claim.folder());
       claim.finish(record);
     }
-    return record.failed ? Verdict::Failed : Verdict::Done;
+    return record.failed ? record::Verdict::Failed : record::Verdict::Done;
   }
 
-  std::optional<RunClaim> take(std::uint64_t index) const {
-    return RunClaim::take(folder_, runs_.name(index), order_.retryFailed);
+  std::optional<record::RunClaim> take(std::uint64_t index) const {
+    return record::RunClaim::take(folder_, runs_.name(index), order_.retryFailed);
   }
 
   const SweepRuns& runs_;
@@ -216,8 +217,10 @@ class Tally {
  public:
   explicit Tally(std::uint64_t total) : total_(total), start_(Clock::now()) {}
 
-  void add(Verdict verdict) {
-    ++(verdict == Verdict::Done ? done_ : verdict == Verdict::Failed ? failed_ : skipped_);
+  void add(record::Verdict verdict) {
+    ++(verdict == record::Verdict::Done     ? done_
+       : verdict == record::Verdict::Failed ? failed_
+                                            : skipped_);
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::uint64_t seen = done_ + failed_ + skipped_;
     // Skipped runs take no time, so the rate is that of the runs that were made.
@@ -257,62 +260,64 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   Tally tally(runsOf(order.shard, total));
   std::uint64_t next = order.shard.number - 1;
   // Numbers of runs are handed out here, in the parent; the work is done in children.
-  const WorkerJobs jobs = {
+  const record::WorkerJobs jobs = {
       [&]() -> std::optional<std::uint64_t> {
         if (next >= total) return std::nullopt;
         return std::exchange(next, next + order.shard.count);
       },
       [&](std::uint64_t index) { return runFolder.make(index); },
       [&](std::uint64_t index, const std::string& why) { return runFolder.lose(index, why); },
-      [&](std::optional<Verdict> verdict) {
+      [&](std::optional<record::Verdict> verdict) {
         if (verdict) tally.add(*verdict);
         return !takeInterrupt();
       }};
-  const bool isWhole = runInWorkers(jobs, withMemoryLimit(order.limits));
+  const bool isWhole = record::runInWorkers(jobs, withMemoryLimit(order.limits));
   fmt::print("{}{}\n",
              isWhole ? "" : "interrupted; the same command goes on from here: ", tally.text());
   return {isWhole, tally.failed()};
 }
 
 /// Reads the end states of the runs that are shown.
-void writeContactSheet(const Gathered& gathered, const std::vector<std::string>& keys,
+void writeContactSheet(const record::Gathered& gathered, const std::vector<std::string>& keys,
                        const fs::path& folder, const fs::path& file) {
   // Nothing to show.
   if (gathered.runs.size() == gathered.failed) return;
-  std::vector<ContactPicture> pictures;
-  for (const SweepRow& run : gathered.runs) {
-    const fs::path vertices = folder / "runs" / run.name / output::kFinalVertices;
+  std::vector<record::ContactPicture> pictures;
+  for (const record::SweepRow& run : gathered.runs) {
+    const fs::path vertices = folder / "runs" / run.name / exports::output::kFinalVertices;
     pictures.push_back({run.failed ? fs::path() : vertices, run.thickness, run.values});
   }
-  writePng(composeContactSheet(keys, pictures), file, {.compressionLevel = kSheetCompression});
+  picture::writePng(record::composeContactSheet(keys, pictures), file,
+                    {.compressionLevel = kSheetCompression});
 }
 
 /// Puts the table, the costs and the contact sheet beside the runs.
-Gathered collect(const SweepRuns& runs, const fs::path& folder) {
+record::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   const auto values = [&runs](std::uint64_t index) {
     std::vector<std::string> texts;
-    for (const SweepValue& value : runs.sweep().plan.run(index)) texts.push_back(value.text);
+    for (const record::SweepValue& value : runs.sweep().plan.run(index))
+      texts.push_back(value.text);
     return texts;
   };
   makeFolder(folder);
   // Two sweeps that end together gather one after the other.
-  const auto lock = FileLock::take(folder / "collect.lock", FileLock::IfHeld::Wait);
-  const Gathered gathered =
-      gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
-              [&runs](std::uint64_t index) { return runs.name(index); }, values});
+  const auto lock = record::FileLock::take(folder / "collect.lock", record::FileLock::IfHeld::Wait);
+  const record::Gathered gathered =
+      record::gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
+                      [&runs](std::uint64_t index) { return runs.name(index); }, values});
   const std::string name = runs.sweep().file.stem().string();
   std::vector<std::string> names = {name + ".csv", name + ".h5", name + "_costs.csv"};
   if (gathered.runs.size() > gathered.failed) names.push_back(name + ".png");
   // All files appear together, or none.
-  FileSet files(folder, output::kContents);
+  exports::FileSet files(folder, exports::output::kContents);
   const auto isWanted = [&names](const std::string& wanted) {
-    return wanted == output::kContents || std::ranges::find(names, wanted) != names.end();
+    return wanted == exports::output::kContents || std::ranges::find(names, wanted) != names.end();
   };
   files.requireFree(isWanted);
   const std::string stem = (files.stage() / name).string();
-  writeTextFile(stem + ".csv", csvText(gathered.results));
-  writeTableArrays(gathered.results, stem + ".h5");
-  writeTextFile(stem + "_costs.csv", csvText(gathered.costs));
+  writeTextFile(stem + ".csv", record::csvText(gathered.results));
+  record::writeTableArrays(gathered.results, stem + ".h5");
+  writeTextFile(stem + "_costs.csv", record::csvText(gathered.costs));
   writeContactSheet(gathered, runs.sweep().plan.keys(), folder, stem + ".png");
   files.commit(names);
   fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n",
@@ -329,12 +334,12 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
   addPlace(*command, "SWEEP", order.sweep, "a file like sweep.toml, see docs/sweeps.md");
   OptionGroup group(*command, "Output");
   group.value("--out", "FOLDER", "out/NAME of the sweep file", "where the runs and the table go",
-              [&order](const TypedValue& typed) { order.folder = typed.text; });
+              [&order](const scene::TypedValue& typed) { order.folder = typed.text; });
   group.flag("--collect", "make no runs, gather those that are there",
              [&order] { order.collectOnly = true; });
   OptionGroup which(*command, "Runs");
   which.value("--shard", "I/N", "1/1", "part I of N alone, without gathering",
-              [&order](const TypedValue& typed) { order.shard = parseShard(typed); });
+              [&order](const scene::TypedValue& typed) { order.shard = parseShard(typed); });
   which.flag("--retry-failed", "make failed runs again", [&order] { order.retryFailed = true; });
   which.flag("--yes", "also when there are more than a million",
              [&order] { order.confirmed = true; });
@@ -352,12 +357,12 @@ void completeOrder(const CLI::App& command, SweepOrder& order) {
 }
 
 int carryOut(const SweepOrder& order) {
-  const SweepRuns runs(readSweepFile(order.sweep));
+  const SweepRuns runs(record::readSweepFile(order.sweep));
   requireMeant(runs, order.confirmed);
   const fs::path folder =
       order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
   if (order.collectOnly) {
-    const Gathered gathered = collect(runs, folder);
+    const record::Gathered gathered = collect(runs, folder);
     return gathered.failed + gathered.missing == 0 ? kExitDone : kExitFailed;
   }
   const MadeRuns made = makeRuns(runs, folder, order);
@@ -418,20 +423,22 @@ CLI::Option& optionOf(CLI::App& command, const std::string& key) {
 /// orders beside them, so it can be neither copied nor moved.
 class RunOrders {
  public:
-  explicit RunOrders(const Sweep& sweep) : family_(sweep.family) {
-    const bool paints = sweep.keep == SweepKeep::Pictures || sweep.keep == SweepKeep::All;
+  explicit RunOrders(const record::Sweep& sweep) : family_(sweep.family) {
+    const bool paints =
+        sweep.keep == record::SweepKeep::Pictures || sweep.keep == record::SweepKeep::All;
     run_ = paints ? addRecordCommand(program_, record_) : addSimulateCommand(program_, record_);
     record_.settings.painterCount = 1;  // other cores have runs of their own
-    record_.settings.trajectory = sweep.keep != SweepKeep::State;
-    if (sweep.keep == SweepKeep::Pictures) record_.settings.video = record_.settings.meshes = false;
+    record_.settings.trajectory = sweep.keep != record::SweepKeep::State;
+    if (sweep.keep == record::SweepKeep::Pictures)
+      record_.settings.video = record_.settings.meshes = false;
     if (family_.empty()) return;
     generate_.family = family_;
-    shape_ = addFamily(program_, familyNamed(family_), generate_);
+    shape_ = addFamily(program_, generate::familyNamed(family_), generate_);
   }
   RunOrders(const RunOrders&) = delete;
   RunOrders& operator=(const RunOrders&) = delete;
 
-  void apply(const SweepSetting& setting) {
+  void apply(const record::SweepSetting& setting) {
     const auto& [key, value] = setting;
     // A family's parameter comes before an option of the same name: of `thickness` a family may
     // mean its own.
@@ -470,16 +477,16 @@ class RunOrders {
     record_.settings.folder = folder;
     if (shape_) record_.madeModel = makeModel(generate_);
     complete();
-    runOrder(record_, [](const Progress& progress) {
+    runOrder(record_, [](const record::Progress& progress) {
       if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
-      return Interruption();
+      return record::Interruption();
     });
   }
 
  private:
   void complete() {
     // Only that there is one counts until the run is made.
-    if (shape_ && !record_.madeModel) record_.madeModel = Model{family_};
+    if (shape_ && !record_.madeModel) record_.madeModel = model::Model{family_};
     // A generated model has no folder where a scene file may stand.
     if (!shape_ || !record_.request.file.empty()) {
       completeOrder(*run_, record_);
@@ -509,12 +516,12 @@ class RunOrders {
     try {
       if (shape_) order.madeModel = makeModel(generate_);
     } catch (const InputError&) {
-      order.madeModel = Model{family_};  // the run itself says what is wrong
+      order.madeModel = model::Model{family_};  // the run itself says what is wrong
     }
     return found->second = readInputs(order);
   }
 
-  void requireNoFamily(const SweepValue& value) const {
+  void requireNoFamily(const record::SweepValue& value) const {
     if (family_.empty()) return;
     throw inputErrorAt(value.where, "either model or generate will do; remove the other");
   }
@@ -532,7 +539,7 @@ class RunOrders {
     return family_.empty() ? run : fmt::format("{} and kirireel generate {} --help", run, family_);
   }
 
-  static void applyTo(CLI::App& command, const SweepSetting& setting) {
+  static void applyTo(CLI::App& command, const record::SweepSetting& setting) {
     const auto& [key, value] = setting;
     applySetting(optionOf(command, key), {"", key, {value.text}, value.isSwitch, value.where});
   }
@@ -546,9 +553,9 @@ class RunOrders {
 };
 
 /// A family that does not exist, with the nearest name that does.
-void requireFamily(const Sweep& sweep) {
+void requireFamily(const record::Sweep& sweep) {
   std::vector<std::string> names;
-  for (const Family& family : families()) names.push_back(family.name);
+  for (const generate::Family& family : generate::families()) names.push_back(family.name);
   if (sweep.family.empty() || has(names, sweep.family)) return;
   throw inputErrorAt(sweep.familyWhere,
                      fmt::format("there is no family {}{}; see kirireel generate --help",
@@ -561,7 +568,7 @@ bool isPathKey(const std::string& key) {
 }
 
 /// Tries a value alone.
-void requireValid(const Sweep& sweep, const SweepSetting& setting) {
+void requireValid(const record::Sweep& sweep, const record::SweepSetting& setting) {
   // An order of its own for each value, so that one value cannot hide a mistake of another.
   RunOrders(sweep).apply(setting);
   if (!isPathKey(setting.key) || fs::exists(setting.value.text)) return;
@@ -572,16 +579,16 @@ void requireValid(const Sweep& sweep, const SweepSetting& setting) {
 }
 
 /// Each value is tried alone: what a run of them all would refuse is for that run to say.
-void requireValid(const Sweep& sweep) {
+void requireValid(const record::Sweep& sweep) {
   requireFamily(sweep);
-  for (const SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
+  for (const record::SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
   // A sweep may name its model in [base], at its top, or as a parameter that varies.
   bool namesModel = !sweep.family.empty();
-  for (const SweepAxis& axis : sweep.axes) {
-    for (const SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});
+  for (const record::SweepAxis& axis : sweep.axes) {
+    for (const record::SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});
     namesModel = namesModel || axis.key == "model";
   }
-  for (const SweepSetting& setting : sweep.settings) {
+  for (const record::SweepSetting& setting : sweep.settings) {
     namesModel = namesModel || setting.key == "model";
   }
   if (namesModel) return;
@@ -591,25 +598,26 @@ void requireValid(const Sweep& sweep) {
 
 }  // namespace
 
-SweepRuns::SweepRuns(Sweep sweep) : sweep_(std::move(sweep)) {
+SweepRuns::SweepRuns(record::Sweep sweep) : sweep_(std::move(sweep)) {
   requireValid(sweep_);
 }
 
-std::vector<SweepSetting> SweepRuns::settings(std::uint64_t index) const {
-  std::vector<SweepSetting> settings = sweep_.settings;
-  const std::vector<SweepValue> values = sweep_.plan.run(index);
+std::vector<record::SweepSetting> SweepRuns::settings(std::uint64_t index) const {
+  std::vector<record::SweepSetting> settings = sweep_.settings;
+  const std::vector<record::SweepValue> values = sweep_.plan.run(index);
   for (std::size_t k = 0; k < values.size(); ++k) {
     settings.push_back({sweep_.plan.keys()[k], values[k]});
   }
-  std::sort(settings.begin(), settings.end(),
-            [](const SweepSetting& a, const SweepSetting& b) { return a.key < b.key; });
+  std::sort(
+      settings.begin(), settings.end(),
+      [](const record::SweepSetting& a, const record::SweepSetting& b) { return a.key < b.key; });
   return settings;
 }
 
 RunInputs SweepRuns::inputs(std::uint64_t index) const {
   RunInputs inputs;
   if (!sweep_.family.empty()) inputs.emplace_back("generate", sweep_.family);
-  for (const SweepSetting& setting : settings(index)) {
+  for (const record::SweepSetting& setting : settings(index)) {
     inputs.emplace_back(setting.key, setting.value.text);
   }
   return inputs;
@@ -617,14 +625,14 @@ RunInputs SweepRuns::inputs(std::uint64_t index) const {
 
 std::string SweepRuns::name(std::uint64_t index) const {
   RunOrders orders(sweep_);
-  for (const SweepSetting& setting : settings(index)) orders.apply(setting);
+  for (const record::SweepSetting& setting : settings(index)) orders.apply(setting);
   return orders.fingerprint(inputs_).substr(0, kNameDigits);
 }
 
 void SweepRuns::make(std::uint64_t index, const fs::path& folder) const {
   RunOrders orders(sweep_);
-  for (const SweepSetting& setting : settings(index)) orders.apply(setting);
+  for (const record::SweepSetting& setting : settings(index)) orders.apply(setting);
   orders.carryOut(folder);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::cli

@@ -16,12 +16,13 @@
 namespace {
 
 using namespace kirireel;
+using namespace kirireel::cli;
 
 /// FOLDER/man1/NAME.1 and FOLDER/completions/kirireel.SHELL, where CMake installs them from.
 void writePages(const std::filesystem::path& folder) {
   const CommandDescription program = describeProgram();
   makeFolder(folder / "man1");
-  for (const auto& [name, text] : manPages(program, programVersion())) {
+  for (const auto& [name, text] : manPages(program, record::programVersion())) {
     writeTextFile(folder / "man1" / name, text);
   }
   makeFolder(folder / "completions");

@@ -38,7 +38,7 @@
 #include "sim/base/interruption.h"
 #include "sim/model/stiffness.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 /// Above this number of tiles, sets are left out unless they are asked for. A tile has at least
@@ -69,8 +69,9 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
   const NeckShape& neck = mesh.rule.neck;
   const double length = std::max(neck.length, neck.kerf);
   std::vector<double> found;
-  for (const std::array<NeckCorner, 2>& tiles : mesh.neckCorners) {
-    found.push_back(neckStiffness(settings.material.youngs, thickness, neck.width, length, tiles));
+  for (const std::array<model::NeckCorner, 2>& tiles : mesh.neckCorners) {
+    found.push_back(
+        model::neckStiffness(settings.material.youngs, thickness, neck.width, length, tiles));
   }
   if (found.empty()) return;
   const auto [least, most] = std::ranges::minmax(found);
@@ -579,14 +580,15 @@ std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int t
 
 }  // namespace
 
-int addHingeSprings(ElementMesh& mesh, std::span<const HingeSpring> springs, const Poses& poses) {
+int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
+                    const Poses& poses) {
   // A sine: the deck's springs turn about z alone, and a hinge within a micrometre a metre of
   // upright is meant to be.
   constexpr double kUpright = 1e-6;
-  const std::vector<double> moments = hingeMoments(springs, poses);
+  const std::vector<double> moments = model::hingeMoments(springs, poses);
   int left = 0;
   for (std::size_t k = 0; k < springs.size(); ++k) {
-    const HingeSpring& spring = springs[k];
+    const model::HingeSpring& spring = springs[k];
     if (spring.stiffness == 0) continue;
     const Vector3 axis = poses[spring.hinge.brickA].rotation * spring.hinge.axis;
     std::vector<PatchSpring> places;
@@ -963,4 +965,4 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

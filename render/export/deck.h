@@ -16,7 +16,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/hinge.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 // ------------------------------------------------------------------------------------------------
 // The words that decks are made of, within the limits of their readers.
@@ -205,7 +205,8 @@ class PatchDeck {
 /// hinges, and in meshes without patches, are left out: returns how many. `springs` name bricks by
 /// the tiles' numbers in the mesh; `poses` are those of the mesh. Angles in radians, stiffness in N
 /// m/rad. Springs of stiffness 0 count as absent.
-int addHingeSprings(ElementMesh& mesh, std::span<const HingeSpring> springs, const Poses& poses);
+int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
+                    const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------
 // The nodes at the ends of a sheet.
@@ -303,4 +304,4 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual)
 /// mesh has. Where nodes still coincide after four passes they are left so.
 std::vector<Vector3> separatedNodes(const ElementMesh& mesh);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -34,7 +34,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 /// A single quadratic element cannot show a moment that varies along a tile.
@@ -51,7 +51,7 @@ constexpr std::size_t kUsualElementsInAll = 60'000;
 constexpr double kMostAspect = 500;
 
 /// The lengths of a tile's edges, metres.
-std::vector<double> edgeLengths(const Brick& brick) {
+std::vector<double> edgeLengths(const model::Brick& brick) {
   std::vector<double> lengths;
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     lengths.push_back((brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm());
@@ -61,9 +61,9 @@ std::vector<double> edgeLengths(const Brick& brick) {
 
 /// A quarter of the least distance between two corners of a tile: patches at both stay apart. Half
 /// the least distance would be the limit at which patches touch.
-double usualPatchRadius(const std::vector<Brick>& bricks) {
+double usualPatchRadius(const std::vector<model::Brick>& bricks) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
+  for (const model::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
   return 0.25 * least;
 }
 
@@ -105,12 +105,12 @@ struct Division {
 /// Concave tiles follow their triangulation, four-sided ones become a grid, all others a fan.
 /// Opposite edges of a grid have the same count, that of the longer; a fan has one count, even and
 /// by the longest edge.
-Division divisionOf(const Brick& brick, const ElementRule& rule, int usual) {
+Division divisionOf(const model::Brick& brick, const ElementRule& rule, int usual) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());
   const int half = (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2;
   // `parts` are the convex pieces of a concave brick; a fan round its centre could fold over.
-  if (!brick.parts.empty()) return {sides, half, 0, trianglesOf(brick.bottom, brick.normal)};
+  if (!brick.parts.empty()) return {sides, half, 0, model::trianglesOf(brick.bottom, brick.normal)};
   if (takesGrid(brick.bottom, brick.normal)) {
     return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
             elementsAlong(std::max(lengths[1], lengths[3]), rule, usual)};
@@ -118,10 +118,10 @@ Division divisionOf(const Brick& brick, const ElementRule& rule, int usual) {
   return {sides, half, 0};
 }
 
-std::vector<Division> divisionsOf(const std::vector<Brick>& bricks, const ElementRule& rule,
+std::vector<Division> divisionsOf(const std::vector<model::Brick>& bricks, const ElementRule& rule,
                                   int usual) {
   std::vector<Division> divisions;
-  for (const Brick& brick : bricks) divisions.push_back(divisionOf(brick, rule, usual));
+  for (const model::Brick& brick : bricks) divisions.push_back(divisionOf(brick, rule, usual));
   return divisions;
 }
 
@@ -152,7 +152,7 @@ Footprint footprintOf(const Division& division, const ElementRule& rule) {
 
 /// The points of a brick's footprint at each level, in world axes; a single level lies at this
 /// share of the thickness.
-std::vector<std::vector<Vector3>> levelsOf(const Brick& brick, const Pose& pose,
+std::vector<std::vector<Vector3>> levelsOf(const model::Brick& brick, const Pose& pose,
                                            const Footprint& footprint, int count, double single) {
   std::vector<Vector3> bases = brick.bottom;
   // The centre of mass is the origin of brick axes, the bottom's half a thickness below it.
@@ -169,7 +169,7 @@ std::vector<std::vector<Vector3>> levelsOf(const Brick& brick, const Pose& pose,
 }
 
 /// `level` is the share of the thickness at which shells lie; solids take no note of it.
-void appendBrick(ElementMesh& mesh, const Brick& brick, const Pose& pose,
+void appendBrick(ElementMesh& mesh, const model::Brick& brick, const Pose& pose,
                  const Footprint& footprint, double level) {
   const int count = PrismLayers::levelCount(mesh.rule);
   PrismLayers layers(mesh, footprint.cells, levelsOf(brick, pose, footprint, count, level));
@@ -226,7 +226,7 @@ void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
   }
 }
 
-void checkElements(const ElementMesh& mesh, const std::vector<Brick>& bricks) {
+void checkElements(const ElementMesh& mesh, const std::vector<model::Brick>& bricks) {
   for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
     const TileElements& tile = mesh.tiles[t];
     const int number = static_cast<int>(t) + mesh.rule.countsFrom;
@@ -241,10 +241,10 @@ void checkElements(const ElementMesh& mesh, const std::vector<Brick>& bricks) {
 /// Where in the thickness the shells of each tile lie: where its joints do. 0 bottom, 0.5 middle, 1
 /// top; 0.5 also for tiles without joints. An offset shell carries its nodes where the hinge is,
 /// which keeps the lever of half a thickness between them.
-std::vector<double> shellLevels(std::size_t tiles, const std::vector<Joint>& joints,
+std::vector<double> shellLevels(std::size_t tiles, const std::vector<model::Joint>& joints,
                                 const ElementRule& rule) {
-  std::vector<std::optional<JointFace>> faces(tiles);
-  for (const Joint& joint : joints) {
+  std::vector<std::optional<model::JointFace>> faces(tiles);
+  for (const model::Joint& joint : joints) {
     for (const int tile : {joint.a.tile, joint.b.tile}) {
       if (faces[tile].value_or(joint.face) != joint.face) {
         throw InputError(
@@ -257,14 +257,14 @@ std::vector<double> shellLevels(std::size_t tiles, const std::vector<Joint>& joi
   }
   std::vector<double> levels;
   for (const auto& face : faces) {
-    const JointFace own = face.value_or(JointFace::Both);
-    levels.push_back(own == JointFace::Both ? 0.5 : own == JointFace::Top ? 1 : 0);
+    const model::JointFace own = face.value_or(model::JointFace::Both);
+    levels.push_back(own == model::JointFace::Both ? 0.5 : own == model::JointFace::Top ? 1 : 0);
   }
   return levels;
 }
 
 /// Divides every brick by itself; the rule's patch radius is known.
-void divideBricks(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
+void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<model::Joint>& joints,
                   const Poses& poses, ElementMesh& mesh) {
   std::vector<double> levels(bricks.size(), 0.5);
   if (mesh.rule.family == ElementFamily::Shell) {
@@ -299,9 +299,9 @@ void requireBuildable(const ElementRule& rule) {
 
 /// The least number of elements per edge whose nodes fill every patch. For a message that says how
 /// to mend too coarse a mesh.
-int leastPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
+int leastPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
   int least = 1;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     least = std::max(least, perEdgeForPatch(std::ranges::max(edgeLengths(brick)), rule));
   }
   return least;
@@ -344,7 +344,7 @@ void requireValidRule(const ElementRule& rule) {
   }
 }
 
-int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
+int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
   int usual = kUsualPerEdge;
   // The count falls with the square of `usual`, so a few rounds do.
   while (usual > kLeastUsualPerEdge &&
@@ -354,12 +354,13 @@ int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
   return usual;
 }
 
-bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule) {
+bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
   return rule.perEdge == 0 && rule.size == 0 && usualPerEdge(bricks, rule) < kUsualPerEdge;
 }
 
-ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
-                            const Poses& poses, const ElementRule& rule) {
+ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
+                            const std::vector<model::Joint>& joints, const Poses& poses,
+                            const ElementRule& rule) {
   requireValidRule(rule);
   requireBuildable(rule);
   ElementMesh mesh;
@@ -781,9 +782,9 @@ class DisjointSets {
 };
 
 /// Edges run from the bottom to the top; a shell has one node there.
-std::vector<int> nodesAt(const std::vector<int>& edge, JointFace face) {
-  if (face == JointFace::Bottom) return {edge.front()};
-  if (face == JointFace::Top) return {edge.back()};
+std::vector<int> nodesAt(const std::vector<int>& edge, model::JointFace face) {
+  if (face == model::JointFace::Bottom) return {edge.front()};
+  if (face == model::JointFace::Top) return {edge.back()};
   return edge;
 }
 
@@ -908,17 +909,17 @@ double leastDistance(const std::vector<Vector3>& points) {
   return least;
 }
 
-std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
+std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
                                    const std::vector<TileElements>& tiles, int countsFrom) {
   std::vector<JointNodes> nodes;
-  for (const Joint& joint : joints) {
-    if (joint.kind != JointKind::Pivot) {
+  for (const model::Joint& joint : joints) {
+    if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
           fmt::format("error: joint {} does not hold two corners together; a mesh can "
                       "hold pivots alone",
                       nodes.size() + static_cast<std::size_t>(countsFrom)));
     }
-    nodes.push_back({joint.a.tile, joint.b.tile, joint.face == JointFace::Both,
+    nodes.push_back({joint.a.tile, joint.b.tile, joint.face == model::JointFace::Both,
                      nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
                      nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
   }
@@ -988,4 +989,4 @@ void spreadPatches(ElementMesh& mesh, int leastPerEdge) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

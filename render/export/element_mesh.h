@@ -10,7 +10,7 @@
 #include "sim/model/model.h"
 #include "sim/model/stiffness.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 /// What holds the elements of joined bricks together.
 enum class JointStyle {
@@ -118,7 +118,7 @@ struct ElementMesh {
   std::vector<TileElements> tiles;  ///< one a brick
   std::vector<TileElements> necks;  ///< of JointStyle::Neck: those with an area of their own
   /// Of JointStyle::Neck: the corners of both tiles at each neck, one a joint.
-  std::vector<std::array<NeckCorner, 2>> neckCorners;
+  std::vector<std::array<model::NeckCorner, 2>> neckCorners;
   std::vector<JointNodes> joints;     ///< one a joint
   std::vector<NodeCluster> clusters;  ///< in order of their first node; none are left when shared
   std::vector<PatchSpring> springs;   ///< of JointStyle::Patch, see deck.h
@@ -137,11 +137,11 @@ inline constexpr int kUsualPerEdge = 8;
 /// How many elements lie along edges when nobody chose: 8, or as many as keep the sheet below
 /// 60,000 elements, at least 2. The rule's other numbers (through, joints, patchRadius) count as
 /// they are. Divides no brick, so it costs up to seven passes over them.
-int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule);
+int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule);
 
 /// Whether nobody chose how many elements lie along edges, and they are fewer than 8. Messages tell
 /// the user so.
-bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule);
+bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule);
 
 /// Divides all bricks at the given poses. Four-sided tiles become grids, triangles and other
 /// polygons (fanned round the centre of area) three grids a triangle; all elements stand on
@@ -160,8 +160,9 @@ bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule);
 /// tiles with joints on different faces. Node numbers are those of the tiles in the model's order;
 /// the same bricks give the same mesh on every machine. Memory is 80 bytes an element, 24 a node,
 /// and the tiles' lists of nodes besides.
-ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
-                            const Poses& poses, const ElementRule& rule);
+ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
+                            const std::vector<model::Joint>& joints, const Poses& poses,
+                            const ElementRule& rule);
 
 /// Whether clusters are tied by *EQUATION: all that are left and have no patches.
 bool hasEquations(const ElementMesh& mesh);
@@ -281,7 +282,7 @@ double leastDistance(const std::vector<Vector3>& points);
 /// The nodes of each joint. Throws InputError for a joint that no deck can hold. That is any joint
 /// but a pivot. One entry a joint, in their order. `countsFrom`: the first joint's number in
 /// messages.
-std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
+std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
                                    const std::vector<TileElements>& tiles, int countsFrom);
 
 /// The nodes that the mesh's joints bring together, before any are merged. Throws InputError when
@@ -312,6 +313,6 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
 ///
 /// Throws what neckOutline, requireValidRule and meshedByGmsh throw. The mesh has no joints and no
 /// clusters.
-ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule& rule);
+ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

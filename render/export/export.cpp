@@ -42,14 +42,14 @@
 #include "sim/base/geometry.h"
 #include "sim/model/read_model.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 /// A hinge width of 0 means a twentieth of the tiles' mean edge.
-std::vector<PatternLine> patternOf(const Model& model, const ExportSettings& settings) {
+std::vector<PatternLine> patternOf(const model::Model& model, const ExportSettings& settings) {
   constexpr double kHingeOfTile = 0.05;
   const double width = settings.hingeWidth;
-  return cutPattern(model, width != 0 ? width : kHingeOfTile * tileSize(model));
+  return cutPattern(model, width != 0 ? width : kHingeOfTile * model::tileSize(model));
 }
 
 class Exporter;
@@ -58,7 +58,7 @@ class Exporter;
 struct ExportFile {
   const char* name;  ///< of a deployment the whole name, else what follows "state_0042"
   /// Writes a state's file.
-  void (*writeState)(Exporter&, const Sample&, const std::filesystem::path&) = nullptr;
+  void (*writeState)(Exporter&, const trajectory::Sample&, const std::filesystem::path&) = nullptr;
   /// Writes the file of a whole deployment.
   void (*writeDeployment)(Exporter&, const std::filesystem::path&) = nullptr;
   /// Whether these settings ask for it; null: always.
@@ -72,7 +72,7 @@ struct ExportFormat {
   const char* name;
   std::vector<ExportFile> files;
   /// Throws what the format cannot have of a model, whatever its run is like; null: nothing.
-  void (*require)(const Model&, const ExportSettings&) = nullptr;
+  void (*require)(const model::Model&, const ExportSettings&) = nullptr;
 };
 
 /// All formats, in the order of the help.
@@ -128,7 +128,7 @@ constexpr const char* kSheet = "sheet";
 
 /// The rule with tiles numbered as the model's file numbers them. Planar files count from 1,
 /// folders from 0: messages name tiles as the user knows them.
-ElementRule numbered(ElementRule rule, const Model& model) {
+ElementRule numbered(ElementRule rule, const model::Model& model) {
   rule.countsFrom = model.fileOrder.countsFrom;
   return rule;
 }
@@ -170,7 +170,8 @@ class WrittenFiles {
 /// the jobs cannot have, before any file is written.
 class Exporter {
  public:
-  Exporter(const TrajectoryReader& trajectory, const ExportSettings& settings, WrittenFiles& files)
+  Exporter(const trajectory::TrajectoryReader& trajectory, const ExportSettings& settings,
+           WrittenFiles& files)
       : trajectory_(trajectory),
         subject_(trajectory.subject()),
         settings_(settings),
@@ -192,7 +193,7 @@ class Exporter {
     }
   }
 
-  const Subject& subject() const { return subject_; }
+  const trajectory::Subject& subject() const { return subject_; }
   const ExportSettings& settings() const { return settings_; }
 
   /// Where the run began, whatever states are asked for.
@@ -202,8 +203,9 @@ class Exporter {
   }
 
   /// The tiles with their vertices in the order of the model's own file.
-  std::vector<Tile> sheetOf(const Sample& sample) const {
-    return inFileOrder(bottomTiles(subject_.bricks, sample.poses), subject_.model.fileOrder);
+  std::vector<model::Tile> sheetOf(const trajectory::Sample& sample) const {
+    return model::inFileOrder(model::bottomTiles(subject_.bricks, sample.poses),
+                              subject_.model.fileOrder);
   }
 
   /// Times in seconds with the names of the states' files of this ending, as pvdText() takes them.
@@ -218,7 +220,7 @@ class Exporter {
   /// All samples of the run, whatever states were asked for.
   std::string animation() const {
     return animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
-      Sample sample = trajectory_.sample(k);
+      trajectory::Sample sample = trajectory_.sample(k);
       return AnimationKey{sample.time, std::move(sample.poses)};
     });
   }
@@ -227,23 +229,23 @@ class Exporter {
   std::vector<SheetState> sheets() const {
     std::vector<SheetState> states;
     for (const ChosenState& state : states_) {
-      const Sample sample = trajectory_.sample(state.sample);
+      const trajectory::Sample sample = trajectory_.sample(state.sample);
       states.push_back({sample.time, sheetOf(sample)});
     }
     return states;
   }
 
  private:
-  bool wants(const char* format) const { return kirireel::wants(settings_, format); }
+  bool wants(const char* format) const { return exports::wants(settings_, format); }
 
   /// All files of one state.
-  void writeState(const ChosenState& state, const Sample& sample) {
+  void writeState(const ChosenState& state, const trajectory::Sample& sample) {
     const std::string name = fileStem(state.label);
     if (wantsElements(settings_) && !isNecked()) {
       ElementMesh mesh =
           makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
       // Springs that find no patches are left out; exportWarnings() has said so.
-      addHingeSprings(mesh, hingeSpringsOf(subject_.pairForces), sample.poses);
+      addHingeSprings(mesh, model::hingeSpringsOf(subject_.pairForces), sample.poses);
       const DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       // The drive is written first: its sets of nodes belong to the end of the mesh deck.
@@ -374,7 +376,7 @@ class Exporter {
   }
 
   /// `sample` gives time and overlap; the label is as the state was asked for.
-  DeckOrigin originOf(const std::string& label, const Sample& sample) const {
+  DeckOrigin originOf(const std::string& label, const trajectory::Sample& sample) const {
     return {subject_.model.name, label,
             sample.time,         subject_.brickRule.thickness,
             sample.penetration,  std::string("Kirireel ") + KIRIREEL_VERSION,
@@ -383,14 +385,14 @@ class Exporter {
 
   /// What tells this run from others, whatever folder it lies in.
   std::string runWords() const {
-    const std::vector<Event>& events = trajectory_.end().events;
+    const std::vector<trajectory::Event>& events = trajectory_.end().events;
     return fmt::format("trajectory.h5, {} samples to {} s{}{}", trajectory_.times().size(),
                        trajectory_.times().back(), events.empty() ? "" : "; ",
                        events.empty() ? "" : events.back().text);
   }
 
-  const TrajectoryReader& trajectory_;
-  const Subject& subject_;
+  const trajectory::TrajectoryReader& trajectory_;
+  const trajectory::Subject& subject_;
   const ExportSettings& settings_;
   ElementRule elements_;
   std::vector<ChosenState> states_;
@@ -400,7 +402,8 @@ class Exporter {
 };
 
 /// A surface mesh, whose format writeMesh() tells by the ending.
-void writeSurface(Exporter& exporter, const Sample& sample, const std::filesystem::path& file) {
+void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
+                  const std::filesystem::path& file) {
   writeMesh(file, exporter.subject().bricks, sample.poses);
 }
 
@@ -408,7 +411,7 @@ std::vector<PatternLine> patternOf(const Exporter& exporter) {
   return patternOf(exporter.subject().model, exporter.settings());
 }
 
-void requirePattern(const Model& model, const ExportSettings& settings) {
+void requirePattern(const model::Model& model, const ExportSettings& settings) {
   patternOf(model, settings);
 }
 
@@ -446,19 +449,21 @@ const std::vector<ExportFormat>& exportFormats() {
       // vertices.txt.
       {"planar",
        {{"_planar.obj",
-         [](Exporter& exporter, const Sample& sample, const Path& file) {
+         [](Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
            writeTextFile(file, planarObjText(exporter.sheetOf(sample)));
          }}}},
       {"vertices",
-       {{"_vertices.txt", [](Exporter& exporter, const Sample& sample,
-                             const Path& file) { writeTiles(exporter.sheetOf(sample), file); }}}},
+       {{"_vertices.txt",
+         [](Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
+           model::writeTiles(exporter.sheetOf(sample), file);
+         }}}},
       deckFormat(),
       // A Gmsh 4.1 mesh of the same elements.
       {kGmsh, {{kGmshFile}}},
       // ParaView, with measures as fields.
       {"vtu",
        {{".vtu",
-         [](Exporter& exporter, const Sample& sample, const Path& file) {
+         [](Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
            writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample));
          }},
         ofDeployment("deployment.pvd",
@@ -474,7 +479,7 @@ const std::vector<ExportFormat>& exportFormats() {
       {"fold",
        {ofDeployment("deployment.fold",
                      [](Exporter& exporter, const Path& file) {
-                       writeTextFile(file, foldText(inFileOrder(exporter.subject().model),
+                       writeTextFile(file, foldText(model::inFileOrder(exporter.subject().model),
                                                     exporter.sheets()));
                      })}},
       // What to cut to make the start.
@@ -501,7 +506,8 @@ std::vector<std::string> exportFormatNames() {
   return names;
 }
 
-void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings) {
+void requireExportable(const model::Model& model, const model::BrickRule& rule,
+                       const ExportSettings& settings) {
   requireDifferent(settings.formats);
   requireValidRule(settings.elements);
   requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
@@ -520,8 +526,8 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
   if (elements.joints == JointStyle::Shared) elements.joints = JointStyle::Equation;
   // Making the mesh is the check: it throws what it would throw at the end of a run that may take
   // hours.
-  const std::vector<Brick> bricks = makeBricks(model.tiles, rule);
-  makeElementMesh(bricks, model.joints, startPoses(model.tiles, bricks), elements);
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, rule);
+  makeElementMesh(bricks, model.joints, model::startPoses(model.tiles, bricks), elements);
 }
 
 bool isExported(const std::string& name, const ExportSettings& settings) {
@@ -547,11 +553,11 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
   });
 }
 
-std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
+std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& trajectory,
                                         const ExportSettings& settings) {
   std::vector<std::string> lines;
   if (!wantsElements(settings) || settings.elements.joints == JointStyle::Neck) return lines;
-  const std::vector<Brick>& bricks = trajectory.subject().bricks;
+  const std::vector<model::Brick>& bricks = trajectory.subject().bricks;
   // Large sheets get fewer elements than usual without being asked; the user has to know.
   if (isCoarsened(bricks, settings.elements)) {
     lines.push_back(
@@ -560,7 +566,8 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
                     bricks.size(), usualPerEdge(bricks, settings.elements)));
   }
   if (!wants(settings, kDeck)) return lines;
-  const std::vector<HingeSpring>& springs = hingeSpringsOf(trajectory.subject().pairForces);
+  const std::vector<model::HingeSpring>& springs =
+      model::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
   // Only patches have rotations that a spring can join.
   if (hasSprings && settings.elements.joints != JointStyle::Patch) {
@@ -568,7 +575,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
         "patches; choose --joints patch");
   }
-  if (!ligamentsOf(trajectory.subject().pairForces).empty()) {
+  if (!model::ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
         "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
         "--joints neck has the start with its necks");
@@ -585,7 +592,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
   return lines;
 }
 
-std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
+std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
@@ -599,7 +606,7 @@ std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
   return names;
 }
 
-std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
+std::vector<std::string> exportInto(const trajectory::TrajectoryReader& trajectory,
                                     const ExportSettings& settings,
                                     const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
@@ -668,7 +675,7 @@ double largestTurn(const Poses& start, const Poses& poses) {
 }
 
 /// Reads sample by sample until one has turned far enough.
-std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
+std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double degrees,
                           const std::string& name) {
   const Poses start = trajectory.sample(0).poses;
   const double wanted = degrees * kDegree;
@@ -683,10 +690,10 @@ std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
 }
 
 /// Events are told by their text; the first one that contains it counts.
-std::size_t sampleAtEvent(const TrajectoryReader& trajectory, const std::string& text,
+std::size_t sampleAtEvent(const trajectory::TrajectoryReader& trajectory, const std::string& text,
                           const std::string& name) {
   std::string known;
-  for (const Event& event : trajectory.end().events) {
+  for (const trajectory::Event& event : trajectory.end().events) {
     if (event.text.find(text) != std::string::npos) {
       return nearestSample(trajectory.times(), event.time);
     }
@@ -724,7 +731,7 @@ StateName readName(const std::string& name) {
 }
 
 /// The first and the last sample that a name stands for. Equal for all names but `all`.
-std::pair<std::size_t, std::size_t> samplesNamed(const TrajectoryReader& trajectory,
+std::pair<std::size_t, std::size_t> samplesNamed(const trajectory::TrajectoryReader& trajectory,
                                                  const std::string& name) {
   const std::vector<double>& times = trajectory.times();
   const StateName read = readName(name);
@@ -792,7 +799,7 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
   return label;
 }
 
-std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
+std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names) {
   // By sample, so that states come out in the order of time whatever the order of the names.
   std::map<std::size_t, std::pair<std::string, std::string>> chosen;  // names and labels
@@ -857,12 +864,12 @@ std::string lineOf(const std::string& name, double own, double finer) {
 
 }  // namespace
 
-std::vector<std::string> meshSensitivity(const TrajectoryReader& trajectory,
+std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& trajectory,
                                          const ExportSettings& settings) {
   if (!wants(settings, kDeck)) {
     throw InputError("error: --check runs the jobs of decks; add inp to --format");
   }
-  const Subject& subject = trajectory.subject();
+  const trajectory::Subject& subject = trajectory.subject();
   DeckOrigin origin;
   origin.thickness = subject.brickRule.thickness;
   std::vector<std::string> lines;
@@ -890,4 +897,4 @@ std::vector<std::string> meshSensitivity(const TrajectoryReader& trajectory,
   return lines;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -9,7 +9,7 @@
 #include "render/export/element_mesh.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 /// The names of the formats that a state, or the whole deployment, can be written as, in the order
 /// of the help: the first words of the table in export.cpp, which says what files each one has. In
@@ -30,7 +30,8 @@ struct ExportSettings {
 /// that are none or given twice, cut patterns, elements, joint patches and necks that it cannot
 /// have, and drives of tiles that it does not have. It makes the elements of the start once, which
 /// is the price of an early answer.
-void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings);
+void requireExportable(const model::Model& model, const model::BrickRule& rule,
+                       const ExportSettings& settings);
 
 /// Whether an export of some run may write a file of this name. Names of states with any sample's
 /// number count.
@@ -39,20 +40,20 @@ bool isExported(const std::string& name, const ExportSettings& settings);
 /// What to tell the person who asked for decks of this trajectory, one line each: bricks that
 /// overlap in a state that is exported, and elements that are fewer than usual because the tiles
 /// are many. Empty where no deck or mesh is asked for. Reads the samples of the states.
-std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
+std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& trajectory,
                                         const ExportSettings& settings);
 
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
 /// all of them appear or none; contents.json lists them. Throws InputError for states that are not
 /// there, formats that are none or given twice, formats that the model cannot have, and where files
 /// of others stand in the way, see FileSet; OutputError when a file cannot be written.
-std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
+std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder);
 
 /// The same into a folder that is being filled anyway: without contents.json, nothing that stands
 /// there is looked at. What was written before an error is removed. The folder must exist.
-std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
+std::vector<std::string> exportInto(const trajectory::TrajectoryReader& trajectory,
                                     const ExportSettings& settings,
                                     const std::filesystem::path& folder);
 
@@ -84,7 +85,7 @@ std::string stateLabel(const std::string& name, std::size_t sample);
 /// Shares, times and events stand for the nearest sample. Throws InputError for a name that means
 /// nothing, a state that is not in the trajectory, and two names of one sample. An angle reads the
 /// trajectory up to its sample; the others look at times alone.
-std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
+std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names);
 
 // ------------------------------------------------------------------------------------------------
@@ -95,7 +96,7 @@ std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
 /// ccx is not installed, when there are no decks, when elements half as long are too many, and what
 /// making elements throws; RunError when ccx fails. Takes as long as CalculiX does, twice for each
 /// state; the finer one dominates.
-std::vector<std::string> meshSensitivity(const TrajectoryReader& trajectory,
+std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& trajectory,
                                          const ExportSettings& settings);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

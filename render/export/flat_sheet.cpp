@@ -22,18 +22,18 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 constexpr double kPlanarStart = 1e-6;  ///< of the model size, that vertices may be off the plane
 
 /// Looks at every vertex.
-void requireFlat(const Model& model, const Vector3& normal) {
+void requireFlat(const model::Model& model, const Vector3& normal) {
   const Vector3& origin = model.tiles[0].vertices[0];
-  const double allowed = kPlanarStart * modelSize(model);
+  const double allowed = kPlanarStart * model::modelSize(model);
   const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
-    if (tileNormal(model.tiles[t]).dot(normal) < 0) {
+    if (model::tileNormal(model.tiles[t]).dot(normal) < 0) {
       throw InputError(
           fmt::format("error: tile {} faces the other way than tile {}; a cut pattern "
                       "needs all tiles on one side: reverse its vertices",
@@ -52,7 +52,8 @@ void requireFlat(const Model& model, const Vector3& normal) {
 
 /// A gap that is closed but for rounding may come out as slightly less than 0; it counts as 0 and
 /// not as a full turn.
-CornerGap gapBetween(const std::vector<FlatTile>& tiles, const Corner& a, const Corner& b) {
+CornerGap gapBetween(const std::vector<FlatTile>& tiles, const model::Corner& a,
+                     const model::Corner& b) {
   const int sides = static_cast<int>(tiles[a.tile].size());
   CornerGap gap;
   gap.first = {a.tile, (a.vertex + sides - 1) % sides, false};
@@ -76,28 +77,28 @@ Quaternion turnUp(const Vector3& normal) {
 
 }  // namespace
 
-FlatSheet flatSheet(const Model& model) {
-  const Vector3 normal = tileNormal(model.tiles[0]);
+FlatSheet flatSheet(const model::Model& model) {
+  const Vector3 normal = model::tileNormal(model.tiles[0]);
   requireFlat(model, normal);
   FlatSheet sheet;
   sheet.turn = turnUp(normal);
   sheet.height = (sheet.turn * model.tiles[0].vertices[0]).z();
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     FlatTile& flat = sheet.tiles.emplace_back();
     for (const Vector3& vertex : tile.vertices) flat.push_back((sheet.turn * vertex).head<2>());
   }
   return sheet;
 }
 
-void requirePivot(const Joint& joint, std::size_t number) {
-  if (joint.kind == JointKind::Pivot) return;
+void requirePivot(const model::Joint& joint, std::size_t number) {
+  if (joint.kind == model::JointKind::Pivot) return;
   throw InputError(
       fmt::format("error: joint {} does not hold two corners together; a cut "
                   "pattern knows hinges at corners alone",
                   number));
 }
 
-CornerGap narrowGap(const std::vector<FlatTile>& tiles, const Joint& joint) {
+CornerGap narrowGap(const std::vector<FlatTile>& tiles, const model::Joint& joint) {
   const CornerGap ahead = gapBetween(tiles, joint.a, joint.b);
   const CornerGap behind = gapBetween(tiles, joint.b, joint.a);
   return ahead.angle <= behind.angle ? ahead : behind;
@@ -141,11 +142,11 @@ double trimAt(const Trims& trims, const EdgeEnd& end) {
 /// Works in the sheet's plane; all lengths in metres.
 class PatternMaker {
  public:
-  PatternMaker(const Model& model, double hingeWidth)
+  PatternMaker(const model::Model& model, double hingeWidth)
       : tiles_(flatSheet(model).tiles),
         first_(model.fileOrder.countsFrom),
         width_(hingeWidth),
-        same_(kSameEdge * tileSize(model)) {
+        same_(kSameEdge * model::tileSize(model)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
   }
@@ -156,9 +157,9 @@ class PatternMaker {
   int sides(int tile) const { return static_cast<int>(tiles_[tile].size()); }
   int after(int tile, int k) const { return (k + 1) % sides(tile); }
 
-  const Vector2& corner(const Corner& c) const { return tiles_[c.tile][c.vertex]; }
+  const Vector2& corner(const model::Corner& c) const { return tiles_[c.tile][c.vertex]; }
 
-  void addHinge(const Joint& joint, std::size_t number) {
+  void addHinge(const model::Joint& joint, std::size_t number) {
     requirePivot(joint, static_cast<std::size_t>(first_) + number);
     const CornerGap gap = narrowGap(tiles_, joint);
     const double trim = width_ / std::cos(gap.angle / 2);
@@ -258,7 +259,7 @@ constexpr LayerLook kLooks[] = {
 
 }  // namespace
 
-std::vector<PatternLine> cutPattern(const Model& model, double hingeWidth) {
+std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth) {
   if (!(hingeWidth > 0)) {
     throw InputError(
         fmt::format("error: hinges cannot be {} m wide; give a positive --hinge-width, "
@@ -339,10 +340,10 @@ struct SharedVertices {
 };
 
 /// Numbers are in order of first appearance.
-SharedVertices shareVertices(const Model& model) {
+SharedVertices shareVertices(const model::Model& model) {
   std::vector<int> firstOf;
   int corners = 0;
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     firstOf.push_back(corners);
     corners += static_cast<int>(tile.vertices.size());
   }
@@ -352,8 +353,8 @@ SharedVertices shareVertices(const Model& model) {
     while (parent[corner] != corner) corner = parent[corner] = parent[parent[corner]];
     return corner;
   };
-  for (const Joint& joint : model.joints) {
-    if (joint.face == JointFace::Top || joint.kind != JointKind::Pivot) continue;
+  for (const model::Joint& joint : model.joints) {
+    if (joint.face == model::JointFace::Top || joint.kind != model::JointKind::Pivot) continue;
     const int a = lowest(firstOf[joint.a.tile] + joint.a.vertex);
     const int b = lowest(firstOf[joint.b.tile] + joint.b.vertex);
     parent[std::max(a, b)] = std::min(a, b);
@@ -372,7 +373,7 @@ SharedVertices shareVertices(const Model& model) {
 }
 
 /// Corners that a joint leaves apart are written at their mean.
-Json coordinates(const SharedVertices& shared, const std::vector<Tile>& tiles) {
+Json coordinates(const SharedVertices& shared, const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> sums(shared.count, Vector3::Zero());
   std::vector<int> uses(shared.count);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -407,9 +408,9 @@ void addEdges(const SharedVertices& shared, Json& fold) {
   fold["edges_assignment"] = std::move(assignment);
 }
 
-Json jointRows(const std::vector<Joint>& joints) {
+Json jointRows(const std::vector<model::Joint>& joints) {
   Json rows = Json::array();
-  for (const Joint& joint : joints) {
+  for (const model::Joint& joint : joints) {
     rows.push_back(
         {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex, static_cast<int>(joint.face)});
   }
@@ -422,16 +423,16 @@ std::string frameTitle(double time) {
 
 }  // namespace
 
-std::string planarObjText(const std::vector<Tile>& tiles) {
+std::string planarObjText(const std::vector<model::Tile>& tiles) {
   std::size_t vertices = 0;
-  for (const Tile& tile : tiles) vertices += tile.vertices.size();
+  for (const model::Tile& tile : tiles) vertices += tile.vertices.size();
   std::string text = fmt::format("# {} vertices {} faces\n", vertices, tiles.size());
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& v : tile.vertices) appendText(text, "v {} {} {}\n", v.x(), v.y(), v.z());
   }
   text += "\n";
   std::size_t next = 1;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     text += "f";
     for (std::size_t k = 0; k < tile.vertices.size(); ++k) appendText(text, " {}", next++);
     text += "\n";
@@ -439,7 +440,7 @@ std::string planarObjText(const std::vector<Tile>& tiles) {
   return text;
 }
 
-std::string foldText(const Model& model, const std::vector<SheetState>& states) {
+std::string foldText(const model::Model& model, const std::vector<SheetState>& states) {
   const SharedVertices shared = shareVertices(model);
   Json fold = {{"file_spec", 1.2},
                {"file_creator", "Kirireel"},
@@ -544,8 +545,8 @@ struct CornerPoints {
 /// Made for one outline.
 class OutlineMaker {
  public:
-  OutlineMaker(const Model& model, const FlatSheet& sheet, const NeckShape& shape)
-      : model_(model), shape_(shape), tiny_(kShortestLine * tileSize(model)) {
+  OutlineMaker(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape)
+      : model_(model), shape_(shape), tiny_(kShortestLine * model::tileSize(model)) {
     outline_.sheet = sheet;
     outline_.neckWidth = shape.width;
     shape_.length = std::max(shape.length, shape.kerf);
@@ -797,7 +798,7 @@ class OutlineMaker {
     }
   }
 
-  const Model& model_;
+  const model::Model& model_;
   NeckShape shape_;
   double tiny_;  ///< metres
   NeckOutline outline_;
@@ -822,7 +823,7 @@ void requirePossible(const NeckShape& shape) {
 }
 
 /// Costs a whole outline.
-bool fits(const Model& model, const FlatSheet& sheet, const NeckShape& shape) {
+bool fits(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape) {
   try {
     OutlineMaker(model, sheet, shape).make();
     return true;
@@ -832,7 +833,7 @@ bool fits(const Model& model, const FlatSheet& sheet, const NeckShape& shape) {
 }
 
 /// The bound up to which a length fits, between one that does and one that does not; three digits.
-std::optional<double> boundOf(const Model& model, const FlatSheet& sheet, NeckShape shape,
+std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet, NeckShape shape,
                               double NeckShape::*length, double good) {
   double bad = shape.*length;
   shape.*length = good;
@@ -845,7 +846,7 @@ std::optional<double> boundOf(const Model& model, const FlatSheet& sheet, NeckSh
   return good < bad ? 0.99 * good : 1.01 * good;
 }
 
-[[noreturn]] void refuse(const Model& model, const FlatSheet& sheet, const NeckShape& shape,
+[[noreturn]] void refuse(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape,
                          const Misfit& misfit) {
   std::string cure = "; no neck of this length and kerf fits";
   const auto offer = [&](double NeckShape::*length, double good, const char* words) {
@@ -853,7 +854,7 @@ std::optional<double> boundOf(const Model& model, const FlatSheet& sheet, NeckSh
     if (bound) cure = fmt::format("; {} {:.3g} m does", words, *bound);
     return bound.has_value();
   };
-  const double size = tileSize(model);
+  const double size = model::tileSize(model);
   if (misfit.kind == Misfit::TooRound) {
     offer(&NeckShape::radius, 0, "a --neck-radius of");
   } else if (misfit.kind == Misfit::TooShort) {
@@ -876,7 +877,7 @@ std::optional<double> boundOf(const Model& model, const FlatSheet& sheet, NeckSh
 
 }  // namespace
 
-NeckOutline neckOutline(const Model& model, const NeckShape& shape) {
+NeckOutline neckOutline(const model::Model& model, const NeckShape& shape) {
   requirePossible(shape);
   const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], first + j);
@@ -888,4 +889,4 @@ NeckOutline neckOutline(const Model& model, const NeckShape& shape) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

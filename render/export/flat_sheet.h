@@ -10,7 +10,7 @@
 
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 // ------------------------------------------------------------------------------------------------
 // The start of a planar model in its own plane, and the gaps beside its joints.
@@ -33,11 +33,11 @@ struct FlatSheet {
 
 /// Throws InputError for a start that is not flat or has tiles on both faces. Vertices keep their
 /// order and number.
-FlatSheet flatSheet(const Model& model);
+FlatSheet flatSheet(const model::Model& model);
 
 /// Throws InputError for a joint, of this number in messages, that does not hold two corners
 /// together.
-void requirePivot(const Joint& joint, std::size_t number);
+void requirePivot(const model::Joint& joint, std::size_t number);
 
 /// The end of an edge of a tile: edge k runs from vertex k to the next.
 struct EdgeEnd {
@@ -57,7 +57,7 @@ struct CornerGap {
 };
 
 /// The narrower of the two gaps between the tiles of a pivot. The first where both are equal.
-CornerGap narrowGap(const std::vector<FlatTile>& tiles, const Joint& joint);
+CornerGap narrowGap(const std::vector<FlatTile>& tiles, const model::Joint& joint);
 
 /// The direction from the given end into its edge. A unit vector.
 Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end);
@@ -88,7 +88,7 @@ struct PatternLine {
 /// Throws InputError for a start that is not flat or has tiles on both faces, joints that are not
 /// hinges at a corner, and a width at which an edge would not be cut at all. Hinges first, then
 /// edges in the order of tiles. Costs a lookup an edge.
-std::vector<PatternLine> cutPattern(const Model& model, double hingeWidth);
+std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth);
 
 /// The lines as an SVG in millimetres at true size, a group a layer. A margin of 5 mm stays around
 /// the pattern. Digits read back to the same doubles.
@@ -104,12 +104,12 @@ std::string patternDxf(const std::vector<PatternLine>& lines);
 /// The bottoms of all bricks as an OBJ of polygons, as PyKirigami exports it: "# n vertices m
 /// faces", one face a tile in the model's order, no vertex shared, no groups. Coordinates read back
 /// to the same doubles. Lengths in metres.
-std::string planarObjText(const std::vector<Tile>& tiles);
+std::string planarObjText(const std::vector<model::Tile>& tiles);
 
 /// A sheet at one time.
 struct SheetState {
-  double time = 0;          ///< seconds
-  std::vector<Tile> tiles;  ///< of the sheet, in the order of the model's file
+  double time = 0;                 ///< seconds
+  std::vector<model::Tile> tiles;  ///< of the sheet, in the order of the model's file
 };
 
 /// The text of a FOLD 1.2 file: the first state as its own frame, the others in `file_frames`,
@@ -117,7 +117,7 @@ struct SheetState {
 /// hold together are one vertex, at the mean of its corners; edges of one tile are boundaries
 /// ("B"), of two flat folds ("F"). `kirireel:joints` holds the model's joints as rows of tile,
 /// vertex, tile, vertex, face. At least one state; all have the model's tiles in its order.
-std::string foldText(const Model& model, const std::vector<SheetState>& states);
+std::string foldText(const model::Model& model, const std::vector<SheetState>& states);
 
 // ------------------------------------------------------------------------------------------------
 // The outline of a sheet as it is cut: tiles in one piece with the necks of material at their
@@ -156,6 +156,6 @@ struct NeckOutline {
 /// positive or contradict each other, necks that are too wide, too short or too long for their
 /// tiles (each with the length that would do), and necks with a length at corners of two joints.
 /// Points of tiles come in the order of tiles; necks in that of joints.
-NeckOutline neckOutline(const Model& model, const NeckShape& shape);
+NeckOutline neckOutline(const model::Model& model, const NeckShape& shape);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -24,7 +24,7 @@
 
 #include "render/export/deck.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 // Gmsh's numbers for kinds of elements.
@@ -378,4 +378,4 @@ std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
   return nodes;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

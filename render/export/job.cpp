@@ -42,7 +42,7 @@
 #include "sim/base/error.h"
 #include "sim/mechanics/block_cholesky.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 /// Shells with an offset have a section for each set; all others one for EALL. Plane elements give
@@ -894,7 +894,7 @@ class FrontalElimination {
     for (const PairEquations& pair : equations) {
       if (pair.firstTile != pair.secondTile) edges.emplace_back(pair.firstTile, pair.secondTile);
     }
-    plan_ = planElimination(tileCount, edges);
+    plan_ = mechanics::planElimination(tileCount, edges);
     for (int tile = 0; tile < tileCount; ++tile) tileAt_[plan_.place[tile]] = tile;
     // An equation enters with the first of its tiles that is eliminated.
     equationsAt_.resize(tileCount);
@@ -916,7 +916,7 @@ class FrontalElimination {
   /// The equations of a front: those of its own tiles, and what its children left over. Columns are
   /// the front's own tiles first, then those of `node.rows`, six each. A child's rest has the
   /// columns of its own `rows`, whose places here `childPlaces` names.
-  Eigen::MatrixXd assemble(const Supernode& node) {
+  Eigen::MatrixXd assemble(const mechanics::Supernode& node) {
     Eigen::Index rows = 0;
     for (const int child : node.children) rows += leftOver_[child].rows();
     for (int c = 0; c < node.columnCount; ++c) {
@@ -950,7 +950,7 @@ class FrontalElimination {
   }
 
   /// Adds one tile's side of an equation.
-  void place(Eigen::MatrixXd& front, Eigen::Index row, const Supernode& node, int tile,
+  void place(Eigen::MatrixXd& front, Eigen::Index row, const mechanics::Supernode& node, int tile,
              const PairEquations::Rows& block) const {
     if (isFixed_[tile]) return;
     // Own tiles follow each other by place; the others are found in the sorted list of rows.
@@ -964,7 +964,7 @@ class FrontalElimination {
 
   /// Fronts come in an order in which children precede their parents.
   void eliminate(std::size_t number) {
-    const Supernode& node = plan_.supernodes[number];
+    const mechanics::Supernode& node = plan_.supernodes[number];
     Eigen::MatrixXd front = assemble(node);
     Eigen::Index row = 0;
     for (int c = 0; c < node.columnCount; ++c) {
@@ -1028,7 +1028,7 @@ class FrontalElimination {
   const std::vector<PairEquations>& equations_;
   const std::vector<bool>& isFixed_;
   double tolerance_;
-  Elimination plan_;
+  mechanics::Elimination plan_;
   std::vector<int> tileAt_;                            ///< by place
   std::vector<std::vector<std::size_t>> equationsAt_;  ///< by place
   std::vector<Eigen::MatrixXd> leftOver_;              ///< by supernode, until its parent takes it
@@ -1043,4 +1043,4 @@ std::vector<FreeColumn> freeColumns(int tileCount, const std::vector<PairEquatio
   return FrontalElimination(tileCount, equations, isFixed, tolerance).run();
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

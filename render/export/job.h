@@ -10,7 +10,7 @@
 #include "render/export/element_mesh.h"
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 // ------------------------------------------------------------------------------------------------
 // Jobs for CalculiX and Abaqus on the decks of a sheet.
@@ -138,4 +138,4 @@ struct FreeColumn {
 std::vector<FreeColumn> freeColumns(int tileCount, const std::vector<PairEquations>& equations,
                                     const std::vector<bool>& isFixed, double tolerance);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

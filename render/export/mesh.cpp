@@ -34,7 +34,7 @@
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 // assimp stores and prints coordinates in single precision and welds vertices that look equal. So
@@ -46,7 +46,7 @@ using Face = std::vector<unsigned>;
 constexpr std::size_t kMostCorners = 1U << 24U;
 
 /// The corners of all bricks in world axes: of each brick its bottom, then its top. Metres.
-std::vector<Vector3> worldCorners(const std::vector<Brick>& bricks, const Poses& poses) {
+std::vector<Vector3> worldCorners(const std::vector<model::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
@@ -74,14 +74,14 @@ std::vector<Face> facesOf(unsigned n, unsigned first) {
 }
 
 /// The faces of a brick whose first corner has this number, as triangles.
-std::vector<Face> brickTriangles(const Brick& brick, unsigned first) {
+std::vector<Face> brickTriangles(const model::Brick& brick, unsigned first) {
   std::vector<Face> triangles;
-  const std::vector<std::vector<Vector3>> shapes = brickFaces(brick);
+  const std::vector<std::vector<Vector3>> shapes = model::brickFaces(brick);
   const std::vector<Face> faces = facesOf(static_cast<unsigned>(brick.bottom.size()), first);
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const Vector3 normal = k == 0 ? Vector3(-brick.normal) : brick.normal;
     // Sides are convex, whatever their normal.
-    const auto cut = k < 2 ? trianglesOf(shapes[k], normal)
+    const auto cut = k < 2 ? model::trianglesOf(shapes[k], normal)
                            : std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}};
     for (const auto& [a, b, c] : cut) {
       triangles.push_back({faces[k][a], faces[k][b], faces[k][c]});
@@ -210,11 +210,11 @@ void appendCorner(std::string& text, std::string_view row, const std::vector<Vec
   appendText(text, "{} {} {}\n", point.x(), point.y(), point.z());
 }
 
-std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+std::string objText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
                     const std::filesystem::path& path) {
   std::vector<std::unique_ptr<aiMesh>> meshes;
   unsigned first = 0;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     const auto sides = static_cast<unsigned>(brick.bottom.size());
     const std::string name = fmt::format("TILE_{:05}", meshes.size());
     meshes.push_back(flatMesh(facesOf(sides, first), corners));
@@ -239,10 +239,10 @@ std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>
 }
 
 /// The triangles of all bricks, by the numbers of their corners.
-std::vector<Face> allTriangles(const std::vector<Brick>& bricks) {
+std::vector<Face> allTriangles(const std::vector<model::Brick>& bricks) {
   std::vector<Face> triangles;
   unsigned first = 0;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     const auto sides = static_cast<unsigned>(brick.bottom.size());
     std::ranges::copy(brickTriangles(brick, first), std::back_inserter(triangles));
     first += 2 * sides;
@@ -258,7 +258,7 @@ std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
 
 /// Binary STL holds single precision and no shared vertices: nothing to fill in after. Each facet
 /// has its own normal; assimp would smooth them over shared corners.
-std::string stlBytes(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
                      const std::filesystem::path& path) {
   auto mesh = flatMesh(allTriangles(bricks), corners);
   for (unsigned k = 0; k < mesh->mNumVertices; ++k) {
@@ -275,7 +275,7 @@ std::string stlBytes(const std::vector<Brick>& bricks, const std::vector<Vector3
 }
 
 /// The header's counts are assimp's own and stay.
-std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
                     const std::filesystem::path& path) {
   auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
   const std::string numbers = exported(*sceneOf(std::move(mesh)), "ply", path);
@@ -296,7 +296,7 @@ std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>
 
 }  // namespace
 
-void writeMesh(const std::filesystem::path& path, const std::vector<Brick>& bricks,
+void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
                const Poses& poses) {
   const std::vector<Vector3> corners = worldCorners(bricks, poses);
   const std::string ending = path.extension().string();
@@ -415,8 +415,8 @@ Vector3 normalOf(const std::vector<Vector3>& face) {
 }
 
 /// Each face has its own vertices, so that it can have its own normal.
-Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
-  const std::vector<std::vector<Vector3>> faces = brickFaces(brick);
+Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) {
+  const std::vector<std::vector<Vector3>> faces = model::brickFaces(brick);
   std::size_t vertices = 0;
   std::size_t triangles = 0;
   for (const std::vector<Vector3>& face : faces) {
@@ -440,7 +440,7 @@ Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
       appendVector(asset.views[kNormals], normal);
       bounds.add(point);
     }
-    for (const auto& triangle : trianglesOf(face, normal)) {
+    for (const auto& triangle : model::trianglesOf(face, normal)) {
       for (const int corner : triangle) {
         appendBytes(asset.views[kIndices], first + static_cast<std::uint32_t>(corner));
       }
@@ -591,7 +591,7 @@ std::string glbFile(const std::string& json, const std::string& binary) {
 
 }  // namespace
 
-std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCount,
+std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t keyCount,
                            const std::function<AnimationKey(std::size_t)>& key) {
   Asset asset;
   Json meshes = Json::array();
@@ -617,4 +617,4 @@ std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCoun
   return glbFile(jsonText(json), binary);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

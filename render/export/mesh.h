@@ -10,7 +10,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 /// Writes all bricks, at least one, at the given poses; the ending of the path chooses the format:
 /// - .obj: one group a brick named TILE_00000 and so on, polygons, flat normals;
@@ -22,7 +22,7 @@ namespace kirireel {
 /// precision, read back to the last bit. Throws InputError for another ending, OutputError when the
 /// file cannot be written. `poses` has one pose a brick. The text is built in memory. Throws
 /// Interrupted when the user ends the program.
-void writeMesh(const std::filesystem::path& path, const std::vector<Brick>& bricks,
+void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
                const Poses& poses);
 
 /// The version of assimp in use, e.g. "5.2.5".
@@ -47,7 +47,7 @@ struct AnimationKey {
 /// Written without assimp, whose exporter copies all that it has for each channel: 33 s for 1,600
 /// tiles and 121 keys, where this takes a second. Memory: 28 bytes a brick and key, and the file a
 /// second time while it is put together.
-std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCount,
+std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t keyCount,
                            const std::function<AnimationKey(std::size_t)>& key);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -24,7 +24,7 @@
 #include "render/export/outside_program.h"
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
@@ -335,23 +335,25 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
 
 namespace {
 
-std::vector<std::array<NeckCorner, 2>> neckCornersOf(const Model& model, double thickness) {
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {.thickness = thickness});
-  const auto at = [&](const Corner& corner) {
-    return neckCorner(bricks[static_cast<std::size_t>(corner.tile)], corner.vertex);
+std::vector<std::array<model::NeckCorner, 2>> neckCornersOf(const model::Model& model,
+                                                            double thickness) {
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = thickness});
+  const auto at = [&](const model::Corner& corner) {
+    return model::neckCorner(bricks[static_cast<std::size_t>(corner.tile)], corner.vertex);
   };
-  std::vector<std::array<NeckCorner, 2>> corners;
-  for (const Joint& joint : model.joints) corners.push_back({at(joint.a), at(joint.b)});
+  std::vector<std::array<model::NeckCorner, 2>> corners;
+  for (const model::Joint& joint : model.joints) corners.push_back({at(joint.a), at(joint.b)});
   return corners;
 }
 
 }  // namespace
 
-ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule& rule) {
+ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule) {
   requireValidRule(rule);
   const NeckOutline outline = neckOutline(model, rule.neck);
   const std::size_t regions = outline.tiles.size() + outline.necks.size();
-  RegionMesh region = readMesh(meshedByGmsh(neckGeometry(outline, rule, tileSize(model))), regions);
+  RegionMesh region =
+      readMesh(meshedByGmsh(neckGeometry(outline, rule, model::tileSize(model))), regions);
   tidy(region);
   ElementMesh mesh;
   mesh.rule = rule;
@@ -367,4 +369,4 @@ ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule
   return mesh;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

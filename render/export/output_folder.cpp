@@ -25,7 +25,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 constexpr const char* kEnd = "\n}\n";
@@ -423,4 +423,4 @@ void FileSet::commit(const std::vector<std::string>& names) {
   commit(contentsText(files));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

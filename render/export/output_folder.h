@@ -11,7 +11,7 @@
 
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 // ------------------------------------------------------------------------------------------------
 // Fingerprints (SHA-256), by which a file is known to be the one that was written.
@@ -188,4 +188,4 @@ class FileSet {
   FolderLock lock_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -22,7 +22,7 @@
 
 extern char** environ;
 
-namespace kirireel {
+namespace kirireel::exports {
 
 WorkFolder::WorkFolder() {
   // mkdtemp replaces the six X and makes the folder for its user alone (mode 0700).
@@ -165,4 +165,4 @@ double openingByCalculix(const std::string& meshText, std::string jobText, int a
   return meanOf(high, axis) - meanOf(low, axis);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace kirireel {
+namespace kirireel::exports {
 
 // ------------------------------------------------------------------------------------------------
 // Programs of others, run where they are installed.
@@ -56,4 +56,4 @@ std::string meshedByGmsh(const std::string& geometry);
 /// three unknowns a node.
 double openingByCalculix(const std::string& meshText, std::string jobText, int axis);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

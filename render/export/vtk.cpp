@@ -31,7 +31,7 @@
 #include "sim/base/files.h"
 #include "sim/trajectory/run_curves.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -86,7 +86,7 @@ void appendNumber(std::string& text, const char* name, double value) {
 
 /// Bottom, then top corners of all bricks: as brickCorners, whatever the poses.
 template <typename Function>
-void forEachCorner(const std::vector<Brick>& bricks, const Function& function) {
+void forEachCorner(const std::vector<model::Brick>& bricks, const Function& function) {
   for (std::size_t tile = 0; tile < bricks.size(); ++tile) {
     for (const auto* face : {&bricks[tile].bottom, &bricks[tile].top}) {
       for (std::size_t k = 0; k < face->size(); ++k) function(tile, k, (*face)[k]);
@@ -140,14 +140,14 @@ void appendWedge(Cells& cells, const std::array<int, 3>& triangle, int n, int fi
 
 /// One cell a brick; of concave ones, since VTK's cells are convex, one a triangle of the bottom.
 /// Points are numbered as forEachCorner goes through them.
-Cells cellsOf(const std::vector<Brick>& bricks) {
+Cells cellsOf(const std::vector<model::Brick>& bricks) {
   Cells cells;
   int first = 0;
   for (int number = 0; number < std::ssize(bricks); ++number) {
-    const Brick& brick = bricks[number];
+    const model::Brick& brick = bricks[number];
     const int n = static_cast<int>(brick.bottom.size());
     if (cellType(n) == kWedge || !brick.parts.empty()) {
-      for (const auto& triangle : trianglesOf(brick.bottom, brick.normal)) {
+      for (const auto& triangle : model::trianglesOf(brick.bottom, brick.normal)) {
         appendWedge(cells, triangle, n, first, number);
       }
     } else {
@@ -174,7 +174,7 @@ void appendCells(std::string& text, const Cells& cells) {
 }
 
 /// World axes, metres.
-void appendPoints(std::string& text, const Subject& subject, const Poses& poses) {
+void appendPoints(std::string& text, const trajectory::Subject& subject, const Poses& poses) {
   std::vector<Vector3> points;
   forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t, const Vector3& corner) {
     points.push_back(poses[tile].apply(corner));
@@ -192,20 +192,20 @@ std::vector<double> byCells(const std::vector<double>& byBricks, const Cells& ce
 }
 
 /// `joint_gap` in metres, `turn` in radians.
-void appendCellFields(std::string& text, const Subject& subject, const Cells& cells,
+void appendCellFields(std::string& text, const trajectory::Subject& subject, const Cells& cells,
                       const Poses& start, const Poses& poses) {
-  const std::vector<Pivot> pivots = makePivots(subject.model.joints, subject.bricks);
+  const std::vector<model::Pivot> pivots = model::makePivots(subject.model.joints, subject.bricks);
   text += "<CellData Scalars=\"joint_gap\">\n";
   appendArray(text, "tile", cells.bricks);
-  appendArray(text, "joint_gap", byCells(brickJointGaps(pivots, poses), cells));
-  appendArray(text, "turn", byCells(brickRotations(start, poses), cells));
+  appendArray(text, "joint_gap", byCells(trajectory::brickJointGaps(pivots, poses), cells));
+  appendArray(text, "turn", byCells(trajectory::brickRotations(start, poses), cells));
   text += "</CellData>\n";
 }
 
 /// Top and bottom of a corner share the distance of the bottom's, which is the tile's vertex.
-void appendPointFields(std::string& text, const Subject& subject, const Poses& start,
+void appendPointFields(std::string& text, const trajectory::Subject& subject, const Poses& start,
                        const Poses& poses) {
-  const std::optional<std::vector<Tile>>& target = subject.model.target;
+  const std::optional<std::vector<model::Tile>>& target = subject.model.target;
   std::vector<Vector3> moves;
   std::vector<double> distances;
   forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t k, const Vector3& corner) {
@@ -221,7 +221,8 @@ void appendPointFields(std::string& text, const Subject& subject, const Poses& s
 }
 
 /// TimeValue is the name by which ParaView knows the time of a file.
-void appendMeasures(std::string& text, const Subject& subject, const Sample& sample) {
+void appendMeasures(std::string& text, const trajectory::Subject& subject,
+                    const trajectory::Sample& sample) {
   text += "<FieldData>\n";
   appendNumber(text, "TimeValue", sample.time);
   appendNumber(text, "joint_gap", sample.jointGap);
@@ -232,9 +233,10 @@ void appendMeasures(std::string& text, const Subject& subject, const Sample& sam
 
 }  // namespace
 
-std::string vtuText(const Subject& subject, const Poses& start, const Sample& sample) {
+std::string vtuText(const trajectory::Subject& subject, const Poses& start,
+                    const trajectory::Sample& sample) {
   std::size_t points = 0;
-  for (const Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
+  for (const model::Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
   std::string text =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -261,4 +263,4 @@ std::string pvdText(const std::vector<std::pair<double, std::string>>& files) {
   return text.append("</Collection>\n</VTKFile>\n");
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

@@ -10,7 +10,7 @@
 
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::exports {
 
 /// The text of an unstructured grid (.vtu): one solid cell a brick (a wedge where the tile has
 /// three vertices, a hexahedron where it has four, a polyhedron elsewhere), of a concave brick one
@@ -25,10 +25,11 @@ namespace kirireel {
 /// - of the state: `TimeValue` (seconds) and the sample's measures.
 ///
 /// `start` holds the poses that displacements count from.
-std::string vtuText(const Subject& subject, const Poses& start, const Sample& sample);
+std::string vtuText(const trajectory::Subject& subject, const Poses& start,
+                    const trajectory::Sample& sample);
 
 /// The text of a collection (.pvd) that plays files at times. Names are relative to the collection;
 /// times in seconds, rising.
 std::string pvdText(const std::vector<std::pair<double, std::string>>& files);
 
-}  // namespace kirireel
+}  // namespace kirireel::exports

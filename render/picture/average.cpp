@@ -14,7 +14,7 @@
 
 #include "render/picture/painter.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 constexpr int kChannels = 4;
@@ -88,4 +88,4 @@ void averageRow(const SampleRows& rows, int count, std::uint8_t* pixels) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

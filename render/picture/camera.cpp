@@ -30,7 +30,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Flat models: how thick the layer of all points may be, against its larger side. A sheet that has
@@ -212,7 +212,7 @@ double heightAtCentre(const Camera& camera) {
   return 2 * std::tan(0.5 * camera.fieldOfView) * (camera.eye - camera.centre).norm();
 }
 
-std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& poses,
+std::optional<int> brickAround(const std::vector<model::Brick>& bricks, const Poses& poses,
                                const Vector3& point) {
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     const Vector3 inside = poses[k].rotation.conjugate() * (point - poses[k].position);
@@ -221,15 +221,15 @@ std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& po
       return normal.dot(inside - face[0]) < 0;
     };
     // A concave brick holds what one of its convex pieces holds.
-    for (const BrickPiece& piece : convexPieces(bricks[k])) {
-      const auto faces = brickFaces(piece.shape);
+    for (const model::BrickPiece& piece : model::convexPieces(bricks[k])) {
+      const auto faces = model::brickFaces(piece.shape);
       if (std::all_of(faces.begin(), faces.end(), isBehind)) return static_cast<int>(k);
     }
   }
   return std::nullopt;
 }
 
-std::vector<Vector3> brickCorners(const std::vector<Brick>& bricks, const Poses& poses) {
+std::vector<Vector3> brickCorners(const std::vector<model::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t brick = 0; brick < bricks.size(); ++brick) {
     for (const Vector3& point : bricks[brick].bottom) corners.push_back(poses[brick].apply(point));
@@ -359,4 +359,4 @@ Camera CameraPath::at(double time, double turn) const {
   return choice_.distance ? atDistance(camera, *choice_.distance) : camera;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -8,7 +8,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 /// View and projection. The eye looks at the centre; what is farther than `far` or nearer than
 /// `near` along the view is cut off.
@@ -85,12 +85,12 @@ Camera atDistance(const Camera& camera, double distance);
 double heightAtCentre(const Camera& camera);
 
 /// The brick that the point (world axes) lies within, if any. Looks at all bricks.
-std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& poses,
+std::optional<int> brickAround(const std::vector<model::Brick>& bricks, const Poses& poses,
                                const Vector3& point);
 
 /// All corners of all bricks at the given poses, world axes: what fitCamera should frame (give it
 /// the corners at the start and at the target together).
-std::vector<Vector3> brickCorners(const std::vector<Brick>& bricks, const Poses& poses);
+std::vector<Vector3> brickCorners(const std::vector<model::Brick>& bricks, const Poses& poses);
 
 /// The 4 x 4 matrix from world axes to clip coordinates, for pictures of the given aspect. For
 /// column vectors: clip = matrix * (x, y, z, 1). The aspect is width by height.
@@ -148,4 +148,4 @@ class CameraPath {
   double ballRadius_ = 1;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

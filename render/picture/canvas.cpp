@@ -27,7 +27,7 @@
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Alpha is written apart, as an opacity.
@@ -629,4 +629,4 @@ void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSi
   layer("overlay", makePieces(geometry, geometry.overlay, camera));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

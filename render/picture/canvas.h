@@ -13,7 +13,7 @@
 #include "render/picture/picture_geometry.h"
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
 // Pages of vector graphics.
@@ -118,4 +118,4 @@ std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settin
 void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSize size,
                   const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas);
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -8,7 +8,7 @@
 
 #include "render/picture/gl_context.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Mesa's display without a screen, shared by all contexts and never closed: closing it would end
@@ -69,4 +69,4 @@ std::unique_ptr<Backend> makeEglBackend() {
   return std::make_unique<EglBackend>(display, context);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

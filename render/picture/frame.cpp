@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 FrameSize requireValidSize(FrameSize size) {
   const auto valid = [](int side) { return side >= 1 && side <= kMaxFrameSide; };
@@ -63,4 +63,4 @@ bool isOpaque(const Frame& frame) {
   return true;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kirireel {
+namespace kirireel::picture {
 
 /// A colour as it stands in a picture: sRGB bytes, straight (not premultiplied) alpha.
 struct Colour {
@@ -58,4 +58,4 @@ void pasteFrame(Frame& target, const Frame& source, int x, int y);
 /// True when every pixel has alpha 255. Looks at all pixels.
 bool isOpaque(const Frame& frame);
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -18,7 +18,7 @@
 #include "render/picture/opengl.h"
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 struct KnownLibrary {
@@ -256,4 +256,4 @@ void Program::set(const char* name, float x, float y, float z, float w) const {
   glUniform4f(glGetUniformLocation(handle_, name), x, y, z, w);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

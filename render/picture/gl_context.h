@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-namespace kirireel {
+namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
 // An OpenGL 3.3 core context that needs no screen.
@@ -142,4 +142,4 @@ class Program {
   unsigned int handle_ = 0;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

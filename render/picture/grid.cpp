@@ -22,7 +22,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Text smaller than this cannot be read, whatever the size of the pictures.
@@ -355,4 +355,4 @@ std::string captionText(const CaptionParts& parts, const CaptionValues& values) 
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -8,7 +8,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/label.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 /// Drawn from a picture to the next one.
 inline constexpr const char* kArrow = "\u2192";
@@ -137,4 +137,4 @@ struct CaptionValues {
 /// For example "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m"; empty when it has no parts.
 std::string captionText(const CaptionParts& parts, const CaptionValues& values);
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

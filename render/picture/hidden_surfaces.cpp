@@ -21,7 +21,7 @@
 #include "render/picture/picture_geometry.h"
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Points nearer to a plane than this part of the model count as on it.
@@ -432,4 +432,4 @@ std::vector<Piece> farthestFirst(std::vector<Piece> pieces) {
   return std::move(sorter.sorted);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

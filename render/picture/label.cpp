@@ -22,7 +22,7 @@
 
 #include FT_FREETYPE_H
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Stands for a text that cannot be read.
@@ -501,4 +501,4 @@ Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks) {
   return axis;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -11,7 +11,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/style.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
 // Text in pictures.
@@ -210,4 +210,4 @@ class ScaleDrawer {
   Colour text_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -7,7 +7,7 @@
 
 #include <GL/glcorearb.h>
 
-namespace kirireel {
+namespace kirireel::picture {
 
 /// Every function that the program and its benchmarks call: its type and its name.
 #define KIRIREEL_OPENGL_FUNCTIONS(FUNCTION)                             \
@@ -70,4 +70,4 @@ namespace kirireel {
 KIRIREEL_OPENGL_FUNCTIONS(KIRIREEL_DECLARE)
 #undef KIRIREEL_DECLARE
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -7,7 +7,7 @@
 
 #include "render/picture/gl_context.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 class OsmesaBackend : public Backend {
@@ -44,4 +44,4 @@ std::unique_ptr<Backend> makeOsmesaBackend() {
   return context == nullptr ? nullptr : std::make_unique<OsmesaBackend>(context);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -33,7 +33,7 @@
 #include "render/picture/picture_geometry.h"
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Largest part of a picture drawn at once, pixels: a painter's memory does not grow with its
@@ -357,7 +357,7 @@ struct PaintedBricks {
   Colour background;
   bool opaque;  ///< whether all pixels have alpha 255
 
-  PaintedBricks(const std::vector<Brick>& bricks, const Style& style)
+  PaintedBricks(const std::vector<model::Brick>& bricks, const Style& style)
       : sketcher(bricks, style),
         background(style.background),
         opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {}
@@ -382,7 +382,7 @@ struct Painter::Parts {
   std::array<int, 4> layerEnds{};
   std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
 
-  Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
+  Parts(FrameSize frameSize, const std::vector<model::Brick>& bricks, const Style& style,
         Smoothness smoothness);
 
   void collectTriangles(const PictureItems& items, const Camera& camera);
@@ -394,8 +394,8 @@ struct Painter::Parts {
   void readStrip(const PixelBox& part, const PixelBox& box, Frame& frame);
 };
 
-Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
-                      Smoothness smoothness)
+Painter::Parts::Parts(FrameSize frameSize, const std::vector<model::Brick>& bricks,
+                      const Style& style, Smoothness smoothness)
     : size(requireValidSize(frameSize)),
       samplesDown(smoothness == Smoothness::Still ? kMostSamplesDown : 2),
       subject(bricks, style),
@@ -526,7 +526,7 @@ void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame&
   }
 }
 
-Painter::Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style,
+Painter::Painter(FrameSize size, const std::vector<model::Brick>& bricks, const Style& style,
                  Smoothness smoothness)
     : parts_(std::make_unique<Parts>(size, bricks, style, smoothness)) {}
 
@@ -534,7 +534,7 @@ Painter::~Painter() {
   parts_->context.makeCurrent();
 }
 
-void Painter::show(const std::vector<Brick>& bricks, const Style& style) {
+void Painter::show(const std::vector<model::Brick>& bricks, const Style& style) {
   parts_->subject = PaintedBricks(bricks, style);
 }
 
@@ -560,4 +560,4 @@ Frame Painter::paint(const PictureItems& items, const Camera& camera, Frame stor
   return frame;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -34,7 +34,7 @@
 #include "sim/base/interruption.h"
 #include "sim/model/convex_parts.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Sides of the polygon that stands for a dot. From a true circle its radius differs by 2% at most.
@@ -113,7 +113,7 @@ std::vector<Vector3> widened(const std::vector<Vector3>& points, const std::vect
     }
   }
   std::vector<Vector3> outline;
-  for (const Eigen::Vector2d& point : convexOutline(std::move(rims))) {
+  for (const Eigen::Vector2d& point : model::convexOutline(std::move(rims))) {
     outline.emplace_back(point.x(), point.y(), points[0].z());
   }
   return outline;
@@ -137,7 +137,7 @@ void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
 }
 
 /// Polygons in one colour, lit on the side that looks at the camera.
-void drawScenery(const std::vector<Tile>& polygons, const Style& style, const Camera& camera,
+void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, const Camera& camera,
                  PictureGeometry& geometry) {
   for (const auto& [corners] : polygons) {
     const Vector3 normal = polygonNormal(corners);
@@ -180,7 +180,7 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
   }
 }
 
-void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
+void drawOverlay(const std::vector<model::Tile>& polygons, double width, Colour colour,
                  const Camera& camera, PictureGeometry& geometry) {
   for (const auto& [corners] : polygons) {
     checkInterruption();
@@ -195,7 +195,8 @@ void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
 /// Done once for each face of a run; per picture faces are only turned and moved.
 GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corners) {
   Face face{corners, {}, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
-  if (!isConvexPolygon(corners, face.normal)) face.triangles = trianglesOf(corners, face.normal);
+  if (!model::isConvexPolygon(corners, face.normal))
+    face.triangles = model::trianglesOf(corners, face.normal);
   const std::size_t count = corners.size();
   // The unit vector in the face's plane that leads inwards from side k.
   const auto inwards = [&](std::size_t k) -> Vector3 {
@@ -215,11 +216,11 @@ GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corn
   return face;
 }
 
-GeometryBuilder::GeometryBuilder(const std::vector<Brick>& bricks, const Style& style)
+GeometryBuilder::GeometryBuilder(const std::vector<model::Brick>& bricks, const Style& style)
     : style_(style) {
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     std::vector<Face>& faces = faces_.emplace_back();
-    for (const std::vector<Vector3>& corners : brickFaces(brick))
+    for (const std::vector<Vector3>& corners : model::brickFaces(brick))
       faces.push_back(makeFace(corners));
   }
 }
@@ -541,4 +542,4 @@ double Occluders::occlusion(int brick, std::span<const Vector3> corners,
   return sum / static_cast<double>(corners.size());
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -12,7 +12,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
 // Ambient occlusion: how much of the light that comes from all sides other bricks keep from a
@@ -73,8 +73,9 @@ struct PictureItems {
   std::vector<int> pinned;  ///< bricks drawn in the style's colours of pins, as opaque as they are
   std::vector<Vector3> marks;  ///< points with a dot, for example joints, world axes
   /// Closed polygons whose sides are drawn as lines, dashed where bricks hide them, world axes.
-  std::vector<Tile> overlay;
-  std::vector<Tile> scenery;  ///< polygons that are no bricks, seen from both sides, world axes
+  std::vector<model::Tile> overlay;
+  std::vector<model::Tile>
+      scenery;  ///< polygons that are no bricks, seen from both sides, world axes
 };
 
 /// Which part of a face a facet is.
@@ -133,7 +134,7 @@ struct PictureGeometry {
 class GeometryBuilder {
  public:
   /// Copies what it needs of the bricks.
-  GeometryBuilder(const std::vector<Brick>& bricks, const Style& style);
+  GeometryBuilder(const std::vector<model::Brick>& bricks, const Style& style);
 
   /// Fills in the geometry of what this camera sees; what it held before is gone. Faces
   /// that look away are left out. Cost is one pass over all faces; with occlusion each face looks
@@ -234,4 +235,4 @@ std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Ca
 /// Throws Interrupted when the user ends the program.
 std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -27,7 +27,7 @@
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 constexpr double kMetresPerInch = 0.0254;
@@ -191,4 +191,4 @@ std::string pngLibraryVersion() {
   return png_get_libpng_ver(nullptr);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

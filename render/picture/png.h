@@ -9,7 +9,7 @@
 
 #include "render/picture/frame.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 /// How a PNG is written. Flat-shaded pictures are smallest and quickest without row filters, so
 /// there is no choice of filter.
@@ -36,4 +36,4 @@ Frame readPng(const std::filesystem::path& path);
 /// The version of libpng in use, e.g. "1.6.39".
 std::string pngLibraryVersion();
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

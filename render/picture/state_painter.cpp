@@ -23,7 +23,7 @@
 #include "sim/base/geometry.h"
 #include "sim/trajectory/run_curves.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Light where colours stand for values: brightness of a face in the dark, and the part of the
@@ -105,19 +105,19 @@ std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& s
 }  // namespace
 
 /// Cameras hold the start and, where there is one, the target in sight.
-PictureContent makeContent(const Model& model, const BrickRule& rule,
-                           const std::optional<Ground>& ground) {
+PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
+                           const std::optional<scene::Ground>& ground) {
   PictureContent content;
-  content.size = modelSize(model);
-  content.bricks = makeBricks(model.tiles, rule);
-  content.start = startPoses(model.tiles, content.bricks);
-  content.pivots = makePivots(model.joints, content.bricks);
+  content.size = model::modelSize(model);
+  content.bricks = model::makeBricks(model.tiles, rule);
+  content.start = model::startPoses(model.tiles, content.bricks);
+  content.pivots = model::makePivots(model.joints, content.bricks);
   content.target = model.target;
   if (ground) content.groundHeight = ground->height;
   keepInSight(content, content.start);
   if (content.target) {
-    const std::vector<Brick> atTarget = makeBricks(*content.target, rule);
-    append(content.points, brickCorners(atTarget, startPoses(*content.target, atTarget)));
+    const std::vector<model::Brick> atTarget = model::makeBricks(*content.target, rule);
+    append(content.points, brickCorners(atTarget, model::startPoses(*content.target, atTarget)));
   }
   return content;
 }
@@ -164,7 +164,7 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
 PictureItems PictureSetup::items(const ShownState& state) const {
   PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}};
   if (jointMarks_) {
-    for (const Pivot& pivot : content_.pivots) {
+    for (const model::Pivot& pivot : content_.pivots) {
       items.marks.push_back(state.poses[pivot.brickA].apply(pivot.pointA));
     }
   }
@@ -439,10 +439,10 @@ std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
 }
 
 /// Metres; 1 where there are no bricks.
-double meanEdge(const std::vector<Brick>& bricks) {
+double meanEdge(const std::vector<model::Brick>& bricks) {
   double sum = 0;
   int count = 0;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
       sum += (brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm();
       ++count;
@@ -452,7 +452,7 @@ double meanEdge(const std::vector<Brick>& bricks) {
 }
 
 /// For the legend: "concave hexagon", "12-gon".
-std::string shapeName(const Brick& brick) {
+std::string shapeName(const model::Brick& brick) {
   const std::size_t corners = brick.bottom.size();
   const std::string concave = brick.parts.empty() ? "" : "concave ";
   constexpr std::array<const char*, 6> kNames = {"triangle", "quadrilateral", "pentagon",
@@ -509,10 +509,10 @@ BrickColours plainColours(const Look& look) {
   return colours;
 }
 
-std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {
+std::vector<int> shapeKinds(const std::vector<model::Brick>& bricks) {
   std::vector<std::vector<double>> signatures;
   std::vector<std::size_t> corners;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     signatures.push_back(signature(brick.bottom));
     corners.push_back(brick.bottom.size());
   }
@@ -542,7 +542,7 @@ BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
         "--colour or add target.txt");
   }
   const bool isPulled = colouring_ == Colouring::Moment
-                            ? !hingeSpringsOf(content.pairForces).empty()
+                            ? !model::hingeSpringsOf(content.pairForces).empty()
                             : !content.pairForces.empty();
   if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) && !isPulled) {
     throw InputError(
@@ -631,9 +631,9 @@ double BrickPalette::largestExpected() const {
     case Colouring::TargetError:
     case Colouring::Displacement:
       // All the way to the target, or without one half of what is in sight.
-      return content_.target
-                 ? largest(brickTargetErrors(*content_.target, content_.bricks, content_.start))
-                 : 0.5 * diagonal(content_.points);
+      return content_.target ? largest(trajectory::brickTargetErrors(
+                                   *content_.target, content_.bricks, content_.start))
+                             : 0.5 * diagonal(content_.points);
     case Colouring::Rotation:
       return 90;
     case Colouring::Moment:
@@ -649,20 +649,20 @@ double BrickPalette::largestExpected() const {
 std::vector<double> BrickPalette::values(const Poses& poses) const {
   switch (colouring_) {
     case Colouring::TargetError:
-      return brickTargetErrors(*content_.target, content_.bricks, poses);
+      return trajectory::brickTargetErrors(*content_.target, content_.bricks, poses);
     case Colouring::Displacement:
-      return brickDisplacements(content_.start, poses);
+      return trajectory::brickDisplacements(content_.start, poses);
     case Colouring::Rotation: {
-      std::vector<double> degrees = brickRotations(content_.start, poses);
+      std::vector<double> degrees = trajectory::brickRotations(content_.start, poses);
       for (double& angle : degrees) angle /= kDegree;
       return degrees;
     }
     case Colouring::Moment:
-      return brickMoments(content_.pairForces, poses);
+      return trajectory::brickMoments(content_.pairForces, poses);
     case Colouring::Energy:
-      return brickElasticEnergies(content_.pairForces, poses);
+      return trajectory::brickElasticEnergies(content_.pairForces, poses);
     default:
-      return brickJointGaps(content_.pivots, poses);
+      return trajectory::brickJointGaps(content_.pivots, poses);
   }
 }
 
@@ -670,10 +670,11 @@ std::vector<double> BrickPalette::values(const Poses& poses) const {
 /// arrived.
 std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
   const double near = kArrival * meanEdge(content_.bricks);
-  const std::vector<double> moved = brickDisplacements(content_.start, poses);
-  const std::vector<double> turned = brickRotations(content_.start, poses);
+  const std::vector<double> moved = trajectory::brickDisplacements(content_.start, poses);
+  const std::vector<double> turned = trajectory::brickRotations(content_.start, poses);
   std::vector<double> away(poses.size(), near + 1);
-  if (content_.target) away = brickTargetErrors(*content_.target, content_.bricks, poses);
+  if (content_.target)
+    away = trajectory::brickTargetErrors(*content_.target, content_.bricks, poses);
   std::vector<BrickColours> colours;
   for (std::size_t brick = 0; brick < poses.size(); ++brick) {
     const bool atStart = moved[brick] < near && turned[brick] < kArrival;
@@ -701,4 +702,4 @@ std::vector<BrickColours> BrickPalette::colours(const Poses& poses) const {
   return colours;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

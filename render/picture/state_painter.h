@@ -19,7 +19,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
 // What is asked of the pictures of a run.
@@ -162,13 +162,13 @@ class Strip {
 /// What pictures of a run show. Made once for all pictures of a run. Lengths in metres; a content
 /// of a trajectory in another unit has all of them in that unit.
 struct PictureContent {
-  std::vector<Brick> bricks;                ///< one a tile
-  Poses start;                              ///< one a brick
-  std::vector<Pivot> pivots;                ///< of all joints
-  PairForces pairForces;                    ///< springs at hinges, ligaments, ...
-  std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
-  std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
-  std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
+  std::vector<model::Brick> bricks;                ///< one a tile
+  Poses start;                                     ///< one a brick
+  std::vector<model::Pivot> pivots;                ///< of all joints
+  model::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
+  std::optional<std::vector<model::Tile>> target;  ///< one tile a brick, world axes
+  std::optional<double> groundHeight;  ///< z of the scene's ground, if it has one, metres
+  std::vector<model::Tile> obstacles;  ///< faces of what stays where it is, world axes
   /// Of the model, metres; infinity where bricks are to be shown however far they are.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
@@ -188,7 +188,7 @@ BrickColours plainColours(const Look& look);
 /// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
 /// order of appearance. More than seven shapes are numbered by their count of corners instead. One
 /// a brick.
-std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
+std::vector<int> shapeKinds(const std::vector<model::Brick>& bricks);
 
 /// Decides the colours of all bricks in every picture of one run.
 class BrickPalette {
@@ -248,8 +248,8 @@ struct ShownState {
 /// The content of a model whose bricks are made by the rule, on the scene's ground if it has one.
 /// Cameras hold the start and the target in sight; add to its points what else they should.
 /// `ground`: of the scene; absent: none.
-PictureContent makeContent(const Model& model, const BrickRule& rule,
-                           const std::optional<Ground>& ground);
+PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
+                           const std::optional<scene::Ground>& ground);
 
 /// A brick farther from its start than this many model sizes is not held in sight: the others would
 /// shrink to a dot.
@@ -357,4 +357,4 @@ class StatePainter {
   std::optional<double> metresPerPixel_;  ///< where a bar of length is drawn
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

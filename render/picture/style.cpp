@@ -12,7 +12,7 @@
 #include <array>
 #include <cmath>
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 /// Lambert's cosine law; faces that look away get nothing.
@@ -211,4 +211,4 @@ Colour kindColour(int kind) {
   return kHues[static_cast<std::size_t>(kind) % kHues.size()];
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -7,7 +7,7 @@
 #include "render/picture/frame.h"
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
 // How pictures look: colours, lights, outlines, ground.
@@ -132,4 +132,4 @@ Colour mapColour(ColourMap map, double share);
 /// the same again. `kind` from 0.
 Colour kindColour(int kind);
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

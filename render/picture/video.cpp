@@ -41,7 +41,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 // x264's macroblock tree (a bit-rate saving) reads unset memory, and so gives other bytes from run
@@ -576,4 +576,4 @@ int presetStep(const std::string& preset) {
   return static_cast<int>(place - kPresets.begin());
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -11,7 +11,7 @@
 
 #include "render/picture/frame.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 
 /// How a video is encoded. Its format is that of its file's ending, see videoFormats().
 struct VideoSettings {
@@ -124,4 +124,4 @@ void copyOverWhite(const std::uint8_t* row, int width, std::uint8_t* copy);
 /// pass over the frame.
 void toVideoColours(const Frame& frame, const VideoPlanes& planes);
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

@@ -16,7 +16,7 @@
 
 #include "render/picture/video.h"
 
-namespace kirireel {
+namespace kirireel::picture {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "a pixel's first byte is its lowest");
@@ -145,4 +145,4 @@ void toVideoColours(const Frame& frame, const VideoPlanes& planes) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::picture

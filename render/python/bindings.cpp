@@ -177,18 +177,18 @@ py::array_t<double> pointArray(const std::vector<Vector3>& points) {
 }
 
 /// One array a tile, since tiles have different numbers of corners.
-py::list tileList(const std::vector<Tile>& tiles) {
+py::list tileList(const std::vector<model::Tile>& tiles) {
   py::list list;
-  for (const Tile& tile : tiles) list.append(pointArray(tile.vertices));
+  for (const model::Tile& tile : tiles) list.append(pointArray(tile.vertices));
   return list;
 }
 
 /// The columns of constraints.txt, counted from 0.
-py::array_t<int> jointArray(const Model& model) {
+py::array_t<int> jointArray(const model::Model& model) {
   py::array_t<int> array({model.joints.size(), std::size_t{5}});
   auto entries = array.mutable_unchecked<2>();
   py::ssize_t row = 0;
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     const int columns[] = {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
                            static_cast<int>(joint.face)};
     for (int k = 0; k < 5; ++k) entries(row, k) = columns[k];
@@ -199,27 +199,27 @@ py::array_t<int> jointArray(const Model& model) {
 
 /// Options are `record`'s own, joints_file and strict. Warnings are told once the interpreter is
 /// held again.
-LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
+cli::LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   const std::vector<std::string> words = optionWords(options, {});
-  LoadedModel loaded = withoutInterpreter([&] { return loadModel(path, words); });
+  cli::LoadedModel loaded = withoutInterpreter([&] { return cli::loadModel(path, words); });
   warn(loaded.warnings);
   return loaded;
 }
 
 /// The words of `kirireel generate FAMILY FOLDER`; the folder is not used, but the command line
 /// asks for one.
-LoadedModel generate(std::string family, const py::kwargs& parameters) {
+cli::LoadedModel generate(std::string family, const py::kwargs& parameters) {
   std::replace(family.begin(), family.end(), '_', '-');
   std::vector<std::string> words = {"generate", family, "nowhere"};
   for (const std::string& word : optionWords(parameters, {"help"})) words.push_back(word);
-  LoadedModel loaded;
-  const auto order = std::get<GenerateOrder>(parseCommandLine(words));
-  loaded.model = withoutInterpreter([&] { return makeModel(order); });
+  cli::LoadedModel loaded;
+  const auto order = std::get<cli::GenerateOrder>(cli::parseCommandLine(words));
+  loaded.model = withoutInterpreter([&] { return cli::makeModel(order); });
   return loaded;
 }
 
 /// What the interpreter shows of a model.
-std::string describeModel(const LoadedModel& loaded) {
+std::string describeModel(const cli::LoadedModel& loaded) {
   return fmt::format("<kirireel.Model {}: {} tiles, {} joints{}>", loaded.model.name,
                      loaded.model.tiles.size(), loaded.model.joints.size(),
                      loaded.model.target ? ", a target" : "");
@@ -228,32 +228,33 @@ std::string describeModel(const LoadedModel& loaded) {
 }  // namespace
 
 void addModels(py::module_& module) {
-  py::class_<LoadedModel>(module, "Model", "A sheet of rigid tiles joined at their corners.")
-      .def_property_readonly("name", [](const LoadedModel& loaded) { return loaded.model.name; })
+  py::class_<cli::LoadedModel>(module, "Model", "A sheet of rigid tiles joined at their corners.")
+      .def_property_readonly("name",
+                             [](const cli::LoadedModel& loaded) { return loaded.model.name; })
       .def_property_readonly(
-          "tiles", [](const LoadedModel& loaded) { return tileList(loaded.model.tiles); },
+          "tiles", [](const cli::LoadedModel& loaded) { return tileList(loaded.model.tiles); },
           "The start: of each tile an array corners x 3, metres, anticlockwise.")
       .def_property_readonly(
           "target",
-          [](const LoadedModel& loaded) -> py::object {
+          [](const cli::LoadedModel& loaded) -> py::object {
             if (!loaded.model.target) return py::none();
             return tileList(*loaded.model.target);
           },
           "Where the corners should go, as tiles; None where the model has no target.")
       .def_property_readonly(
-          "joints", [](const LoadedModel& loaded) { return jointArray(loaded.model); },
+          "joints", [](const cli::LoadedModel& loaded) { return jointArray(loaded.model); },
           "joints x 5: tile, vertex, tile, vertex, from 0; face 1 bottom, 2 top, 3 both.")
       .def(
           "write",
-          [](const LoadedModel& loaded, const std::filesystem::path& path) {
-            withoutInterpreter([&] { writeModel(loaded.model, path); });
+          [](const cli::LoadedModel& loaded, const std::filesystem::path& path) {
+            withoutInterpreter([&] { model::writeModel(loaded.model, path); });
           },
           "path"_a, "Writes the model, in the format of the path's ending: none for a folder.")
       .def("__repr__", &describeModel);
   module.def("read", &read, "path"_a,
              "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
              "joints_file and strict are its options. What was mended is told as a UserWarning.");
-  module.def("generate", &generate, "family"_a, generateDoc(describeProgram()).c_str());
+  module.def("generate", &generate, "family"_a, cli::generateDoc(cli::describeProgram()).c_str());
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -263,33 +264,33 @@ void addModels(py::module_& module) {
 
 namespace {
 
-using Column = const std::vector<double>& (SampleTable::*)() const;
+using Column = const std::vector<double>& (trajectory::SampleTable::*)() const;
 
 /// A run in memory, deployed here or read from a file. `reader` reads the samples in memory as it
 /// would those of a file, so that painting and saving need no other code.
 struct MemoryRun {
-  MemoryRun(const Subject& subject, const TrajectoryEnd& end,
-            std::shared_ptr<const SampleTable> table)
+  MemoryRun(const trajectory::Subject& subject, const trajectory::TrajectoryEnd& end,
+            std::shared_ptr<const trajectory::SampleTable> table)
       : samples(std::move(table)), reader(subject, end, samples) {}
   virtual ~MemoryRun() = default;
 
-  std::shared_ptr<const SampleTable> samples;
-  TrajectoryReader reader;
+  std::shared_ptr<const trajectory::SampleTable> samples;
+  trajectory::TrajectoryReader reader;
   std::vector<double> velocities;  ///< see SampleTable; empty until they are asked for
 };
 
 /// A run that was deployed here. It keeps the order too, which save() needs.
 struct DeployedRun : MemoryRun {
-  DeployedRun(RecordResult prepared, DeploymentResult ended,
-              std::shared_ptr<const SampleTable> table)
-      : MemoryRun(subjectOf(prepared.scene), ended.trajectory, std::move(table)),
+  DeployedRun(cli::RecordResult prepared, deploy::DeploymentResult ended,
+              std::shared_ptr<const trajectory::SampleTable> table)
+      : MemoryRun(trajectory::subjectOf(prepared.scene), ended.trajectory, std::move(table)),
         order(std::move(prepared)),
         result(std::move(ended)) {
-    order.summary = summaryOf(result, samples->times().back());
+    order.summary = record::summaryOf(result, samples->times().back());
   }
 
-  RecordResult order;
-  DeploymentResult result;
+  cli::RecordResult order;
+  deploy::DeploymentResult result;
 };
 
 // ---- arrays
@@ -306,8 +307,8 @@ py::array view(const T* data, const std::vector<py::ssize_t>& shape,
 
 /// samples x bricks x `shown` of the `stored` numbers of each brick, from `first` on. Strides are
 /// in bytes.
-py::array brickView(const std::vector<double>& data, const SampleTable& samples, int stored,
-                    int shown, int first, const py::object& owner) {
+py::array brickView(const std::vector<double>& data, const trajectory::SampleTable& samples,
+                    int stored, int shown, int first, const py::object& owner) {
   const auto count = static_cast<py::ssize_t>(samples.size());
   const auto bricks = static_cast<py::ssize_t>(samples.brickCount());
   constexpr py::ssize_t kBytes = sizeof(double);
@@ -323,13 +324,13 @@ py::array column(const py::object& self, Column entries) {
 
 /// A view of the run's memory; nothing is copied.
 py::array position(const py::object& self) {
-  const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
+  const trajectory::SampleTable& samples = *self.cast<const MemoryRun&>().samples;
   return brickView(samples.positions(), samples, 3, 3, 0, self);
 }
 
 /// w, x, y, z, as SampleTable stores them.
 py::array rotation(const py::object& self) {
-  const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
+  const trajectory::SampleTable& samples = *self.cast<const MemoryRun&>().samples;
   return brickView(samples.rotations(), samples, 4, 4, 0, self);
 }
 
@@ -342,7 +343,7 @@ py::array velocity(const py::object& self, int first) {
 
 /// bricks x `width`, of one sample.
 template <typename Write>
-py::array_t<double> poseArray(const Sample& sample, std::size_t width, Write write) {
+py::array_t<double> poseArray(const trajectory::Sample& sample, std::size_t width, Write write) {
   py::array_t<double> array({sample.poses.size(), width});
   double* at = array.mutable_data();
   for (const Pose& pose : sample.poses) at = write(pose, at);
@@ -350,13 +351,13 @@ py::array_t<double> poseArray(const Sample& sample, std::size_t width, Write wri
 }
 
 /// A copy, because the sample given to on_sample lives for the call alone.
-py::array_t<double> samplePositions(const Sample& sample) {
+py::array_t<double> samplePositions(const trajectory::Sample& sample) {
   return poseArray(sample, 3, [](const Pose& pose, double* at) {
     return std::copy_n(pose.position.data(), 3, at);
   });
 }
 
-py::array_t<double> sampleRotations(const Sample& sample) {
+py::array_t<double> sampleRotations(const trajectory::Sample& sample) {
   return poseArray(sample, 4, [](const Pose& pose, double* at) {
     const Quaternion& turn = pose.rotation;
     return std::ranges::copy(std::array{turn.w(), turn.x(), turn.y(), turn.z()}, at).out;
@@ -372,7 +373,7 @@ class SampleTeller {
   explicit SampleTeller(py::object tell) : tell_(std::move(tell)) {}
 
   /// False ends the run. To be called without the interpreter.
-  bool operator()(const Sample& sample) {
+  bool operator()(const trajectory::Sample& sample) {
     if (tell_.is_none()) return true;
     // The run goes on without the interpreter, so that other threads of Python work meanwhile; it
     // is held for the call alone.
@@ -397,28 +398,29 @@ class SampleTeller {
 };
 
 /// The whole run; nothing is written to disk.
-std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::object& onSample,
+std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const py::object& onSample,
                                          const py::kwargs& options) {
-  const RecordOrder order = parseRunOptions(loaded, optionWords(options, optionsNotForRuns()));
+  const cli::RecordOrder order =
+      cli::parseRunOptions(loaded, optionWords(options, cli::optionsNotForRuns()));
   std::vector<std::string> warnings;
   std::shared_ptr<DeployedRun> run;
   SampleTeller tell(onSample);
   withoutInterpreter([&] {
-    RecordResult prepared = prepareOrder(order, warnings);
-    const auto samples = std::make_shared<SampleTable>();
-    const SampleObserver keep = [&](const Sample& sample) {
+    cli::RecordResult prepared = cli::prepareOrder(order, warnings);
+    const auto samples = std::make_shared<trajectory::SampleTable>();
+    const deploy::SampleObserver keep = [&](const trajectory::Sample& sample) {
       samples->append(sample);
       return tell(sample);
     };
     // Warnings are collected, since they may come from threads that do not hold the interpreter.
-    const TrialObserver search = [&](const SearchNews& news) {
+    const deploy::TrialObserver search = [&](const deploy::SearchNews& news) {
       if (!news.warning.empty()) {
         warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
       }
       return true;
     };
-    DeploymentResult result =
-        deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
+    deploy::DeploymentResult result =
+        deploy::deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
     run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
   });
   tell.rethrow();
@@ -439,24 +441,26 @@ std::size_t nearestSample(const std::vector<double>& times, std::optional<double
 
 /// How much of the camera's orbit is behind at a time, as in a video at an even pace, 0 to 1. The
 /// whole run is looked at only where there is an orbit.
-double orbitBehind(const MemoryRun& run, const PictureSettings& settings, double time) {
+double orbitBehind(const MemoryRun& run, const record::PictureSettings& settings, double time) {
   if (settings.look.camera.orbit == 0) return 0;
-  return momentAt(motionOf(run.reader), Pace::Even, time).turn;
+  return record::momentAt(record::motionOf(run.reader), record::Pace::Even, time).turn;
 }
 
 py::array render(const MemoryRun& run, std::optional<double> time, const py::kwargs& options) {
-  std::vector<std::string> words = {"render", output::kTrajectory};
-  for (const std::string& word : optionWords(options, optionsNotForPictures(describeProgram()))) {
+  std::vector<std::string> words = {"render", exports::output::kTrajectory};
+  for (const std::string& word :
+       optionWords(options, cli::optionsNotForPictures(cli::describeProgram()))) {
     words.push_back(word);
   }
-  const PictureSettings settings = std::get<RenderOrder>(parseCommandLine(words)).settings;
-  auto frame = std::make_unique<Frame>();
+  const record::PictureSettings settings =
+      std::get<cli::RenderOrder>(cli::parseCommandLine(words)).settings;
+  auto frame = std::make_unique<picture::Frame>();
   withoutInterpreter([&] {
-    if (settings.graphics) setGraphicsLibrary(*settings.graphics);
-    const Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
+    if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
+    const trajectory::Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
     // As frames are: where colours stand for values, a bar under the picture says which.
-    StatePainter painter(settings.size, settings.look, contentOf(run.reader, settings),
-                         {.colours = true});
+    picture::StatePainter painter(settings.size, settings.look,
+                                  record::contentOf(run.reader, settings), {.colours = true});
     *frame = painter.paint(
         {sample.time, sample.poses, sample.pinned, orbitBehind(run, settings, sample.time)});
   });
@@ -464,7 +468,8 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
   const py::ssize_t height = frame->size.height;
   const std::uint8_t* pixels = frame->pixels.data();
   // The array takes the frame's pixels over; the capsule deletes the frame with the array.
-  const py::capsule owner(frame.release(), [](void* kept) { delete static_cast<Frame*>(kept); });
+  const py::capsule owner(frame.release(),
+                          [](void* kept) { delete static_cast<picture::Frame*>(kept); });
   return py::array(py::dtype::of<std::uint8_t>(), {height, width, py::ssize_t{4}},
                    {4 * width, py::ssize_t{4}, py::ssize_t{1}}, pixels, owner);
 }
@@ -473,40 +478,45 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
 /// folder as it was.
 std::vector<std::string> save(const DeployedRun& run, const std::filesystem::path& folder) {
   return withoutInterpreter([&] {
-    RecordSettings settings = run.order.settings;
+    record::RecordSettings settings = run.order.settings;
     settings.folder = folder;
     // Stands in for the deployment: it plays the samples to record()'s observer and gives the
     // result that is known.
-    const Deployer again = [&run](const Scene&, double, const SampleObserver& observer,
-                                  const TrialObserver&, Checkpoints*) {
+    const record::Deployer again = [&run](const scene::Scene&, double,
+                                          const deploy::SampleObserver& observer,
+                                          const deploy::TrialObserver&, deploy::Checkpoints*) {
       for (std::size_t i = 0; i < run.samples->size(); ++i) observer(run.samples->sample(i));
       return run.result;
     };
-    const ProgressObserver progress = [](const Progress&) -> Interruption { return std::nullopt; };
-    return record(run.order.scene, settings, progress, again).files;
+    const record::ProgressObserver progress = [](const record::Progress&) -> record::Interruption {
+      return std::nullopt;
+    };
+    return record::record(run.order.scene, settings, progress, again).files;
   });
 }
 
 /// A dict as json.loads gives it.
 py::object summary(const DeployedRun& run) {
-  const RecordResult& order = run.order;
+  const cli::RecordResult& order = run.order;
   return py::module_::import("json").attr("loads")(
-      summaryJson(order.scene, order.settings, order.summary));
+      record::summaryJson(order.scene, order.settings, order.summary));
 }
 
 /// Reads all samples into memory, so the file may vanish afterwards.
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
   return withoutInterpreter([&] {
     const bool isFolder = std::filesystem::is_directory(path);
-    const TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
-    return std::make_shared<MemoryRun>(file.subject(), file.end(),
-                                       std::make_shared<SampleTable>(readSamples(file)));
+    const trajectory::TrajectoryReader file(isFolder ? path / exports::output::kTrajectory : path);
+    return std::make_shared<MemoryRun>(
+        file.subject(), file.end(),
+        std::make_shared<trajectory::SampleTable>(trajectory::readSamples(file)));
   });
 }
 
 std::vector<std::pair<double, std::string>> events(const MemoryRun& run) {
   std::vector<std::pair<double, std::string>> list;
-  for (const Event& event : run.reader.end().events) list.emplace_back(event.time, event.text);
+  for (const trajectory::Event& event : run.reader.end().events)
+    list.emplace_back(event.time, event.text);
   return list;
 }
 
@@ -520,12 +530,12 @@ std::string describe(const MemoryRun& run) {
 
 /// Measures are attributes, poses are arrays made when asked for.
 void addSample(py::module_& module) {
-  py::class_<Sample>(module, "Sample", "The state at one time, with its measures.")
-      .def_readonly("time", &Sample::time, "simulated seconds")
-      .def_readonly("joint_gap", &Sample::jointGap, "largest gap of any joint, metres")
-      .def_readonly("target_error", &Sample::targetError,
+  py::class_<trajectory::Sample>(module, "Sample", "The state at one time, with its measures.")
+      .def_readonly("time", &trajectory::Sample::time, "simulated seconds")
+      .def_readonly("joint_gap", &trajectory::Sample::jointGap, "largest gap of any joint, metres")
+      .def_readonly("target_error", &trajectory::Sample::targetError,
                     "largest distance of a corner from its target, metres; 0 without a target")
-      .def_readonly("penetration", &Sample::penetration, "deepest, metres")
+      .def_readonly("penetration", &trajectory::Sample::penetration, "deepest, metres")
       .def_property_readonly("position", &samplePositions,
                              "tiles x 3, metres, of the centres of mass (a copy)")
       .def_property_readonly("rotation", &sampleRotations,
@@ -537,11 +547,13 @@ void addCurves(py::class_<MemoryRun, std::shared_ptr<MemoryRun>>& trajectory) {
     trajectory.def_property_readonly(
         name, [entries](const py::object& self) { return column(self, entries); }, doc);
   };
-  add("time", &SampleTable::times, "samples; simulated seconds");
-  add("joint_gap", &SampleTable::jointGaps, "samples; largest gap of any joint, metres");
-  add("target_error", &SampleTable::targetErrors,
+  add("time", &trajectory::SampleTable::times, "samples; simulated seconds");
+  add("joint_gap", &trajectory::SampleTable::jointGaps,
+      "samples; largest gap of any joint, metres");
+  add("target_error", &trajectory::SampleTable::targetErrors,
       "samples; largest distance of a corner from its target, metres; 0 without a target");
-  add("penetration", &SampleTable::penetrations, "samples; deepest overlap of two bricks, metres");
+  add("penetration", &trajectory::SampleTable::penetrations,
+      "samples; deepest overlap of two bricks, metres");
 }
 
 /// Docstrings say shapes and units.
@@ -566,10 +578,10 @@ void addTrajectory(py::module_& module) {
       .def_property_readonly(
           "model",
           [](const MemoryRun& run) {
-            return LoadedModel{run.reader.subject().model, {}, {}, {}, {}};
+            return cli::LoadedModel{run.reader.subject().model, {}, {}, {}, {}};
           },
           "The model as it was deployed, moved onto its target.")
-      .def("render", &render, "time"_a = py::none(), renderDoc(describeProgram()).c_str())
+      .def("render", &render, "time"_a = py::none(), cli::renderDoc(cli::describeProgram()).c_str())
       .def("__repr__", &describe);
 }
 
@@ -578,7 +590,7 @@ void addRun(py::module_& module) {
   py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(
       module, "Run", "A deployment that deploy() made.")
       .def_property_readonly(
-          "outcome", [](const DeployedRun& run) { return toString(run.result.outcome); },
+          "outcome", [](const DeployedRun& run) { return deploy::toString(run.result.outcome); },
           "settled, locked, out_of_time, diverged or interrupted")
       .def_property_readonly(
           "reason", [](const DeployedRun& run) { return run.result.reason; }, "one line: why")
@@ -599,7 +611,7 @@ void addRuns(py::module_& module) {
   addTrajectory(module);
   addRun(module);
   module.def("deploy", &deployModel, "model"_a, "on_sample"_a = py::none(),
-             deployDoc(describeProgram()).c_str());
+             cli::deployDoc(cli::describeProgram()).c_str());
   module.def("open", &openTrajectory, "path"_a,
              "Reads a trajectory.h5, or the one in a folder. Returns a Trajectory.");
 }

@@ -30,7 +30,7 @@ PYBIND11_MODULE(_kirireel, module) {
   // pybind11 looks for NumPy when it makes its first array, and two threads that both do wait for
   // each other: it is looked for now.
   py::dtype::of<double>();
-  module.attr("__version__") = programVersion();
+  module.attr("__version__") = record::programVersion();
   addErrors(module);
   python::addModels(module);
   python::addRuns(module);

@@ -37,7 +37,7 @@
 #include "sim/model/read_model.h"
 #include "sim/trajectory/array_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -231,7 +231,7 @@ const std::vector<Figure>& costFigures() {
 
 /// Parsing throws nothing: what is no object is refused below.
 Json readRunSummary(const fs::path& folder) {
-  const fs::path file = folder / output::kSummary;
+  const fs::path file = folder / exports::output::kSummary;
   std::ifstream stream = openInputFile(file);
   Json summary = parseJsonOrDiscard(std::string(std::istreambuf_iterator<char>(stream), {}));
   if (!summary.is_object() || !summary.contains("accuracy") || !summary.contains(kThickness)) {
@@ -335,7 +335,7 @@ std::optional<double> numberInCell(const std::string& cell) {
   return cell.empty() ? std::numeric_limits<double>::quiet_NaN() : numberIn(cell);
 }
 
-void writeColumn(const TableColumn& column, ArrayWriter& writer) {
+void writeColumn(const TableColumn& column, trajectory::ArrayWriter& writer) {
   std::vector<double> numbers;
   bool isText = true;
   for (const std::string& cell : column.cells) {
@@ -402,7 +402,7 @@ std::string csvText(const SweepTable& table) {
 
 void writeTableArrays(const SweepTable& table, const fs::path& file) {
   PendingFile pending(file);
-  ArrayWriter writer(pending.path(), file);
+  trajectory::ArrayWriter writer(pending.path(), file);
   std::vector<std::string> names;
   for (const TableColumn& column : table) {
     names.push_back(column.name);
@@ -432,7 +432,7 @@ void writeTableArrays(const SweepTable& table, const fs::path& file) {
 namespace {
 
 /// Pixels. A hundred of them make a page of 3200 x 2400 and a little more for captions.
-constexpr FrameSize kPictureSize = {320, 240};
+constexpr picture::FrameSize kPictureSize = {320, 240};
 
 /// Of a series of more, when not all pictures find room. Ten by ten pictures is kMostContacts.
 constexpr std::size_t kMostOfSeries = 10;
@@ -445,25 +445,26 @@ constexpr double kMostStretch = 4;
 class EndStatePainter {
  public:
   /// Bricks made of the tiles where they ended look as the deployed bricks do.
-  Frame paint(const ContactPicture& picture) {
+  picture::Frame paint(const ContactPicture& picture) {
     // An empty picture in the colour of the page keeps the place of a run that failed.
-    if (picture.vertices.empty()) return makeFrame(kPictureSize, Style().background);
-    Model model;
-    model.tiles = readTileFile(picture.vertices);
-    BrickRule rule;
+    if (picture.vertices.empty())
+      return picture::makeFrame(kPictureSize, picture::Style().background);
+    model::Model model;
+    model.tiles = model::readTileFile(picture.vertices);
+    model::BrickRule rule;
     rule.thickness = picture.thickness;
-    const PictureContent content = makeContent(model, rule, std::nullopt);
+    const picture::PictureContent content = picture::makeContent(model, rule, std::nullopt);
     // A graphics context takes longer to make than a small picture to paint.
     if (painter_) {
       painter_->show({}, content);
     } else {
-      painter_.emplace(kPictureSize, Look(), content);
+      painter_.emplace(kPictureSize, picture::Look(), content);
     }
     return painter_->paint({0, content.start, {}});
   }
 
  private:
-  std::optional<StatePainter> painter_;
+  std::optional<picture::StatePainter> painter_;
 };
 
 /// At most so many of the numbers from 0 on, evenly, the first and the last among them.
@@ -485,7 +486,7 @@ double stretch(std::size_t columns, std::size_t count) {
 }
 
 /// As many columns as rows, or as near as it goes with rows that end where series do.
-GridShape shapeFor(std::size_t count, std::size_t series) {
+picture::GridShape shapeFor(std::size_t count, std::size_t series) {
   auto best = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
   double least = kMostStretch;
   for (std::size_t columns = 1; series > 1 && series < count && columns <= count; ++columns) {
@@ -530,21 +531,21 @@ ContactLayout layOutContacts(std::size_t count, std::size_t series) {
   return layout;
 }
 
-Frame composeContactSheet(const std::vector<std::string>& keys,
-                          const std::vector<ContactPicture>& pictures) {
+picture::Frame composeContactSheet(const std::vector<std::string>& keys,
+                                   const std::vector<ContactPicture>& pictures) {
   if (pictures.empty()) throw InputError("error: no run is done, there is nothing to show");
   const ContactLayout layout = layOutContacts(pictures.size(), seriesLength(pictures));
   std::vector<std::vector<std::string>> values;
   for (const std::size_t chosen : layout.chosen) values.push_back(pictures[chosen].values);
   const std::vector<std::string> captions = captionsOf(keys, values);
   EndStatePainter painter;
-  std::vector<GridPicture> cells;
+  std::vector<picture::GridPicture> cells;
   for (std::size_t i = 0; i < captions.size(); ++i) {
     const ContactPicture& picture = pictures[layout.chosen[i]];
     const char* const note = picture.vertices.empty() ? ": failed" : "";
     cells.push_back({painter.paint(picture), captions[i] + note});
   }
-  return composeGrid(cells, layout.shape);
+  return picture::composeGrid(cells, layout.shape);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -611,4 +612,4 @@ std::vector<std::string> captionsOf(const std::vector<std::string>& keys,
   return captions;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -12,7 +12,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/grid.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
 // The folders that a sweep's runs are kept in: OUT/runs/HASH, there only when finished.
@@ -150,7 +150,7 @@ inline constexpr std::size_t kMostContacts = 100;
 /// Which pictures are on a page, row by row, and how they stand.
 struct ContactLayout {
   std::vector<std::size_t> chosen;  ///< runs, by their place in the listing
-  GridShape shape;                  ///< rows and columns of pictures
+  picture::GridShape shape;         ///< rows and columns of pictures
 };
 
 /// Where pictures come in series of `series` (those that differ in the last parameter alone; 1 for
@@ -164,8 +164,8 @@ ContactLayout layOutContacts(std::size_t count, std::size_t series);
 /// for runs that failed. keys: names of the parameters. Throws InputError when there is no picture
 /// or a file cannot be read, OutputError when nothing can be painted. `pictures` in the order of
 /// the table; each has as many values as there are keys. Paints up to 100 small pictures.
-Frame composeContactSheet(const std::vector<std::string>& keys,
-                          const std::vector<ContactPicture>& pictures);
+picture::Frame composeContactSheet(const std::vector<std::string>& keys,
+                                   const std::vector<ContactPicture>& pictures);
 
 // ------------------------------------------------------------------------------------------------
 // What a run of a sweep is told by, in few letters.
@@ -179,4 +179,4 @@ Frame composeContactSheet(const std::vector<std::string>& keys,
 std::vector<std::string> captionsOf(const std::vector<std::string>& keys,
                                     const std::vector<std::vector<std::string>>& runs);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -21,7 +21,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 constexpr const char* kTable = "curves.csv";
@@ -29,13 +29,13 @@ constexpr const char* kTable = "curves.csv";
 constexpr const char* kOpening = "opening_mean_deg";
 
 /// A name for each format, so that all of them stand side by side.
-const char* fileOf(PageFormat format) {
+const char* fileOf(picture::PageFormat format) {
   switch (format) {
-    case PageFormat::Svg:
+    case picture::PageFormat::Svg:
       return "curves.svg";
-    case PageFormat::Pdf:
+    case picture::PageFormat::Pdf:
       return "curves.pdf";
-    case PageFormat::Png:
+    case picture::PageFormat::Png:
       break;
   }
   return "curves.png";
@@ -47,22 +47,22 @@ std::string fieldText(double value) {
 }
 
 /// The curves of all groups, in order.
-std::vector<const Curve*> allCurves(const RunCurves& curves) {
-  std::vector<const Curve*> all;
-  for (const CurveGroup& group : curves.groups) {
-    for (const Curve& curve : group.curves) all.push_back(&curve);
+std::vector<const trajectory::Curve*> allCurves(const trajectory::RunCurves& curves) {
+  std::vector<const trajectory::Curve*> all;
+  for (const trajectory::CurveGroup& group : curves.groups) {
+    for (const trajectory::Curve& curve : group.curves) all.push_back(&curve);
   }
-  for (const Curve& curve : curves.joints) all.push_back(&curve);
+  for (const trajectory::Curve& curve : curves.joints) all.push_back(&curve);
   return all;
 }
 
 /// The values that curves are drawn against, one a sample. They need not rise: a sheet may close
 /// again.
-PlotAbscissa abscissaOf(const RunCurves& curves, const std::vector<double>& progress,
+PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<double>& progress,
                         CurvesAgainst against) {
   if (against == CurvesAgainst::Time) return {"simulated time, s", curves.times};
   if (against == CurvesAgainst::Progress) return {"share of the motion", progress};
-  for (const Curve* curve : allCurves(curves)) {
+  for (const trajectory::Curve* curve : allCurves(curves)) {
     if (curve->column == kOpening && curve->hasValues()) {
       return {"mean opening, degrees", curve->values};
     }
@@ -72,27 +72,28 @@ PlotAbscissa abscissaOf(const RunCurves& curves, const std::vector<double>& prog
 
 }  // namespace
 
-std::string curvesTable(const RunCurves& curves, const std::vector<double>& progress) {
-  const std::vector<const Curve*> columns = allCurves(curves);
+std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<double>& progress) {
+  const std::vector<const trajectory::Curve*> columns = allCurves(curves);
   std::string table = "time_s,progress";
-  for (const Curve* curve : columns) table += "," + curve->column;
+  for (const trajectory::Curve* curve : columns) table += "," + curve->column;
   table += '\n';
   for (std::size_t k = 0; k < curves.times.size(); ++k) {
     table += fmt::format("{},{}", curves.times[k], progress[k]);
-    for (const Curve* curve : columns) table += "," + fieldText(curve->values[k]);
+    for (const trajectory::Curve* curve : columns) table += "," + fieldText(curve->values[k]);
     table += '\n';
   }
   return table;
 }
 
-std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSettings& settings) {
+std::vector<std::string> writeCurves(const trajectory::TrajectoryReader& run,
+                                     const CurvesSettings& settings) {
   std::vector<std::string> names = {kTable};
-  for (const PageFormat format : settings.plots) names.emplace_back(fileOf(format));
-  FileSet files(settings.folder, output::kContents);
+  for (const picture::PageFormat format : settings.plots) names.emplace_back(fileOf(format));
+  exports::FileSet files(settings.folder, exports::output::kContents);
   files.requireFree([&names](const std::string& name) {
-    return name == output::kContents || std::ranges::find(names, name) != names.end();
+    return name == exports::output::kContents || std::ranges::find(names, name) != names.end();
   });
-  const RunCurves curves = curvesOf(run);
+  const trajectory::RunCurves curves = trajectory::curvesOf(run);
   // The share of the motion at a time, as in a video at an even pace; 0 at the start, 1 at the end.
   const MotionCurve motion = motionOf(run);
   std::vector<double> progress;
@@ -100,7 +101,7 @@ std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSe
   writeTextFile(files.stage() / kTable, curvesTable(curves, progress));
   PlotSettings plot = settings.plot;
   plot.madeBy = fmt::format("Kirireel {}, model {}", programVersion(), run.subject().model.name);
-  for (const PageFormat format : settings.plots) {
+  for (const picture::PageFormat format : settings.plots) {
     writeTextFile(files.stage() / fileOf(format),
                   plotCurves(curves, abscissaOf(curves, progress, settings.against), format, plot));
   }
@@ -126,11 +127,11 @@ std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSe
 
 namespace {
 
-constexpr Colour kText = {30, 30, 30};
-constexpr Colour kFrame = {120, 126, 134};
-constexpr Colour kGrid = {226, 229, 233};
+constexpr picture::Colour kText = {30, 30, 30};
+constexpr picture::Colour kFrame = {120, 126, 134};
+constexpr picture::Colour kGrid = {226, 229, 233};
 /// Of a group's lines in turn: they stay apart in grey and for the colour-blind.
-constexpr Colour kLines[] = {{43, 100, 166}, {194, 87, 26}, {61, 139, 95}};
+constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26}, {61, 139, 95}};
 
 constexpr int kColumns = 2;
 // About as many; makeAxis takes round numbers.
@@ -150,12 +151,12 @@ struct Box {
 /// Draws diagrams of one figure. Lengths are in em of its text.
 class Plotter {
  public:
-  Plotter(Canvas& canvas, int em, const PlotAbscissa& abscissa)
+  Plotter(picture::Canvas& canvas, int em, const PlotAbscissa& abscissa)
       : canvas_(canvas),
         em_(em),
         writer_(em),
         abscissa_(abscissa),
-        across_(makeAxis(abscissa.values, kTicksAcross)) {
+        across_(picture::makeAxis(abscissa.values, kTicksAcross)) {
     // Curves begin and end at the borders.
     const auto [least, largest] = std::ranges::minmax_element(abscissa.values);
     if (*least < *largest) {
@@ -165,8 +166,8 @@ class Plotter {
   }
 
   /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
-  void draw(const CurveGroup& group, const Box& box) {
-    const Axis up = axisOf(group);
+  void draw(const trajectory::CurveGroup& group, const Box& box) {
+    const picture::Axis up = axisOf(group);
     drawGrid(up, box);
     for (std::size_t k = 0; k < group.curves.size(); ++k) {
       canvas_.lines(linesOf(group.curves[k], up, box), 0.13 * em_, kLines[k % std::size(kLines)]);
@@ -178,13 +179,14 @@ class Plotter {
 
  private:
   /// All curves of a group share one axis; values that do not exist are left out.
-  static Axis axisOf(const CurveGroup& group) {
+  static picture::Axis axisOf(const trajectory::CurveGroup& group) {
     std::vector<double> values;
-    for (const Curve& curve : group.curves) {
+    for (const trajectory::Curve& curve : group.curves) {
       std::ranges::copy_if(curve.values, std::back_inserter(values),
                            [](double value) { return std::isfinite(value); });
     }
-    return group.isLogarithmic ? makeLogarithmicAxis(values, kTicksUp) : makeAxis(values, kTicksUp);
+    return group.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
+                               : picture::makeAxis(values, kTicksUp);
   }
 
   /// Pixels from two shares of the box.
@@ -193,8 +195,8 @@ class Plotter {
   }
 
   /// Ticks and numbers of both axes, and the two axes themselves.
-  void drawGrid(const Axis& up, const Box& box) {
-    std::vector<Canvas::Points> grid;
+  void drawGrid(const picture::Axis& up, const Box& box) {
+    std::vector<picture::Canvas::Points> grid;
     for (std::size_t k = 0; k < up.ticks.size(); ++k) {
       const double share = up.shareOf(up.ticks[k]);
       grid.push_back({place(0, share, box), place(1, share, box)});
@@ -214,8 +216,9 @@ class Plotter {
   }
 
   /// A line for each stretch of samples that have a place.
-  std::vector<Canvas::Points> linesOf(const Curve& curve, const Axis& up, const Box& box) const {
-    std::vector<Canvas::Points> lines(1);
+  std::vector<picture::Canvas::Points> linesOf(const trajectory::Curve& curve,
+                                               const picture::Axis& up, const Box& box) const {
+    std::vector<picture::Canvas::Points> lines(1);
     for (std::size_t k = 0; k < curve.values.size(); ++k) {
       const double value = curve.values[k], across = abscissa_.values[k];
       const bool isShown =
@@ -227,13 +230,13 @@ class Plotter {
       }
     }
     // A single sample makes no line.
-    std::erase_if(lines, [](const Canvas::Points& line) { return line.size() < 2; });
+    std::erase_if(lines, [](const picture::Canvas::Points& line) { return line.size() < 2; });
     return lines;
   }
 
   /// The name of the group and its unit to the left, the curves' names in their colours to the
   /// right.
-  void drawTitle(const CurveGroup& group, const Box& box) {
+  void drawTitle(const trajectory::CurveGroup& group, const Box& box) {
     const double baseline = box.upper - 0.6 * em_;
     write(group.unit.empty() ? group.name : group.name + ", " + group.unit, box.left, baseline,
           kText);
@@ -251,15 +254,15 @@ class Plotter {
 
   double width(const std::string& text) const { return writer_.width(text); }
 
-  void write(const std::string& text, double left, double baseline, Colour colour) {
+  void write(const std::string& text, double left, double baseline, picture::Colour colour) {
     canvas_.text(text, left, baseline, em_, colour);
   }
 
-  Canvas& canvas_;
+  picture::Canvas& canvas_;
   int em_;
-  LabelWriter writer_;
+  picture::LabelWriter writer_;
   const PlotAbscissa& abscissa_;
-  Axis across_;
+  picture::Axis across_;
 };
 
 /// Where the diagrams of a figure stand.
@@ -268,7 +271,7 @@ struct PlotLayout {
   Box first{};        ///< the diagram at the upper left
   double across = 0;  ///< from one diagram to the next
   double down = 0;    ///< from one row to the next
-  FrameSize size;
+  picture::FrameSize size;
 
   Box box(int number) const {
     Box result = first;
@@ -280,13 +283,14 @@ struct PlotLayout {
 
 PlotLayout layOut(int diagrams, const PlotSettings& settings) {
   PlotLayout layout;
-  layout.em = std::max(4, static_cast<int>(std::lround(settings.fontPoints / kPointsPerInch *
-                                                       settings.dotsPerInch)));
+  layout.em =
+      std::max(4, static_cast<int>(std::lround(settings.fontPoints / picture::kPointsPerInch *
+                                               settings.dotsPerInch)));
   const double em = layout.em;
   const int columns = std::min(kColumns, diagrams);
   const int rows = (diagrams + kColumns - 1) / kColumns;
-  layout.size.width =
-      static_cast<int>(std::lround(settings.width / kMillimetresPerInch * settings.dotsPerInch));
+  layout.size.width = static_cast<int>(
+      std::lround(settings.width / picture::kMillimetresPerInch * settings.dotsPerInch));
   // From here on in pixels, not rounded.
   layout.across = (layout.size.width - em) / columns;
   const double wide = layout.across - 5 * em;
@@ -298,20 +302,21 @@ PlotLayout layOut(int diagrams, const PlotSettings& settings) {
 
 }  // namespace
 
-std::string plotCurves(const RunCurves& curves, const PlotAbscissa& abscissa, PageFormat format,
-                       const PlotSettings& settings) {
-  std::vector<const CurveGroup*> groups;
-  for (const CurveGroup& group : curves.groups) {
+std::string plotCurves(const trajectory::RunCurves& curves, const PlotAbscissa& abscissa,
+                       picture::PageFormat format, const PlotSettings& settings) {
+  std::vector<const trajectory::CurveGroup*> groups;
+  for (const trajectory::CurveGroup& group : curves.groups) {
     if (group.hasValues()) groups.push_back(&group);
   }
   if (groups.empty()) throw InputError("error: the run has no curve to plot");
   const PlotLayout layout = layOut(static_cast<int>(groups.size()), settings);
-  requireValidSize(layout.size);
-  const std::unique_ptr<Canvas> canvas = makeCanvas(format, {.size = layout.size,
-                                                             .pixelsPerInch = settings.dotsPerInch,
-                                                             .outline = kFrame,
-                                                             .fontFamily = fontFamily(),
-                                                             .description = settings.madeBy});
+  picture::requireValidSize(layout.size);
+  const std::unique_ptr<picture::Canvas> canvas =
+      picture::makeCanvas(format, {.size = layout.size,
+                                   .pixelsPerInch = settings.dotsPerInch,
+                                   .outline = kFrame,
+                                   .fontFamily = picture::fontFamily(),
+                                   .description = settings.madeBy});
   Plotter plotter(*canvas, layout.em, abscissa);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     canvas->begin("curves_" + std::to_string(k + 1));
@@ -321,4 +326,4 @@ std::string plotCurves(const RunCurves& curves, const PlotAbscissa& abscissa, Pa
   return canvas->finish();
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -9,7 +9,7 @@
 #include "sim/trajectory/run_curves.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
 // Curves of a run as a figure for print.
@@ -35,8 +35,8 @@ struct PlotSettings {
 /// where no group has any, OutputError when the font is missing. Also throws InputError for a
 /// figure of more pixels than a frame may have. `abscissa` has a value for each sample of the
 /// curves.
-std::string plotCurves(const RunCurves& curves, const PlotAbscissa& abscissa, PageFormat format,
-                       const PlotSettings& settings);
+std::string plotCurves(const trajectory::RunCurves& curves, const PlotAbscissa& abscissa,
+                       picture::PageFormat format, const PlotSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
 // The curves of a run as files: a table, and figures.
@@ -51,7 +51,7 @@ enum class CurvesAgainst {
 /// What is to be written of a run.
 struct CurvesSettings {
   std::filesystem::path folder;                 ///< made if need be
-  std::vector<PageFormat> plots;                ///< curves.svg, curves.pdf, curves.png
+  std::vector<picture::PageFormat> plots;       ///< curves.svg, curves.pdf, curves.png
   CurvesAgainst against = CurvesAgainst::Time;  ///< what the horizontal axis shows
   PlotSettings plot;                            ///< how the figure looks
 };
@@ -59,12 +59,13 @@ struct CurvesSettings {
 /// The table: a row a sample, first time_s and progress, then every curve's column, those of each
 /// joint last; numbers read back to the last bit, and empty fields are where a value does not
 /// exist. `progress` has an entry a sample, 0 to 1.
-std::string curvesTable(const RunCurves& curves, const std::vector<double>& progress);
+std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<double>& progress);
 
 /// Writes curves.csv and the figures into the folder, all of them or none, and lists them in
 /// contents.json. Returns their names. Throws InputError where files of others stand in the way and
 /// for figures against what the run does not have, OutputError when one cannot be written. Reads
 /// the whole trajectory once.
-std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSettings& settings);
+std::vector<std::string> writeCurves(const trajectory::TrajectoryReader& run,
+                                     const CurvesSettings& settings);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -24,7 +24,7 @@
 #include "sim/model/model_checks.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 // Overlap that is told, as a part of a tile.
@@ -35,34 +35,37 @@ constexpr double kFlatOfModel = 1e-9;
 constexpr double kSearchTime = 10;
 
 /// A pivot is told by the face that it lies on.
-std::string kindOf(const Joint& joint) {
-  if (joint.kind == JointKind::Link) return "link";
-  if (joint.kind == JointKind::Fixed) return "fixed";
-  if (joint.face == JointFace::Both) return "both";
-  return joint.face == JointFace::Top ? "top" : "bottom";
+std::string kindOf(const model::Joint& joint) {
+  if (joint.kind == model::JointKind::Link) return "link";
+  if (joint.kind == model::JointKind::Fixed) return "fixed";
+  if (joint.face == model::JointFace::Both) return "both";
+  return joint.face == model::JointFace::Top ? "top" : "bottom";
 }
 
 /// `tiles` are the start or the target, in the model's order.
-StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles) {
-  const Model& model = scene.model;
+StateInspection inspectState(const scene::Scene& scene, const std::vector<model::Tile>& tiles) {
+  const model::Model& model = scene.model;
   StateInspection state;
-  state.jointGap = largestJointGap(model.joints, tiles);
-  state.unevenness = largestUnevenness(tiles);
-  state.leastCornerSine = leastCornerSine(tiles);
+  state.jointGap = trajectory::largestJointGap(model.joints, tiles);
+  state.unevenness = trajectory::largestUnevenness(tiles);
+  state.leastCornerSine = trajectory::leastCornerSine(tiles);
   // Overlaps below a millionth of a tile are rounding of coordinates.
-  state.overlaps = tileOverlaps(tiles, kOverlap * tileSize(model));
-  state.seesAllPairs = static_cast<long>(state.overlaps.size()) < mostPairs(tiles.size());
+  state.overlaps = trajectory::tileOverlaps(tiles, kOverlap * model::tileSize(model));
+  state.seesAllPairs =
+      static_cast<long>(state.overlaps.size()) < trajectory::mostPairs(tiles.size());
   // Freedoms in the plane mean something for flat states alone.
-  if (liesFlat(tiles, kFlatOfModel * modelSize(model))) {
-    state.inPlane = mobility(model, tiles, Freedom::Plane, scene.brick.thickness);
+  if (model::liesFlat(tiles, kFlatOfModel * model::modelSize(model))) {
+    state.inPlane =
+        trajectory::mobility(model, tiles, trajectory::Freedom::Plane, scene.brick.thickness);
   }
-  state.inSpace = mobility(model, tiles, Freedom::Space, scene.brick.thickness);
+  state.inSpace =
+      trajectory::mobility(model, tiles, trajectory::Freedom::Space, scene.brick.thickness);
   return state;
 }
 
 /// The two singular values beside the gap between them let a reader judge the count: it is sure
 /// where they differ by orders of magnitude.
-std::string mobilityText(const char* where, const Mobility& mobility) {
+std::string mobilityText(const char* where, const trajectory::Mobility& mobility) {
   if (!mobility.isCounted) {
     return fmt::format("  {}: degrees of freedom not counted, {} unknowns are too many\n", where,
                        mobility.unknowns);
@@ -82,7 +85,7 @@ std::string stateText(const char* name, const StateInspection& state, int counts
       state.seesAllPairs ? "" : "at least ", state.overlaps.size());
   // The five deepest; there may be thousands.
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
-    const TileOverlap& overlap = state.overlaps[k];
+    const trajectory::TileOverlap& overlap = state.overlaps[k];
     text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", countsFrom + overlap.tileA,
                         countsFrom + overlap.tileB, overlap.depth);
   }
@@ -91,7 +94,7 @@ std::string stateText(const char* name, const StateInspection& state, int counts
 }
 
 /// Null degrees of freedom where the unknowns are too many to count them.
-Json mobilityJson(const Mobility& mobility) {
+Json mobilityJson(const trajectory::Mobility& mobility) {
   if (!mobility.isCounted) {
     return {{"degrees_of_freedom", nullptr},
             {"unknowns", mobility.unknowns},
@@ -109,7 +112,7 @@ Json mobilityJson(const Mobility& mobility) {
 /// "plane" is null for states that are not flat.
 Json stateJson(const StateInspection& state) {
   Json overlaps = Json::array();
-  for (const TileOverlap& overlap : state.overlaps) {
+  for (const trajectory::TileOverlap& overlap : state.overlaps) {
     overlaps.push_back({{"tiles", {overlap.tileA, overlap.tileB}}, {"depth", overlap.depth}});
   }
   Json json = {{"joint_gap_max", state.jointGap},
@@ -121,7 +124,7 @@ Json stateJson(const StateInspection& state) {
   return json;
 }
 
-std::string needText(const char* name, const Need& need) {
+std::string needText(const char* name, const scene::Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
@@ -139,37 +142,37 @@ std::string countsText(const Map& counts, const char* pattern) {
 
 }  // namespace
 
-Inspection inspect(const Scene& scene, const std::function<void(const char*)>& tell) {
+Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell) {
   const auto lookAt = [&tell](const char* what) {
     if (tell) tell(what);
   };
-  const Model& model = scene.model;
+  const model::Model& model = scene.model;
   Inspection inspection;
   inspection.name = model.name;
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
   }
-  for (const Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
-  inspection.size = modelSize(model);
-  inspection.tileSize = tileSize(model);
-  inspection.suggestedThickness = kUsualThickness * inspection.tileSize;
+  for (const model::Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
+  inspection.size = model::modelSize(model);
+  inspection.tileSize = model::tileSize(model);
+  inspection.suggestedThickness = model::kUsualThickness * inspection.tileSize;
   inspection.countsFrom = model.fileOrder.countsFrom;
   inspection.rounding = model.rounding;
-  inspection.zeroSingularValue = zeroSingularValue(model);
-  for (const Mend& mend : model.mends) inspection.mends.push_back(toString(mend));
+  inspection.zeroSingularValue = trajectory::zeroSingularValue(model);
+  for (const model::Mend& mend : model.mends) inspection.mends.push_back(model::toString(mend));
   lookAt("looking at the start");
   inspection.start = inspectState(scene, model.tiles);
-  inspection.needs = sceneNeeds(scene);
+  inspection.needs = scene::sceneNeeds(scene);
   if (!model.target) return inspection;
   lookAt("looking at the target");
   inspection.target = inspectState(scene, *model.target);
-  inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
-  inspection.rigidBound = rigidBound(model.tiles, *model.target);
+  inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
+  inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
   lookAt("looking for the state nearest to the target");
   // The search is bounded in work and not in time, so that the result does not depend on the
   // machine.
-  SearchBudget budget(kSearchTime);
-  inspection.assembledError = assembleAtTarget(scene, budget).error;
+  deploy::SearchBudget budget(kSearchTime);
+  inspection.assembledError = deploy::assembleAtTarget(scene, budget).error;
   return inspection;
 }
 
@@ -236,12 +239,12 @@ std::string inspectionJson(const Inspection& inspection) {
 
 namespace {
 
-constexpr Colour kTileNumber = {20, 30, 44};
-constexpr Colour kVertexNumber = {150, 30, 30};
+constexpr picture::Colour kTileNumber = {20, 30, 44};
+constexpr picture::Colour kVertexNumber = {150, 30, 30};
 
-std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
+std::vector<Vector3> allVertices(const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> points;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
   }
   return points;
@@ -249,53 +252,56 @@ std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
 
 /// A place within the tile for its number: the centroid, or that of the largest part of a concave
 /// tile, whose own may lie outside.
-Vector3 middleOf(const Tile& tile) {
-  Tile largest;
-  for (const PolygonPart& part : convexParts(tile.vertices, tileNormal(tile))) {
-    Tile piece;
+Vector3 middleOf(const model::Tile& tile) {
+  model::Tile largest;
+  for (const model::PolygonPart& part :
+       model::convexParts(tile.vertices, model::tileNormal(tile))) {
+    model::Tile piece;
     for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
-    if (largest.vertices.empty() || tileArea(piece) > tileArea(largest)) largest = piece;
+    if (largest.vertices.empty() || model::tileArea(piece) > model::tileArea(largest))
+      largest = piece;
   }
-  return tileCentroid(largest);
+  return model::tileCentroid(largest);
 }
 
 /// The middle of a convex part that has this vertex: towards it the way leads into the tile.
-Vector3 middleBy(const Tile& tile, int vertex) {
-  for (const PolygonPart& part : convexParts(tile.vertices, tileNormal(tile))) {
+Vector3 middleBy(const model::Tile& tile, int vertex) {
+  for (const model::PolygonPart& part :
+       model::convexParts(tile.vertices, model::tileNormal(tile))) {
     if (std::find(part.begin(), part.end(), vertex) == part.end()) continue;
-    Tile piece;
+    model::Tile piece;
     for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
-    return tileCentroid(piece);
+    return model::tileCentroid(piece);
   }
-  return tileCentroid(tile);
+  return model::tileCentroid(tile);
 }
 
 /// One state: picture and numbers from one camera.
 class StatePicture {
  public:
-  StatePicture(const std::vector<Tile>& tiles, const Model& model, const BrickRule& rule,
-               FrameSize size)
+  StatePicture(const std::vector<model::Tile>& tiles, const model::Model& model,
+               const model::BrickRule& rule, picture::FrameSize size)
       : tiles_(tiles), order_(model.fileOrder), size_(size) {
     const std::vector<Vector3> points = allVertices(tiles);
-    CameraFit fit;
-    fit.view = defaultView(points);
+    picture::CameraFit fit;
+    fit.view = picture::defaultView(points);
     fit.aspect = size.aspect();
     // Parallel, so that equal tiles have numbers of equal size.
     fit.orthographic = true;
-    camera_ = fitCamera(points, fit);
-    const std::vector<Brick> bricks = makeBricks(tiles, rule);
-    PictureItems items;
-    items.poses = startPoses(tiles, bricks);
-    for (const Mend& mend : model.mends) {
-      for (const Corner& corner : mend.corners) {
+    camera_ = picture::fitCamera(points, fit);
+    const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
+    picture::PictureItems items;
+    items.poses = model::startPoses(tiles, bricks);
+    for (const model::Mend& mend : model.mends) {
+      for (const model::Corner& corner : mend.corners) {
         items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
       }
     }
-    frame_ = Painter(size, bricks, Style{}).paint(items, camera_);
+    frame_ = picture::Painter(size, bricks, picture::Style{}).paint(items, camera_);
   }
 
   /// To be called once: it gives the frame away.
-  Frame numbered() {
+  picture::Frame numbered() {
     const Vector3 towardsEye = (camera_.eye - camera_.centre).normalized();
     const LineOfSight sight(tiles_, towardsEye);
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
@@ -322,16 +328,17 @@ class StatePicture {
  private:
   /// The side of a square that fills as many pixels as the tile. Pixels: the area as the camera
   /// sees it, |n . e| times the true one.
-  double apparentSize(const Tile& tile, const Vector3& towardsEye) const {
-    const double area = tileArea(tile) * std::abs(tileNormal(tile).dot(towardsEye));
-    return size_.height / heightAtCentre(camera_) * std::sqrt(area);
+  double apparentSize(const model::Tile& tile, const Vector3& towardsEye) const {
+    const double area = model::tileArea(tile) * std::abs(model::tileNormal(tile).dot(towardsEye));
+    return size_.height / picture::heightAtCentre(camera_) * std::sqrt(area);
   }
 
-  void write(const std::string& text, const Vector3& place, double pixels, Colour colour) {
+  void write(const std::string& text, const Vector3& place, double pixels, picture::Colour colour) {
     const int em = static_cast<int>(pixels);
     // Writers load a font, so there is one for each size.
-    const LabelWriter& writer = writers_.try_emplace(em, em).first->second;
-    const Eigen::Vector4d clip = clipFromWorld(camera_, size_.aspect()) * place.homogeneous();
+    const picture::LabelWriter& writer = writers_.try_emplace(em, em).first->second;
+    const Eigen::Vector4d clip =
+        picture::clipFromWorld(camera_, size_.aspect()) * place.homogeneous();
     // From clip coordinates, -1 to 1 with y up, to pixels with y down.
     const double x = 0.5 * (1 + clip.x() / clip.w()) * size_.width;
     const double y = 0.5 * (1 - clip.y() / clip.w()) * size_.height;
@@ -342,18 +349,18 @@ class StatePicture {
                 static_cast<int>(std::lround(y + 0.5 * height)), colour);
   }
 
-  const std::vector<Tile>& tiles_;
-  const FileOrder& order_;  ///< numbers are the file's
-  FrameSize size_;
-  Camera camera_;
-  Frame frame_;
-  std::map<int, LabelWriter> writers_;  ///< by their size, pixels
+  const std::vector<model::Tile>& tiles_;
+  const model::FileOrder& order_;  ///< numbers are the file's
+  picture::FrameSize size_;
+  picture::Camera camera_;
+  picture::Frame frame_;
+  std::map<int, picture::LabelWriter> writers_;  ///< by their size, pixels
 };
 
 }  // namespace
 
-Frame numberedPicture(const Scene& scene, FrameSize stateSize) {
-  std::vector<GridPicture> pictures;
+picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize) {
+  std::vector<picture::GridPicture> pictures;
   pictures.push_back(
       {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize).numbered(), "start"});
   if (scene.model.target) {
@@ -361,20 +368,21 @@ Frame numberedPicture(const Scene& scene, FrameSize stateSize) {
         {StatePicture(*scene.model.target, scene.model, scene.brick, stateSize).numbered(),
          "target"});
   }
-  return composeGrid(pictures, {1, static_cast<int>(pictures.size())});
+  return picture::composeGrid(pictures, {1, static_cast<int>(pictures.size())});
 }
 
-Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size) {
-  CameraFit fit;
-  fit.view = defaultView(tile.vertices);
+picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
+                               picture::FrameSize size) {
+  picture::CameraFit fit;
+  fit.view = picture::defaultView(tile.vertices);
   fit.aspect = size.aspect();
   fit.orthographic = true;
-  Style style;
+  picture::Style style;
   style.markSize = 0.03;
-  PictureItems items;
+  picture::PictureItems items;
   items.overlay = {tile};
   items.marks = {place};
-  return Painter(size, {}, style).paint(items, fitCamera(tile.vertices, fit));
+  return picture::Painter(size, {}, style).paint(items, picture::fitCamera(tile.vertices, fit));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -406,16 +414,16 @@ bool isWithin(const std::vector<Vector3>& corners, const Vector3& normal, const 
 
 }  // namespace
 
-LineOfSight::LineOfSight(const std::vector<Tile>& tiles, const Vector3& towardsEye)
+LineOfSight::LineOfSight(const std::vector<model::Tile>& tiles, const Vector3& towardsEye)
     : towardsEye_(towardsEye) {
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     Screen& screen = screens_.emplace_back();
-    screen.normal = tileNormal(tile);
-    for (const PolygonPart& part : convexParts(tile.vertices, screen.normal)) {
+    screen.normal = model::tileNormal(tile);
+    for (const model::PolygonPart& part : model::convexParts(tile.vertices, screen.normal)) {
       std::vector<Vector3>& corners = screen.parts.emplace_back();
       for (const int corner : part) corners.push_back(tile.vertices[corner]);
     }
-    screen.middle = tileCentroid(tile);
+    screen.middle = model::tileCentroid(tile);
     for (const Vector3& vertex : tile.vertices) {
       screen.radius = std::max(screen.radius, (vertex - screen.middle).norm());
     }
@@ -443,4 +451,4 @@ bool LineOfSight::hides(const Screen& screen, const Vector3& point) const {
                      [&](const auto& part) { return isWithin(part, screen.normal, meeting); });
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

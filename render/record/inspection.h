@@ -12,17 +12,18 @@
 #include "sim/scene/scene.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 /// One state of the sheet.
 struct StateInspection {
   double jointGap = 0;         ///< largest, metres
   double unevenness = 0;       ///< largest distance of a vertex from its tile's plane, metres
   double leastCornerSine = 1;  ///< above 0 when all tiles are convex
-  std::vector<TileOverlap> overlaps;  ///< deeper than a millionth of a tile, deepest first
-  bool seesAllPairs = true;           ///< false: there are too many pairs, see mostPairs()
-  std::optional<Mobility> inPlane;    ///< of flat states
-  Mobility inSpace;                   ///< of the mechanism in space
+  std::vector<trajectory::TileOverlap>
+      overlaps;              ///< deeper than a millionth of a tile, deepest first
+  bool seesAllPairs = true;  ///< false: there are too many pairs, see mostPairs()
+  std::optional<trajectory::Mobility> inPlane;  ///< of flat states
+  trajectory::Mobility inSpace;                 ///< of the mechanism in space
 };
 
 /// Everything that is told of a model. Tiles in it count from 0; `countsFrom` is what the text
@@ -43,13 +44,13 @@ struct Inspection {
   std::optional<double> shapeChange;      ///< largest change of a length in a tile, metres
   std::optional<double> rigidBound;       ///< no rigid tiles come nearer to the target, metres
   std::optional<double> assembledError;   ///< the least found with joints closed, metres
-  Needs needs;                            ///< what a run would switch on
+  scene::Needs needs;                     ///< what a run would switch on
 };
 
 /// Looks at the scene's model, with its bricks' thickness. `tell`, which may be empty, is called
 /// with what is being looked at. `tell` gets a few words, such as "looking at the start". Mobility
 /// costs most; beyond a number of unknowns it is not counted.
-Inspection inspect(const Scene& scene, const std::function<void(const char*)>& tell = {});
+Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell = {});
 
 /// The inspection for a person, a line a subject. Several lines.
 std::string inspectionText(const Inspection& inspection);
@@ -66,11 +67,12 @@ std::string inspectionJson(const Inspection& inspection);
 /// in its middle, each vertex's number inside its corner. Throws OutputError when no graphics
 /// context can be made or the font is missing.
 /// Corners that a reader mended are marked. `stateSize`: pixels of one state's picture.
-Frame numberedPicture(const Scene& scene, FrameSize stateSize);
+picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize);
 
 /// A polygon that makes no tile: its sides as lines, and where two of them meet as a dot. Throws
 /// OutputError when no graphics context can be made. `place`: where two sides cross, metres.
-Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size);
+picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
+                               picture::FrameSize size);
 
 // ------------------------------------------------------------------------------------------------
 // Which points of a model the eye sees, so that numbers stand on nothing that hides them.
@@ -79,7 +81,7 @@ Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size);
 class LineOfSight {
  public:
   /// towardsEye: unit vector, world axes. The tiles are copied.
-  LineOfSight(const std::vector<Tile>& tiles, const Vector3& towardsEye);
+  LineOfSight(const std::vector<model::Tile>& tiles, const Vector3& towardsEye);
 
   /// Whether no other tile stands between the eye and this point of a tile; metres, world axes.
   /// `tile` is the number of the tile that the point belongs to, which never hides it.
@@ -99,4 +101,4 @@ class LineOfSight {
   Vector3 towardsEye_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -16,7 +16,7 @@
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 /// In which an even pace gathers and loses speed, seconds of video.
@@ -26,20 +26,20 @@ constexpr double kSameFrameTime = 1e-6;
 
 /// How far the bricks that both pictures show are from one state to the next, metres. Bricks that
 /// have flown off would take most of the path's length.
-double shownDistance(const Subject& subject, const PictureContent& content, const Poses& from,
-                     const Poses& to) {
-  if (showsAllBricks(content, from) && showsAllBricks(content, to)) {
-    return pathDistance(subject.bricks, from, to);
+double shownDistance(const trajectory::Subject& subject, const picture::PictureContent& content,
+                     const Poses& from, const Poses& to) {
+  if (picture::showsAllBricks(content, from) && picture::showsAllBricks(content, to)) {
+    return deploy::pathDistance(subject.bricks, from, to);
   }
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses before, after;
   for (std::size_t i = 0; i < subject.bricks.size(); ++i) {
-    if (!isShown(content, i, from[i]) || !isShown(content, i, to[i])) continue;
+    if (!picture::isShown(content, i, from[i]) || !picture::isShown(content, i, to[i])) continue;
     bricks.push_back(subject.bricks[i]);
     before.push_back(from[i]);
     after.push_back(to[i]);
   }
-  return bricks.empty() ? 0 : pathDistance(bricks, before, after);
+  return bricks.empty() ? 0 : deploy::pathDistance(bricks, before, after);
 }
 
 /// The value of a line through points of rising x at a place within them. Straight between the
@@ -95,8 +95,9 @@ double MotionCurve::timeAt(double share) const {
   return share >= 1 ? endTime() : along(lengths_, times_, share * length());
 }
 
-MotionCurve motionOf(const TrajectoryReader& run) {
-  const PictureContent content = makeContent(run.subject().model, run.subject().brickRule, {});
+MotionCurve motionOf(const trajectory::TrajectoryReader& run) {
+  const picture::PictureContent content =
+      picture::makeContent(run.subject().model, run.subject().brickRule, {});
   std::vector<double> lengths = {0};
   Poses before = run.sample(0).poses;
   for (std::size_t i = 1; i < run.times().size(); ++i) {
@@ -150,14 +151,14 @@ constexpr double kSameShare = 1e-6;
 
 }  // namespace
 
-Replay::Replay(const TrajectoryReader& run) : run_(run), interpolator_(run.subject()) {}
+Replay::Replay(const trajectory::TrajectoryReader& run) : run_(run), interpolator_(run.subject()) {}
 
 /// Keeps the sample of this index and the next.
 void Replay::loadPair(std::size_t index) {
   if (!pair_.empty() && index_ == index) return;
   // The later of the pair so far is often the earlier of the next.
   const bool isKept = !pair_.empty() && index_ + 1 == index;
-  Sample first = isKept ? std::move(pair_[1]) : run_.sample(index);
+  trajectory::Sample first = isKept ? std::move(pair_[1]) : run_.sample(index);
   pair_.clear();
   pair_.push_back(std::move(first));
   pair_.push_back(run_.sample(index + 1));
@@ -166,7 +167,7 @@ void Replay::loadPair(std::size_t index) {
 
 /// Times within a millionth of a sample are that sample, so that its own measures are told and not
 /// interpolated ones.
-Sample Replay::at(double time) {
+trajectory::Sample Replay::at(double time) {
   const std::vector<double>& times = run_.times();
   const auto above = std::lower_bound(times.begin(), times.end(), time);
   if (above == times.begin()) return run_.sample(0);
@@ -179,7 +180,7 @@ Sample Replay::at(double time) {
   return interpolator_.between(pair_[0], pair_[1], share);
 }
 
-StateSource replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
+StateSource replay(const trajectory::TrajectoryReader& run, const std::vector<FrameMoment>& moments,
                    const ProgressObserver& observer, PictureReport& report) {
   return [&run, &moments, &observer, &report](const StateConsumer& take) {
     Replay states(run);
@@ -241,10 +242,11 @@ std::vector<int> chooseFrames(const std::vector<double>& times, const MotionCurv
   return {indices.begin(), indices.end()};
 }
 
-std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run) {
+std::vector<std::size_t> samplesOf(const std::string& event,
+                                   const trajectory::TrajectoryReader& run) {
   std::vector<std::size_t> found;
   const std::vector<double>& times = run.times();
-  for (const Event& happened : run.end().events) {
+  for (const trajectory::Event& happened : run.end().events) {
     if (happened.text != event) continue;
     const auto at = std::lower_bound(times.begin(), times.end() - 1, happened.time - 1e-9);
     found.push_back(static_cast<std::size_t>(at - times.begin()));
@@ -252,4 +254,4 @@ std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryRea
   return found;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

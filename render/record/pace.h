@@ -9,7 +9,7 @@
 #include "sim/deploy/continuation.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
 // The motion of a run, and how a video's time follows it.
@@ -38,7 +38,7 @@ class MotionCurve {
 };
 
 /// The motion of a recorded run, all of whose samples are read. Costs a pass over the samples.
-MotionCurve motionOf(const TrajectoryReader& run);
+MotionCurve motionOf(const trajectory::TrajectoryReader& run);
 
 /// What one picture of a run shows.
 struct FrameMoment {
@@ -75,25 +75,25 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
 class Replay {
  public:
   /// The run must outlive the replay.
-  explicit Replay(const TrajectoryReader& run);
+  explicit Replay(const trajectory::TrajectoryReader& run);
 
   /// The state at a time, seconds from 0 to the run's end: a sample, or between two of them what
   /// StateInterpolator finds.
-  Sample at(double time);
+  trajectory::Sample at(double time);
 
  private:
   void loadPair(std::size_t index);
 
-  const TrajectoryReader& run_;
-  StateInterpolator interpolator_;
-  std::size_t index_ = 0;     ///< of the first sample of the pair
-  std::vector<Sample> pair_;  ///< two samples in a row; none before they are needed
+  const trajectory::TrajectoryReader& run_;
+  deploy::StateInterpolator interpolator_;
+  std::size_t index_ = 0;                 ///< of the first sample of the pair
+  std::vector<trajectory::Sample> pair_;  ///< two samples in a row; none before they are needed
 };
 
 /// A state of a run, and the moment that it is of.
 struct FrameState {
-  FrameMoment moment;  ///< where in the video it stands
-  Sample sample;       ///< what it shows
+  FrameMoment moment;         ///< where in the video it stands
+  trajectory::Sample sample;  ///< what it shows
 };
 
 /// A state that several threads may read at the same time.
@@ -108,7 +108,7 @@ using StateSource = std::function<void(const StateConsumer&)>;
 /// Gives the states of the moments in turn. The observer may end it early, which the report then
 /// notes. What is passed must outlive the source. The source calls the observer after each state,
 /// with the stage "painting".
-StateSource replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
+StateSource replay(const trajectory::TrajectoryReader& run, const std::vector<FrameMoment>& moments,
                    const ProgressObserver& observer, PictureReport& report);
 
 // ------------------------------------------------------------------------------------------------
@@ -116,11 +116,12 @@ StateSource replay(const TrajectoryReader& run, const std::vector<FrameMoment>& 
 
 /// The samples at which the timeline did this ("snapshot", "export"): the first not before each
 /// event. In the order of the events, one each.
-std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run);
+std::vector<std::size_t> samplesOf(const std::string& event,
+                                   const trajectory::TrajectoryReader& run);
 
 /// The indices of the samples nearest to what was asked for, rising, each once. Throws InputError
 /// for a time after the run's end.
 std::vector<int> chooseFrames(const std::vector<double>& times, const MotionCurve& motion,
                               const std::vector<FrameChoice>& wanted);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

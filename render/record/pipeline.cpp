@@ -8,7 +8,7 @@
 #include "sim/base/interruption.h"
 #include "sim/trajectory/run_curves.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 TaskGroup::~TaskGroup() {
   if (threads_.empty()) return;
@@ -47,8 +47,8 @@ void TaskGroup::finish() {
 // nothing as long as there is a core for it. Sixteen samples may wait; then the deployment waits.
 
 ThreadedTrajectoryWriter::ThreadedTrajectoryWriter(const std::filesystem::path& path,
-                                                   const Subject& subject)
-    : writer_(path, subject, makeCurveMeter(subject)),
+                                                   const trajectory::Subject& subject)
+    : writer_(path, subject, trajectory::makeCurveMeter(subject)),
       samples_(kWaitingSamples),
       tasks_([this] { samples_.stop(); }) {
   tasks_.start([this] { writeAll(); });
@@ -62,7 +62,7 @@ void ThreadedTrajectoryWriter::writeAll() {
   while (const std::optional<SharedSample> sample = samples_.pop()) writer_.append(**sample);
 }
 
-void ThreadedTrajectoryWriter::finish(const TrajectoryEnd& end) {
+void ThreadedTrajectoryWriter::finish(const trajectory::TrajectoryEnd& end) {
   samples_.close();
   tasks_.finish();
   writer_.finish(end);
@@ -77,4 +77,4 @@ std::int64_t peakMemoryBytes() {
   return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;  // Linux counts kibibytes
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -21,7 +21,7 @@
 #include "sim/trajectory/trajectory.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
 // A queue between two threads, short so that the faster one waits for the slower one.
@@ -127,7 +127,7 @@ class TaskGroup {
 // goes when the last thread has done with it.
 
 /// A sample that several threads may read at the same time.
-using SharedSample = std::shared_ptr<const Sample>;
+using SharedSample = std::shared_ptr<const trajectory::Sample>;
 
 /// How many samples wait between two threads: enough to even out their pace, and all the memory
 /// that they may take.
@@ -141,19 +141,19 @@ class ThreadedTrajectoryWriter {
  public:
   /// The file gets the curves' channels (makeCurveMeter). `subject` must outlive this. Throws
   /// OutputError when the file cannot be made.
-  ThreadedTrajectoryWriter(const std::filesystem::path& path, const Subject& subject);
+  ThreadedTrajectoryWriter(const std::filesystem::path& path, const trajectory::Subject& subject);
 
   /// Hands over a sample. False once writing has failed; finish() says why. May wait for room in
   /// the queue.
   bool take(const SharedSample& sample);
 
   /// Waits for the last sample and puts the file in place. Throws OutputError.
-  void finish(const TrajectoryEnd& end);
+  void finish(const trajectory::TrajectoryEnd& end);
 
  private:
   void writeAll();
 
-  TrajectoryWriter writer_;
+  trajectory::TrajectoryWriter writer_;
   BoundedQueue<SharedSample> samples_;
   TaskGroup tasks_;  // last: its thread ends before what it uses
 };
@@ -166,23 +166,23 @@ class ThreadedTrajectoryWriter {
 class FramePool {
  public:
   /// A spare frame, whatever it shows; an empty one when there is none.
-  Frame take() {
+  picture::Frame take() {
     const std::lock_guard lock(mutex_);
     if (spare_.empty()) return {};
-    Frame frame = std::move(spare_.back());
+    picture::Frame frame = std::move(spare_.back());
     spare_.pop_back();
     return frame;
   }
 
   /// Its memory stays in the pool until a painter takes it.
-  void giveBack(Frame frame) {
+  void giveBack(picture::Frame frame) {
     const std::lock_guard lock(mutex_);
     spare_.push_back(std::move(frame));
   }
 
  private:
   std::mutex mutex_;
-  std::vector<Frame> spare_;
+  std::vector<picture::Frame> spare_;
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -220,4 +220,4 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::record

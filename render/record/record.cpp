@@ -41,7 +41,7 @@
 #include "sim/base/interruption.h"
 #include "sim/model/read_model.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 /// A step that takes no longer is not ended from within, so that its checkpoint loses nothing.
@@ -59,24 +59,26 @@ void requireWithin(double value, double least, double most, const char* option,
 
 /// What makes a grid impossible, before anything is deployed.
 void requireGrid(const PictureSettings& settings) {
-  GridStyle style;
+  picture::GridStyle style;
   style.heads = settings.columnHeads;
-  layOutGrid(settings.size, settings.grid, style);
-  for (const std::string& head : settings.columnHeads) requireDrawable("--column-heads", head);
-  if (settings.arrows) requireDrawable("--arrows", kArrow);
+  picture::layOutGrid(settings.size, settings.grid, style);
+  for (const std::string& head : settings.columnHeads)
+    picture::requireDrawable("--column-heads", head);
+  if (settings.arrows) picture::requireDrawable("--arrows", picture::kArrow);
 }
 
 /// Also chooses the font of all text from now on.
 void requireValidSettings(const PictureSettings& settings) {
-  setFont(settings.font);
-  requireValidSize(settings.size);
+  picture::setFont(settings.font);
+  picture::requireValidSize(settings.size);
   if (settings.snapshots) requireGrid(settings);
-  if (settings.video) requireValidSettings(settings.videoFile, videoSettings(settings));
+  if (settings.video) picture::requireValidSettings(settings.videoFile, videoSettings(settings));
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > 240) {
     throw InputError(fmt::format("error: {} frames a second are not possible; give --fps 1 to 240",
                                  settings.framesPerSecond));
   }
-  if (settings.video) requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
+  if (settings.video)
+    picture::requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
   if (settings.video) requireTitle({settings.title, settings.subtitle});
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
   if (settings.fontPoints && !settings.gridWidth) {
@@ -85,11 +87,11 @@ void requireValidSettings(const PictureSettings& settings) {
         "leave --font-size away");
   }
   const double dots = settings.gridWidth.value_or(0) / 25.4 * settings.gridDotsPerInch();
-  if (dots > kMaxFrameSide) {
+  if (dots > picture::kMaxFrameSide) {
     throw InputError(fmt::format(
         "error: --width {:g}mm at {:g} dots an inch is {:.0f} pixels, and may be {}; give a "
         "smaller --dpi",
-        *settings.gridWidth, settings.gridDotsPerInch(), dots, kMaxFrameSide));
+        *settings.gridWidth, settings.gridDotsPerInch(), dots, picture::kMaxFrameSide));
   }
   requireWithin(settings.heldSeconds(), 0, 60, "--hold", "seconds");
   requireWithin(settings.length, 0.1, 36000, "--length", "seconds");
@@ -114,22 +116,22 @@ bool leavesTrajectory(const RecordSettings& settings) {
 
 /// The end of a run that the files show.
 struct RunEnd {
-  DeploymentResult result;
+  deploy::DeploymentResult result;
   SharedSample first;
   SharedSample last;
   std::optional<double> leftOutFrom;  ///< see RunSummary
 };
 
 /// A deployment knows that it was ended early, but not by whom.
-void nameInterruption(const std::string& by, DeploymentResult& result) {
-  if (result.outcome != Outcome::Interrupted) return;
+void nameInterruption(const std::string& by, deploy::DeploymentResult& result) {
+  if (result.outcome != deploy::Outcome::Interrupted) return;
   result.reason = "interrupted by " + by;
   result.trajectory.events.back().text =
-      fmt::format("{}: {}", toString(result.outcome), result.reason);
+      fmt::format("{}: {}", deploy::toString(result.outcome), result.reason);
 }
 
 /// Field by field, since a summary also has what recording adds.
-void noteResult(const DeploymentResult& result, double endTime, RunSummary& summary) {
+void noteResult(const deploy::DeploymentResult& result, double endTime, RunSummary& summary) {
   summary.outcome = result.outcome;
   summary.reason = result.reason;
   summary.atTarget = result.atTarget;
@@ -158,15 +160,15 @@ class LiveRun {
 
  public:
   /// The folder must be locked.
-  LiveRun(const Scene& scene, const RecordSettings& settings, const ProgressObserver& observer,
-          const Deployer& deployer)
+  LiveRun(const scene::Scene& scene, const RecordSettings& settings,
+          const ProgressObserver& observer, const Deployer& deployer)
       : scene_(scene),
         settings_(settings),
         observer_(observer),
         deployer_(deployer),
-        subject_(subjectOf(scene)),
+        subject_(trajectory::subjectOf(scene)),
         start_(contentOf(subject_)),
-        checkpoints_(settings.folder / output::kCheckpoint, settings.order) {
+        checkpoints_(settings.folder / exports::output::kCheckpoint, settings.order) {
     if (settings.resume) {
       remark_ = checkpoints_.find();
     } else {
@@ -179,14 +181,14 @@ class LiveRun {
     std::optional<ThreadedTrajectoryWriter> writer;
     if (leavesTrajectory(settings_)) {
       subject_.settings = settingsText(scene_, settings_);
-      writer.emplace(settings_.folder / output::kTrajectory, subject_);
+      writer.emplace(settings_.folder / exports::output::kTrajectory, subject_);
     }
-    const SampleObserver watch = [&](const Sample& sample) {
+    const deploy::SampleObserver watch = [&](const trajectory::Sample& sample) {
       keep(sample);
       const bool taken = !writer || writer->take(end_.last);
       return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
-    const TrialObserver searching = [&](const SearchNews& news) {
+    const deploy::TrialObserver searching = [&](const deploy::SearchNews& news) {
       if (!news.warning.empty()) tellWarning(news.warning);
       return tell("looking for a path", news.share);
     };
@@ -228,19 +230,20 @@ class LiveRun {
     if (!tell(stage_, share_)) throw Interrupted();
   }
 
-  void keep(const Sample& sample) {
-    end_.last = std::make_shared<const Sample>(sample);
+  void keep(const trajectory::Sample& sample) {
+    end_.last = std::make_shared<const trajectory::Sample>(sample);
     if (!end_.first) end_.first = end_.last;
-    if (!end_.leftOutFrom && !showsAllBricks(start_, sample.poses)) end_.leftOutFrom = sample.time;
+    if (!end_.leftOutFrom && !picture::showsAllBricks(start_, sample.poses))
+      end_.leftOutFrom = sample.time;
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   const RecordSettings& settings_;
   const ProgressObserver& observer_;
   const Deployer& deployer_;
-  Subject subject_;
-  PictureContent start_;
-  Checkpoints checkpoints_;
+  trajectory::Subject subject_;
+  picture::PictureContent start_;
+  deploy::Checkpoints checkpoints_;
   std::string remark_;  // not told yet
   const char* stage_ = "looking for a path";
   double share_ = 0;
@@ -249,34 +252,35 @@ class LiveRun {
   RunEnd end_;
 };
 
-void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& settings,
+void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSettings& settings,
                    RunSummary& summary) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  writeTiles(inFileOrder(bottomTiles(bricks, end.last->poses), scene.model.fileOrder),
-             settings.folder / output::kFinalVertices);
-  summary.files.emplace_back(output::kFinalVertices);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  model::writeTiles(
+      model::inFileOrder(model::bottomTiles(bricks, end.last->poses), scene.model.fileOrder),
+      settings.folder / exports::output::kFinalVertices);
+  summary.files.emplace_back(exports::output::kFinalVertices);
   if (!settings.meshes) return;
-  const auto write = [&](const char* name, const Sample& sample) {
+  const auto write = [&](const char* name, const trajectory::Sample& sample) {
     for (const char* ending : {".obj", ".ply"}) {
       summary.files.push_back(fmt::format("{}{}", name, ending));
-      writeMesh(settings.folder / summary.files.back(), bricks, sample.poses);
+      exports::writeMesh(settings.folder / summary.files.back(), bricks, sample.poses);
     }
   };
-  write(output::kInitialMesh, *end.first);
-  write(output::kFinalMesh, *end.last);
+  write(exports::output::kInitialMesh, *end.first);
+  write(exports::output::kFinalMesh, *end.last);
 }
 
 /// Meshes of the moments that the timeline asked for. Two files for each "export" of the timeline,
 /// numbered from 1.
-void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary& summary) {
-  const TrajectoryReader run(settings.folder / output::kTrajectory);
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunSummary& summary) {
+  const trajectory::TrajectoryReader run(settings.folder / exports::output::kTrajectory);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   int number = 0;
   for (const std::size_t sample : samplesOf("export", run)) {
     ++number;
     for (const char* ending : {".obj", ".ply"}) {
-      summary.files.push_back(momentFile(output::kStateMoment, number, ending));
-      writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses);
+      summary.files.push_back(exports::momentFile(exports::output::kStateMoment, number, ending));
+      exports::writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses);
     }
   }
 }
@@ -284,8 +288,9 @@ void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary&
 /// The equilibria of a scene with grips.
 void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
   if (!summary.loadCurve) return;
-  writeTextFile(settings.folder / output::kLoadCurve, loadTable(*summary.loadCurve));
-  summary.files.emplace_back(output::kLoadCurve);
+  writeTextFile(settings.folder / exports::output::kLoadCurve,
+                mechanics::loadTable(*summary.loadCurve));
+  summary.files.emplace_back(exports::output::kLoadCurve);
 }
 
 /// Who makes a run's pictures from what: noted in each of them. It goes into the metadata of PNG,
@@ -298,19 +303,19 @@ std::string madeBy(const std::string& model, const std::string& order) {
 /// Sets up the graphics library; says what is missing of it before a simulation, not after it.
 /// Making a context takes a moment; a run of hours that ends without pictures would cost more.
 void prepareGraphics(const PictureSettings& settings) {
-  if (settings.graphics) setGraphicsLibrary(*settings.graphics);
+  if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
   // Mesa draws all contexts' triangles with one set of threads; with none it draws them on the
   // painters' own, but one painter at a time under a lock (lp_setup_rasterize_scene), and as that
   // is two thirds of painting, the others would wait there in every frame.
   if (settings.paintsFrames()) {
     const int painters = settings.painters();
-    setRasterThreads(painters > 1 ? std::min(painters, kMostRasterThreads) : 0);
+    picture::setRasterThreads(painters > 1 ? std::min(painters, kMostRasterThreads) : 0);
   }
-  if (settings.paints()) const Context probe;
+  if (settings.paints()) const picture::Context probe;
 }
 
 /// All pictures of a finished run. Nothing where the settings want none.
-void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
+void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
                   const ProgressObserver& observer, PictureReport& report) {
   if (!settings.paints()) return;
   const MotionCurve motion = motionOf(run);
@@ -322,18 +327,19 @@ void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
 /// Files in place change no more: each is read once. Files whose digest is known already are not
 /// read again.
 void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
-  std::set<std::string> known = {output::kSummary};
-  for (const FileDigest& digest : summary.digests) known.insert(digest.name);
+  std::set<std::string> known = {exports::output::kSummary};
+  for (const exports::FileDigest& digest : summary.digests) known.insert(digest.name);
   for (const std::string& file : summary.files) {
-    if (known.insert(file).second) summary.digests.push_back(digestOf(folder, file));
+    if (known.insert(file).second) summary.digests.push_back(exports::digestOf(folder, file));
   }
 }
 
 /// A state to export may turn out not to be in the run, which is none the worse for it.
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
-  const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
+  const trajectory::TrajectoryReader trajectory(settings.folder / exports::output::kTrajectory);
   try {
-    for (const std::string& file : exportInto(trajectory, settings.exports, settings.folder)) {
+    for (const std::string& file :
+         exports::exportInto(trajectory, settings.exports, settings.folder)) {
       summary.files.push_back(file);
     }
   } catch (const InputError& error) {
@@ -346,29 +352,36 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
 bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
   return (settings.video && name == settings.videoFile) ||
-         (settings.snapshots && name == output::kSnapshots) ||
-         (settings.snapshots &&
-          std::ranges::any_of(settings.pages,
-                              [&name](PageFormat format) { return name == pageFile(format); })) ||
-         (settings.svg && isNumbered(name, [](int k) { return snapshotDrawing(k).string(); })) ||
-         (hasFrames && name == output::kFrames + std::string("/")) ||
-         (hasFrames && isNumbered(name, [](int k) { return frameFile(k).string(); })) ||
-         isNumbered(name, [](int k) { return momentFile(output::kSnapshotMoment, k, ".png"); });
+         (settings.snapshots && name == exports::output::kSnapshots) ||
+         (settings.snapshots && std::ranges::any_of(settings.pages,
+                                                    [&name](picture::PageFormat format) {
+                                                      return name == pageFile(format);
+                                                    })) ||
+         (settings.svg &&
+          exports::isNumbered(name, [](int k) { return exports::snapshotDrawing(k).string(); })) ||
+         (hasFrames && name == exports::output::kFrames + std::string("/")) ||
+         (hasFrames &&
+          exports::isNumbered(name, [](int k) { return exports::frameFile(k).string(); })) ||
+         exports::isNumbered(name, [](int k) {
+           return exports::momentFile(exports::output::kSnapshotMoment, k, ".png");
+         });
 }
 
 /// The same of all files.
 bool isOutput(const std::string& name, const RecordSettings& settings) {
-  if (name == output::kSummary || name == output::kFinalVertices) return true;
-  if (name == output::kLoadCurve) return true;
-  if (leavesTrajectory(settings) && name == output::kTrajectory) return true;
+  if (name == exports::output::kSummary || name == exports::output::kFinalVertices) return true;
+  if (name == exports::output::kLoadCurve) return true;
+  if (leavesTrajectory(settings) && name == exports::output::kTrajectory) return true;
   if (settings.paints() && isPicture(name, settings)) return true;
-  if (isExported(name, settings.exports)) return true;
+  if (exports::isExported(name, settings.exports)) return true;
   for (const char* ending : {".obj", ".ply"}) {
     if (!settings.meshes) break;
-    if (name == output::kInitialMesh + std::string(ending)) return true;
-    if (name == output::kFinalMesh + std::string(ending)) return true;
-    const auto moment = [&](int k) { return momentFile(output::kStateMoment, k, ending); };
-    if (isNumbered(name, moment)) return true;
+    if (name == exports::output::kInitialMesh + std::string(ending)) return true;
+    if (name == exports::output::kFinalMesh + std::string(ending)) return true;
+    const auto moment = [&](int k) {
+      return exports::momentFile(exports::output::kStateMoment, k, ending);
+    };
+    if (exports::isNumbered(name, moment)) return true;
   }
   return false;
 }
@@ -380,19 +393,19 @@ int PictureSettings::painters() const {
   return painterCount.value_or(std::min(cores, kMostPainters));
 }
 
-RunSummary summaryOf(const DeploymentResult& result, double endTime) {
+RunSummary summaryOf(const deploy::DeploymentResult& result, double endTime) {
   RunSummary summary;
   noteResult(result, endTime, summary);
   return summary;
 }
 
-RunSummary record(const Scene& scene, const RecordSettings& asked, const ProgressObserver& observer,
-                  const Deployer& deployer) {
+RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
+                  const ProgressObserver& observer, const Deployer& deployer) {
   const Stopwatch stopwatch;
   requireValidSettings(asked);
-  requirePaintable(contentOf(subjectOf(scene)), asked);
-  requireExportable(scene.model, scene.brick, asked.exports);
-  FileSet files(asked.folder, output::kSummary);
+  requirePaintable(contentOf(trajectory::subjectOf(scene)), asked);
+  exports::requireExportable(scene.model, scene.brick, asked.exports);
+  exports::FileSet files(asked.folder, exports::output::kSummary);
   files.requireFree([&asked](const std::string& name) { return isOutput(name, asked); });
   RecordSettings settings = asked;
   settings.folder = files.stage();
@@ -403,21 +416,21 @@ RunSummary record(const Scene& scene, const RecordSettings& asked, const Progres
   prepareGraphics(settings);
   run.deploy();
   summarize(run.end(), summary);
-  if (leavesTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
+  if (leavesTrajectory(settings)) summary.files.emplace_back(exports::output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
   writeLoadCurve(settings, summary);
   if (settings.paints()) {
-    const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
+    const trajectory::TrajectoryReader trajectory(settings.folder / exports::output::kTrajectory);
     makePictures(trajectory, settings, observer, summary);
   }
   if (summary.stoppedAt) {
-    summary.outcome = Outcome::Interrupted;
+    summary.outcome = deploy::Outcome::Interrupted;
     summary.reason = fmt::format("interrupted by {} while painting; the video ends at {:.4g} s",
                                  summary.stoppedBy, *summary.stoppedAt);
   }
 
-  summary.files.emplace_back(output::kSummary);
+  summary.files.emplace_back(exports::output::kSummary);
   // Where an export fails, all else is put in place all the same.
   std::exception_ptr exportFailure;
   try {
@@ -431,7 +444,7 @@ RunSummary record(const Scene& scene, const RecordSettings& asked, const Progres
   noteDigests(settings.folder, summary);
   summary.recordCost.wallSeconds = stopwatch.seconds();
   summary.recordCost.peakMemoryBytes = peakMemoryBytes();
-  if (summary.outcome != Outcome::Interrupted) run.removeCheckpoint();
+  if (summary.outcome != deploy::Outcome::Interrupted) run.removeCheckpoint();
   files.commit(summaryJson(scene, settings, summary));
   if (exportFailure) std::rethrow_exception(exportFailure);
   return summary;
@@ -441,10 +454,10 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
                      const ProgressObserver& observer) {
   const Stopwatch stopwatch;
   requireValidSettings(settings);
-  const TrajectoryReader run(trajectory);
-  FileSet files(settings.folder, output::kContents);
+  const trajectory::TrajectoryReader run(trajectory);
+  exports::FileSet files(settings.folder, exports::output::kContents);
   files.requireFree([&settings](const std::string& name) {
-    return name == output::kContents || isPicture(name, settings);
+    return name == exports::output::kContents || isPicture(name, settings);
   });
   PictureSettings aside = settings;
   aside.folder = files.stage();
@@ -465,17 +478,17 @@ PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectorie
   settings.video = settings.frames = false;
   settings.grid.rows = static_cast<int>(trajectories.size());
   requireValidSettings(settings);
-  std::vector<std::unique_ptr<TrajectoryReader>> opened;
-  std::vector<const TrajectoryReader*> runs;
+  std::vector<std::unique_ptr<trajectory::TrajectoryReader>> opened;
+  std::vector<const trajectory::TrajectoryReader*> runs;
   std::string models;
   for (const std::filesystem::path& trajectory : trajectories) {
-    opened.push_back(std::make_unique<TrajectoryReader>(trajectory));
+    opened.push_back(std::make_unique<trajectory::TrajectoryReader>(trajectory));
     runs.push_back(opened.back().get());
     models += (models.empty() ? "" : ", ") + runs.back()->subject().model.name;
   }
-  FileSet files(settings.folder, output::kContents);
+  exports::FileSet files(settings.folder, exports::output::kContents);
   files.requireFree([&settings](const std::string& name) {
-    return name == output::kContents || isPicture(name, settings);
+    return name == exports::output::kContents || isPicture(name, settings);
   });
   settings.folder = files.stage();
   settings.madeBy = madeBy(models, "");
@@ -489,4 +502,4 @@ PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectorie
   return report;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

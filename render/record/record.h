@@ -19,7 +19,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 /// How the pictures of a snapshot grid are spread over a run; the first and last are always in.
 enum class SnapshotSpacing {
@@ -46,9 +46,9 @@ struct FrameChoice {
 /// Which pictures of a run are wanted, how they look, and where they go. Defaults are those of the
 /// command line. Ranges are checked by record() and render().
 struct PictureSettings {
-  std::optional<GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
+  std::optional<picture::GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
   std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
-  FrameSize size;                ///< of video frames and of each snapshot
+  picture::FrameSize size;       ///< of video frames and of each snapshot
   int framesPerSecond = 60;      ///< of the video, 1 to 240
   Pace pace = Pace::Even;        ///< how time passes in the video
   double length = 8;             ///< of a video at an even pace, seconds, without a title
@@ -60,12 +60,12 @@ struct PictureSettings {
   /// Of a card shown before the video, UTF-8, line feeds begin new lines; no card when both are
   /// empty.
   std::string title;
-  std::string subtitle;  ///< below the title, UTF-8; empty: none
-  Look look;             ///< of all pictures
-  GridShape grid;        ///< of the snapshots
+  std::string subtitle;     ///< below the title, UTF-8; empty: none
+  picture::Look look;       ///< of all pictures
+  picture::GridShape grid;  ///< of the snapshots
   /// Under the grid's pictures and the video's frames; absent: under the grid alone, progress at an
   /// even pace, time at real pace, nothing where its columns have heads.
-  std::optional<CaptionParts> captions;
+  std::optional<picture::CaptionParts> captions;
   /// A length under the grid and the video; needs a parallel projection.
   bool scaleBar = false;
   bool progressBar = false;           ///< under the video
@@ -76,11 +76,12 @@ struct PictureSettings {
   bool letters = false;               ///< (a), (b), ... over the grid's pictures
   bool arrows = false;                ///< from each of the grid's pictures to the next in its row
   std::vector<std::string> columnHeads;  ///< over the grid's columns, one each; none when empty
-  std::vector<PageFormat> pages;  ///< the grid as vector graphics too, as snapshots.svg, .pdf
-  std::string madeBy;             ///< who makes the pictures from what, noted in the files
+  std::vector<picture::PageFormat>
+      pages;           ///< the grid as vector graphics too, as snapshots.svg, .pdf
+  std::string madeBy;  ///< who makes the pictures from what, noted in the files
   SnapshotSpacing spacing = SnapshotSpacing::Progress;  ///< which states the snapshots show
   bool video = true;                                    ///< whether there is one
-  std::string videoFile = output::kVideo;               ///< its ending chooses the format
+  std::string videoFile = exports::output::kVideo;      ///< its ending chooses the format
   std::optional<int> crf;                               ///< of the video, see VideoSettings
   std::string preset = "auto";                          ///< of the video, see VideoSettings
   std::string encoder;                                  ///< of the video, see VideoSettings
@@ -104,9 +105,10 @@ struct PictureSettings {
   /// Of the grid in print, where it has a width.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
   /// What stands under the grid's pictures.
-  CaptionParts captionParts() const {
-    if (captions || !columnHeads.empty()) return captions.value_or(CaptionParts{});
-    return pace == Pace::Even ? CaptionParts{.progress = true} : CaptionParts{.time = true};
+  picture::CaptionParts captionParts() const {
+    if (captions || !columnHeads.empty()) return captions.value_or(picture::CaptionParts{});
+    return pace == Pace::Even ? picture::CaptionParts{.progress = true}
+                              : picture::CaptionParts{.time = true};
   }
 };
 
@@ -120,7 +122,7 @@ struct RecordSettings : PictureSettings {
   bool resume = false;     ///< go on from the folder's checkpoint, if it is of the same order
   bool meshes = true;      ///< initial and final, OBJ and PLY
   bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too
-  ExportSettings exports;  ///< further files; none without formats
+  exports::ExportSettings exports;  ///< further files; none without formats
 };
 
 /// What recording cost, beside the deployment's own cost. Seconds of several painters are added up,
@@ -145,26 +147,26 @@ struct PictureReport {
 
 /// Everything that summary.json says about a run, beside its settings.
 struct RunSummary : PictureReport {
-  Outcome outcome = Outcome::OutOfTime;  ///< how the run ended
-  std::string reason;                    ///< one line: why it ended so
-  std::optional<bool> atTarget;          ///< at the end; absent where nothing pulls to a target
-  double endTime = 0;                    ///< simulated seconds
+  deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
+  std::string reason;                                    ///< one line: why it ended so
+  std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
+  double endTime = 0;            ///< simulated seconds
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.
   std::optional<double> leftOutFrom;
-  Needs needs;                           ///< what was modelled, and why
-  PathSettings path;                     ///< that was taken
-  std::string pathReason;                ///< one short phrase: why
-  Accuracy accuracy;                     ///< gaps, errors and overlaps
-  double assembledError = -1;            ///< metres; negative when not computed
-  std::vector<BlockingPair> blocking;    ///< bricks in each other's way at the target
-  std::vector<std::string> warnings;     ///< about the target, one line each
-  std::vector<Event> events;             ///< what the timeline did, and how the run ended
-  DeployCost deployCost;                 ///< of the run itself
-  std::optional<LoadCurve> loadCurve;    ///< of a scene with grips
-  std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
-  std::string leftOut;                   ///< why nothing was exported that was to be; mostly empty
-  std::vector<FileDigest> digests;       ///< of all files but summary.json
+  scene::Needs needs;                             ///< what was modelled, and why
+  scene::PathSettings path;                       ///< that was taken
+  std::string pathReason;                         ///< one short phrase: why
+  deploy::Accuracy accuracy;                      ///< gaps, errors and overlaps
+  double assembledError = -1;                     ///< metres; negative when not computed
+  std::vector<deploy::BlockingPair> blocking;     ///< bricks in each other's way at the target
+  std::vector<std::string> warnings;              ///< about the target, one line each
+  std::vector<trajectory::Event> events;          ///< what the timeline did, and how the run ended
+  deploy::DeployCost deployCost;                  ///< of the run itself
+  std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
+  std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring
+  std::string leftOut;  ///< why nothing was exported that was to be; mostly empty
+  std::vector<exports::FileDigest> digests;  ///< of all files but summary.json
 };
 
 /// How far a run is, for a progress line. `stage` lives as long as the program.
@@ -182,13 +184,13 @@ using Interruption = std::optional<std::string>;
 using ProgressObserver = std::function<Interruption(const Progress&)>;
 
 /// Deploys a scene, as deployUnkept() does it, or as it was done before.
-using Deployer = std::function<DeploymentResult(
-    const Scene& scene, double sampleInterval, const SampleObserver& observer,
-    const TrialObserver& searching, Checkpoints* checkpoints)>;
+using Deployer = std::function<deploy::DeploymentResult(
+    const scene::Scene& scene, double sampleInterval, const deploy::SampleObserver& observer,
+    const deploy::TrialObserver& searching, deploy::Checkpoints* checkpoints)>;
 
 /// What a deployment says of itself in a summary; nothing is painted or written yet. `endTime` in
 /// simulated seconds.
-RunSummary summaryOf(const DeploymentResult& result, double endTime);
+RunSummary summaryOf(const deploy::DeploymentResult& result, double endTime);
 
 /// Deploys the scene into trajectory.h5, then makes everything else from that file as the settings
 /// ask for, and at last summary.json. Memory does not grow with the length of the run, and the
@@ -197,8 +199,9 @@ RunSummary summaryOf(const DeploymentResult& result, double endTime);
 /// the folder lets another call resume it. Throws InputError for settings out of range, OutputError
 /// when a file cannot be written; the folder and the settings are checked before the deployment
 /// starts.
-RunSummary record(const Scene& scene, const RecordSettings& settings,
-                  const ProgressObserver& observer, const Deployer& deployer = deployUnkept);
+RunSummary record(const scene::Scene& scene, const RecordSettings& settings,
+                  const ProgressObserver& observer,
+                  const Deployer& deployer = deploy::deployUnkept);
 
 /// Makes the pictures of a recorded run again, from its trajectory.h5, without simulating. Throws
 /// InputError when the file is no whole trajectory, and as record(). The folder gets contents.json,
@@ -211,4 +214,4 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
 PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectories,
                            const PictureSettings& settings);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

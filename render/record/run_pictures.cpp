@@ -36,7 +36,7 @@
 #include "sim/base/interruption.h"
 #include "sim/trajectory/run_curves.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 /// The camera looks at about this many samples: enough for any smooth motion.
@@ -47,15 +47,16 @@ constexpr std::size_t kWaitingFrames = 4;
 constexpr double kBorder = 1 + 1e-9;
 
 /// The last sample is always among them.
-void keepRunInSight(PictureContent& content, const TrajectoryReader& run) {
+void keepRunInSight(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
-  for (std::size_t i = 0; i < count; i += stride) keepInSight(content, run.sample(i).poses);
-  keepInSight(content, run.sample(count - 1).poses);
+  for (std::size_t i = 0; i < count; i += stride)
+    picture::keepInSight(content, run.sample(i).poses);
+  picture::keepInSight(content, run.sample(count - 1).poses);
 }
 
 /// For the scale of colours: its bright end is the largest value among these.
-void keepStates(PictureContent& content, const TrajectoryReader& run) {
+void keepStates(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
   for (std::size_t i = 0; i < count; i += stride) content.states.push_back(run.sample(i).poses);
@@ -63,22 +64,22 @@ void keepStates(PictureContent& content, const TrajectoryReader& run) {
 }
 
 /// Without a target there is one end alone, so all of the run counts.
-bool fitsEnds(const Model& model, const PictureSettings& settings) {
-  if (settings.look.fit == FitScope::Auto) return model.target.has_value();
-  return settings.look.fit == FitScope::Ends;
+bool fitsEnds(const model::Model& model, const PictureSettings& settings) {
+  if (settings.look.fit == picture::FitScope::Auto) return model.target.has_value();
+  return settings.look.fit == picture::FitScope::Ends;
 }
 
 /// Whether a camera that cuts something off is the program's mistake, not the settings' wish.
 bool choosesCamera(const PictureSettings& settings) {
-  const CameraChoice& camera = settings.look.camera;
-  return settings.look.fit == FitScope::Auto && camera.zoom == 1 && camera.keys.empty() &&
+  const picture::CameraChoice& camera = settings.look.camera;
+  return settings.look.fit == picture::FitScope::Auto && camera.zoom == 1 && camera.keys.empty() &&
          !camera.distance;
 }
 
 /// Clip coordinates beyond -w to w are outside the picture.
-bool seesAll(const PictureSetup& setup, const ShownState& state, double aspect) {
-  const Eigen::Matrix4d clip = clipFromWorld(setup.camera(state), aspect);
-  const std::vector<Vector3> corners = shownCorners(setup.content(), state.poses);
+bool seesAll(const picture::PictureSetup& setup, const picture::ShownState& state, double aspect) {
+  const Eigen::Matrix4d clip = picture::clipFromWorld(setup.camera(state), aspect);
+  const std::vector<Vector3> corners = picture::shownCorners(setup.content(), state.poses);
   return std::ranges::all_of(corners, [&](const Vector3& corner) {
     const Eigen::Vector4d point = clip * corner.homogeneous();
     return point.head<2>().cwiseAbs().maxCoeff() <= kBorder * point.w();
@@ -86,9 +87,9 @@ bool seesAll(const PictureSetup& setup, const ShownState& state, double aspect) 
 }
 
 /// Whether no sample of the run leaves pictures of this content. Looks at every sample.
-bool seesRun(const TrajectoryReader& run, const PictureSetup& setup) {
+bool seesRun(const trajectory::TrajectoryReader& run, const picture::PictureSetup& setup) {
   for (std::size_t i = 0; i < run.times().size(); ++i) {
-    const Sample sample = run.sample(i);
+    const trajectory::Sample sample = run.sample(i);
     if (!seesAll(setup, {sample.time, sample.poses, {}}, setup.pictureSize().aspect())) {
       return false;
     }
@@ -98,35 +99,38 @@ bool seesRun(const TrajectoryReader& run, const PictureSetup& setup) {
 
 }  // namespace
 
-PictureContent contentOf(const Subject& subject) {
-  PictureContent content = makeContent(subject.model, subject.brickRule, subject.ground);
+picture::PictureContent contentOf(const trajectory::Subject& subject) {
+  picture::PictureContent content =
+      picture::makeContent(subject.model, subject.brickRule, subject.ground);
   content.pairForces = subject.pairForces;
   content.obstacles = subject.obstacles;
   return content;
 }
 
-PictureContent contentOf(const TrajectoryReader& run, const PictureSettings& settings) {
-  PictureContent content = contentOf(run.subject());
+picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
+                                  const PictureSettings& settings) {
+  picture::PictureContent content = contentOf(run.subject());
   const bool fits = fitsEnds(run.subject().model, settings) &&
                     (!choosesCamera(settings) ||
-                     seesRun(run, PictureSetup(settings.look, content, settings.size)));
+                     seesRun(run, picture::PictureSetup(settings.look, content, settings.size)));
   if (!fits) keepRunInSight(content, run);
-  if (isMeasure(settings.look.colouring) && !settings.look.colourMost) keepStates(content, run);
+  if (picture::isMeasure(settings.look.colouring) && !settings.look.colourMost)
+    keepStates(content, run);
   return content;
 }
 
-void requirePaintable(const PictureContent& content, const PictureSettings& settings) {
+void requirePaintable(const picture::PictureContent& content, const PictureSettings& settings) {
   if (!settings.paints()) return;
-  const PictureSetup setup(settings.look, content, settings.size);
+  const picture::PictureSetup setup(settings.look, content, settings.size);
   if (settings.scaleBar) setup.metresPerPixel();
 }
 
 std::string CaptionWriter::text(const FrameState& state, double progress) const {
-  const std::vector<double> turned = brickRotations(start_, state.sample.poses);
-  CaptionValues values{progress, state.moment.time, *std::ranges::max_element(turned), std::nullopt,
-                       state.sample.jointGap};
+  const std::vector<double> turned = trajectory::brickRotations(start_, state.sample.poses);
+  picture::CaptionValues values{progress, state.moment.time, *std::ranges::max_element(turned),
+                                std::nullopt, state.sample.jointGap};
   if (hasTarget_) values.error = state.sample.targetError;
-  return captionText(parts_, values);
+  return picture::captionText(parts_, values);
 }
 
 std::string CaptionWriter::of(const FrameState& state) const {
@@ -139,14 +143,14 @@ std::string CaptionWriter::inVideo(const FrameState& state) const {
 
 std::string CaptionWriter::longest(double endTime) const {
   constexpr double kLongLength = 8.8e-88;  // metres, in the form that has most letters
-  CaptionValues values{1, endTime, std::numbers::pi, std::nullopt, kLongLength};
+  picture::CaptionValues values{1, endTime, std::numbers::pi, std::nullopt, kLongLength};
   if (hasTarget_) values.error = kLongLength;
-  return captionText(parts_, values);
+  return picture::captionText(parts_, values);
 }
 
-StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
-                      double endTime) {
-  StripParts parts;
+picture::StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
+                               double endTime) {
+  picture::StripParts parts;
   if (settings.captions) parts.longestCaption = captions.longest(endTime);
   parts.progressBar = settings.progressBar;
   parts.scaleBar = settings.scaleBar;
@@ -154,18 +158,18 @@ StripParts stripParts(const PictureSettings& settings, const CaptionWriter& capt
   return parts;
 }
 
-RunPictures::RunPictures(const TrajectoryReader& run, const PictureSettings& settings,
+RunPictures::RunPictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
                          PictureReport& report)
     : settings_(settings),
       report_(report),
       captions_(settings.captionParts(), contentOf(run.subject())),
       frames_(settings.size, settings.look, contentOf(run, settings),
-              stripParts(settings, captions_, run.times().back()), Smoothness::Film) {
-  report_.graphics = graphicsVersion();
+              stripParts(settings, captions_, run.times().back()), picture::Smoothness::Film) {
+  report_.graphics = picture::graphicsVersion();
 }
 
 /// This thread paints too, since its painter is there already.
-void RunPictures::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
+void RunPictures::makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
                              const ProgressObserver& observer) {
   const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
   const double begin = processCpuSeconds(), encoded = report_.recordCost.cpuSecondsEncode;
@@ -191,7 +195,7 @@ void RunPictures::makeFrames(const TrajectoryReader& run, const MotionCurve& mot
   tasks.start([&] { encode(frames, pool); });
   for (int k = 1; k < painters; ++k) {
     tasks.start([&] {
-      StatePainter painter(frames_);
+      picture::StatePainter painter(frames_);
       paint(painter, orders, pool);
     });
   }
@@ -203,7 +207,7 @@ void RunPictures::makeFrames(const TrajectoryReader& run, const MotionCurve& mot
 }
 
 /// Ends when the queue is closed or stopped; CPU seconds are added under the lock.
-void RunPictures::paint(StatePainter& painter, OrderQueue& orders, FramePool& pool) {
+void RunPictures::paint(picture::StatePainter& painter, OrderQueue& orders, FramePool& pool) {
   while (std::optional<FrameOrder> order = orders.pop()) {
     try {
       order->frame.set_value(paintFrame(painter, *order->state, pool.take()));
@@ -219,32 +223,33 @@ void RunPictures::paint(StatePainter& painter, OrderQueue& orders, FramePool& po
 /// On a thread of its own, with the only sink.
 void RunPictures::encode(FrameQueue& frames, FramePool& pool) {
   FrameSink sink(settings_, report_);
-  const Style& style = frames_.setup().style();
+  const picture::Style& style = frames_.setup().style();
   const Title title{settings_.title, settings_.subtitle};
   if (!title.empty()) {
     sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
   }
   // Where a painter fails, get() throws what it threw.
-  while (std::optional<std::future<Frame>> frame = frames.pop()) {
-    Frame spare = sink.put(frame->get());
+  while (std::optional<std::future<picture::Frame>> frame = frames.pop()) {
+    picture::Frame spare = sink.put(frame->get());
     if (!spare.pixels.empty()) pool.giveBack(std::move(spare));
   }
   if (!frames.isStopped()) sink.finish();
 }
 
-Frame RunPictures::paintFrame(StatePainter& painter, const FrameState& state, Frame storage) const {
+picture::Frame RunPictures::paintFrame(picture::StatePainter& painter, const FrameState& state,
+                                       picture::Frame storage) const {
   return painter.paint(shownState(state), {captions_.inVideo(state), state.moment.progress},
                        std::move(storage));
 }
 
-Frame RunPictures::paintStill(const FrameState& state) {
+picture::Frame RunPictures::paintStill(const FrameState& state) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  if (!stills_) stills_.emplace(frames_, Smoothness::Still);
+  if (!stills_) stills_.emplace(frames_, picture::Smoothness::Still);
   return paintFrame(*stills_, state);
 }
 
 /// States are interpolated at the moments of the grid, not taken from the nearest sample.
-void RunPictures::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
+void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
   PanelRow row{settings_.look, frames_.setup().content(), {}, {}};
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
@@ -255,28 +260,32 @@ void RunPictures::writeGrid(const TrajectoryReader& run, const MotionCurve& moti
   PanelSheet(rows, settings_.grid, settings_, report_).write();
 }
 
-void RunPictures::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion) {
-  makeFolder(settings_.folder / output::kFrames);
+void RunPictures::writeChosenFrames(const trajectory::TrajectoryReader& run,
+                                    const MotionCurve& motion) {
+  makeFolder(settings_.folder / exports::output::kFrames);
   for (const int number : chooseFrames(run.times(), motion, settings_.chosenFrames)) {
-    const Sample sample = run.sample(static_cast<std::size_t>(number));
-    const Frame frame = paintStill({momentAt(motion, settings_.pace, sample.time), sample});
-    writePng(frame, settings_.folder / frameFile(number), pngSettings(settings_));
-    report_.files.push_back(frameFile(number).string());
+    const trajectory::Sample sample = run.sample(static_cast<std::size_t>(number));
+    const picture::Frame frame =
+        paintStill({momentAt(motion, settings_.pace, sample.time), sample});
+    picture::writePng(frame, settings_.folder / exports::frameFile(number), pngSettings(settings_));
+    report_.files.push_back(exports::frameFile(number).string());
   }
 }
 
 /// The pictures that the timeline asked for.
-void RunPictures::writeMoments(const TrajectoryReader& run, const MotionCurve& motion) {
+void RunPictures::writeMoments(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
   int number = 0;
   for (const std::size_t index : samplesOf("snapshot", run)) {
-    const Sample sample = run.sample(index);
-    report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
-    writePng(paintStill({momentAt(motion, settings_.pace, sample.time), sample}),
-             settings_.folder / report_.files.back(), pngSettings(settings_));
+    const trajectory::Sample sample = run.sample(index);
+    report_.files.push_back(
+        exports::momentFile(exports::output::kSnapshotMoment, ++number, ".png"));
+    picture::writePng(paintStill({momentAt(motion, settings_.pace, sample.time), sample}),
+                      settings_.folder / report_.files.back(), pngSettings(settings_));
   }
 }
 
-void RunPictures::writeSnapshots(const TrajectoryReader& run, const MotionCurve& motion) {
+void RunPictures::writeSnapshots(const trajectory::TrajectoryReader& run,
+                                 const MotionCurve& motion) {
   writeMoments(run, motion);
   if (settings_.snapshots) writeGrid(run, motion);
   if (!settings_.chosenFrames.empty()) writeChosenFrames(run, motion);
@@ -293,7 +302,7 @@ constexpr double kTitleSeconds = 2;
 
 }  // namespace
 
-VideoSettings videoSettings(const PictureSettings& settings) {
+picture::VideoSettings videoSettings(const PictureSettings& settings) {
   return {.size = settings.size,
           .framesPerSecond = settings.framesPerSecond,
           .crf = settings.crf,
@@ -302,7 +311,7 @@ VideoSettings videoSettings(const PictureSettings& settings) {
           .description = settings.madeBy};
 }
 
-PngSettings pngSettings(const PictureSettings& settings) {
+picture::PngSettings pngSettings(const PictureSettings& settings) {
   return {.dotsPerInch = settings.dotsPerInch, .description = settings.madeBy};
 }
 
@@ -312,11 +321,11 @@ int heldFrames(const PictureSettings& settings) {
 
 FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
     : settings_(settings), report_(report), heldFrames_(heldFrames(settings)) {
-  if (settings.frames) makeFolder(settings.folder / output::kFrames);
+  if (settings.frames) makeFolder(settings.folder / exports::output::kFrames);
   if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
 }
 
-void FrameSink::encode(const Frame& frame, int times) {
+void FrameSink::encode(const picture::Frame& frame, int times) {
   for (int k = 0; k < times; ++k) {
     checkInterruption();
     video_->write(frame);
@@ -324,17 +333,18 @@ void FrameSink::encode(const Frame& frame, int times) {
   videoFrames_ += times;
 }
 
-void FrameSink::putTitle(const Frame& card) {
+void FrameSink::putTitle(const picture::Frame& card) {
   const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
   if (video_) encode(card, static_cast<int>(kTitleSeconds * settings_.framesPerSecond));
 }
 
-Frame FrameSink::put(Frame frame) {
+picture::Frame FrameSink::put(picture::Frame frame) {
   const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
   if (video_) encode(frame, number_ == 0 ? 1 + heldFrames_ : 1);
   if (settings_.frames) {
-    writePng(frame, settings_.folder / frameFile(number_), pngSettings(settings_));
-    files_.push_back(frameFile(number_).string());
+    picture::writePng(frame, settings_.folder / exports::frameFile(number_),
+                      pngSettings(settings_));
+    files_.push_back(exports::frameFile(number_).string());
   }
   ++number_;
   std::swap(last_, frame);
@@ -373,17 +383,18 @@ struct CardLine {
 
 void append(std::vector<CardLine>& lines, const std::string& text, double em, double most) {
   if (text.empty()) return;
-  const LabelWriter writer(std::max(1, static_cast<int>(em)));
+  const picture::LabelWriter writer(std::max(1, static_cast<int>(em)));
   const auto width = [&writer](const std::string& line) -> double { return writer.width(line); };
-  for (std::string& line : wrapText(text, width, most)) lines.push_back({std::move(line), em});
+  for (std::string& line : picture::wrapText(text, width, most))
+    lines.push_back({std::move(line), em});
 }
 
 double widthOf(const CardLine& line) {
-  return LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text);
+  return picture::LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text);
 }
 
 /// Makes all lines smaller by what the widest, or all together, take too much.
-void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
+void shrinkToFit(std::vector<CardLine>& lines, picture::FrameSize size) {
   double widest = 1, height = 1;
   for (const CardLine& line : lines) {
     widest = std::max(widest, widthOf(line));
@@ -397,21 +408,22 @@ void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
 }  // namespace
 
 void requireTitle(const Title& title) {
-  requireDrawable("--title", title.title);
-  requireDrawable("--subtitle", title.subtitle);
+  picture::requireDrawable("--title", title.title);
+  picture::requireDrawable("--subtitle", title.subtitle);
 }
 
-Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink) {
+picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::Colour background,
+                         picture::Colour ink) {
   std::vector<CardLine> lines;
   append(lines, title.title, kTitleSize * size.height, kMostWidth * size.width);
   append(lines, title.subtitle, kSubtitleSize * size.height, kMostWidth * size.width);
   shrinkToFit(lines, size);
   double height = 0;
   for (const CardLine& line : lines) height += kCardLineEms * line.em;
-  Frame card = makeFrame(size, background);
+  picture::Frame card = picture::makeFrame(size, background);
   double upper = 0.5 * (size.height - height);
   for (const CardLine& line : lines) {
-    const LabelWriter writer(std::max(1, static_cast<int>(line.em)));
+    const picture::LabelWriter writer(std::max(1, static_cast<int>(line.em)));
     writer.draw(card, line.text, (size.width - writer.width(line.text)) / 2,
                 static_cast<int>(std::lround(upper + line.em)), ink);
     upper += kCardLineEms * line.em;
@@ -432,8 +444,8 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
 namespace {
 
 /// Scales are those of the first row, which all rows share.
-GridStyle gridStyle(const PictureSetup& setup, const PictureSettings& settings) {
-  GridStyle style;
+picture::GridStyle gridStyle(const picture::PictureSetup& setup, const PictureSettings& settings) {
+  picture::GridStyle style;
   style.background = setup.style().background;
   style.text = setup.style().text;
   style.colourScale = setup.colourScale();
@@ -446,35 +458,36 @@ GridStyle gridStyle(const PictureSetup& setup, const PictureSettings& settings) 
 }
 
 /// Outlines are as wide as in the pictures, in pixels of their height.
-PageSettings pageSettings(const PictureSetup& setup, FrameSize size,
-                          const std::string& description) {
-  const Style& style = setup.style();
+picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::FrameSize size,
+                                   const std::string& description) {
+  const picture::Style& style = setup.style();
   return {.size = size,
           .background = style.background,
           .outline = style.edge,
           .paleOutline = style.paleEdge,
           .outlineWidth = style.edgeWidth * setup.pictureSize().height,
-          .fontFamily = fontFamily(),
+          .fontFamily = picture::fontFamily(),
           .description = description};
 }
 
 }  // namespace
 
-const char* pageFile(PageFormat format) {
-  return format == PageFormat::Svg ? output::kSnapshotsSvg : output::kSnapshotsPdf;
+const char* pageFile(picture::PageFormat format) {
+  return format == picture::PageFormat::Svg ? exports::output::kSnapshotsSvg
+                                            : exports::output::kSnapshotsPdf;
 }
 
-ShownState shownState(const FrameState& state) {
+picture::ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
 /// All pictures anew, of this size.
-void PanelSheet::paintAll(FrameSize size) {
+void PanelSheet::paintAll(picture::FrameSize size) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
   painters_.clear();
   pictures_.clear();
   for (const PanelRow& row : rows_) {
-    painters_.push_back(std::make_unique<StatePainter>(size, row.look, row.content));
+    painters_.push_back(std::make_unique<picture::StatePainter>(size, row.look, row.content));
     for (std::size_t k = 0; k < row.states.size(); ++k) {
       pictures_.push_back({painters_.back()->paint(shownState(row.states[k])), row.captions[k]});
     }
@@ -485,14 +498,14 @@ void PanelSheet::paintAll(FrameSize size) {
 void PanelSheet::writeDrawings() {
   int number = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const PictureSetup& setup = painters_[row]->setup();
+    const picture::PictureSetup& setup = painters_[row]->setup();
     for (const FrameState& state : rows_[row].states) {
-      const ShownState shown = shownState(state);
-      report_.files.push_back(snapshotDrawing(++number).string());
-      const std::unique_ptr<Canvas> page =
-          makeSvgCanvas(pageSettings(setup, setup.pictureSize(), settings_.madeBy));
-      drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(), {0, 0}, "",
-                   *page);
+      const picture::ShownState shown = shownState(state);
+      report_.files.push_back(exports::snapshotDrawing(++number).string());
+      const std::unique_ptr<picture::Canvas> page =
+          picture::makeSvgCanvas(pageSettings(setup, setup.pictureSize(), settings_.madeBy));
+      picture::drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(), {0, 0},
+                            "", *page);
       writeTextFile(settings_.folder / report_.files.back(), page->finish());
     }
   }
@@ -500,48 +513,54 @@ void PanelSheet::writeDrawings() {
 
 /// How much larger pictures must be painted, of which this part is shown, for the sheet to be as
 /// wide as it is to be in print; less where pictures would be too large.
-double PanelSheet::enlargement(const PictureBox& part, const GridStyle& style) const {
+double PanelSheet::enlargement(const picture::PictureBox& part,
+                               const picture::GridStyle& style) const {
   if (!settings_.gridWidth) return 1;
-  const double wanted = *settings_.gridWidth / kMillimetresPerInch * settings_.gridDotsPerInch();
+  const double wanted =
+      *settings_.gridWidth / picture::kMillimetresPerInch * settings_.gridDotsPerInch();
   const int columns = shape_.columns;
-  const double most = kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
-  const double gaps = (2 * style.gap + (columns - 1) * columnGap(style)) * part.size.height;
+  const double most =
+      picture::kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
+  const double gaps =
+      (2 * style.gap + (columns - 1) * picture::columnGap(style)) * part.size.height;
   return std::min(most, wanted / (columns * part.size.width + gaps));
 }
 
 /// Em of the text that is to have a size in print, pixels.
-int PanelSheet::textSize(const PictureBox& part, const GridStyle& style) const {
-  const double inches = *settings_.gridWidth / kMillimetresPerInch;
-  const double dots = layOutGrid(part.size, shape_, style).sheet.width / inches;
-  return std::max(1, static_cast<int>(std::lround(*settings_.fontPoints / kPointsPerInch * dots)));
+int PanelSheet::textSize(const picture::PictureBox& part, const picture::GridStyle& style) const {
+  const double inches = *settings_.gridWidth / picture::kMillimetresPerInch;
+  const double dots = picture::layOutGrid(part.size, shape_, style).sheet.width / inches;
+  return std::max(
+      1, static_cast<int>(std::lround(*settings_.fontPoints / picture::kPointsPerInch * dots)));
 }
 
 /// Each picture is cut off at its part, as cutAlike() does with pixels.
-void PanelSheet::writePage(PageFormat format, const PictureBox& part, const GridLayout& layout,
-                           const GridStyle& style) {
-  PageSettings page = pageSettings(painters_.front()->setup(), layout.sheet, settings_.madeBy);
+void PanelSheet::writePage(picture::PageFormat format, const picture::PictureBox& part,
+                           const picture::GridLayout& layout, const picture::GridStyle& style) {
+  picture::PageSettings page =
+      pageSettings(painters_.front()->setup(), layout.sheet, settings_.madeBy);
   if (settings_.gridWidth) {
-    page.pixelsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
+    page.pixelsPerInch = layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
   }
-  const std::unique_ptr<Canvas> canvas = makeCanvas(format, page);
+  const std::unique_ptr<picture::Canvas> canvas = picture::makeCanvas(format, page);
   canvas->begin("pictures");
   int cell = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const PictureSetup& setup = painters_[row]->setup();
+    const picture::PictureSetup& setup = painters_[row]->setup();
     for (const FrameState& state : rows_[row].states) {
       const Eigen::Vector2d corner(layout.left(cell % shape_.columns),
                                    layout.upper(cell / shape_.columns));
       const std::string name = fmt::format("picture_{:02}", ++cell);
-      const ShownState shown = shownState(state);
+      const picture::ShownState shown = shownState(state);
       canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
-      drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(),
-                   corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
+      picture::drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(),
+                            corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
       canvas->end();
     }
   }
   canvas->end();
   canvas->begin("text");
-  drawGridText(*canvas, layout, style, captionsOf(pictures_), shape_.columns);
+  picture::drawGridText(*canvas, layout, style, picture::captionsOf(pictures_), shape_.columns);
   canvas->end();
   report_.files.emplace_back(pageFile(format));
   writeTextFile(settings_.folder / report_.files.back(), canvas->finish());
@@ -550,23 +569,25 @@ void PanelSheet::writePage(PageFormat format, const PictureBox& part, const Grid
 void PanelSheet::write() {
   paintAll(settings_.size);
   if (settings_.svg) writeDrawings();
-  PictureBox part = filledPart(pictures_);
+  picture::PictureBox part = picture::filledPart(pictures_);
   const double scale = enlargement(part, gridStyle(painters_.front()->setup(), settings_));
   if (scale != 1) {
     part = part.scaled(scale);
-    paintAll(PictureBox{0, 0, settings_.size}.scaled(scale).size);
+    paintAll(picture::PictureBox{0, 0, settings_.size}.scaled(scale).size);
   }
-  cutAlike(pictures_, part);
-  GridStyle style = gridStyle(painters_.front()->setup(), settings_);
+  picture::cutAlike(pictures_, part);
+  picture::GridStyle style = gridStyle(painters_.front()->setup(), settings_);
   if (settings_.fontPoints) style.textSize = textSize(part, style);
-  const GridLayout layout = layOutGrid(part.size, shape_, style, captionsOf(pictures_));
-  PngSettings png = pngSettings(settings_);
+  const picture::GridLayout layout =
+      picture::layOutGrid(part.size, shape_, style, picture::captionsOf(pictures_));
+  picture::PngSettings png = pngSettings(settings_);
   if (settings_.gridWidth) {
-    png.dotsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
+    png.dotsPerInch = layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
   }
-  writePng(composeGrid(pictures_, shape_, style), settings_.folder / output::kSnapshots, png);
-  report_.files.emplace_back(output::kSnapshots);
-  for (const PageFormat format : settings_.pages) writePage(format, part, layout, style);
+  picture::writePng(picture::composeGrid(pictures_, shape_, style),
+                    settings_.folder / exports::output::kSnapshots, png);
+  report_.files.emplace_back(exports::output::kSnapshots);
+  for (const picture::PageFormat format : settings_.pages) writePage(format, part, layout, style);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -578,17 +599,18 @@ void PanelSheet::write() {
 namespace {
 
 /// The view that suits all runs where none is given: from above when all are flat.
-ViewAngles sharedView(std::span<const TrajectoryReader* const> runs) {
-  const bool isFlat = std::ranges::all_of(runs, [](const TrajectoryReader* run) {
-    return defaultView(contentOf(run->subject()).points) == kTopView;
+picture::ViewAngles sharedView(std::span<const trajectory::TrajectoryReader* const> runs) {
+  const bool isFlat = std::ranges::all_of(runs, [](const trajectory::TrajectoryReader* run) {
+    return picture::defaultView(contentOf(run->subject()).points) == picture::kTopView;
   });
-  return isFlat ? kTopView : kIsometricView;
+  return isFlat ? picture::kTopView : picture::kIsometricView;
 }
 
 /// Throws InputError where a perspective or a moving camera was asked for.
-Look sharedLook(std::span<const TrajectoryReader* const> runs, const PictureSettings& settings) {
-  Look look = settings.look;
-  CameraChoice& camera = look.camera;
+picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> runs,
+                         const PictureSettings& settings) {
+  picture::Look look = settings.look;
+  picture::CameraChoice& camera = look.camera;
   if (camera.orthographic == false || camera.orbit != 0 || !camera.keys.empty()) {
     throw InputError(
         "error: pictures of several runs share one scale, which needs a parallel projection and a "
@@ -610,7 +632,7 @@ std::vector<std::string> captionsOf(const std::vector<FrameState>& states,
 }
 
 /// Reads the run for its motion, and for the states of its pictures.
-PanelRow makeRow(const TrajectoryReader& run, const PictureSettings& settings) {
+PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings) {
   PanelRow row{settings.look, contentOf(run, settings), {}, {}};
   const MotionCurve motion = motionOf(run);
   Replay replayed(run);
@@ -623,11 +645,11 @@ PanelRow makeRow(const TrajectoryReader& run, const PictureSettings& settings) {
 }
 
 /// Cameras as far away, and scales of colours as long, as the largest of the rows needs.
-void shareScales(FrameSize size, std::vector<PanelRow>& rows) {
+void shareScales(picture::FrameSize size, std::vector<PanelRow>& rows) {
   std::vector<double> heights;
   double most = 0;
   for (const PanelRow& row : rows) {
-    const PictureSetup setup(row.look, row.content, size);
+    const picture::PictureSetup setup(row.look, row.content, size);
     heights.push_back(setup.metresPerPixel());
     if (setup.colourScale()) most = std::max(most, setup.colourScale()->most);
   }
@@ -640,14 +662,14 @@ void shareScales(FrameSize size, std::vector<PanelRow>& rows) {
 
 }  // namespace
 
-std::vector<PanelRow> figureRows(std::span<const TrajectoryReader* const> runs,
+std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* const> runs,
                                  const PictureSettings& asked) {
   PictureSettings settings = asked;
   settings.look = sharedLook(runs, asked);
   std::vector<PanelRow> rows;
-  for (const TrajectoryReader* run : runs) rows.push_back(makeRow(*run, settings));
+  for (const trajectory::TrajectoryReader* run : runs) rows.push_back(makeRow(*run, settings));
   shareScales(settings.size, rows);
   return rows;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

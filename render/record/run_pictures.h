@@ -17,28 +17,29 @@
 #include "render/record/record.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
 // The pictures of a run: video, single frames, snapshot grid.
 
 /// What pictures show of a run before it begins, its start and its target in sight.
-PictureContent contentOf(const Subject& subject);
+picture::PictureContent contentOf(const trajectory::Subject& subject);
 
 /// The same of a finished run, with everything in sight that the settings ask for. Where they leave
 /// the camera to the program, that is all of the run if anything would be cut off.
-PictureContent contentOf(const TrajectoryReader& run, const PictureSettings& settings);
+picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
+                                  const PictureSettings& settings);
 
 /// Throws InputError when the look or the grid asks for what the content cannot give, before
 /// anything is deployed. Needs no graphics context.
-void requirePaintable(const PictureContent& content, const PictureSettings& settings);
+void requirePaintable(const picture::PictureContent& content, const PictureSettings& settings);
 
 /// Writes what pictures say of the states that they show. Holds a copy of the start, from which
 /// turns are measured.
 class CaptionWriter {
  public:
   /// Captions with these parts for pictures of this content.
-  CaptionWriter(const CaptionParts& parts, const PictureContent& content)
+  CaptionWriter(const picture::CaptionParts& parts, const picture::PictureContent& content)
       : parts_(parts), start_(content.start), hasTarget_(content.target.has_value()) {}
 
   /// In the grid to a tenth of a per cent; whole per cents where frames follow each other. One
@@ -52,14 +53,14 @@ class CaptionWriter {
  private:
   std::string text(const FrameState& state, double progress) const;
 
-  CaptionParts parts_;
+  picture::CaptionParts parts_;
   Poses start_;
   bool hasTarget_;
 };
 
 /// What stands under the frames of a video.
-StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
-                      double endTime);
+picture::StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
+                               double endTime);
 
 /// Paints the pictures of one run. Belongs to the thread that makes it.
 class RunPictures {
@@ -67,39 +68,41 @@ class RunPictures {
   /// Everything passed must outlive the pictures. Throws InputError when the look asks for what the
   /// content lacks, OutputError when no graphics context can be made. Makes a graphics context and
   /// reads what contentOf() reads.
-  RunPictures(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report);
+  RunPictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
+              PictureReport& report);
 
   /// Paints the run's video frames and encodes them at the same time: settings.painters() paint,
   /// one of them on this thread, each other thing has a thread of its own. The bytes depend neither
   /// on their number nor on which is faster. Throws the first error of any of them.
-  void makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
+  void makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
                   const ProgressObserver& observer);
 
   /// Writes the snapshot grid, the timeline's snapshots and chosen frames. Throws OutputError.
-  void writeSnapshots(const TrajectoryReader& run, const MotionCurve& motion);
+  void writeSnapshots(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
 
  private:
   /// A state to be painted; its frame is promised to the encoder in the order of states.
   struct FrameOrder {
     SharedState state;
-    std::promise<Frame> frame;
+    std::promise<picture::Frame> frame;
   };
   using OrderQueue = BoundedQueue<FrameOrder>;
-  using FrameQueue = BoundedQueue<std::future<Frame>>;
+  using FrameQueue = BoundedQueue<std::future<picture::Frame>>;
 
-  void paint(StatePainter& painter, OrderQueue& orders, FramePool& pool);
+  void paint(picture::StatePainter& painter, OrderQueue& orders, FramePool& pool);
   void encode(FrameQueue& frames, FramePool& pool);
-  Frame paintFrame(StatePainter& painter, const FrameState& state, Frame storage = {}) const;
-  Frame paintStill(const FrameState& state);
-  void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
-  void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);
-  void writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion);
+  picture::Frame paintFrame(picture::StatePainter& painter, const FrameState& state,
+                            picture::Frame storage = {}) const;
+  picture::Frame paintStill(const FrameState& state);
+  void writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
+  void writeMoments(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
+  void writeChosenFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion);
 
   const PictureSettings& settings_;
   PictureReport& report_;
   CaptionWriter captions_;
-  StatePainter frames_;                 ///< with a strip under its pictures
-  std::optional<StatePainter> stills_;  ///< the same, smoother: of frames that stand alone
+  picture::StatePainter frames_;                 ///< with a strip under its pictures
+  std::optional<picture::StatePainter> stills_;  ///< the same, smoother: of frames that stand alone
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -109,10 +112,10 @@ class RunPictures {
 // is the last before finish() is called, and it may have to be shown longer.
 
 /// How the run's video is encoded.
-VideoSettings videoSettings(const PictureSettings& settings);
+picture::VideoSettings videoSettings(const PictureSettings& settings);
 
 /// How its single pictures are written.
-PngSettings pngSettings(const PictureSettings& settings);
+picture::PngSettings pngSettings(const PictureSettings& settings);
 
 /// How many more frames the first and the last one are shown for. Rounded: settings.heldSeconds()
 /// times the frames a second.
@@ -126,24 +129,24 @@ class FrameSink {
   FrameSink(const PictureSettings& settings, PictureReport& report);
 
   /// Shows a card before the first frame. Throws OutputError.
-  void putTitle(const Frame& card);
+  void putTitle(const picture::Frame& card);
 
   /// Returns a frame that is needed no more, empty at first. Throws OutputError. With `frames` it
   /// also writes frames/frame_00000.png and so on.
-  Frame put(Frame frame);
+  picture::Frame put(picture::Frame frame);
 
   /// Puts the video in place and reports; without it, no video is left. Throws OutputError.
   void finish();
 
  private:
-  void encode(const Frame& frame, int times);
+  void encode(const picture::Frame& frame, int times);
 
   const PictureSettings& settings_;
   PictureReport& report_;
-  std::optional<VideoWriter> video_;
+  std::optional<picture::VideoWriter> video_;
   int heldFrames_;
   int number_ = 0;  ///< of the next frame
-  Frame last_;
+  picture::Frame last_;
   int videoFrames_ = 0;
   std::vector<std::string> files_;
 };
@@ -167,7 +170,8 @@ void requireTitle(const Title& title);
 /// The title in the middle of a picture, its subtitle below in smaller letters. Lines that would be
 /// too wide are wrapped; what is too wide or too high even so is drawn smaller. Throws OutputError
 /// when the font is missing. At least one of the texts is not empty.
-Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink);
+picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::Colour background,
+                         picture::Colour ink);
 
 // ------------------------------------------------------------------------------------------------
 // Sheets of pictures: states of one run or of several, side by side, as pixels and as vector
@@ -176,25 +180,25 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
 /// States of one run that stand in a row on a sheet, cell after cell. Rows of a figure may have
 /// different models; those of one run have one row, which fills all cells.
 struct PanelRow {
-  Look look;                          ///< of all its pictures
-  PictureContent content;             ///< the run that is shown
+  picture::Look look;                 ///< of all its pictures
+  picture::PictureContent content;    ///< the run that is shown
   std::vector<FrameState> states;     ///< one a picture, from left to right
   std::vector<std::string> captions;  ///< one a state
 };
 
 /// The name of the sheet's file in this format. PNG has a name of its own, see output::kSnapshots.
-const char* pageFile(PageFormat format);
+const char* pageFile(picture::PageFormat format);
 
 /// What a picture of a state shows.
-ShownState shownState(const FrameState& state);
+picture::ShownState shownState(const FrameState& state);
 
 /// One sheet. Belongs to the thread that makes it.
 class PanelSheet {
  public:
   /// The rows' states fill the shape from its upper left cell on. What is passed must outlive the
   /// sheet.
-  PanelSheet(const std::vector<PanelRow>& rows, GridShape shape, const PictureSettings& settings,
-             PictureReport& report)
+  PanelSheet(const std::vector<PanelRow>& rows, picture::GridShape shape,
+             const PictureSettings& settings, PictureReport& report)
       : rows_(rows), shape_(shape), settings_(settings), report_(report) {}
 
   /// Writes snapshots.png and whatever else of the sheet the settings ask for. Throws OutputError.
@@ -202,19 +206,19 @@ class PanelSheet {
   void write();
 
  private:
-  void paintAll(FrameSize size);
+  void paintAll(picture::FrameSize size);
   void writeDrawings();
-  double enlargement(const PictureBox& part, const GridStyle& style) const;
-  int textSize(const PictureBox& part, const GridStyle& style) const;
-  void writePage(PageFormat format, const PictureBox& part, const GridLayout& layout,
-                 const GridStyle& style);
+  double enlargement(const picture::PictureBox& part, const picture::GridStyle& style) const;
+  int textSize(const picture::PictureBox& part, const picture::GridStyle& style) const;
+  void writePage(picture::PageFormat format, const picture::PictureBox& part,
+                 const picture::GridLayout& layout, const picture::GridStyle& style);
 
   const std::vector<PanelRow>& rows_;
-  GridShape shape_;
+  picture::GridShape shape_;
   const PictureSettings& settings_;
   PictureReport& report_;
-  std::vector<std::unique_ptr<StatePainter>> painters_;  ///< one a row
-  std::vector<GridPicture> pictures_;
+  std::vector<std::unique_ptr<picture::StatePainter>> painters_;  ///< one a row
+  std::vector<picture::GridPicture> pictures_;
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -224,7 +228,7 @@ class PanelSheet {
 /// view, one scale of length and one of colours. Throws InputError where no one scale holds: in
 /// perspective or from a moving camera. At least one run. The readers must stay open while rows are
 /// made.
-std::vector<PanelRow> figureRows(std::span<const TrajectoryReader* const> runs,
+std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* const> runs,
                                  const PictureSettings& settings);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

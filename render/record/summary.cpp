@@ -32,12 +32,12 @@
 #include "render/picture/video.h"
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run_drive.h"
+#include "sim/engines/bullet_world.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 #include "sim/trajectory/array_file.h"
-#include "sim/world/bullet_world.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 /// Null where the figure does not exist.
@@ -50,13 +50,13 @@ Json flagJson(std::optional<bool> flag) {
 }
 
 /// Size is the diagonal of the start, tile_size the mean edge.
-Json modelJson(const Model& model) {
+Json modelJson(const model::Model& model) {
   return {{"name", model.name},
           {"tiles", model.tiles.size()},
           {"joints", model.joints.size()},
           {"has_target", model.target.has_value()},
-          {"size", modelSize(model)},
-          {"tile_size", tileSize(model)}};
+          {"size", model::modelSize(model)},
+          {"tile_size", model::tileSize(model)}};
 }
 
 /// Adds the figures of the steps that belong into this part of the summary.
@@ -71,7 +71,7 @@ void addStepFigures(Json& json, const std::string& part, const StepReport& took)
 
 /// Lengths; null where there is no target or nothing was searched.
 Json accuracyJson(const RunSummary& summary, bool hasTarget) {
-  const Accuracy& accuracy = summary.accuracy;
+  const deploy::Accuracy& accuracy = summary.accuracy;
   Json json = {{"joint_gap_max", accuracy.jointGapMax},
                {"joint_gap_mean", accuracy.jointGapMean},
                {"joint_gap_end", accuracy.jointGapEnd},
@@ -90,10 +90,10 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   return json;
 }
 
-Json elasticityJson(const std::optional<Elasticity>& elasticity) {
+Json elasticityJson(const std::optional<model::Elasticity>& elasticity) {
   if (!elasticity) return nullptr;
   Json json;
-  for (const PairForceKind& kind : pairForceKinds()) {
+  for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
     json[kind.name.counted] = elasticity->count(kind.name.counted);
   }
   json["energy_start"] = elasticity->energyStart;
@@ -103,10 +103,10 @@ Json elasticityJson(const std::optional<Elasticity>& elasticity) {
 }
 
 /// Times in simulated seconds; what a kind of path does not have is null.
-Json pathJson(const Scene& scene, const RunSummary& summary) {
-  const PathSettings& path = summary.path;
-  const bool isGuided = path.kind == PathKind::Guided;
-  const bool isWalked = path.kind == PathKind::Continuation;
+Json pathJson(const scene::Scene& scene, const RunSummary& summary) {
+  const scene::PathSettings& path = summary.path;
+  const bool isGuided = path.kind == scene::PathKind::Guided;
+  const bool isWalked = path.kind == scene::PathKind::Continuation;
   return {{"kind", isGuided   ? "guided"
                    : isWalked ? "continuation"
                               : "straight"},
@@ -115,19 +115,19 @@ Json pathJson(const Scene& scene, const RunSummary& summary) {
           {"search_budget", summary.deployCost.searchBudget},
           {"open_time", onlyIf(isGuided && path.openTime > 0, path.openTime)},
           {"guide_time", onlyIf(isGuided, path.guideTime)},
-          {"guide_stiffness",
-           isGuided ? Json(path.guideStiffness.value_or(usualStiffness(
-                          leadingSprings(scene), makeBricks(scene.model.tiles, scene.brick))))
-                    : Json(nullptr)},
+          {"guide_stiffness", isGuided ? Json(path.guideStiffness.value_or(deploy::usualStiffness(
+                                             deploy::leadingSprings(scene),
+                                             model::makeBricks(scene.model.tiles, scene.brick))))
+                                       : Json(nullptr)},
           {"joint_stiffness", onlyIf(path.jointsAreCompliant(), path.jointStiffness)}};
 }
 
 /// Pairs of bricks that would overlap at the target, and what would free them.
-Json blockingJson(const std::vector<BlockingPair>& blocking) {
+Json blockingJson(const std::vector<deploy::BlockingPair>& blocking) {
   Json pairs = Json::array();
-  for (const BlockingPair& pair : blocking) {
+  for (const deploy::BlockingPair& pair : blocking) {
     Json face;
-    if (pair.freeingFace) face = *pair.freeingFace == JointFace::Top ? "top" : "bottom";
+    if (pair.freeingFace) face = *pair.freeingFace == model::JointFace::Top ? "top" : "bottom";
     pairs.push_back(
         {{"tiles", {pair.tileA, pair.tileB}},
          {"overlap_at_target", pair.overlap},
@@ -137,7 +137,7 @@ Json blockingJson(const std::vector<BlockingPair>& blocking) {
   return pairs;
 }
 
-Json alignmentJson(const StartAlignment& alignment, bool hasTarget) {
+Json alignmentJson(const scene::StartAlignment& alignment, bool hasTarget) {
   if (!alignment.wanted || !hasTarget) return nullptr;
   return {{"moved", alignment.moved},
           {"turned", alignment.turned},
@@ -161,19 +161,19 @@ Json vectorJson(const Vector3& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
 
-Json obstaclesJson(const std::vector<Obstacle>& obstacles) {
+Json obstaclesJson(const std::vector<scene::Obstacle>& obstacles) {
   Json json = Json::array();
-  for (const Obstacle& obstacle : obstacles) {
+  for (const scene::Obstacle& obstacle : obstacles) {
     const Quaternion& turn = obstacle.pose.rotation;
     Json& entry = json.emplace_back();
     switch (obstacle.shape) {
-      case Obstacle::Shape::Box:
+      case scene::Obstacle::Shape::Box:
         entry = {{"shape", "box"}, {"size", vectorJson(obstacle.size)}};
         break;
-      case Obstacle::Shape::Sphere:
+      case scene::Obstacle::Shape::Sphere:
         entry = {{"shape", "sphere"}, {"radius", obstacle.radius}};
         break;
-      case Obstacle::Shape::Mesh:
+      case scene::Obstacle::Shape::Mesh:
         entry = {{"shape", "mesh"}, {"faces", obstacle.mesh.size()}};
     }
     entry["position"] = vectorJson(obstacle.pose.position);
@@ -183,9 +183,9 @@ Json obstaclesJson(const std::vector<Obstacle>& obstacles) {
   return json;
 }
 
-Json velocitiesJson(const std::vector<InitialVelocity>& velocities, int countsFrom) {
+Json velocitiesJson(const std::vector<scene::InitialVelocity>& velocities, int countsFrom) {
   Json json = Json::array();
-  for (const InitialVelocity& velocity : velocities) {
+  for (const scene::InitialVelocity& velocity : velocities) {
     std::vector<int> tiles = velocity.tiles;
     for (int& tile : tiles) tile += countsFrom;
     json.push_back({{"tiles", tiles},
@@ -195,43 +195,44 @@ Json velocitiesJson(const std::vector<InitialVelocity>& velocities, int countsFr
   return json;
 }
 
-Json eventsJson(const std::vector<Event>& events) {
+Json eventsJson(const std::vector<trajectory::Event>& events) {
   Json json = Json::array();
-  for (const Event& event : events) json.push_back({{"time", event.time}, {"what", event.text}});
+  for (const trajectory::Event& event : events)
+    json.push_back({{"time", event.time}, {"what", event.text}});
   return json;
 }
 
-Json viewJson(const std::optional<ViewAngles>& view) {
+Json viewJson(const std::optional<picture::ViewAngles>& view) {
   if (!view) return nullptr;
   return {{"azimuth", view->azimuth}, {"elevation", view->elevation}};
 }
 
-const char* colouringWord(Colouring colouring) {
+const char* colouringWord(picture::Colouring colouring) {
   switch (colouring) {
-    case Colouring::Shape:
+    case picture::Colouring::Shape:
       return "shape";
-    case Colouring::State:
+    case picture::Colouring::State:
       return "state";
-    case Colouring::TargetError:
+    case picture::Colouring::TargetError:
       return "error";
-    case Colouring::Displacement:
+    case picture::Colouring::Displacement:
       return "displacement";
-    case Colouring::Rotation:
+    case picture::Colouring::Rotation:
       return "rotation";
-    case Colouring::JointGap:
+    case picture::Colouring::JointGap:
       return "gap";
-    case Colouring::Moment:
+    case picture::Colouring::Moment:
       return "moment";
-    case Colouring::Energy:
+    case picture::Colouring::Energy:
       return "energy";
-    case Colouring::Plain:
+    case picture::Colouring::Plain:
       break;
   }
   return "plain";
 }
 
-Json lookJson(const Look& look) {
-  return {{"theme", look.theme == Theme::Dark ? "dark" : "light"},
+Json lookJson(const picture::Look& look) {
+  return {{"theme", look.theme == picture::Theme::Dark ? "dark" : "light"},
           {"colour", colouringWord(look.colouring)},
           {"transparent", look.transparent},
           {"outlines", look.outlines},
@@ -257,7 +258,7 @@ Json pictureJson(const RecordSettings& settings) {
 }
 
 /// What a setting says, as scene.toml has it; null where it says nothing.
-Json settingJson(const Setting& setting, const Scene& scene) {
+Json settingJson(const scene::Setting& setting, const scene::Scene& scene) {
   const std::string text = setting.write(scene);
   if (text.empty()) return nullptr;
   const Json json = parseJsonOrDiscard(text);
@@ -265,35 +266,39 @@ Json settingJson(const Setting& setting, const Scene& scene) {
 }
 
 /// What the springs of the bricks come to on the average; turning about a brick's normal.
-Json springsJson(const Scene& scene) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+Json springsJson(const scene::Scene& scene) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const auto mean = [&](const auto& part) {
     double sum = 0;
-    for (const Brick& brick : bricks) sum += part(brick, springOf(brick, scene.springs));
+    for (const model::Brick& brick : bricks)
+      sum += part(brick, deploy::springOf(brick, scene.springs));
     return sum / static_cast<double>(bricks.size());
   };
-  return {{"spring_stiffness",
-           mean([](const Brick&, const BrickSpring& spring) { return spring.springStiffness; })},
-          {"torque_stiffness",
-           mean([](const Brick&, const BrickSpring& spring) { return spring.torqueStiffness; })},
-          {"force_damping",
-           mean([](const Brick&, const BrickSpring& spring) { return spring.forceDamping; })},
-          {"torque_damping", mean([](const Brick& brick, const BrickSpring& spring) {
+  return {{"spring_stiffness", mean([](const model::Brick&, const deploy::BrickSpring& spring) {
+             return spring.springStiffness;
+           })},
+          {"torque_stiffness", mean([](const model::Brick&, const deploy::BrickSpring& spring) {
+             return spring.torqueStiffness;
+           })},
+          {"force_damping", mean([](const model::Brick&, const deploy::BrickSpring& spring) {
+             return spring.forceDamping;
+           })},
+          {"torque_damping", mean([](const model::Brick& brick, const deploy::BrickSpring& spring) {
              return brick.normal.dot(spring.torqueDamping * brick.normal);
            })}};
 }
 
 /// The settings by table and key, and beside them what follows from the model or is fixed. Values
 /// of settings are JSON already; a text that is none becomes a string.
-Json settingsJson(const Scene& scene, const RecordSettings& settings) {
+Json settingsJson(const scene::Scene& scene, const RecordSettings& settings) {
   Json json = Json::object();
-  for (const SettingGroup& group : sceneSettings()) {
-    for (const Setting& setting : group.settings) {
+  for (const scene::SettingGroup& group : scene::sceneSettings()) {
+    for (const scene::Setting& setting : group.settings) {
       json[group.table][setting.key] = settingJson(setting, scene);
     }
   }
-  const Environment& environment = scene.environment;
-  const std::optional<Ground>& ground = environment.ground;
+  const scene::Environment& environment = scene.environment;
+  const std::optional<scene::Ground>& ground = environment.ground;
   json["model"]["hinges_from_file"] = scene.hinges.own.size();
   json["actuation"]["springs_used"] = springsJson(scene);
   json["environment"]["ground_height"] = ground ? Json(ground->height) : Json(nullptr);
@@ -318,9 +323,9 @@ Json inputsJson(const std::vector<InputFile>& inputs) {
   return json;
 }
 
-Json contentsJson(const std::vector<FileDigest>& digests) {
+Json contentsJson(const std::vector<exports::FileDigest>& digests) {
   Json contents = Json::object();
-  for (const FileDigest& digest : digests) {
+  for (const exports::FileDigest& digest : digests) {
     contents[digest.name] = {{"bytes", digest.bytes}, {"sha256", digest.sha256}};
   }
   return contents;
@@ -334,7 +339,7 @@ Json versionsJson(const std::string& graphics) {
 }
 
 /// What a run found out about its scene.
-Json findingsJson(const Scene& scene, const RunSummary& summary) {
+Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
   const std::optional<double>& leftOut = summary.leftOutFrom;
   return {{"at_target", flagJson(summary.atTarget)},
           {"bricks_left_out_from", leftOut ? Json(*leftOut) : Json(nullptr)},
@@ -351,14 +356,14 @@ Json findingsJson(const Scene& scene, const RunSummary& summary) {
 
 }  // namespace
 
-Json needJson(const Need& need) {
+Json needJson(const scene::Need& need) {
   return {{"on", need.on}, {"reason", need.reason}};
 }
 
-std::string summaryJson(const Scene& scene, const RecordSettings& settings,
+std::string summaryJson(const scene::Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary) {
   Json json = {
-      {"outcome", toString(summary.outcome)},
+      {"outcome", deploy::toString(summary.outcome)},
       {"reason", summary.reason},
       {"end_time", summary.endTime},
       {"video_frames", summary.videoFrames},
@@ -378,14 +383,14 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
   });
-  return sealed(jsonText(json, 2) + "\n");
+  return exports::sealed(jsonText(json, 2) + "\n");
 }
 
-std::string findingsText(const Scene& scene, const RunSummary& summary) {
+std::string findingsText(const scene::Scene& scene, const RunSummary& summary) {
   return jsonText(findingsJson(scene, summary), 2) + "\n";
 }
 
-std::string settingsText(const Scene& scene, const RecordSettings& settings) {
+std::string settingsText(const scene::Scene& scene, const RecordSettings& settings) {
   return jsonText(settingsJson(scene, settings), 2) + "\n";
 }
 
@@ -402,11 +407,11 @@ std::vector<std::pair<std::string, std::string>> allVersions() {
       {"compiler", __VERSION__},
       {"eigen",
        fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
-      {"bullet", bulletVersion()},
-      {"hdf5", arrayLibraryVersion()},
-      {"libavcodec", encoderLibraryVersion()},
-      {"libpng", pngLibraryVersion()},
-      {"assimp", meshLibraryVersion()},
+      {"bullet", engines::bulletVersion()},
+      {"hdf5", trajectory::arrayLibraryVersion()},
+      {"libavcodec", picture::encoderLibraryVersion()},
+      {"libpng", picture::pngLibraryVersion()},
+      {"assimp", exports::meshLibraryVersion()},
   };
 }
 
@@ -416,4 +421,4 @@ std::string versionText() {
   return text;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

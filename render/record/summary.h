@@ -11,25 +11,25 @@
 #include "render/record/record.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 /// What a scene needs, and why, as files say it.
-Json needJson(const Need& need);
+Json needJson(const scene::Need& need);
 
 /// The text of summary.json, keys in a fixed order, ending in a newline. The same run gives the
 /// same text but for "cost", "versions" and "sha256", the seal of all that stands before it.
 /// Figures that do not exist (an error without a target) are null. `summary.digests` holds all
 /// files but summary.json itself.
-std::string summaryJson(const Scene& scene, const RecordSettings& settings,
+std::string summaryJson(const scene::Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary);
 
 /// What a run found out about its scene, as JSON, as trajectory.h5 keeps it: entries of
 /// summary.json that its poses alone do not give.
-std::string findingsText(const Scene& scene, const RunSummary& summary);
+std::string findingsText(const scene::Scene& scene, const RunSummary& summary);
 
 /// The settings of a run as JSON, as trajectory.h5 keeps them: the same as summary.json's. Ends in
 /// a newline.
-std::string settingsText(const Scene& scene, const RecordSettings& settings);
+std::string settingsText(const scene::Scene& scene, const RecordSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
 // The versions of the program and of the libraries that shape its results.
@@ -74,4 +74,4 @@ std::optional<FinishedRun> findFinishedRun(const std::filesystem::path& folder,
 /// summary.json. Costs what measuring all samples costs, overlaps above all.
 VerifyReport verifyRun(const std::filesystem::path& folder);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -29,7 +29,7 @@
 #include "sim/base/error.h"
 #include "sim/scene/toml_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 void sortAndDropRepeats(std::vector<SweepValue>& values) {
@@ -169,20 +169,21 @@ const std::map<std::string, SweepKeep>& keepWords() {
   return words;
 }
 
-std::string requireText(const TomlValue& value, const std::string& wanted) {
-  if (!value.text() || value.text()->empty()) refuseValue(value, wanted);
+std::string requireText(const scene::TomlValue& value, const std::string& wanted) {
+  if (!value.text() || value.text()->empty()) scene::refuseValue(value, wanted);
   return *value.text();
 }
 
-const TomlTable& requireTable(const TomlEntry& entry) {
-  if (!entry.value.table()) refuseValue(entry.value, fmt::format("a table, [{}]", entry.key));
+const scene::TomlTable& requireTable(const scene::TomlEntry& entry) {
+  if (!entry.value.table())
+    scene::refuseValue(entry.value, fmt::format("a table, [{}]", entry.key));
   return *entry.value.table();
 }
 
-std::size_t readCount(const TomlValue& value, double least, double most) {
+std::size_t readCount(const scene::TomlValue& value, double least, double most) {
   const std::string wanted = fmt::format("a whole number from {:g} to {:g}", least, most);
-  if (!value.whole()) refuseValue(value, wanted);
-  return static_cast<std::size_t>(requireNumber(value, least, most, wanted));
+  if (!value.whole()) scene::refuseValue(value, wanted);
+  return static_cast<std::size_t>(scene::requireNumber(value, least, most, wanted));
 }
 
 bool isFileKey(const std::string& key) {
@@ -190,16 +191,17 @@ bool isFileKey(const std::string& key) {
 }
 
 /// Names of files are relative to the sweep file.
-SweepValue readValue(const std::string& key, const TomlValue& value) {
-  std::string text = typedText(value);
+SweepValue readValue(const std::string& key, const scene::TomlValue& value) {
+  std::string text = scene::typedText(value);
   if (isFileKey(key)) text = (value.where.file.parent_path() / text).lexically_normal().string();
   return {text, value.truth() != nullptr, value.where};
 }
 
 /// The texts of a word's choice: {"log": true, "linear": false}. True for "log".
-bool readScale(const TomlValue& value) {
+bool readScale(const scene::TomlValue& value) {
   const std::string* word = value.text();
-  if (!word || (*word != "log" && *word != "linear")) refuseValue(value, "\"linear\" or \"log\"");
+  if (!word || (*word != "log" && *word != "linear"))
+    scene::refuseValue(value, "\"linear\" or \"log\"");
   return *word == "log";
 }
 
@@ -212,32 +214,33 @@ struct RangeTable {
 constexpr const char* kRangeWanted =
     "a range, as in {from = 0.01, to = 0.1, count = 5, scale = \"log\"}";
 
-void readRangeKey(const TomlEntry& entry, RangeTable& table) {
+void readRangeKey(const scene::TomlEntry& entry, RangeTable& table) {
   if (entry.key == "from" || entry.key == "to") {
-    const double number = requireNumber(entry.value, -kLargest, kLargest, "a number");
+    const double number = scene::requireNumber(entry.value, -kLargest, kLargest, "a number");
     (entry.key == "from" ? table.range.from : table.range.to) = number;
   } else if (entry.key == "scale") {
     table.range.logarithmic = readScale(entry.value);
   } else if (entry.key == "whole") {
-    if (!entry.value.truth()) refuseValue(entry.value, "true or false");
+    if (!entry.value.truth()) scene::refuseValue(entry.value, "true or false");
     table.range.whole = *entry.value.truth();
   } else if (entry.key == "count") {
     // Two at least: both ends.
     table.count = readCount(entry.value, 2, kMostValues);
   } else {
-    refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
+    scene::refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
   }
 }
 
 /// `from` may be larger than `to`.
-RangeTable readRange(const TomlValue& value) {
-  const TomlTable* table = value.table();
-  if (!table || !find(*table, "from") || !find(*table, "to")) refuseValue(value, kRangeWanted);
+RangeTable readRange(const scene::TomlValue& value) {
+  const scene::TomlTable* table = value.table();
+  if (!table || !scene::find(*table, "from") || !scene::find(*table, "to"))
+    scene::refuseValue(value, kRangeWanted);
   RangeTable read;
-  for (const TomlEntry& entry : *table) readRangeKey(entry, read);
+  for (const scene::TomlEntry& entry : *table) readRangeKey(entry, read);
   const SweepRange& range = read.range;
   if (range.logarithmic && !(range.from > 0 && range.to > 0)) {
-    refuseValue(value, "ends above 0 for scale = \"log\"");
+    scene::refuseValue(value, "ends above 0 for scale = \"log\"");
   }
   return read;
 }
@@ -251,10 +254,11 @@ void requireFewValues(std::size_t count, const FileLocation& where) {
 }
 
 /// The values of a key in [grid] or [list]. A list of values, or a range with a count.
-SweepAxis readAxis(const TomlEntry& entry) {
+SweepAxis readAxis(const scene::TomlEntry& entry) {
   SweepAxis axis{entry.key, entry.where, {}};
-  if (const std::vector<TomlValue>* array = entry.value.array()) {
-    for (const TomlValue& element : *array) axis.values.push_back(readValue(entry.key, element));
+  if (const std::vector<scene::TomlValue>* array = entry.value.array()) {
+    for (const scene::TomlValue& element : *array)
+      axis.values.push_back(readValue(entry.key, element));
     if (array->empty()) {
       throw inputErrorAt(
           entry.value.where,
@@ -263,9 +267,9 @@ SweepAxis readAxis(const TomlEntry& entry) {
     return axis;
   }
   if (!entry.value.table())
-    refuseValue(entry.value, "a list [1, 2], or " + std::string(kRangeWanted));
+    scene::refuseValue(entry.value, "a list [1, 2], or " + std::string(kRangeWanted));
   const RangeTable table = readRange(entry.value);
-  if (!table.count) refuseValue(entry.value, kRangeWanted);
+  if (!table.count) scene::refuseValue(entry.value, kRangeWanted);
   for (std::size_t i = 0; i < *table.count; ++i) {
     // Both ends belong to the range.
     const double share = static_cast<double>(i) / static_cast<double>(*table.count - 1);
@@ -274,10 +278,10 @@ SweepAxis readAxis(const TomlEntry& entry) {
   return axis;
 }
 
-std::vector<SweepAxis> readAxes(const TomlEntry& entry) {
+std::vector<SweepAxis> readAxes(const scene::TomlEntry& entry) {
   std::vector<SweepAxis> axes;
   std::size_t values = 0;
-  for (const TomlEntry& key : requireTable(entry)) {
+  for (const scene::TomlEntry& key : requireTable(entry)) {
     axes.push_back(readAxis(key));
     values += axes.back().values.size();
     requireFewValues(values, key.where);
@@ -301,11 +305,11 @@ void requireEquallyMany(const std::vector<SweepAxis>& axes) {
   }
 }
 
-void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
+void readLatinHypercube(const scene::TomlEntry& entry, Sweep& sweep) {
   std::vector<SweepRangeAxis> axes;
   std::size_t runs = 0;
   std::uint64_t seed = 0;
-  for (const TomlEntry& key : requireTable(entry)) {
+  for (const scene::TomlEntry& key : requireTable(entry)) {
     if (key.key == "runs") {
       runs = readCount(key.value, 1, kMostValues);
     } else if (key.key == "random_seed") {
@@ -333,7 +337,7 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
 }
 
 /// [grid], [list] or [latin_hypercube], whichever the entry is.
-void readPlan(const TomlEntry& entry, Sweep& sweep) {
+void readPlan(const scene::TomlEntry& entry, Sweep& sweep) {
   // Axes are there already: a second plan.
   if (!sweep.axes.empty()) {
     throw inputErrorAt(entry.where,
@@ -349,13 +353,13 @@ void readPlan(const TomlEntry& entry, Sweep& sweep) {
 }
 
 /// Keys may stand in any order.
-void readEntry(const TomlEntry& entry, Sweep& sweep) {
+void readEntry(const scene::TomlEntry& entry, Sweep& sweep) {
   static const std::vector<std::string> kKeys = {"model", "generate", "scene", "keep",
                                                  "base",  "grid",     "list",  "latin_hypercube"};
   if (entry.key == "grid" || entry.key == "list" || entry.key == "latin_hypercube") {
     readPlan(entry, sweep);
   } else if (entry.key == "base") {
-    for (const TomlEntry& setting : requireTable(entry)) {
+    for (const scene::TomlEntry& setting : requireTable(entry)) {
       sweep.settings.push_back({setting.key, readValue(setting.key, setting.value)});
     }
   } else if (entry.key == "generate") {
@@ -367,11 +371,11 @@ void readEntry(const TomlEntry& entry, Sweep& sweep) {
   } else if (entry.key == "keep") {
     const auto found = keepWords().find(requireText(entry.value, "a word"));
     if (found == keepWords().end()) {
-      refuseValue(entry.value, "\"state\", \"trajectory\", \"pictures\" or \"all\"");
+      scene::refuseValue(entry.value, "\"state\", \"trajectory\", \"pictures\" or \"all\"");
     }
     sweep.keep = found->second;
   } else {
-    refuseKey(entry, "key", kKeys);
+    scene::refuseKey(entry, "key", kKeys);
   }
 }
 
@@ -393,7 +397,7 @@ void requireKeysOnce(const Sweep& sweep) {
 Sweep readSweepFile(const std::filesystem::path& path) {
   Sweep sweep;
   sweep.file = path;
-  for (const TomlEntry& entry : readTomlFile(path, "a sweep file, like sweep.toml")) {
+  for (const scene::TomlEntry& entry : scene::readTomlFile(path, "a sweep file, like sweep.toml")) {
     readEntry(entry, sweep);
   }
   if (sweep.axes.empty()) {
@@ -406,4 +410,4 @@ Sweep readSweepFile(const std::filesystem::path& path) {
   return sweep;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

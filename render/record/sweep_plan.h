@@ -9,7 +9,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 /// One value of a parameter, as it would be typed on a command line.
 struct SweepValue {
@@ -133,4 +133,4 @@ struct Sweep {
 /// Throws InputError with file:line:column.
 Sweep readSweepFile(const std::filesystem::path& path);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

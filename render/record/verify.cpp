@@ -33,7 +33,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,13 +43,13 @@ constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError where there is none.
 std::string summaryText(const fs::path& folder) {
-  if (fs::exists(folder / output::kSummary)) {
-    return readTextFile(folder / output::kSummary, "give the folder that a run left");
+  if (fs::exists(folder / exports::output::kSummary)) {
+    return readTextFile(folder / exports::output::kSummary, "give the folder that a run left");
   }
   throw InputError(fmt::format(
       "{}: error: there is no {} here; give the folder that a run of kirireel record or "
       "simulate left",
-      folder.string(), output::kSummary));
+      folder.string(), exports::output::kSummary));
 }
 
 /// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
@@ -58,7 +58,7 @@ std::string asInJson(const std::string& text) {
   return parseJson(jsonText(Json(text)));
 }
 
-FileDigest digestIn(const std::string& name, const Json& noted) {
+exports::FileDigest digestIn(const std::string& name, const Json& noted) {
   return {name, noted.at("bytes").get<std::uintmax_t>(), noted.at("sha256").get<std::string>()};
 }
 
@@ -75,10 +75,12 @@ class Verifier {
 
   VerifyReport run() {
     const std::string text = summaryText(folder_);
-    if (!isSealed(text)) complain(output::kSummary, "this is not the text that the run wrote");
+    if (!exports::isSealed(text))
+      complain(exports::output::kSummary, "this is not the text that the run wrote");
     const Json summary = parseJsonOrDiscard(text);
     if (!summary.is_object() || !summary.contains("contents")) {
-      complain(output::kSummary, "it names no files to compare with; record the run again");
+      complain(exports::output::kSummary,
+               "it names no files to compare with; record the run again");
       return report_;
     }
     try {
@@ -86,7 +88,7 @@ class Verifier {
       // A damaged trajectory would only repeat the complaint in many words.
       if (report_.complaints.empty()) compareFigures(summary);
     } catch (const Json::exception&) {
-      complain(output::kSummary, "its entries are not those of a run");
+      complain(exports::output::kSummary, "its entries are not those of a run");
     }
     return report_;
   }
@@ -98,15 +100,15 @@ class Verifier {
 
   /// What was exported or painted again since counts as contents.json has it.
   void compareFiles(const Json& contents) {
-    FileList files = listedFiles(folder_ / output::kContents);
-    if (files.empty() && fs::exists(folder_ / output::kContents)) {
-      complain(output::kContents, "this is not the text that export or render wrote");
+    exports::FileList files = exports::listedFiles(folder_ / exports::output::kContents);
+    if (files.empty() && fs::exists(folder_ / exports::output::kContents)) {
+      complain(exports::output::kContents, "this is not the text that export or render wrote");
     }
     for (const auto& [name, noted] : contents.items())
       files.try_emplace(name, digestIn(name, noted));
     for (const auto& [name, noted] : files) {
       ++report_.files;
-      const std::string found = difference(folder_, noted);
+      const std::string found = exports::difference(folder_, noted);
       if (!found.empty()) complain(name, found);
     }
   }
@@ -123,32 +125,34 @@ class Verifier {
   /// An entry of the summary of which trajectory.h5 has a copy.
   void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
     if (stated != copy)
-      complain(output::kSummary, fmt::format("{} differs from trajectory.h5", entry));
+      complain(exports::output::kSummary, fmt::format("{} differs from trajectory.h5", entry));
   }
 
   /// One sample.
-  void recompute(const TrajectoryReader& run, const std::vector<Pivot>& pivots, std::size_t index) {
-    const Subject& subject = run.subject();
-    const Sample stored = run.sample(index);
+  void recompute(const trajectory::TrajectoryReader& run, const std::vector<model::Pivot>& pivots,
+                 std::size_t index) {
+    const trajectory::Subject& subject = run.subject();
+    const trajectory::Sample stored = run.sample(index);
     const std::string at = fmt::format(" at {:.4g} s", stored.time);
-    compare(output::kTrajectory, "joint_gap" + at, stored.jointGap,
-            jointGap(pivots, stored.poses).max);
-    compare(output::kTrajectory, "penetration" + at, stored.penetration,
-            deepestPenetration(subject.bricks, stored.poses).depth);
+    compare(exports::output::kTrajectory, "joint_gap" + at, stored.jointGap,
+            trajectory::jointGap(pivots, stored.poses).max);
+    compare(exports::output::kTrajectory, "penetration" + at, stored.penetration,
+            trajectory::deepestPenetration(subject.bricks, stored.poses).depth);
     if (subject.model.target) {
-      compare(output::kTrajectory, "target_error" + at, stored.targetError,
-              targetError(*subject.model.target, subject.bricks, stored.poses));
+      compare(exports::output::kTrajectory, "target_error" + at, stored.targetError,
+              trajectory::targetError(*subject.model.target, subject.bricks, stored.poses));
     }
     ++report_.samples;
   }
 
   /// Files agree already, so what differs here was wrong when it was written.
   void compareFigures(const Json& summary) {
-    const TrajectoryReader run(folder_ / output::kTrajectory);
-    const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
+    const trajectory::TrajectoryReader run(folder_ / exports::output::kTrajectory);
+    const std::vector<model::Pivot> pivots =
+        model::makePivots(run.subject().model.joints, run.subject().bricks);
     for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
     if (run.steps().empty()) {
-      complain(output::kTrajectory,
+      complain(exports::output::kTrajectory,
                "an earlier version of the program left it, without the states that "
                "the summary's figures stand for; record the run again");
       return;
@@ -166,131 +170,141 @@ class Verifier {
   }
 
   /// As summary.json has them.
-  static Json eventsOf(const TrajectoryReader& run) {
+  static Json eventsOf(const trajectory::TrajectoryReader& run) {
     Json events = Json::array();
-    for (const Event& event : run.end().events) {
+    for (const trajectory::Event& event : run.end().events) {
       events.push_back({{"time", event.time}, {"what", event.text}});
     }
     return events;
   }
 
   /// The last event of a run repeats its outcome and reason.
-  void compareEnd(const Json& summary, const TrajectoryReader& run) {
-    compare(output::kSummary, "end_time", summary.at("end_time"), run.times().back());
+  void compareEnd(const Json& summary, const trajectory::TrajectoryReader& run) {
+    compare(exports::output::kSummary, "end_time", summary.at("end_time"), run.times().back());
     const std::string outcome = summary.at("outcome");
     const std::string stated = fmt::format("{}: {}", outcome, summary.at("reason"));
     // What interrupts the painting comes after the run.
     if (outcome == "interrupted" || run.end().events.empty()) return;
     if (run.end().events.back().text != stated) {
-      complain(output::kSummary, "outcome or reason differ from the last event of trajectory.h5");
+      complain(exports::output::kSummary,
+               "outcome or reason differ from the last event of trajectory.h5");
     }
   }
 
   /// Counts and sizes follow from the model that trajectory.h5 holds.
-  void compareModel(const Json& stated, const Model& model) {
+  void compareModel(const Json& stated, const model::Model& model) {
     compareCopy("model.name", stated.at("name"), asInJson(model.name));
     compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
-    compare(output::kSummary, "model.tiles", stated.at("tiles"),
+    compare(exports::output::kSummary, "model.tiles", stated.at("tiles"),
             static_cast<double>(model.tiles.size()));
-    compare(output::kSummary, "model.joints", stated.at("joints"),
+    compare(exports::output::kSummary, "model.joints", stated.at("joints"),
             static_cast<double>(model.joints.size()));
-    compare(output::kSummary, "model.size", stated.at("size"), modelSize(model));
-    compare(output::kSummary, "model.tile_size", stated.at("tile_size"), tileSize(model));
+    compare(exports::output::kSummary, "model.size", stated.at("size"), model::modelSize(model));
+    compare(exports::output::kSummary, "model.tile_size", stated.at("tile_size"),
+            model::tileSize(model));
   }
 
   /// The figures that all steps decide together.
-  void compareSteps(const Json& summary, const TrajectoryReader& run) {
+  void compareSteps(const Json& summary, const trajectory::TrajectoryReader& run) {
     StepReport took;
     double gapSum = 0;
     double largestGap = 0;
     double leastError = std::numeric_limits<double>::infinity();
-    for (const StepRecord& step : run.steps()) {
+    for (const trajectory::StepRecord& step : run.steps()) {
       took += step.took;
       gapSum += step.jointGapMean;
       largestGap = std::max(largestGap, step.jointGap);
       leastError = std::min(leastError, step.targetError);
     }
     const Json& accuracy = summary.at("accuracy");
-    compare(output::kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
+    compare(exports::output::kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
             gapSum / static_cast<double>(run.steps().size()));
-    compare(output::kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
+    compare(exports::output::kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
     if (run.subject().model.target)
-      compare(output::kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
+      compare(exports::output::kSummary, "target_error_min", accuracy.at("target_error_min"),
+              leastError);
     // Counts of steps: figures without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
-      compare(output::kSummary, figure.partName,
+      compare(exports::output::kSummary, figure.partName,
               summary.at(figure.part).value(figure.partName, 0.0), figure.get(took));
     }
   }
 
   /// The figures that one state decides: the start, the end, or the one stored for it.
-  void compareStates(const Json& summary, const TrajectoryReader& run,
-                     const std::vector<Pivot>& pivots) {
-    const Subject& subject = run.subject();
+  void compareStates(const Json& summary, const trajectory::TrajectoryReader& run,
+                     const std::vector<model::Pivot>& pivots) {
+    const trajectory::Subject& subject = run.subject();
     const Json& stated = summary.at("accuracy");
-    const Sample first = run.sample(0);
-    const Sample last = run.sample(run.times().size() - 1);
-    const Poses asRead = startPoses(subject.model.tiles, subject.bricks);
-    compare(output::kSummary, "assembly_move", stated.at("assembly_move"),
-            targetError(bottomTiles(subject.bricks, asRead), subject.bricks, first.poses));
-    compare(output::kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
+    const trajectory::Sample first = run.sample(0);
+    const trajectory::Sample last = run.sample(run.times().size() - 1);
+    const Poses asRead = model::startPoses(subject.model.tiles, subject.bricks);
+    compare(exports::output::kSummary, "assembly_move", stated.at("assembly_move"),
+            trajectory::targetError(model::bottomTiles(subject.bricks, asRead), subject.bricks,
+                                    first.poses));
+    compare(exports::output::kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
     if (subject.model.target) {
-      compare(output::kSummary, "target_error_start", stated.at("target_error_start"),
+      compare(exports::output::kSummary, "target_error_start", stated.at("target_error_start"),
               first.targetError);
-      compare(output::kSummary, "target_error_end", stated.at("target_error_end"),
+      compare(exports::output::kSummary, "target_error_end", stated.at("target_error_end"),
               last.targetError);
-      compare(output::kSummary, "rigid_bound", stated.at("rigid_bound"),
-              rigidBound(subject.model.tiles, *subject.model.target));
+      compare(exports::output::kSummary, "rigid_bound", stated.at("rigid_bound"),
+              trajectory::rigidBound(subject.model.tiles, *subject.model.target));
     }
     compareElasticity(summary, subject, first.poses, last.poses);
     // A run that ended among the samples of an earlier process does not know these states.
     if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
     for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
       const auto state =
-          std::ranges::find(run.end().figureStates, figure.name, &FigureState::figure);
+          std::ranges::find(run.end().figureStates, figure.name, &trajectory::FigureState::figure);
       if (state != run.end().figureStates.end()) {
-        compare(output::kSummary, figure.name, stated.at(figure.name),
+        compare(exports::output::kSummary, figure.name, stated.at(figure.name),
                 figure.compute(state->poses));
       } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
-        complain(output::kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
+        complain(exports::output::kSummary,
+                 fmt::format("{} has no state in trajectory.h5", figure.name));
       }
     }
   }
 
-  void compareElasticity(const Json& summary, const Subject& subject, const Poses& start,
-                         const Poses& end) {
+  void compareElasticity(const Json& summary, const trajectory::Subject& subject,
+                         const Poses& start, const Poses& end) {
     const Json stated = summary.value("elasticity", Json());
     const bool isElastic = !subject.pairForces.empty();
     if (isElastic == stated.is_null()) {
-      complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
+      complain(exports::output::kSummary,
+               "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
-    const Elasticity found = elasticityOf(subject.pairForces, start, end);
-    for (const PairForceKind& kind : pairForceKinds()) {
+    const model::Elasticity found = model::elasticityOf(subject.pairForces, start, end);
+    for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not tell of all kinds.
       const std::string name = kind.name.counted;
-      compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
+      compare(exports::output::kSummary, "elasticity." + name, stated.value(name, 0),
+              found.count(name));
     }
-    compare(output::kSummary, "elasticity.energy_start", stated.at("energy_start"),
+    compare(exports::output::kSummary, "elasticity.energy_start", stated.at("energy_start"),
             found.energyStart);
-    compare(output::kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);
-    compare(output::kSummary, "elasticity.moment_end", stated.at("moment_end"), found.momentEnd);
+    compare(exports::output::kSummary, "elasticity.energy_end", stated.at("energy_end"),
+            found.energyEnd);
+    compare(exports::output::kSummary, "elasticity.moment_end", stated.at("moment_end"),
+            found.momentEnd);
   }
 
   /// How each figure is computed from its state. What is passed must outlive the list.
-  static std::vector<StateFigure> stateFigures(const Json& summary, const Subject& subject,
-                                               const std::vector<Pivot>& pivots,
+  static std::vector<StateFigure> stateFigures(const Json& summary,
+                                               const trajectory::Subject& subject,
+                                               const std::vector<model::Pivot>& pivots,
                                                const Poses& asRead) {
     // As the run had it: overlaps in the corners that joined bricks share do not count as
     // "outside".
     const double zone = summary.at("settings").at("environment").at("pivot_zone");
-    const double least = kRoundingOverlap * tileSize(subject.model);
+    const double least = trajectory::kRoundingOverlap * model::tileSize(subject.model);
     const auto overlaps =
-        std::make_shared<PenetrationMeter>(subject.bricks, pivots, zone, asRead, least);
-    const auto gap = [&](const Poses& poses) { return jointGap(pivots, poses).max; };
+        std::make_shared<trajectory::PenetrationMeter>(subject.bricks, pivots, zone, asRead, least);
+    const auto gap = [&](const Poses& poses) { return trajectory::jointGap(pivots, poses).max; };
     const auto error = [&](const Poses& poses) {
-      return targetError(*subject.model.target, subject.bricks, poses);
+      return trajectory::targetError(*subject.model.target, subject.bricks, poses);
     };
     std::vector<StateFigure> figures = {
         {"joint_gap_max", gap},
@@ -311,14 +325,14 @@ class Verifier {
   void compareVideo(const Json& summary) {
     for (const std::string name : summary.at("files")) {
       // A GIF leaves out what its players could not show.
-      if (!isVideo(name) || fs::path(name).extension() == ".gif") continue;
+      if (!picture::isVideo(name) || fs::path(name).extension() == ".gif") continue;
       // One that was painted again since is not the run's.
-      if (listedFiles(folder_ / output::kContents).contains(name)) return;
-      compare(output::kSummary, "video_frames", summary.at("video_frames"),
-              countVideoFrames(folder_ / name));
+      if (exports::listedFiles(folder_ / exports::output::kContents).contains(name)) return;
+      compare(exports::output::kSummary, "video_frames", summary.at("video_frames"),
+              picture::countVideoFrames(folder_ / name));
       return;
     }
-    compare(output::kSummary, "video_frames", summary.at("video_frames"), 0);
+    compare(exports::output::kSummary, "video_frames", summary.at("video_frames"), 0);
   }
 
   fs::path folder_;
@@ -328,14 +342,14 @@ class Verifier {
 }  // namespace
 
 std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
-  if (!fs::is_regular_file(folder / output::kSummary)) return std::nullopt;
+  if (!fs::is_regular_file(folder / exports::output::kSummary)) return std::nullopt;
   const std::string text = summaryText(folder);
   const Json summary = parseJsonOrDiscard(text);
-  if (!isSealed(text) || !summary.is_object()) return std::nullopt;
+  if (!exports::isSealed(text) || !summary.is_object()) return std::nullopt;
   try {
     if (summary.at("order") != order || summary.at("outcome") == "interrupted") return std::nullopt;
     for (const auto& [name, noted] : summary.at("contents").items()) {
-      if (!difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
+      if (!exports::difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
     }
     const Json& atTarget = summary.at("at_target");
     return FinishedRun{summary.at("outcome"),
@@ -349,4 +363,4 @@ VerifyReport verifyRun(const fs::path& folder) {
   return Verifier(folder).run();
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -40,7 +40,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -284,4 +284,4 @@ bool runInWorkers(const WorkerJobs& jobs, const WorkerLimits& limits) {
   return Pool(jobs, limits).run();
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

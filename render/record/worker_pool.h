@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace kirireel {
+namespace kirireel::record {
 
 /// How a job ended.
 enum class Verdict : char {
@@ -44,4 +44,4 @@ struct WorkerJobs {
 /// relies on prctl(2).
 bool runInWorkers(const WorkerJobs& jobs, const WorkerLimits& limits);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

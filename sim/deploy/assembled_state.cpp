@@ -31,7 +31,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/run_curves.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // Steps start from rest, so that long ones come near to Newton's method on the springs' energy.
@@ -57,17 +57,17 @@ constexpr double kMostWeight = 30;
 /// Joined bricks that springs pull to their target, step by step from rest.
 class Assembly {
  public:
-  Assembly(const Scene& scene, SearchBudget& budget, const std::function<bool()>& goesOn)
+  Assembly(const scene::Scene& scene, SearchBudget& budget, const std::function<bool()>& goesOn)
       : scene_(scene),
         target_(*scene.model.target),
-        bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
         springs_(bricks_, target_, scene.model.pulledTiles, scene.springs),
         weights_(bricks_.size(), 1.0),
-        tile_(tileSize(scene.model)),
-        rigidBound_(rigidBound(scene.model.tiles, target_)),
+        tile_(model::tileSize(scene.model)),
+        rigidBound_(trajectory::rigidBound(scene.model.tiles, target_)),
         budget_(budget),
         goesOn_(goesOn) {
-    pull_ = [this](const Poses& poses, std::vector<Load>& loads) {
+    pull_ = [this](const Poses& poses, std::vector<model::Load>& loads) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
         loads[i] = springs_.load(static_cast<int>(i), poses[i], kSpringStiffening);
         loads[i].force *= weights_[i];
@@ -88,7 +88,7 @@ class Assembly {
     approach(state);
     if (isNearEnough(state)) return state;
     if (mayStep()) {
-      beginAt(startPoses(scene_.model.tiles, bricks_));
+      beginAt(model::startPoses(scene_.model.tiles, bricks_));
       comeToRest(kStepsFromStart);
       if (keepIfNearer(state)) approach(state);
     }
@@ -100,7 +100,7 @@ class Assembly {
   void beginAt(Poses poses) {
     motion_.poses = std::move(poses);
     weights_.assign(bricks_.size(), 1.0);
-    dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, motion_.poses);
+    dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, motion_.poses);
     // Joints of rounded tiles are springs over the pull's own stiffness; where tiles fit in no
     // state nearby, joints are springs of a usual stiffness.
     const double rounded = roundedJointStiffness(scene_.model);
@@ -114,13 +114,13 @@ class Assembly {
   /// Comes nearer by softer joints, where they are closed within the rounding of the coordinates.
   void soften() {
     if (!std::isfinite(roundedJointStiffness(scene_.model))) return;
-    const std::vector<Pivot> pivots = makePivots(scene_.model.joints, bricks_);
+    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks_);
     double closed = roundedJointStiffness(scene_.model);
     softenWhileClosed(scene_.model, [&](double stiffness) {
       const Poses before = motion_.poses;
       dynamics_->setJointStiffness(stiffness * pullStiffness());
       comeToRest(kSteps);
-      if (jointGap(pivots, motion_.poses).max <= roundedGap(scene_.model)) {
+      if (trajectory::jointGap(pivots, motion_.poses).max <= roundedGap(scene_.model)) {
         closed = stiffness;
         return true;
       }
@@ -134,7 +134,8 @@ class Assembly {
   double pullStiffness() const {
     double stiffest = 0;
     for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      const Load load = springs_.load(static_cast<int>(i), motion_.poses[i], kSpringStiffening);
+      const model::Load load =
+          springs_.load(static_cast<int>(i), motion_.poses[i], kSpringStiffening);
       stiffest = std::max(stiffest, load.stiffness(0, 0));
     }
     return stiffest;
@@ -142,9 +143,9 @@ class Assembly {
 
   /// A target may be so far out of reach that nothing comes nearer than the start.
   void keepStartIfNearer(AssembledState& state) const {
-    Poses start = startPoses(scene_.model.tiles, bricks_);
-    if (!makeDynamics(scene_, sceneNeeds(scene_), bricks_, start)->assemble(start)) return;
-    const double found = targetError(target_, bricks_, start);
+    Poses start = model::startPoses(scene_.model.tiles, bricks_);
+    if (!makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start)->assemble(start)) return;
+    const double found = trajectory::targetError(target_, bricks_, start);
     if (!(found < (1 - kGain) * state.error)) return;
     state.error = found;
     state.poses = std::move(start);
@@ -163,7 +164,7 @@ class Assembly {
     return true;
   }
 
-  double error() const { return targetError(target_, bricks_, motion_.poses); }
+  double error() const { return trajectory::targetError(target_, bricks_, motion_.poses); }
   bool mayStep() const { return !budget_.isSpent() && (!goesOn_ || goesOn_()); }
 
   // One implicit step from rest.
@@ -186,7 +187,8 @@ class Assembly {
 
   // Lawson's step on the bricks' weights.
   void reweight() {
-    const std::vector<double> errors = brickTargetErrors(target_, bricks_, motion_.poses);
+    const std::vector<double> errors =
+        trajectory::brickTargetErrors(target_, bricks_, motion_.poses);
     const double largest = *std::ranges::max_element(errors);
     double sum = 0;
     for (std::size_t i = 0; i < weights_.size(); ++i) {
@@ -212,9 +214,9 @@ class Assembly {
     }
   }
 
-  const Scene& scene_;
-  const std::vector<Tile>& target_;
-  std::vector<Brick> bricks_;
+  const scene::Scene& scene_;
+  const std::vector<model::Tile>& target_;
+  std::vector<model::Brick> bricks_;
   TargetSprings springs_;
   std::vector<double> weights_;  // of the springs, one a brick; 1 in the mean
   double tile_;                  // metres
@@ -223,21 +225,21 @@ class Assembly {
   const std::function<bool()>& goesOn_;
   Motion motion_;
   std::unique_ptr<Dynamics> dynamics_;
-  LoadSource pull_;
+  mechanics::LoadSource pull_;
 };
 
 }  // namespace
 
-AssembledState assembleAtTarget(const Scene& scene, SearchBudget& budget,
+AssembledState assembleAtTarget(const scene::Scene& scene, SearchBudget& budget,
                                 const std::function<bool()>& goesOn) {
   if (!scene.model.target) return {};
-  Scene alone = scene;
-  alone.environment = Environment{};
-  alone.solver.kind = SolverKind::Direct;
+  scene::Scene alone = scene;
+  alone.environment = scene::Environment{};
+  alone.solver.kind = scene::SolverKind::Direct;
   return Assembly(alone, budget, goesOn).find();
 }
 
-AssembledState assembleAtTarget(const Scene& scene) {
+AssembledState assembleAtTarget(const scene::Scene& scene) {
   SearchBudget budget(scene.path.searchTime);
   return assembleAtTarget(scene, budget);
 }
@@ -258,21 +260,22 @@ constexpr double kSoftest = 10;
 
 }  // namespace
 
-double roundedJointStiffness(const Model& model) {
-  const double tile = tileSize(model);
+double roundedJointStiffness(const model::Model& model) {
+  const double tile = model::tileSize(model);
   return model.rounding > kFinest * tile ? kDigits * tile / model.rounding
                                          : std::numeric_limits<double>::infinity();
 }
 
-double roundedReach(const Model& model) {
+double roundedReach(const model::Model& model) {
   return kDigits * model.rounding;
 }
 
-double roundedGap(const Model& model) {
+double roundedGap(const model::Model& model) {
   return 2 * model.rounding;
 }
 
-void softenWhileClosed(const Model& model, const std::function<bool(double stiffness)>& closes) {
+void softenWhileClosed(const model::Model& model,
+                       const std::function<bool(double stiffness)>& closes) {
   double stiffness = roundedJointStiffness(model);
   do {
     stiffness /= kSofter;
@@ -303,14 +306,15 @@ constexpr double kThinnest = 1e-3;
 constexpr double kWorkOfPair = 20'000;
 
 // Pairs that contacts would look at, the deepest first.
-std::vector<Penetration> overlapsAt(const Scene& scene, const Poses& poses) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  std::vector<Penetration> overlaps = penetrationsOutsidePivots(
-      bricks, pivots, scene.environment.pivotZone, poses, kNegligibleDepth * tileSize(scene.model));
-  if (scene.environment.contacts == ContactFilter::Unjoined) {
-    const auto joined = sharedCorners(pivots);
-    std::erase_if(overlaps, [&](const Penetration& overlap) {
+std::vector<trajectory::Penetration> overlapsAt(const scene::Scene& scene, const Poses& poses) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  std::vector<trajectory::Penetration> overlaps =
+      trajectory::penetrationsOutsidePivots(bricks, pivots, scene.environment.pivotZone, poses,
+                                            kNegligibleDepth * model::tileSize(scene.model));
+  if (scene.environment.contacts == scene::ContactFilter::Unjoined) {
+    const auto joined = model::sharedCorners(pivots);
+    std::erase_if(overlaps, [&](const trajectory::Penetration& overlap) {
       return joined.contains({overlap.brickA, overlap.brickB});
     });
   }
@@ -318,34 +322,37 @@ std::vector<Penetration> overlapsAt(const Scene& scene, const Poses& poses) {
 }
 
 /// The model with the joints between pairs that overlap where a fold to its target leaves room.
-Model withFreeingFaces(const Model& model, const std::vector<Penetration>& overlaps) {
+model::Model withFreeingFaces(const model::Model& model,
+                              const std::vector<trajectory::Penetration>& overlaps) {
   std::set<TilePair> blocked;
-  for (const Penetration& overlap : overlaps) blocked.insert({overlap.brickA, overlap.brickB});
-  Model folded = model;
-  chooseJointFaces(folded, FaceRule::Fold);
-  Model freed = model;
+  for (const trajectory::Penetration& overlap : overlaps)
+    blocked.insert({overlap.brickA, overlap.brickB});
+  model::Model folded = model;
+  model::chooseJointFaces(folded, model::FaceRule::Fold);
+  model::Model freed = model;
   for (std::size_t i = 0; i < freed.joints.size(); ++i) {
-    Joint& joint = freed.joints[i];
+    model::Joint& joint = freed.joints[i];
     const TilePair pair = std::minmax(joint.a.tile, joint.b.tile);
-    if (joint.kind == JointKind::Pivot && blocked.contains(pair)) joint = folded.joints[i];
+    if (joint.kind == model::JointKind::Pivot && blocked.contains(pair)) joint = folded.joints[i];
   }
   return freed;
 }
 
 /// The faces that joints of pairs would have to lie on, for the pairs that this frees.
-std::map<TilePair, JointFace> freeingFaces(const Scene& scene,
-                                           const std::vector<Penetration>& overlaps,
-                                           SearchBudget& budget) {
-  Scene freed = scene;
+std::map<TilePair, model::JointFace> freeingFaces(
+    const scene::Scene& scene, const std::vector<trajectory::Penetration>& overlaps,
+    SearchBudget& budget) {
+  scene::Scene freed = scene;
   freed.model = withFreeingFaces(scene.model, overlaps);
-  std::map<TilePair, JointFace> faces;
+  std::map<TilePair, model::JointFace> faces;
   for (std::size_t i = 0; i < freed.model.joints.size(); ++i) {
-    const Joint& joint = freed.model.joints[i];
+    const model::Joint& joint = freed.model.joints[i];
     if (joint.face == scene.model.joints[i].face) continue;
     faces[std::minmax(joint.a.tile, joint.b.tile)] = joint.face;
   }
   if (faces.empty()) return faces;
-  for (const Penetration& overlap : overlapsAt(freed, assembleAtTarget(freed, budget).restPoses)) {
+  for (const trajectory::Penetration& overlap :
+       overlapsAt(freed, assembleAtTarget(freed, budget).restPoses)) {
     faces.erase({overlap.brickA, overlap.brickB});
   }
   return faces;
@@ -353,16 +360,16 @@ std::map<TilePair, JointFace> freeingFaces(const Scene& scene,
 
 /// A tile's brick of some thickness, and its pose with the bottom where it was.
 struct ThinBrick {
-  Brick brick;
+  model::Brick brick;
   Pose pose;
 };
 
 // Its bottom stays where the tile is.
-ThinBrick thinned(const Scene& scene, int tile, const Brick& brick, const Pose& pose,
+ThinBrick thinned(const scene::Scene& scene, int tile, const model::Brick& brick, const Pose& pose,
                   double thickness) {
-  BrickRule rule = scene.brick;
+  model::BrickRule rule = scene.brick;
   rule.thickness = thickness;
-  ThinBrick thin{makeBrick(scene.model.tiles[tile], rule), pose};
+  ThinBrick thin{model::makeBrick(scene.model.tiles[tile], rule), pose};
   // A thinner brick has its centre of mass nearer to the bottom.
   thin.pose.position += pose.rotation * (brick.bottom[0] - thin.brick.bottom[0]);
   return thin;
@@ -370,11 +377,11 @@ ThinBrick thinned(const Scene& scene, int tile, const Brick& brick, const Pose& 
 
 /// The joints of each pair of tiles, as if these two were the only ones: 0 the one with the smaller
 /// number, 1 the other.
-using JointsByPair = std::map<TilePair, std::vector<Joint>>;
+using JointsByPair = std::map<TilePair, std::vector<model::Joint>>;
 
-JointsByPair jointsByPair(const Model& model) {
+JointsByPair jointsByPair(const model::Model& model) {
   JointsByPair joints;
-  for (Joint joint : model.joints) {
+  for (model::Joint joint : model.joints) {
     const TilePair pair = std::minmax(joint.a.tile, joint.b.tile);
     joint.a.tile = joint.a.tile == pair.first ? 0 : 1;
     joint.b.tile = 1 - joint.a.tile;
@@ -384,24 +391,25 @@ JointsByPair jointsByPair(const Model& model) {
 }
 
 /// Whether two bricks would keep clear of each other if they were that thin.
-bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses,
-            const std::vector<Joint>& between, double thickness) {
-  std::vector<Brick> bricks;
+bool isFree(const scene::Scene& scene, const trajectory::Penetration& overlap, const Poses& poses,
+            const std::vector<model::Joint>& between, double thickness) {
+  std::vector<model::Brick> bricks;
   Poses placed;
   for (const int tile : {overlap.brickA, overlap.brickB}) {
-    const Brick brick = makeBrick(scene.model.tiles[tile], scene.brick);
+    const model::Brick brick = model::makeBrick(scene.model.tiles[tile], scene.brick);
     ThinBrick thin = thinned(scene, tile, brick, poses[tile], thickness);
     bricks.push_back(std::move(thin.brick));
     placed.push_back(thin.pose);
   }
-  const Penetration left = deepestPenetrationOutsidePivots(bricks, makePivots(between, bricks),
-                                                           scene.environment.pivotZone, placed);
-  return left.depth <= kNegligibleDepth * tileSize(scene.model);
+  const trajectory::Penetration left = trajectory::deepestPenetrationOutsidePivots(
+      bricks, model::makePivots(between, bricks), scene.environment.pivotZone, placed);
+  return left.depth <= kNegligibleDepth * model::tileSize(scene.model);
 }
 
 // The largest thickness tried that frees the pair, metres; 0 where none does.
-double freeingThickness(const Scene& scene, const Penetration& overlap, const Poses& poses,
-                        const std::vector<Joint>& between, SearchBudget& budget) {
+double freeingThickness(const scene::Scene& scene, const trajectory::Penetration& overlap,
+                        const Poses& poses, const std::vector<model::Joint>& between,
+                        SearchBudget& budget) {
   for (double share = kThinnerStep; share > kThinnest; share *= kThinnerStep) {
     const double thickness = share * scene.brick.thickness;
     budget.spend(kWorkOfPair);
@@ -412,15 +420,15 @@ double freeingThickness(const Scene& scene, const Penetration& overlap, const Po
 
 }  // namespace
 
-std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarget,
+std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget,
                                         SearchBudget& budget) {
   std::vector<BlockingPair> pairs;
-  if (atTarget.empty() || !sceneNeeds(scene).contacts.on) return pairs;
-  const std::vector<Penetration> overlaps = overlapsAt(scene, atTarget);
+  if (atTarget.empty() || !scene::sceneNeeds(scene).contacts.on) return pairs;
+  const std::vector<trajectory::Penetration> overlaps = overlapsAt(scene, atTarget);
   if (overlaps.empty()) return pairs;
-  const std::map<TilePair, JointFace> faces = freeingFaces(scene, overlaps, budget);
+  const std::map<TilePair, model::JointFace> faces = freeingFaces(scene, overlaps, budget);
   const JointsByPair joints = jointsByPair(scene.model);
-  for (const Penetration& overlap : overlaps) {
+  for (const trajectory::Penetration& overlap : overlaps) {
     BlockingPair pair{overlap.brickA, overlap.brickB, overlap.depth, !budget.isSpent(), {}, 0};
     const auto face = faces.find({pair.tileA, pair.tileB});
     if (face != faces.end()) pair.freeingFace = face->second;
@@ -428,7 +436,7 @@ std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarge
     if (pair.isExplained) {
       pair.freeingThickness = freeingThickness(
           scene, overlap, atTarget,
-          between == joints.end() ? std::vector<Joint>{} : between->second, budget);
+          between == joints.end() ? std::vector<model::Joint>{} : between->second, budget);
     }
     pairs.push_back(pair);
   }
@@ -438,8 +446,8 @@ std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarge
 std::string describe(const BlockingPair& pair, int countsFrom) {
   std::vector<std::string> ways;
   if (pair.freeingFace) {
-    ways.push_back(
-        fmt::format("joints on the {}", *pair.freeingFace == JointFace::Top ? "top" : "bottom"));
+    ways.push_back(fmt::format("joints on the {}",
+                               *pair.freeingFace == model::JointFace::Top ? "top" : "bottom"));
   }
   if (pair.freeingThickness > 0) {
     ways.push_back(fmt::format("a thickness of {:.2g}", pair.freeingThickness));
@@ -451,4 +459,4 @@ std::string describe(const BlockingPair& pair, int countsFrom) {
                                     : fmt::format("free with {}", fmt::join(ways, " or ")));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -11,7 +11,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // What "closed" means for the joints of a model whose coordinates were rounded.
@@ -32,19 +32,20 @@ namespace kirireel {
 
 /// The stiffness r of joints that close within the model's rounding, over that of the springs that
 /// pull a tile to its place; infinite where coordinates have all their digits.
-double roundedJointStiffness(const Model& model);
+double roundedJointStiffness(const model::Model& model);
 
 /// How much farther from its place a state may stand because of the rounding, and how far joints
 /// may be open on the way, metres: ten digits.
-double roundedReach(const Model& model);
+double roundedReach(const model::Model& model);
 
 /// How far joints may be open at the end, metres: two digits, by which two roundings of one corner
 /// can be apart.
-double roundedGap(const Model& model);
+double roundedGap(const model::Model& model);
 
 /// Calls `closes` with ever softer joints until it says that they are not closed within
 /// roundedGap() any more.
-void softenWhileClosed(const Model& model, const std::function<bool(double stiffness)>& closes);
+void softenWhileClosed(const model::Model& model,
+                       const std::function<bool(double stiffness)>& closes);
 
 // ------------------------------------------------------------------------------------------------
 // How much work a search may cost.
@@ -105,11 +106,11 @@ struct AssembledState {
 /// target's own data close. In a model whose coordinates were rounded, joints are closed within the
 /// rounding only, see assembled_state.h. Contacts, ground and gravity are left out. Ends early when
 /// the budget is spent or `goesOn`, which may be empty, returns false.
-AssembledState assembleAtTarget(const Scene& scene, SearchBudget& budget,
+AssembledState assembleAtTarget(const scene::Scene& scene, SearchBudget& budget,
                                 const std::function<bool()>& goesOn = {});
 
 /// The same within the scene's own budget for a search.
-AssembledState assembleAtTarget(const Scene& scene);
+AssembledState assembleAtTarget(const scene::Scene& scene);
 
 // ------------------------------------------------------------------------------------------------
 // Which bricks are in each other's way at the target.
@@ -121,7 +122,7 @@ struct BlockingPair {
   double overlap = 0;       ///< the shortest move that would separate them there, metres
   bool isExplained = true;  ///< false: the budget was spent before it was looked what frees them
   /// The face on which joints between the two would have to lie for them not to overlap there.
-  std::optional<JointFace> freeingFace;
+  std::optional<model::JointFace> freeingFace;
   /// The largest thickness (metres, to a few percent) at which they do not overlap there; 0 when
   /// the tiles themselves do.
   double freeingThickness = 0;
@@ -131,11 +132,11 @@ struct BlockingPair {
 /// the state of rest, see assembleAtTarget(); overlaps that the contacts do not look at (of pairs
 /// that are left out, of the corners at shared pivots) and overlaps below 1e-4 of a tile do not
 /// count. What frees a pair is looked for as long as the budget lasts.
-std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarget,
+std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget,
                                         SearchBudget& budget);
 
 /// "tiles 3 and 4 by 0.012 (free with joints on the top)"; lengths in metres. `countsFrom`: the
 /// first tile's number.
 std::string describe(const BlockingPair& pair, int countsFrom);
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -16,7 +16,7 @@
 #include "sim/base/files.h"
 #include "sim/trajectory/array_file.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ constexpr const char* kNumbers = "numbers";
 // processor's cache when they are written.
 constexpr std::size_t kMostWaiting = 500'000;
 
-bool isOf(const ArrayReader& file, const std::string& order) {
+bool isOf(const trajectory::ArrayReader& file, const std::string& order) {
   return file.textAttribute("/", "format") == kFormat && file.textAttribute("/", "order") == order;
 }
 
@@ -48,7 +48,7 @@ std::string Checkpoints::find() {
     return "";
   }
   try {
-    const ArrayReader file(folder_ / kState);
+    const trajectory::ArrayReader file(folder_ / kState);
     if (!isOf(file, order_)) {
       remove();
       return place + " is of another order or program; the run starts anew";
@@ -112,7 +112,7 @@ fs::path Checkpoints::samplesFile(std::size_t index) const {
 }
 
 StateTape Checkpoints::readSamples(std::size_t index) const {
-  const ArrayReader file(samplesFile(index));
+  const trajectory::ArrayReader file(samplesFile(index));
   std::vector<double> numbers = file.checkedDoubles(kNumbers);
   if (!isOf(file, order_) || numbers.size() != sampleFiles_[index]) {
     file.refuse("these samples are of another checkpoint");
@@ -122,7 +122,7 @@ StateTape Checkpoints::readSamples(std::size_t index) const {
 
 void Checkpoints::write(const fs::path& path, const StateTape& tape) const {
   PendingFile pending(path);
-  ArrayWriter file(pending.path(), path);
+  trajectory::ArrayWriter file(pending.path(), path);
   file.setAttribute("/", "format", std::string(kFormat));
   file.setAttribute("/", "order", order_);
   file.writeChecked(kNumbers, tape.numbers());
@@ -136,4 +136,4 @@ void Checkpoints::waitAfter(Clock::duration taken) {
   due_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::max(least, rest));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -12,7 +12,7 @@
 #include "sim/base/state_tape.h"
 #include "sim/deploy/path_choice.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// How often checkpoints are made.
 struct CheckpointPace {
@@ -80,4 +80,4 @@ class Checkpoints {
   Clock::time_point due_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -44,7 +44,7 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // The guide moves on by this part of a tile from state to state, in so many states.
@@ -110,16 +110,16 @@ constexpr double kNudge = 0.02;
 constexpr double kMoreExtent = 1e-6;
 
 // The root mean square distance of the bottom's vertices from the centre of mass, metres.
-double gyrationRadius(const Brick& brick) {
+double gyrationRadius(const model::Brick& brick) {
   double sum = 0;
   for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
   return std::sqrt(sum / static_cast<double>(brick.bottom.size()));
 }
 
 /// The same bricks with the metric of the path in place of their masses.
-std::vector<Brick> metricBricks(const Scene& scene, double turnWeight) {
-  std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  for (Brick& brick : bricks) {
+std::vector<model::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
+  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  for (model::Brick& brick : bricks) {
     const double radius = gyrationRadius(brick);
     brick.mass = 1;
     brick.inertia = turnWeight * radius * radius * Matrix3::Identity();
@@ -127,11 +127,11 @@ std::vector<Brick> metricBricks(const Scene& scene, double turnWeight) {
   return bricks;
 }
 
-Scene withoutLoads(Scene scene) {
+scene::Scene withoutLoads(scene::Scene scene) {
   scene.environment.gravity.setZero();
   scene.environment.brickFriction = 0;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
-  scene.solver = SolverSettings{.planar = scene.solver.planar};
+  scene.solver = scene::SolverSettings{.planar = scene.solver.planar};
   return scene;
 }
 
@@ -163,18 +163,18 @@ double extent(const Poses& poses) {
 /// The mechanism in one metric, moved from place to place.
 class Mechanism {
  public:
-  Mechanism(const Scene& scene, const ContinuationSettings& settings, const Poses& start)
+  Mechanism(const scene::Scene& scene, const ContinuationSettings& settings, const Poses& start)
       : scene_(scene),
         jointStiffness_(settings.jointStiffness),
         turnWeight_(settings.turnWeight),
-        tile_(tileSize(scene.model)),
+        tile_(model::tileSize(scene.model)),
         bricks_(metricBricks(scene, settings.turnWeight)) {
     restart(start);
   }
 
   // Forgets contacts: overlaps at these poses count as those of a start.
   void restart(const Poses& start) {
-    dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, start);
+    dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start);
     dynamics_->setJointStiffness(jointStiffness_);
     dynamics_->setHalving(isTouching());
   }
@@ -194,7 +194,7 @@ class Mechanism {
     }
   }
 
-  const std::vector<Brick>& bricks() const { return bricks_; }
+  const std::vector<model::Brick>& bricks() const { return bricks_; }
   bool close(Poses& poses) { return closeInPlace(poses, *dynamics_); }
   void restore(const SymmetricStates& symmetries, Poses& poses) {
     symmetries.restore(poses, *dynamics_);
@@ -224,7 +224,7 @@ class Mechanism {
 
  private:
   bool isExact() const { return std::isinf(jointStiffness_); }
-  bool isTouching() const { return scene_.environment.contacts != ContactFilter::None; }
+  bool isTouching() const { return scene_.environment.contacts != scene::ContactFilter::None; }
 
   /// From a state to a place, in the metric of the mechanism, metres.
   double distance(const Poses& state, const Poses& place) const {
@@ -252,28 +252,28 @@ class Mechanism {
     return velocities;
   }
 
-  static void withoutForces(const Poses&, std::vector<Load>& loads) {
-    std::ranges::fill(loads, Load{});
+  static void withoutForces(const Poses&, std::vector<model::Load>& loads) {
+    std::ranges::fill(loads, model::Load{});
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   double jointStiffness_;  // over the bricks' unit mass and the unit time squared
   double turnWeight_;
   double tile_;     // metres
   double aim_ = 1;  // the part of the way to a place that moves aim at, up to 1
-  std::vector<Brick> bricks_;
+  std::vector<model::Brick> bricks_;
   std::unique_ptr<Dynamics> dynamics_;
 };
 
 class Continuation {
  public:
   /// `closedStiffness`: of joints that are closed, as ContinuationSettings::jointStiffness.
-  Continuation(const Scene& scene, Poses start, const ContinuationSettings& settings,
+  Continuation(const scene::Scene& scene, Poses start, const ContinuationSettings& settings,
                double closedStiffness, SearchBudget& budget, const PathObserver& goesOn)
       : scene_(withoutLoads(scene)),
         settings_(heldBy(settings, closedStiffness)),
         closedStiffness_(closedStiffness),
-        tile_(tileSize(scene.model)),
+        tile_(model::tileSize(scene.model)),
         poses_(std::move(start)),
         mechanism_(scene_, settings_, poses_),
         symmetries_(scene),
@@ -290,7 +290,7 @@ class Continuation {
   MechanismPath along(std::vector<Poses> states) {
     states.front() = poses_;
     for (const Poses& state : states) symmetries_.keepThoseOf(state);
-    for (Poses& state : states) state = symmetricMean(state, symmetries_.group());
+    for (Poses& state : states) state = model::symmetricMean(state, symmetries_.group());
     const PathGuide guide(mechanism_.bricks(), std::move(states));
     path_.guideLength = guide.length();
     const double count =
@@ -501,13 +501,14 @@ class Continuation {
 
   /// Comes nearer to the goal by softer joints, as long as they are closed within the rounding.
   void soften(const Poses& goal) {
-    const std::vector<Pivot> pivots = makePivots(scene_.model.joints, mechanism_.bricks());
+    const std::vector<model::Pivot> pivots =
+        model::makePivots(scene_.model.joints, mechanism_.bricks());
     softenWhileClosed(scene_.model, [&](double stiffness) {
       const Poses before = poses_;
       const MechanismPath soFar = path_;
       mechanism_.holdJoints(stiffness);
       goTo(goal);
-      if (jointGap(pivots, poses_).max <= roundedGap(scene_.model)) return true;
+      if (trajectory::jointGap(pivots, poses_).max <= roundedGap(scene_.model)) return true;
       poses_ = before;
       path_ = soFar;
       return false;
@@ -524,7 +525,7 @@ class Continuation {
   }
 
   double errorOf(const Poses& state) const {
-    return targetError(*scene_.model.target, mechanism_.bricks(), state);
+    return trajectory::targetError(*scene_.model.target, mechanism_.bricks(), state);
   }
 
   /// Where the target is out of reach, a path may come nearer to it than its end: it ends there.
@@ -540,7 +541,7 @@ class Continuation {
     path_.lengths.resize(nearest + 1);
   }
 
-  Scene scene_;
+  scene::Scene scene_;
   ContinuationSettings settings_;
   double closedStiffness_;
   double tile_;  // metres
@@ -555,11 +556,11 @@ class Continuation {
 };
 
 /// Follows a guide between two states of which neither need be the scene's target.
-MechanismPath followBetween(const Scene& scene, std::vector<Poses> guide,
+MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn) {
-  Scene between = scene;
-  between.solver.planar = sceneNeeds(scene).planar.on;
+  scene::Scene between = scene;
+  between.solver.planar = scene::sceneNeeds(scene).planar.on;
   between.model.target.reset();
   const double exact = std::numeric_limits<double>::infinity();
   return Continuation(between, guide.front(), settings, exact, budget, goesOn)
@@ -567,14 +568,14 @@ MechanismPath followBetween(const Scene& scene, std::vector<Poses> guide,
 }
 
 /// Ends a path at its state that is nearest to a place.
-void endNearest(const std::vector<Brick>& bricks, const Poses& place, MechanismPath& path) {
+void endNearest(const std::vector<model::Brick>& bricks, const Poses& place, MechanismPath& path) {
   const auto nearest = std::ranges::min_element(
       path.states, {}, [&](const Poses& state) { return pathDistance(bricks, state, place); });
   path.states.erase(nearest + 1, path.states.end());
 }
 
 /// Measures a path anew whose states have changed.
-void measureLengths(const std::vector<Brick>& bricks, MechanismPath& path) {
+void measureLengths(const std::vector<model::Brick>& bricks, MechanismPath& path) {
   path.lengths = {0};
   for (std::size_t k = 1; k < path.states.size(); ++k) {
     path.lengths.push_back(path.length() +
@@ -583,14 +584,14 @@ void measureLengths(const std::vector<Brick>& bricks, MechanismPath& path) {
 }
 
 /// Whether each state has one with joints closed exactly beside it, within the rounding's reach.
-bool closesExactly(const Scene& scene, const std::vector<Poses>& states) {
-  const Scene alone = [&] {
-    Scene copy = scene;
-    copy.environment = Environment{};
+bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) {
+  const scene::Scene alone = [&] {
+    scene::Scene copy = scene;
+    copy.environment = scene::Environment{};
     return copy;
   }();
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const auto dynamics = makeDynamics(alone, sceneNeeds(alone), bricks, states.front());
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const auto dynamics = makeDynamics(alone, scene::sceneNeeds(alone), bricks, states.front());
   const double reach = roundedReach(scene.model);
   return std::ranges::all_of(states, [&](const Poses& state) {
     Poses closed = state;
@@ -600,14 +601,14 @@ bool closesExactly(const Scene& scene, const std::vector<Poses>& states) {
 
 /// A path whose joints close within the rounding of the coordinates, which cost that much work:
 /// with exact joints where the tiles fit each other all along it.
-MechanismPath closedExactly(const Scene& scene, MechanismPath rounded, double cost,
+MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, double cost,
                             SearchBudget& budget, const PathObserver& goesOn) {
   rounded.isRounded = true;
   if (rounded.isStuck || rounded.isCutShort) return rounded;
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   rounded.isStuck = std::ranges::any_of(rounded.states, [&](const Poses& state) {
-    return jointGap(pivots, state).max > roundedReach(scene.model);
+    return trajectory::jointGap(pivots, state).max > roundedReach(scene.model);
   });
   if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
   SearchBudget part(std::min(kExactCost * cost, budget.left()) / kWorkPerSecond);
@@ -623,9 +624,11 @@ MechanismPath closedExactly(const Scene& scene, MechanismPath rounded, double co
 
 }  // namespace
 
-PenetrationMeter overlapMeter(const Environment& environment, const std::vector<Brick>& bricks,
-                              std::span<const Pivot> pivots, const Poses& start) {
-  const bool countsJoined = environment.contacts != ContactFilter::Unjoined;
+trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
+                                          const std::vector<model::Brick>& bricks,
+                                          std::span<const model::Pivot> pivots,
+                                          const Poses& start) {
+  const bool countsJoined = environment.contacts != scene::ContactFilter::Unjoined;
   return {bricks, pivots, environment.pivotZone, start, 0, countsJoined};
 }
 
@@ -637,7 +640,7 @@ bool closeInPlace(Poses& poses, Dynamics& dynamics) {
   return true;
 }
 
-double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to,
+double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -649,7 +652,7 @@ double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const P
   return std::sqrt(sum / static_cast<double>(bricks.size()));
 }
 
-MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
+MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn) {
   const double closed = roundedJointStiffness(scene.model);
@@ -660,22 +663,22 @@ MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
 }
 
-MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Poses& goal,
+MechanismPath continueTo(const scene::Scene& scene, std::vector<Poses> states, const Poses& goal,
                          SearchBudget& budget, const PathObserver& goesOn) {
   const double closed = roundedJointStiffness(scene.model);
   Continuation path(scene, states.front(), {}, closed, budget, goesOn);
   return path.beyond(std::move(states), goal);
 }
 
-MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
+MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
                       const PathObserver& goesOn) {
   return followBetween(scene, std::move(guide), {.leap = 0}, budget, goesOn);
 }
 
-MechanismPath continueFromGoal(const Scene& scene, const Poses& start, const Poses& goal,
+MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, const Poses& goal,
                                SearchBudget& budget, const PathObserver& goesOn) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const double near = kNoFarther * tileSize(scene.model);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const double near = kNoFarther * model::tileSize(scene.model);
   const auto isAtStart = [&](const MechanismPath& path) {
     return pathDistance(bricks, path.states.back(), start) <= near;
   };
@@ -695,13 +698,14 @@ MechanismPath continueFromGoal(const Scene& scene, const Poses& start, const Pos
   std::ranges::reverse(back.states);
   if (!back.isStuck) back.states.front() = start;
   measureLengths(bricks, back);
-  if (scene.model.target) back.error = targetError(*scene.model.target, bricks, goal);
+  if (scene.model.target) back.error = trajectory::targetError(*scene.model.target, bricks, goal);
   return back;
 }
 
-MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
+MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budget,
                                   const PathObserver& goesOn) {
-  const Poses start = startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick));
+  const Poses start =
+      model::startPoses(scene.model.tiles, model::makeBricks(scene.model.tiles, scene.brick));
   const double closed = roundedJointStiffness(scene.model);
   const double before = budget.spent();
   MechanismPath path =
@@ -758,23 +762,23 @@ std::vector<std::size_t> evenStates(const MechanismPath& path, int pieces) {
 /// bricks overlap by no more than `mostGrown` metres beyond the start; infinity: by anything.
 class ClearStates {
  public:
-  ClearStates(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
-              double mostGap, double mostGrown)
+  ClearStates(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+              const Poses& start, double mostGap, double mostGrown)
       : mostGap_(mostGap),
         mostGrown_(mostGrown),
-        pivots_(makePivots(scene.model.joints, bricks)),
+        pivots_(model::makePivots(scene.model.joints, bricks)),
         meter_(overlapMeter(scene.environment, bricks, pivots_, start)) {}
 
   bool contain(const Poses& poses) {
-    return jointGap(pivots_, poses).max <= mostGap_ &&
+    return trajectory::jointGap(pivots_, poses).max <= mostGap_ &&
            (std::isinf(mostGrown_) || meter_.at(poses).grown <= mostGrown_);
   }
 
  private:
   double mostGap_;    // metres
   double mostGrown_;  // likewise
-  std::vector<Pivot> pivots_;
-  PenetrationMeter meter_;
+  std::vector<model::Pivot> pivots_;
+  trajectory::PenetrationMeter meter_;
 };
 
 /// Where a path turns back: its moves from one state to a second, and on to a third, are opposed.
@@ -786,7 +790,7 @@ struct Kink {
 
 /// The first such place whose middle is the state `from` or a later one, for moves of about
 /// 1/kTurnPieces of the path.
-std::optional<Kink> nextKink(const std::vector<Brick>& bricks, const MechanismPath& path,
+std::optional<Kink> nextKink(const std::vector<model::Brick>& bricks, const MechanismPath& path,
                              std::size_t from) {
   const double step = path.length() / kTurnPieces;
   if (!(step > 0)) return std::nullopt;
@@ -813,7 +817,7 @@ std::optional<Kink> nextKink(const std::vector<Brick>& bricks, const MechanismPa
 }
 
 /// Leaves out the states from `first` to the one before `last`.
-void leaveOut(const std::vector<Brick>& bricks, MechanismPath& path, std::size_t first,
+void leaveOut(const std::vector<model::Brick>& bricks, MechanismPath& path, std::size_t first,
               std::size_t last) {
   const double present = path.lengths[last] - path.lengths[first - 1];
   const double saved = present - pathDistance(bricks, path.states[first - 1], path.states[last]);
@@ -825,15 +829,15 @@ void leaveOut(const std::vector<Brick>& bricks, MechanismPath& path, std::size_t
 
 class Shortening {
  public:
-  Shortening(const Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
+  Shortening(const scene::Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
              const PathObserver& goesOn)
       : scene_(scene),
         path_(std::move(path)),
         mostGrown_(mostGrown),
         budget_(budget),
         goesOn_(goesOn),
-        bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(makePivots(scene.model.joints, bricks_)),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
         meter_(overlapMeter(scene.environment, bricks_, pivots_, path_.states.front())) {}
 
   // Rounds go on while one makes the path clearly shorter; else the next, with shorter pieces,
@@ -895,7 +899,7 @@ class Shortening {
     mayStart = !way.isStuck || way.length() > kNoStart * way.guideLength;
     const double missing = pathDistance(bricks_, way.states.back(), path_.states[to]);
     const bool arrives =
-        !way.isStuck && !way.isCutShort && missing <= kArrived * tileSize(scene_.model);
+        !way.isStuck && !way.isCutShort && missing <= kArrived * model::tileSize(scene_.model);
     if (!arrives || way.length() + missing > most) return {};
     way.states.push_back(path_.states[to]);
     way.states.erase(way.states.begin());
@@ -905,31 +909,31 @@ class Shortening {
     return isClear ? std::move(way.states) : std::vector<Poses>{};
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   MechanismPath path_;
   double mostGrown_;  // metres
   SearchBudget& budget_;
   const PathObserver& goesOn_;
-  std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
-  PenetrationMeter meter_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  trajectory::PenetrationMeter meter_;
 };
 
 }  // namespace
 
 // Whether a path is longer than its ends' distance by a factor that leaves room for shortcuts.
-bool isDetour(const Scene& scene, const MechanismPath& path) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+bool isDetour(const scene::Scene& scene, const MechanismPath& path) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   return path.length() > kDetour * pathDistance(bricks, path.states.front(), path.states.back());
 }
 
-bool turnsBack(const Scene& scene, const MechanismPath& path) {
-  return nextKink(makeBricks(scene.model.tiles, scene.brick), path, 1).has_value();
+bool turnsBack(const scene::Scene& scene, const MechanismPath& path) {
+  return nextKink(model::makeBricks(scene.model.tiles, scene.brick), path, 1).has_value();
 }
 
-MechanismPath withoutKinks(const Scene& scene, MechanismPath path, double mostGap,
+MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double mostGap,
                            double mostGrown) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   ClearStates clear(scene, bricks, path.states.front(), mostGap, mostGrown);
   std::size_t from = 1;
   while (const std::optional<Kink> kink = nextKink(bricks, path, from)) {
@@ -947,7 +951,7 @@ MechanismPath withoutKinks(const Scene& scene, MechanismPath path, double mostGa
   return path;
 }
 
-MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
+MechanismPath withShortcuts(const scene::Scene& scene, MechanismPath path, double mostGrown,
                             SearchBudget& budget, const PathObserver& goesOn) {
   return Shortening(scene, std::move(path), mostGrown, budget, goesOn).find();
 }
@@ -1029,15 +1033,16 @@ void add(double factor, const Displacements& more, Displacements& to) {
 
 class CurveShortening {
  public:
-  CurveShortening(const Scene& scene, MechanismPath path, double turnWeight, double mostGrown,
-                  SearchBudget& budget, const PathObserver& goesOn)
+  CurveShortening(const scene::Scene& scene, MechanismPath path, double turnWeight,
+                  double mostGrown, SearchBudget& budget, const PathObserver& goesOn)
       : scene_(withoutLoads(scene)),
         path_(std::move(path)),
         turnWeight_(turnWeight),
         budget_(budget),
         goesOn_(goesOn),
-        bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        clear_(scene, bricks_, path_.states.front(), kOpenImage * tileSize(scene.model), mostGrown),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        clear_(scene, bricks_, path_.states.front(), kOpenImage * model::tileSize(scene.model),
+               mostGrown),
         symmetries_(scene_, path_.symmetries) {
     takeImages();
   }
@@ -1099,7 +1104,7 @@ class CurveShortening {
   /// The mechanism at an image. Contacts remember the image's own overlaps; where bricks never
   /// touch there is nothing to remember, and one mechanism serves all images.
   Mechanism& mechanismAt(std::size_t image) {
-    const bool isOneForAll = !sceneNeeds(scene_).contacts.on;
+    const bool isOneForAll = !scene::sceneNeeds(scene_).contacts.on;
     std::unique_ptr<Mechanism>& mechanism = mechanisms_[isOneForAll ? 0 : image];
     if (!mechanism) {
       const ContinuationSettings even = {.turnWeight = turnWeight_};
@@ -1211,7 +1216,7 @@ class CurveShortening {
       const double whole = distance(images_[k], wide);
       if (!(whole > 0)) continue;
       Displacements apart = displacementsBetween(images_[k], wide);
-      scale(apart, 4 * part * (1 - part) * share * tileSize(scene_.model) / whole);
+      scale(apart, 4 * part * (1 - part) * share * model::tileSize(scene_.model) / whole);
       images_[k] = moved(k, apart);
     }
   }
@@ -1243,13 +1248,13 @@ class CurveShortening {
     measureLengths(bricks_, path_);
   }
 
-  Scene scene_;
+  scene::Scene scene_;
   MechanismPath path_;
   double turnWeight_;
   double spacing_ = 0;  // of images in the mean, metres; see distance()
   SearchBudget& budget_;
   const PathObserver& goesOn_;
-  std::vector<Brick> bricks_;
+  std::vector<model::Brick> bricks_;
   ClearStates clear_;
   SymmetricStates symmetries_;
   std::vector<Poses> images_;
@@ -1262,7 +1267,7 @@ class CurveShortening {
 
 }  // namespace
 
-MechanismPath pulledTight(const Scene& scene, MechanismPath path, double turnWeight,
+MechanismPath pulledTight(const scene::Scene& scene, MechanismPath path, double turnWeight,
                           double mostGrown, SearchBudget& budget, const PathObserver& goesOn) {
   double before = 0;
   do {
@@ -1292,8 +1297,8 @@ constexpr double kInPlane = 1e-9;
 // Whether all bricks are upright and only turn about the vertical, at one height, from one sample
 // to the next. A run in the plane has to be interpolated in the plane: solved in space, rounding
 // could tilt its bricks.
-bool movesInPlane(const std::vector<Brick>& bricks, const Sample& from, const Sample& to,
-                  double tileSize) {
+bool movesInPlane(const std::vector<model::Brick>& bricks, const trajectory::Sample& from,
+                  const trajectory::Sample& to, double tileSize) {
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const Pose& before = from.poses[i];
     const Pose& after = to.poses[i];
@@ -1307,24 +1312,25 @@ bool movesInPlane(const std::vector<Brick>& bricks, const Sample& from, const Sa
 
 }  // namespace
 
-StateInterpolator::StateInterpolator(const Subject& subject)
+StateInterpolator::StateInterpolator(const trajectory::Subject& subject)
     : subject_(subject),
-      pivots_(makePivots(subject.model.joints, subject.bricks)),
-      tileSize_(tileSize(subject.model)) {}
+      pivots_(model::makePivots(subject.model.joints, subject.bricks)),
+      tileSize_(model::tileSize(subject.model)) {}
 
 // Samples whose joints were compliant are open; they are not closed between.
-bool StateInterpolator::areClosed(const Sample& sample) const {
-  return jointGap(pivots_, sample.poses).max <= kClosedJoints * tileSize_;
+bool StateInterpolator::areClosed(const trajectory::Sample& sample) const {
+  return trajectory::jointGap(pivots_, sample.poses).max <= kClosedJoints * tileSize_;
 }
 
 // A solver for the plane or for space, made at its first use and kept: making one plans the
 // factorisation. The pins are those of the earlier sample.
-JointSolver& StateInterpolator::solverFor(const Sample& from, const Sample& to) {
+mechanics::JointSolver& StateInterpolator::solverFor(const trajectory::Sample& from,
+                                                     const trajectory::Sample& to) {
   const bool planar = movesInPlane(subject_.bricks, from, to, tileSize_);
-  std::unique_ptr<JointSolver>& solver = planar ? inPlane_ : inSpace_;
+  std::unique_ptr<mechanics::JointSolver>& solver = planar ? inPlane_ : inSpace_;
   if (!solver) {
-    solver = makeJointSolver(subject_.bricks, pivots_,
-                             {.planar = planar, .lengthScale = tileSize_, .supports = {}});
+    solver = mechanics::makeJointSolver(
+        subject_.bricks, pivots_, {.planar = planar, .lengthScale = tileSize_, .supports = {}});
   }
   std::vector<bool> pinned(subject_.bricks.size(), false);
   for (const int tile : from.pinned) pinned[static_cast<std::size_t>(tile)] = true;
@@ -1334,7 +1340,8 @@ JointSolver& StateInterpolator::solverFor(const Sample& from, const Sample& to) 
 
 // The closed state nearest to the straight one. Where the joints do not close, or closing leads far
 // away, the nearer of the two samples is taken instead: it is at least a state of the run.
-Poses StateInterpolator::closedBetween(const Sample& from, const Sample& to, double share) {
+Poses StateInterpolator::closedBetween(const trajectory::Sample& from, const trajectory::Sample& to,
+                                       double share) {
   const Poses straight = interpolate(from.poses, to.poses, share);
   Poses closed = straight;
   const double gap = solverFor(from, to).assemble(closed);
@@ -1346,18 +1353,19 @@ Poses StateInterpolator::closedBetween(const Sample& from, const Sample& to, dou
 
 // The time and the poses are interpolated, and the measures are computed anew from the poses.
 // Everything else is that of the earlier sample.
-Sample StateInterpolator::between(const Sample& from, const Sample& to, double share) {
+trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
+                                              const trajectory::Sample& to, double share) {
   if (share <= 0) return from;
   if (share >= 1) return to;
-  Sample sample = from;
+  trajectory::Sample sample = from;
   sample.time = from.time + share * (to.time - from.time);
   const bool mustClose = !pivots_.empty() && areClosed(from) && areClosed(to);
   sample.poses =
       mustClose ? closedBetween(from, to, share) : interpolate(from.poses, to.poses, share);
-  sample.jointGap = jointGap(pivots_, sample.poses).max;
-  const std::optional<std::vector<Tile>>& target = subject_.model.target;
-  if (target) sample.targetError = targetError(*target, subject_.bricks, sample.poses);
+  sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
+  const std::optional<std::vector<model::Tile>>& target = subject_.model.target;
+  if (target) sample.targetError = trajectory::targetError(*target, subject_.bricks, sample.poses);
   return sample;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -20,7 +20,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // The deployment as geometry: a path of the mechanism from its start to its target.
@@ -34,7 +34,7 @@ struct MechanismPath {
   bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
   bool isCutShort = false;      ///< the budget or the caller ended it
   bool isRounded = false;       ///< joints close within the rounding of the coordinates only
-  std::vector<Symmetry> symmetries;  ///< of the model, that all states have; a group
+  std::vector<model::Symmetry> symmetries;  ///< of the model, that all states have; a group
 
   /// Of the whole path, metres.
   double length() const { return lengths.back(); }
@@ -45,7 +45,7 @@ struct MechanismPath {
 /// dx the move of the centre of mass, dphi the turn in radians, rho the root mean square distance
 /// of the brick's bottom vertices from its centre of mass, and w `turnWeight`: 1 in the length of a
 /// path.
-double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to,
+double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight = 1);
 
 /// Closes joints as Dynamics::assemble() does, and leaves the bricks' common centre in its place:
@@ -54,8 +54,9 @@ bool closeInPlace(Poses& poses, Dynamics& dynamics);
 
 /// Measures how deep those bricks overlap that these contacts would hold apart, or all where there
 /// are none, beyond `start`. Bricks must outlive the meter.
-PenetrationMeter overlapMeter(const Environment& environment, const std::vector<Brick>& bricks,
-                              std::span<const Pivot> pivots, const Poses& start);
+trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
+                                          const std::vector<model::Brick>& bricks,
+                                          std::span<const model::Pivot> pivots, const Poses& start);
 
 /// How a path is followed.
 struct ContinuationSettings {
@@ -86,20 +87,20 @@ using PathObserver = std::function<bool(double progress)>;
 /// each other all along the path; see assembled_state.h. `goesOn` may be empty.
 /// Costs 60 to 200 states of a few factorisations each, more where bricks meet. All results depend
 /// on their arguments alone. `budget` is charged for the work.
-MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
+MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn = {});
 
 /// A path of states that are there already, `states`, and on from the last of them to the state
 /// nearest to a goal, joints exact, among the contacts that the scene asks for. Ends where it is
 /// nearest to the scene's target.
-MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Poses& goal,
+MechanismPath continueTo(const scene::Scene& scene, std::vector<Poses> states, const Poses& goal,
                          SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// A path from the first state of a guide, whose joints are closed, as near as the mechanism comes
 /// to the last; joints exact, among the contacts that the scene asks for. The scene's target is
 /// left out.
-MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
+MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
                       const PathObserver& goesOn = {});
 
 /// A path from a start to a goal, both with closed joints, found from the goal on: bricks that lie
@@ -107,12 +108,12 @@ MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget
 /// Joints are exact from the goal back to where the mechanism comes nearest to the start, and
 /// compliant for what is left; `isStuck` where even so the start is not reached. Among the contacts
 /// that the scene asks for.
-MechanismPath continueFromGoal(const Scene& scene, const Poses& start, const Poses& goal,
+MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, const Poses& goal,
                                SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.
-MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
+MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budget,
                                   const PathObserver& goesOn = {});
 
 // ------------------------------------------------------------------------------------------------
@@ -124,7 +125,7 @@ MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
 class PathGuide {
  public:
   /// Two states at least, one pose a brick in each.
-  PathGuide(const std::vector<Brick>& bricks, std::vector<Poses> states)
+  PathGuide(const std::vector<model::Brick>& bricks, std::vector<Poses> states)
       : states_(std::move(states)) {
     for (std::size_t k = 1; k < states_.size(); ++k) {
       lengths_.push_back(lengths_.back() + pathDistance(bricks, states_[k - 1], states_[k]));
@@ -159,18 +160,18 @@ inline constexpr double kDetour = 1.5;
 
 /// Whether a path is that much longer than the tiles' own motions from its first state to its last.
 /// Costs one distance of two states.
-bool isDetour(const Scene& scene, const MechanismPath& path);
+bool isDetour(const scene::Scene& scene, const MechanismPath& path);
 
 /// Whether a path turns back: two moves of about 1/200 of its length, one after the other, are
 /// opposed. Costs some hundred distances of two states.
-bool turnsBack(const Scene& scene, const MechanismPath& path);
+bool turnsBack(const scene::Scene& scene, const MechanismPath& path);
 
 /// The path with its detours cut out: the states in between are left out wherever the mechanism,
 /// among the contacts that the scene asks for, goes a shorter way from one state to a later one, on
 /// which no bricks overlap by more than `mostGrown` metres beyond their overlap at the start.
 /// Joints of the path are closed. Ends early when the budget is spent or `goesOn`, which may be
 /// empty, returns false.
-MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
+MechanismPath withShortcuts(const scene::Scene& scene, MechanismPath path, double mostGrown,
                             SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// The path pulled tight along the mechanism, its ends held, among the contacts that the scene asks
@@ -181,13 +182,13 @@ MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostG
 /// its symmetries.
 /// Ends early when the budget is spent or `goesOn`, which may be empty, returns false. Costs some
 /// tens of moves of each of about a hundred states.
-MechanismPath pulledTight(const Scene& scene, MechanismPath path, double turnWeight,
+MechanismPath pulledTight(const scene::Scene& scene, MechanismPath path, double turnWeight,
                           double mostGrown, SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// A path with compliant joints without the places where it turns back: the states there are left
 /// out wherever bricks go straight past them, which may overlap by `mostGrown` metres beyond the
 /// start, and joints may be open by `mostGap` metres. Costs a look at some states for each place.
-MechanismPath withoutKinks(const Scene& scene, MechanismPath path, double mostGap,
+MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double mostGap,
                            double mostGrown);
 
 // ------------------------------------------------------------------------------------------------
@@ -200,24 +201,25 @@ MechanismPath withoutKinks(const Scene& scene, MechanismPath path, double mostGa
 class StateInterpolator {
  public:
   /// The subject must outlive the interpolator.
-  explicit StateInterpolator(const Subject& subject);
+  explicit StateInterpolator(const trajectory::Subject& subject);
 
   /// The state at a share of the way from one sample to a later one, 0 to 1, with its time, joint
   /// gap and target error; penetration, pins and steps are the earlier sample's. Where the joints
   /// are closed in both samples (to 1e-9 of a tile), they are closed to that in it as well; where
   /// no such state lies between the two, it is the nearer sample's.
-  Sample between(const Sample& from, const Sample& to, double share);
+  trajectory::Sample between(const trajectory::Sample& from, const trajectory::Sample& to,
+                             double share);
 
  private:
-  bool areClosed(const Sample& sample) const;
-  Poses closedBetween(const Sample& from, const Sample& to, double share);
-  JointSolver& solverFor(const Sample& from, const Sample& to);
+  bool areClosed(const trajectory::Sample& sample) const;
+  Poses closedBetween(const trajectory::Sample& from, const trajectory::Sample& to, double share);
+  mechanics::JointSolver& solverFor(const trajectory::Sample& from, const trajectory::Sample& to);
 
-  const Subject& subject_;
-  std::vector<Pivot> pivots_;
-  double tileSize_;                       ///< metres
-  std::unique_ptr<JointSolver> inPlane_;  ///< made when first needed, as is the next
-  std::unique_ptr<JointSolver> inSpace_;
+  const trajectory::Subject& subject_;
+  std::vector<model::Pivot> pivots_;
+  double tileSize_;                                  ///< metres
+  std::unique_ptr<mechanics::JointSolver> inPlane_;  ///< made when first needed, as is the next
+  std::unique_ptr<mechanics::JointSolver> inSpace_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

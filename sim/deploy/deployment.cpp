@@ -33,7 +33,7 @@
 #include "sim/scene/settings.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // A run that is to last a fraction of a second is not to wait for minutes: so many seconds of
@@ -47,9 +47,9 @@ constexpr double kAssemblingShare = 0.3;
 constexpr const char* kAssembling = "the state nearest to the target";
 
 /// An entry that could never happen is a mistake.
-void requireInTime(const Timeline& timeline, double duration) {
-  for (const TimelineEntry& entry : timeline) {
-    if (entry.when.kind != Occasion::Kind::AtTime || entry.when.value <= duration) continue;
+void requireInTime(const scene::Timeline& timeline, double duration) {
+  for (const scene::TimelineEntry& entry : timeline) {
+    if (entry.when.kind != scene::Occasion::Kind::AtTime || entry.when.value <= duration) continue;
     throw inputErrorAt(
         entry.where, fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise "
                                  "--duration",
@@ -58,9 +58,9 @@ void requireInTime(const Timeline& timeline, double duration) {
 }
 
 /// In motion tiles bend between their parts, and nothing stretches.
-void requireBending(const Scene& scene, const std::vector<HingeSpring>& springs) {
+void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpring>& springs) {
   if (!scene.hinges.panels) return;
-  if (sceneNeeds(scene).planar.on) {
+  if (scene::sceneNeeds(scene).planar.on) {
     throw InputError(
         "error: tiles that bend leave their plane; leave --planar on away, or --panels");
   }
@@ -72,9 +72,9 @@ void requireBending(const Scene& scene, const std::vector<HingeSpring>& springs)
 }
 
 /// Tiles that a material was given for, and that stay rigid all the same.
-std::string rigidTilesWarning(const Scene& scene) {
+std::string rigidTilesWarning(const scene::Scene& scene) {
   if (!scene.hinges.panels) return "";
-  const auto isWhole = [](const Tile& tile) { return tile.vertices.size() > 3; };
+  const auto isWhole = [](const model::Tile& tile) { return tile.vertices.size() > 3; };
   const auto count = std::ranges::count_if(scene.model.tiles, isWhole);
   if (count == 0) return "";
   return fmt::format(
@@ -83,22 +83,22 @@ std::string rigidTilesWarning(const Scene& scene) {
       count, scene.model.tiles.size());
 }
 
-void requireSense(const Scene& scene, double sampleInterval) {
+void requireSense(const scene::Scene& scene, double sampleInterval) {
   if (!(sampleInterval > 0) || !std::isfinite(sampleInterval)) {
     throw InputError(
         fmt::format("the time between samples is {}, but must be a positive number of seconds",
                     sampleInterval));
   }
-  requireRanges(scene);
+  scene::requireRanges(scene);
   requireInTime(scene.timeline, scene.stop.duration);
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   // What these throw shall be thrown before a search that may take minutes.
   if (scene.grips.empty()) {
-    requireBending(scene, hingeSpringsOf(dynamicTies(scene, bricks).pairForces));
+    requireBending(scene, model::hingeSpringsOf(scene::dynamicTies(scene, bricks).pairForces));
   } else {
-    static_cast<void>(hingeSprings(scene, bricks));
+    static_cast<void>(scene::hingeSprings(scene, bricks));
   }
   static_cast<void>(makeDriveForce(scene, bricks));
 }
@@ -115,12 +115,14 @@ struct Search {
 };
 
 /// Without a target, tiles that joints hold fast cannot be driven by anything that they were given.
-void requireMotion(const Scene& scene, const GeometricPaths& found) {
+void requireMotion(const scene::Scene& scene, const GeometricPaths& found) {
   const std::optional<GeometricPath>& path = found.clear ? found.clear : found.through;
-  const double tile = tileSize(scene.model);
+  const double tile = model::tileSize(scene.model);
   if (!path || farthestMove(path->path.states.front(), path->path.states.back(), tile) > 0) return;
-  const Freedom freedom = sceneNeeds(scene).planar.on ? Freedom::Plane : Freedom::Space;
-  const Mobility left = mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
+  const trajectory::Freedom freedom =
+      scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
+  const trajectory::Mobility left =
+      trajectory::mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
   if (!left.isCounted || left.freedoms > 0) return;
   throw InputError(
       "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
@@ -129,7 +131,8 @@ void requireMotion(const Scene& scene, const GeometricPaths& found) {
 }
 
 /// Looks at the target, and for a path of the mechanism where the scene is one for it.
-void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch, Search& found) {
+void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
+            Search& found) {
   watch({kAssembling, 0});
   found.warnings = targetWarnings(scene);
   if (std::string rigid = rigidTilesWarning(scene); !rigid.empty()) {
@@ -145,14 +148,14 @@ void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch
     found.warnings.push_back(far);
     watch({kAssembling, budget.share(), far});
   }
-  Scene touching = scene;
-  ContactFilter& contacts = touching.environment.contacts;
-  if (contacts == ContactFilter::Auto) contacts = ContactFilter::All;
+  scene::Scene touching = scene;
+  scene::ContactFilter& contacts = touching.environment.contacts;
+  if (contacts == scene::ContactFilter::Auto) contacts = scene::ContactFilter::All;
   found.blocking = blockingPairs(touching, found.nearest.restPoses, budget);
-  const PathKind kind = scene.path.kind;
-  if (kind != PathKind::Auto && kind != PathKind::Continuation) return;
-  if (std::string reason; !isQuasiStatic(scene, reason)) {
-    if (kind == PathKind::Continuation) {
+  const scene::PathKind kind = scene.path.kind;
+  if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) return;
+  if (std::string reason; !scene::isQuasiStatic(scene, reason)) {
+    if (kind == scene::PathKind::Continuation) {
       throw InputError(fmt::format(
           "error: --path continuation is geometry alone, but {}; leave that away, or give --path "
           "dynamic",
@@ -169,14 +172,15 @@ void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch
 }
 
 /// Whether ways to the target are tried one by one, so that contacts can be decided by them.
-bool isSearched(const Scene& scene) {
+bool isSearched(const scene::Scene& scene) {
   return scene.model.target && scene.timeline.empty() && scene.springs.pull() &&
-         scene.actuation.drive == Drive::Target && scene.solver.kind == SolverKind::Direct;
+         scene.actuation.drive == scene::Drive::Target &&
+         scene.solver.kind == scene::SolverKind::Direct;
 }
 
 /// Says where bricks were left free to pass through each other, and did.
-void addOverlapWarning(const Scene& scene, DeploymentResult& result) {
-  const double tile = tileSize(scene.model);
+void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
+  const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
   if (result.needs.contacts.on || grown <= kClearShare * tile) return;
   result.warnings.push_back(
@@ -188,8 +192,8 @@ void addOverlapWarning(const Scene& scene, DeploymentResult& result) {
 /// Said of a path on which bricks pass through each other, with what would show or mend it. Bricks
 /// that overlap where the path ends have no other way there; in the plane none gets room by being
 /// thinner.
-std::string passingThrough(const Scene& scene, const GeometricPath& path) {
-  const double tile = tileSize(scene.model);
+std::string passingThrough(const scene::Scene& scene, const GeometricPath& path) {
+  const double tile = model::tileSize(scene.model);
   const std::string words = fmt::format(
       "bricks pass through each other on the way, by up to {:.2g} m ({:.2g} tiles): ", path.grown,
       path.grown / tile);
@@ -200,7 +204,7 @@ std::string passingThrough(const Scene& scene, const GeometricPath& path) {
                        path.grownAtEnd);
   }
   const std::string thinner =
-      sceneNeeds(scene).planar.on
+      scene::sceneNeeds(scene).planar.on
           ? ""
           : fmt::format("thinner bricks (--thickness {:.2g}) or ", 0.25 * scene.brick.thickness);
   return words + fmt::format(
@@ -210,9 +214,10 @@ std::string passingThrough(const Scene& scene, const GeometricPath& path) {
 }
 
 /// Runs the scene by its dynamics, along the path that is chosen for it.
-DeploymentResult runDynamics(const Scene& scene, PathChoice choice, const AssembledState& nearest,
-                             const RunObservers& watch, Checkpoints* checkpoints) {
-  Scene chosen = scene;
+DeploymentResult runDynamics(const scene::Scene& scene, PathChoice choice,
+                             const AssembledState& nearest, const RunObservers& watch,
+                             Checkpoints* checkpoints) {
+  scene::Scene chosen = scene;
   chosen.path = choice.path;
   Run run(chosen, nearest, watch, checkpoints);
   DeploymentResult result = run.finish();
@@ -220,7 +225,7 @@ DeploymentResult runDynamics(const Scene& scene, PathChoice choice, const Assemb
     result.warnings.push_back(
         fmt::format("too many bricks lie in one place: overlaps are the deepest of "
                     "the first {} pairs",
-                    mostPairs(scene.model.tiles.size())));
+                    trajectory::mostPairs(scene.model.tiles.size())));
   }
   if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
   result.pathReason = std::move(choice.reason);
@@ -229,18 +234,18 @@ DeploymentResult runDynamics(const Scene& scene, PathChoice choice, const Assemb
 
 /// Gives the scene a path of dynamics. Returns whether it is one of geometry, whose dynamics are
 /// walked as a path.
-bool becomeDynamic(Scene& scene) {
-  PathKind& kind = scene.path.kind;
-  if (kind != PathKind::Auto && kind != PathKind::Continuation) return false;
+bool becomeDynamic(scene::Scene& scene) {
+  scene::PathKind& kind = scene.path.kind;
+  if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) return false;
   std::string reason;
-  const bool isGeometry = isQuasiStatic(scene, reason);
-  kind = PathKind::Dynamic;
+  const bool isGeometry = scene::isQuasiStatic(scene, reason);
+  kind = scene::PathKind::Dynamic;
   if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
   return isGeometry;
 }
 
 /// Takes a path of the mechanism, or chooses one for the dynamics and sets the scene for it.
-void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObserver& watch,
+void chooseWay(scene::Scene& scene, Search& found, SearchBudget& budget, const TrialObserver& watch,
                std::vector<TrialEnd>& trials) {
   GeometricPaths& geometric = found.geometric;
   if (geometric.clear) {
@@ -261,10 +266,11 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     found.walked = &*geometric.compliant;
     return;
   }
-  ContactFilter& contacts = scene.environment.contacts;
-  const ContactFilter wanted = contacts;
-  const bool isContactOpen = wanted == ContactFilter::Auto;
-  if (isContactOpen) contacts = isSearched(scene) ? ContactFilter::All : ContactFilter::None;
+  scene::ContactFilter& contacts = scene.environment.contacts;
+  const scene::ContactFilter wanted = contacts;
+  const bool isContactOpen = wanted == scene::ContactFilter::Auto;
+  if (isContactOpen)
+    contacts = isSearched(scene) ? scene::ContactFilter::All : scene::ContactFilter::None;
   const bool isGeometry = becomeDynamic(scene);
   // Where bricks pass through each other anyway, joints that dynamics may keep stiffer count more.
   const bool isThroughExact = geometric.through && !geometric.through->hasCompliantJoints;
@@ -276,19 +282,19 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     found.walked = &*geometric.compliant;
     return;
   }
-  if (isContactOpen && found.choice.isClear) contacts = ContactFilter::None;
+  if (isContactOpen && found.choice.isClear) contacts = scene::ContactFilter::None;
   const bool isOtherThrough = isThroughExact || !found.choice.through;
   if (!found.choice.isFound && isContactOpen && geometric.through && isOtherThrough) {
     return passThrough();
   }
   if (!found.choice.isFound && isContactOpen && found.choice.through) {
-    contacts = ContactFilter::None;
+    contacts = scene::ContactFilter::None;
     found.choice.path = *found.choice.through;
     found.choice.reason = found.choice.throughReason;
   }
   const bool isRounded = std::isfinite(roundedJointStiffness(scene.model));
   if (isGeometry && (found.choice.isFound || found.choice.through) && !isRounded) {
-    Scene chosen = scene;
+    scene::Scene chosen = scene;
     chosen.path = found.choice.path;
     found.traced = tracedPath(chosen, found.choice, wanted, atTarget, budget, watch);
     found.walked = &*found.traced;
@@ -299,12 +305,12 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
 }
 
 /// Of a search that was ended from within no path is known: the start alone is shown.
-void abandonSearch(Scene& scene, Search& found) {
+void abandonSearch(scene::Scene& scene, Search& found) {
   found.walked = nullptr;
   found.choice = {scene.path, "the search for a path was interrupted"};
-  found.choice.path.kind = PathKind::Straight;
-  ContactFilter& contacts = scene.environment.contacts;
-  if (contacts == ContactFilter::Auto) contacts = ContactFilter::None;
+  found.choice.path.kind = scene::PathKind::Straight;
+  scene::ContactFilter& contacts = scene.environment.contacts;
+  if (contacts == scene::ContactFilter::Auto) contacts = scene::ContactFilter::None;
 }
 
 }  // namespace
@@ -325,13 +331,13 @@ std::string toString(Outcome outcome) {
   return "unknown";
 }
 
-DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
+DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
                               const SampleObserver& observer, const TrialObserver& searching,
                               Checkpoints* checkpoints) {
-  Scene scene = given;
-  fillFromModel(scene);
+  scene::Scene scene = given;
+  scene::fillFromModel(scene);
   requireSense(scene, sampleInterval);
-  if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
+  if (scene.solver.kind == scene::SolverKind::Bullet) checkpoints = nullptr;
   if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
@@ -362,12 +368,14 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;
-  const SampleObserver takeSample = [&](const Sample& sample) { return observer(sample) && goOn; };
+  const SampleObserver takeSample = [&](const trajectory::Sample& sample) {
+    return observer(sample) && goOn;
+  };
   DeploymentResult result =
       found.walked ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
                    : runDynamics(scene, found.choice, found.nearest,
                                  {sampleInterval, takeSample, {}}, checkpoints);
-  const bool isContactOpen = given.environment.contacts == ContactFilter::Auto;
+  const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;
   if (isContactOpen && !found.walked) addOverlapWarning(scene, result);
   result.blocking = std::move(found.blocking);
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
@@ -378,12 +386,12 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
   return result;
 }
 
-DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer,
-                        const TrialObserver& searching) {
-  std::vector<Sample> samples;
+DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
+                        const SampleObserver& observer, const TrialObserver& searching) {
+  std::vector<trajectory::Sample> samples;
   DeploymentResult result = deployUnkept(
       scene, sampleInterval,
-      [&](const Sample& sample) {
+      [&](const trajectory::Sample& sample) {
         samples.push_back(sample);
         return !observer || observer(sample);
       },
@@ -392,4 +400,4 @@ DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleO
   return result;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -16,7 +16,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// How a run ended.
 enum class Outcome {
@@ -72,18 +72,18 @@ struct DeployCost {
 
 /// Everything that a finished run leaves.
 struct DeploymentResult {
-  Trajectory trajectory;                 ///< what moved, and where to
+  trajectory::Trajectory trajectory;     ///< what moved, and where to
   Outcome outcome = Outcome::OutOfTime;  ///< how it ended
   std::string reason;                    ///< one line: why it ended so
   /// Whether it ended at the target that it headed for; absent where nothing pulls to a target.
   std::optional<bool> atTarget;
-  Accuracy accuracy;                     ///< gaps, errors and overlaps, metres
-  DeployCost cost;                       ///< counted and in CPU seconds
-  std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
-  std::optional<LoadCurve> loadCurve;    ///< of a scene with grips
-  Needs needs;                           ///< what was modelled, and why
-  PathSettings path;                     ///< that was taken, never Auto
-  std::string pathReason;                ///< one short phrase: why
+  Accuracy accuracy;                              ///< gaps, errors and overlaps, metres
+  DeployCost cost;                                ///< counted and in CPU seconds
+  std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring
+  std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
+  scene::Needs needs;                             ///< what was modelled, and why
+  scene::PathSettings path;                       ///< that was taken, never Auto
+  std::string pathReason;                         ///< one short phrase: why
   /// The least target error found with joints closed, metres; negative without a target.
   double assembledError = -1;
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
@@ -92,7 +92,7 @@ struct DeploymentResult {
 
 /// Called with each sample, the last included; return false to end the run early. Samples that are
 /// due then, and the last one, follow all the same.
-using SampleObserver = std::function<bool(const Sample&)>;
+using SampleObserver = std::function<bool(const trajectory::Sample&)>;
 
 /// Runs the scene along its path (see choosePath) and samples it every `sampleInterval` simulated
 /// seconds from the start on, and at the end. Nothing else depends on that interval: the steps are
@@ -102,15 +102,15 @@ using SampleObserver = std::function<bool(const Sample&)>;
 /// may end the run. Either observer may be empty. The search may cost what
 /// scene.path.searchTime says, yet at most 30 s of a reference core for each second of
 /// scene.stop.duration.
-DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer,
-                        const TrialObserver& searching = {});
+DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
+                        const SampleObserver& observer, const TrialObserver& searching = {});
 
 /// The same, but the samples go to the observer alone: the result's trajectory holds none, so that
 /// memory does not grow with the length of the run. With checkpoints, which may be null, the run
 /// goes on from the one that was found there, its samples first, and leaves others on its way and
 /// where the observer ends it. An engine's hidden state cannot be kept: such runs leave none.
-DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
+DeploymentResult deployUnkept(const scene::Scene& scene, double sampleInterval,
                               const SampleObserver& observer, const TrialObserver& searching = {},
                               Checkpoints* checkpoints = nullptr);
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -14,25 +14,26 @@
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
 #include "sim/deploy/forces.h"
+#include "sim/engines/bullet_world.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
-#include "sim/world/bullet_world.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
-double misfitStiffness(const Scene& scene, const std::vector<Brick>& bricks) {
+double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks) {
   return 1e5 * usualStiffness(scene.springs, bricks);
 }
 
-bool keepsTolerance(const Scene& scene) {
-  return scene.solver.tolerance > 0 && scene.solver.kind == SolverKind::Direct &&
-         !scene.solver.substeps && scene.path.kind != PathKind::Guided &&
+bool keepsTolerance(const scene::Scene& scene) {
+  return scene.solver.tolerance > 0 && scene.solver.kind == scene::SolverKind::Direct &&
+         !scene.solver.substeps && scene.path.kind != scene::PathKind::Guided &&
          !scene.path.jointsAreCompliant();
 }
 
-std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
-                                       const std::vector<Brick>& bricks, const Poses& start) {
-  if (scene.solver.kind == SolverKind::Bullet) {
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks,
+                                       const Poses& start) {
+  if (scene.solver.kind == scene::SolverKind::Bullet) {
     return makeBulletDynamics(scene, bricks, start);
   }
   return std::make_unique<DirectDynamics>(scene, needs, bricks, start);
@@ -60,10 +61,10 @@ constexpr double kClosed = 1e-10;
 
 /// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
 /// weight.
-std::vector<Support> groundSupports(const Scene& scene, const Needs& needs,
-                                    const std::vector<Brick>& bricks) {
-  std::vector<Support> supports;
-  const Environment& environment = scene.environment;
+std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
+                                               const std::vector<model::Brick>& bricks) {
+  std::vector<mechanics::Support> supports;
+  const scene::Environment& environment = scene.environment;
   if (!needs.planar.on || !environment.ground) return supports;
   const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
   if (push == 0) return supports;
@@ -78,10 +79,10 @@ std::vector<Support> groundSupports(const Scene& scene, const Needs& needs,
 
 /// The bricks and the bodies of obstacles. The latter weigh as much as a brick, so that the
 /// solver's mean weight stays what it is without them.
-std::vector<Brick> bodiesOf(const std::vector<Brick>& bricks,
-                            const std::vector<ObstaclePart>& obstacles) {
-  std::vector<Brick> bodies = bricks;
-  for (const ObstaclePart& part : obstacles) {
+std::vector<model::Brick> bodiesOf(const std::vector<model::Brick>& bricks,
+                                   const std::vector<contacts::ObstaclePart>& obstacles) {
+  std::vector<model::Brick> bodies = bricks;
+  for (const contacts::ObstaclePart& part : obstacles) {
     bodies.push_back(part.body);
     bodies.back().mass = bricks.front().mass;
     bodies.back().inertia = bricks.front().inertia;
@@ -96,7 +97,7 @@ struct PairSum {
   Vector3 pointSum = Vector3::Zero();
   double weight = 0;
 
-  void add(const TouchForce& touch, double sign) {
+  void add(const mechanics::TouchForce& touch, double sign) {
     force += sign * touch.force;
     moment += sign * touch.point.cross(touch.force);
     const double share = touch.push > 0 ? touch.push : touch.force.norm();
@@ -105,24 +106,26 @@ struct PairSum {
   }
 
   /// About the middle of what pushes; points that only rub count by that.
-  Hold resultant(int tile, int other) const {
+  trajectory::Hold resultant(int tile, int other) const {
     const Vector3 point = pointSum / weight;
-    return {HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
+    return {trajectory::HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
   }
 };
 
 /// The solver of a scene's joints and forces between pairs, for its bricks and what else is a body.
-std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
-                                      const std::vector<Brick>& bricks,
-                                      const std::vector<Brick>& bodies) {
-  Ties ties = dynamicTies(scene, bricks);
-  return makeJointSolver(bodies, ties.pivots,
-                         {needs.planar.on, tileSize(scene.model),
-                          groundSupports(scene, needs, bricks), std::move(ties.pairForces)});
+std::unique_ptr<mechanics::JointSolver> solverOf(const scene::Scene& scene,
+                                                 const scene::Needs& needs,
+                                                 const std::vector<model::Brick>& bricks,
+                                                 const std::vector<model::Brick>& bodies) {
+  scene::Ties ties = scene::dynamicTies(scene, bricks);
+  return mechanics::makeJointSolver(
+      bodies, ties.pivots,
+      {needs.planar.on, model::tileSize(scene.model), groundSupports(scene, needs, bricks),
+       std::move(ties.pairForces)});
 }
 
 // `countsFrom`: the first tile's number.
-void requireFree(const std::optional<ObstacleOverlap>& overlap, int countsFrom) {
+void requireFree(const std::optional<contacts::ObstacleOverlap>& overlap, int countsFrom) {
   if (!overlap) return;
   throw InputError(fmt::format(
       "error: tile {} reaches {:.3g} m into obstacle {} at the start; move the obstacle away",
@@ -130,7 +133,7 @@ void requireFree(const std::optional<ObstacleOverlap>& overlap, int countsFrom) 
 }
 
 // Obstacles are bodies in space.
-void requireSpace(const Scene& scene, const Needs& needs) {
+void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
       "error: obstacles need bricks that move in space; leave --planar on away, or the obstacles");
@@ -138,13 +141,13 @@ void requireSpace(const Scene& scene, const Needs& needs) {
 
 }  // namespace
 
-DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
-                               const std::vector<Brick>& bricks, const Poses& start)
+DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                               const std::vector<model::Brick>& bricks, const Poses& start)
     : brickCount_(bricks.size()),
       countsFrom_(scene.model.fileOrder.countsFrom),
-      tileSize_(tileSize(scene.model)),
+      tileSize_(model::tileSize(scene.model)),
       environment_(scene.environment),
-      obstacles_(obstacleParts(scene.environment.obstacles)),
+      obstacles_(contacts::obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(solverOf(scene, needs, bricks, bodies_)),
       substeps_(scene.solver.substeps.value_or(1)),
@@ -157,9 +160,9 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
   Poses poses = start;
   appendObstacles(poses);
   const auto finder = [&](double tolerance) {
-    auto made =
-        std::make_unique<ContactFinder>(bodies_, poses, makePivots(scene.model.joints, bricks),
-                                        scene.environment, needs.planar.on, tolerance, obstacles_);
+    auto made = std::make_unique<contacts::ContactFinder>(
+        bodies_, poses, model::makePivots(scene.model.joints, bricks), scene.environment,
+        needs.planar.on, tolerance, obstacles_);
     requireFree(made->overlapWithObstacle(poses), countsFrom_);
     return made;
   };
@@ -170,7 +173,7 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
 }
 
 void DirectDynamics::appendObstacles(Poses& poses) const {
-  for (const ObstaclePart& part : obstacles_) poses.push_back(part.pose);
+  for (const contacts::ObstaclePart& part : obstacles_) poses.push_back(part.pose);
 }
 
 void DirectDynamics::leaveObstacles(Motion& motion) const {
@@ -203,9 +206,9 @@ void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
 }
 
 /// The actuation with what surrounds the bricks, for all bodies.
-TimedLoads DirectDynamics::allLoads(const TimedLoads& actuation) const {
+mechanics::TimedLoads DirectDynamics::allLoads(const mechanics::TimedLoads& actuation) const {
   return [this, &actuation, brickPoses = Poses()](double seconds, const Poses& poses,
-                                                  std::vector<Load>& loads) mutable {
+                                                  std::vector<model::Load>& loads) mutable {
     checkInterruption();  // a step may be halved many times
     brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
     loads.resize(brickCount_);
@@ -215,12 +218,12 @@ TimedLoads DirectDynamics::allLoads(const TimedLoads& actuation) const {
   };
 }
 
-StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
-  const TimedLoads timeless = [&](double, const Poses& poses, std::vector<Load>& loads) {
-    actuation(poses, loads);
-  };
-  const TimedLoads all = allLoads(timeless);
-  const LoadSource now = [&](const Poses& poses, std::vector<Load>& loads) {
+StepReport DirectDynamics::advance(Motion& motion, double step,
+                                   const mechanics::LoadSource& actuation) {
+  const mechanics::TimedLoads timeless =
+      [&](double, const Poses& poses, std::vector<model::Load>& loads) { actuation(poses, loads); };
+  const mechanics::TimedLoads all = allLoads(timeless);
+  const mechanics::LoadSource now = [&](const Poses& poses, std::vector<model::Load>& loads) {
     all(0, poses, loads);
   };
   appendObstacles(motion.poses);
@@ -234,45 +237,46 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
 }
 
 void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
-  ContactFinder* exact = exactContacts_ ? exactContacts_.get() : contacts_.get();
+  contacts::ContactFinder* exact = exactContacts_ ? exactContacts_.get() : contacts_.get();
   toleranceSteps_ = std::make_unique<ToleranceSteps>(
       bodies_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, isRubbing_},
-      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_, keepsEnergy_},
+      mechanics::ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_,
+                                       keepsEnergy_},
       tolerance.firstOrderStep);
 }
 
 StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
-                                              const TimedLoads& actuation) {
-  const TimedLoads all = allLoads(actuation);
+                                              const mechanics::TimedLoads& actuation) {
+  const mechanics::TimedLoads all = allLoads(actuation);
   appendObstacles(motion.poses);
   motion.velocities.resize(bodies_.size());
   const StepReport report = toleranceSteps_->advance(motion, seconds, all, isPinned_);
   leaveObstacles(motion);
-  for (PassedState& state : toleranceSteps_->passed()) leaveObstacles(state.motion);
+  for (mechanics::PassedState& state : toleranceSteps_->passed()) leaveObstacles(state.motion);
   return report;
 }
 
-std::span<const PassedState> DirectDynamics::passed() const {
+std::span<const mechanics::PassedState> DirectDynamics::passed() const {
   if (!toleranceSteps_) return {};
   return toleranceSteps_->passed();
 }
 
-std::vector<Hold> DirectDynamics::contacts(const Poses& poses) const {
+std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const {
   Poses all = poses;
   appendObstacles(all);
   std::map<std::pair<int, int>, PairSum> pairs;
-  for (const TouchForce& touch : solver_->touchForces(all)) {
-    const bool isSwapped = touch.brickB != kFixed && touch.brickB < touch.brickA;
+  for (const mechanics::TouchForce& touch : solver_->touchForces(all)) {
+    const bool isSwapped = touch.brickB != model::kFixed && touch.brickB < touch.brickA;
     const int tile = isSwapped ? touch.brickB : touch.brickA;
     const int body = isSwapped ? touch.brickA : touch.brickB;
     const auto obstacle = static_cast<std::size_t>(body) - brickCount_;
     const bool isBrick = body < static_cast<int>(brickCount_);
-    const int other = body == kFixed ? Hold::kGround
-                      : isBrick      ? body
-                                     : Hold::kFirstObstacle - obstacles_[obstacle].obstacle;
+    const int other = body == model::kFixed ? trajectory::Hold::kGround
+                      : isBrick             ? body
+                                : trajectory::Hold::kFirstObstacle - obstacles_[obstacle].obstacle;
     pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
   }
-  std::vector<Hold> holds;
+  std::vector<trajectory::Hold> holds;
   for (const auto& [pair, sum] : pairs) {
     if (sum.force.isZero(0)) continue;
     holds.push_back(sum.resultant(pair.first, pair.second));
@@ -280,9 +284,9 @@ std::vector<Hold> DirectDynamics::contacts(const Poses& poses) const {
   return holds;
 }
 
-std::string DirectDynamics::nameOf(const ContactLoad& load) const {
+std::string DirectDynamics::nameOf(const mechanics::ContactLoad& load) const {
   const int tile = countsFrom_ + load.brickA;
-  if (load.brickB == kFixed) return fmt::format("tile {} and the ground", tile);
+  if (load.brickB == model::kFixed) return fmt::format("tile {} and the ground", tile);
   const std::size_t other = static_cast<std::size_t>(load.brickB);
   return other < brickCount_ ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
                              : fmt::format("tile {} and obstacle {}", tile,
@@ -291,7 +295,7 @@ std::string DirectDynamics::nameOf(const ContactLoad& load) const {
 
 std::vector<std::string> DirectDynamics::loadedContacts() const {
   std::vector<std::string> names;
-  for (const ContactLoad& load : solver_->contactLoads()) {
+  for (const mechanics::ContactLoad& load : solver_->contactLoads()) {
     std::string name = nameOf(load);
     // An obstacle may have several parts.
     if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
@@ -317,9 +321,10 @@ namespace {
 constexpr int kSubsteps = 20;  // as PyKirigami has
 
 // The pivots of a scene whose joints are all points that tiles share. Throws InputError at a link.
-std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& bricks) {
-  std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  for (const Pivot& pivot : pivots) {
+std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
+                                       const std::vector<model::Brick>& bricks) {
+  std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  for (const model::Pivot& pivot : pivots) {
     if (pivot.distance == 0) continue;
     throw InputError(fmt::format(
         "error: tiles {} and {} are linked at a distance, which --solver bullet cannot hold; "
@@ -331,14 +336,14 @@ std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& br
 }
 
 // Throws InputError for a scene with obstacles.
-void requireNoObstacles(const Environment& environment) {
+void requireNoObstacles(const scene::Environment& environment) {
   if (environment.obstacles.empty()) return;
   throw InputError("error: --solver bullet knows no obstacles; use --solver direct");
 }
 
 }  // namespace
 
-WorldDynamics::WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps,
+WorldDynamics::WorldDynamics(std::unique_ptr<engines::BrickWorld> world, int substeps,
                              std::size_t brickCount)
     : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
 
@@ -350,7 +355,8 @@ void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
 
 // One step as equal substeps. The motion is written to the engine first: what was changed outside
 // (closed joints, a reset) counts.
-StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
+StepReport WorldDynamics::advance(Motion& motion, double step,
+                                  const mechanics::LoadSource& actuation) {
   world_->writeMotion(motion);
   for (int substep = 0; substep < substeps_; ++substep) {
     actuation(motion.poses, loads_);
@@ -371,18 +377,20 @@ StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource&
 
 // An engine has no estimate of its error: it takes the time as one step.
 StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
-                                             const TimedLoads& actuation) {
-  return advance(motion, seconds,
-                 [&](const Poses& poses, std::vector<Load>& loads) { actuation(0, poses, loads); });
+                                             const mechanics::TimedLoads& actuation) {
+  return advance(motion, seconds, [&](const Poses& poses, std::vector<model::Load>& loads) {
+    actuation(0, poses, loads);
+  });
 }
 
-std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
+std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
+                                             const std::vector<model::Brick>& bricks,
                                              const Poses& start) {
   requireNoObstacles(scene.environment);
-  BulletSettings settings;
+  engines::BulletSettings settings;
   settings.iterations = scene.solver.iterations;
-  auto world = std::make_unique<BulletWorld>(bricks, start, sharedPivots(scene, bricks),
-                                             scene.environment, settings);
+  auto world = std::make_unique<engines::BulletWorld>(bricks, start, sharedPivots(scene, bricks),
+                                                      scene.environment, settings);
   return std::make_unique<WorldDynamics>(std::move(world),
                                          scene.solver.substeps.value_or(kSubsteps), bricks.size());
 }
@@ -405,16 +413,17 @@ constexpr double kClosedImage = 1e-11;
 }  // namespace
 
 // The pivots are kept to measure whether a mean is still closed.
-SymmetricStates::SymmetricStates(const Scene& scene, std::vector<Symmetry> group)
-    : group_(std::move(group)), tile_(tileSize(scene.model)) {
-  pivots_ = makePivots(scene.model.joints, makeBricks(scene.model.tiles, scene.brick));
+SymmetricStates::SymmetricStates(const scene::Scene& scene, std::vector<model::Symmetry> group)
+    : group_(std::move(group)), tile_(model::tileSize(scene.model)) {
+  pivots_ =
+      model::makePivots(scene.model.joints, model::makeBricks(scene.model.tiles, scene.brick));
 }
 
 // Drops symmetries that the state does not have, so that the rest are those to be kept from here
 // on. The symmetries of one state form a group again.
 void SymmetricStates::keepThoseOf(const Poses& state) {
-  std::erase_if(group_, [&](const Symmetry& symmetry) {
-    return asymmetry(state, std::span(&symmetry, 1), tile_) > kSymmetric * tile_;
+  std::erase_if(group_, [&](const model::Symmetry& symmetry) {
+    return model::asymmetry(state, std::span(&symmetry, 1), tile_) > kSymmetric * tile_;
   });
 }
 
@@ -422,10 +431,10 @@ void SymmetricStates::keepThoseOf(const Poses& state) {
 // where the mean cannot be closed.
 void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
   if (group_.size() < 2) return;
-  if (asymmetry(poses, group_, tile_) <= kNegligible * tile_) return;
-  Poses mean = symmetricMean(poses, group_);
+  if (model::asymmetry(poses, group_, tile_) <= kNegligible * tile_) return;
+  Poses mean = model::symmetricMean(poses, group_);
   const bool isExact = !std::isfinite(dynamics.jointStiffness());
-  const bool isOpen = isExact && jointGap(pivots_, mean).max > kClosedImage * tile_;
+  const bool isOpen = isExact && trajectory::jointGap(pivots_, mean).max > kClosedImage * tile_;
   if (isOpen && !dynamics.assemble(mean)) return;
   poses = std::move(mean);
 }
@@ -434,7 +443,7 @@ void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
 void SymmetricStates::restore(Motion& motion, Dynamics& dynamics) const {
   if (group_.size() < 2) return;
   restore(motion.poses, dynamics);
-  motion.velocities = symmetricMean(motion.velocities, group_);
+  motion.velocities = model::symmetricMean(motion.velocities, group_);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "sim/contacts/contact_finder.h"
 #include "sim/deploy/tolerance_steps.h"
+#include "sim/engines/brick_world.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
@@ -15,17 +17,15 @@
 #include "sim/model/isometry.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/trajectory.h"
-#include "sim/world/brick_world.h"
-#include "sim/world/contact_finder.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // The seam between the deployment and the two solvers.
 
 /// Of joints that cannot be held exactly, because the tiles do not fit each other in the states on
 /// the way, N/m: a hundred thousand times the pull's usual stiffness (see usualStiffness()).
-double misfitStiffness(const Scene& scene, const std::vector<Brick>& bricks);
+double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks);
 
 /// Of joints that are held exactly, N/m.
 constexpr double kExactJoints = std::numeric_limits<double>::infinity();
@@ -39,7 +39,7 @@ struct TimeTolerance {
 
 /// Whether a scene's run, its path chosen, keeps a tolerance in time. Guided tiles go by a
 /// guide that moves with the steps, on joints that often are compliant: steps are fixed there.
-bool keepsTolerance(const Scene& scene);
+bool keepsTolerance(const scene::Scene& scene);
 
 /// Advances all bricks by one step.
 class Dynamics {
@@ -66,14 +66,15 @@ class Dynamics {
 
   /// The resultants of the contacts of the last step at the poses where the bricks are now, each
   /// pair once, in order of tiles; none where the solver does not tell.
-  virtual std::vector<Hold> contacts(const Poses& poses) const = 0;
+  virtual std::vector<trajectory::Hold> contacts(const Poses& poses) const = 0;
 
   /// The contacts that carried load in the last step, the strongest first, as in "tiles 3 and 4",
   /// "tile 3 and the ground", "tile 3 and obstacle 0"; none where the solver does not tell.
   virtual std::vector<std::string> loadedContacts() const = 0;
 
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
-  virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
+  virtual StepReport advance(Motion& motion, double step,
+                             const mechanics::LoadSource& actuation) = 0;
 
   /// To be called before advanceToTolerance() and transfer(), where the former is used.
   /// A solver whose scene has a tolerance itself also keeps it where bricks touch.
@@ -81,10 +82,10 @@ class Dynamics {
   /// The same with loads that change on the way, in steps that keep the tolerance where that can be
   /// done, else in fixed steps of first order: see TimeTolerance. Joints must be exact.
   virtual StepReport advanceToTolerance(Motion& motion, double seconds,
-                                        const TimedLoads& actuation) = 0;
+                                        const mechanics::TimedLoads& actuation) = 0;
 
   /// The states between the ends of the last call of advanceToTolerance(), in order.
-  virtual std::span<const PassedState> passed() const = 0;
+  virtual std::span<const mechanics::PassedState> passed() const = 0;
 
   /// What the next step takes from those before, beside the motion, as far as the solver tells: an
   /// engine does not.
@@ -92,8 +93,8 @@ class Dynamics {
 };
 
 /// The solver that the scene asks for.
-std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
-                                       const std::vector<Brick>& bricks, const Poses& start);
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks, const Poses& start);
 
 // ------------------------------------------------------------------------------------------------
 // `--solver direct`: exact joints.
@@ -104,8 +105,8 @@ class DirectDynamics : public Dynamics {
   /// Throws InputError for a planar scene with obstacles, for a tile that lies in an obstacle at
   /// the start, and for springs or ligaments that the scene cannot have. `bricks` may end with the
   /// call.
-  DirectDynamics(const Scene& scene, const Needs& needs, const std::vector<Brick>& bricks,
-                 const Poses& start);
+  DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                 const std::vector<model::Brick>& bricks, const Poses& start);
 
   bool assemble(Poses& poses) override;
   void fitVelocities(Motion& motion) override;
@@ -113,37 +114,37 @@ class DirectDynamics : public Dynamics {
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   void setHalving(bool isOn) override { solver_->setHalving(isOn); }
   double jointStiffness() const override { return solver_->jointStiffness(); }
-  std::vector<Hold> contacts(const Poses& poses) const override;
+  std::vector<trajectory::Hold> contacts(const Poses& poses) const override;
   std::vector<std::string> loadedContacts() const override;
-  StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  StepReport advance(Motion& motion, double step, const mechanics::LoadSource& actuation) override;
   void setTolerance(const TimeTolerance& tolerance) override;
   StepReport advanceToTolerance(Motion& motion, double seconds,
-                                const TimedLoads& actuation) override;
-  std::span<const PassedState> passed() const override;
+                                const mechanics::TimedLoads& actuation) override;
+  std::span<const mechanics::PassedState> passed() const override;
   void transfer(StateTape& tape) override;
 
  private:
   bool hasObstacles() const { return !obstacles_.empty(); }
   void appendObstacles(Poses& poses) const;
   void leaveObstacles(Motion& motion) const;
-  std::string nameOf(const ContactLoad& load) const;
-  TimedLoads allLoads(const TimedLoads& actuation) const;
+  std::string nameOf(const mechanics::ContactLoad& load) const;
+  mechanics::TimedLoads allLoads(const mechanics::TimedLoads& actuation) const;
 
   std::size_t brickCount_;
   int countsFrom_;   // the first tile, in messages
   double tileSize_;  // metres
-  Environment environment_;
-  std::vector<ObstaclePart> obstacles_;
-  std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
-  std::unique_ptr<JointSolver> solver_;
+  scene::Environment environment_;
+  std::vector<contacts::ObstaclePart> obstacles_;
+  std::vector<model::Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
+  std::unique_ptr<mechanics::JointSolver> solver_;
   int substeps_;
-  bool keepsEnergy_;                         // to a tolerance in time
-  bool isRubbing_;                           // planar bricks on a ground with friction
-  bool isPinned_ = false;                    // some body
-  double touching_;                          // gap of points that touch, metres
-  std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
+  bool keepsEnergy_;                                   // to a tolerance in time
+  bool isRubbing_;                                     // planar bricks on a ground with friction
+  bool isPinned_ = false;                              // some body
+  double touching_;                                    // gap of points that touch, metres
+  std::unique_ptr<contacts::ContactFinder> contacts_;  // null where nothing can be touched
   /// The same, finer, for steps to a tolerance; null without one.
-  std::unique_ptr<ContactFinder> exactContacts_;
+  std::unique_ptr<contacts::ContactFinder> exactContacts_;
   std::unique_ptr<ToleranceSteps> toleranceSteps_;  // null where no tolerance is asked for
 };
 
@@ -154,7 +155,7 @@ class DirectDynamics : public Dynamics {
 class WorldDynamics : public Dynamics {
  public:
   /// `substeps` of the engine in each step.
-  WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps, std::size_t brickCount);
+  WorldDynamics(std::unique_ptr<engines::BrickWorld> world, int substeps, std::size_t brickCount);
 
   bool assemble(Poses& /*poses*/) override {
     return true;  // engines pull open joints together as they go
@@ -162,24 +163,25 @@ class WorldDynamics : public Dynamics {
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double /*stiffness*/) override {}         // they give as it is
   double jointStiffness() const override { return kExactJoints; }  // as far as engines tell
-  std::vector<Hold> contacts(const Poses& /*poses*/) const override { return {}; }
+  std::vector<trajectory::Hold> contacts(const Poses& /*poses*/) const override { return {}; }
   std::vector<std::string> loadedContacts() const override { return {}; }
-  StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  StepReport advance(Motion& motion, double step, const mechanics::LoadSource& actuation) override;
   void setTolerance(const TimeTolerance& /*tolerance*/) override {}  // engines step by fixed steps
   StepReport advanceToTolerance(Motion& motion, double seconds,
-                                const TimedLoads& actuation) override;
-  std::span<const PassedState> passed() const override { return {}; }
+                                const mechanics::TimedLoads& actuation) override;
+  std::span<const mechanics::PassedState> passed() const override { return {}; }
   void transfer(StateTape& /*tape*/) override {}
 
  private:
-  std::unique_ptr<BrickWorld> world_;
+  std::unique_ptr<engines::BrickWorld> world_;
   int substeps_;
-  std::vector<Load> loads_;
+  std::vector<model::Load> loads_;
 };
 
 /// `--solver bullet`: Bullet's sequential impulses.
 /// Throws InputError for links and obstacles.
-std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
+std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
+                                             const std::vector<model::Brick>& bricks,
                                              const Poses& start);
 
 // ------------------------------------------------------------------------------------------------
@@ -191,13 +193,13 @@ std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vect
 class SymmetricStates {
  public:
   /// With all symmetries of the scene's model.
-  explicit SymmetricStates(const Scene& scene)
-      : SymmetricStates(scene, symmetriesOf(scene.model)) {}
+  explicit SymmetricStates(const scene::Scene& scene)
+      : SymmetricStates(scene, model::symmetriesOf(scene.model)) {}
   /// With these, a group.
-  SymmetricStates(const Scene& scene, std::vector<Symmetry> group);
+  SymmetricStates(const scene::Scene& scene, std::vector<model::Symmetry> group);
 
   /// The symmetries that states keep; the identity alone where there are none.
-  const std::vector<Symmetry>& group() const { return group_; }
+  const std::vector<model::Symmetry>& group() const { return group_; }
 
   /// Leaves those symmetries alone that a state has, too.
   void keepThoseOf(const Poses& state);
@@ -211,9 +213,9 @@ class SymmetricStates {
   void restore(Motion& motion, Dynamics& dynamics) const;
 
  private:
-  std::vector<Symmetry> group_;
-  std::vector<Pivot> pivots_;
+  std::vector<model::Symmetry> group_;
+  std::vector<model::Pivot> pivots_;
   double tile_;  // metres
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

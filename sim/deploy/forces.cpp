@@ -12,7 +12,7 @@
 #include "sim/model/isometry.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // The springs of a brick of mass m (kg) and inertia I (kg m^2) with n vertices. Alone on n springs
@@ -28,27 +28,27 @@ namespace kirireel {
 
 namespace {
 
-double squaredFrequency(const TargetSpringSettings& settings) {
+double squaredFrequency(const scene::TargetSpringSettings& settings) {
   const double omega = 2 * std::numbers::pi * settings.frequency;
   return omega * omega;  // 1/s^2
 }
 
-std::vector<BrickSpring> springsOf(const std::vector<Brick>& bricks,
-                                   const TargetSpringSettings& settings) {
+std::vector<BrickSpring> springsOf(const std::vector<model::Brick>& bricks,
+                                   const scene::TargetSpringSettings& settings) {
   std::vector<BrickSpring> springs;
-  for (const Brick& brick : bricks) springs.push_back(springOf(brick, settings));
+  for (const model::Brick& brick : bricks) springs.push_back(springOf(brick, settings));
   return springs;
 }
 
 /// Adds the damping of a brick's spring in world axes.
-void addDamping(const BrickSpring& spring, const Matrix3& R, Load& load) {
+void addDamping(const BrickSpring& spring, const Matrix3& R, model::Load& load) {
   load.damping.diagonal().head<3>().array() += spring.forceDamping;
   load.damping.bottomRightCorner<3, 3>() += R * spring.torqueDamping * R.transpose();
 }
 
 }  // namespace
 
-BrickSpring springOf(const Brick& brick, const TargetSpringSettings& settings) {
+BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSettings& settings) {
   const auto n = static_cast<double>(brick.bottom.size());
   const auto rate = [&](double stiffness) {
     return 2 * settings.dampingRatio * std::sqrt(n * stiffness / brick.mass);  // 1/s
@@ -66,9 +66,10 @@ BrickSpring springOf(const Brick& brick, const TargetSpringSettings& settings) {
   return spring;
 }
 
-double usualStiffness(const TargetSpringSettings& settings, const std::vector<Brick>& bricks) {
+double usualStiffness(const scene::TargetSpringSettings& settings,
+                      const std::vector<model::Brick>& bricks) {
   double mass = 0;
-  for (const Brick& brick : bricks) mass += brick.mass;
+  for (const model::Brick& brick : bricks) mass += brick.mass;
   return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings) / 4;
 }
 
@@ -99,17 +100,19 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
 
 }  // namespace
 
-BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
-                                 const TargetSpringSettings& settings, const BoundaryCurve& curve)
+BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<model::Brick>& bricks,
+                                 const scene::TargetSpringSettings& settings,
+                                 const scene::BoundaryCurve& curve)
     : strengths_(springsOf(bricks, settings)), springs_(bricks.size()) {
   // The model named a hull that could not be read. Only this drive needs one, so that only it
   // refuses.
   if (!model.hullFault.empty()) {
     throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
   }
-  const std::vector<Corner> hull = model.hull ? *model.hull : outlineCorners(model.tiles);
+  const std::vector<model::Corner> hull =
+      model.hull ? *model.hull : model::outlineCorners(model.tiles);
   std::vector<Vector3> corners;
-  for (const Corner& corner : hull) {
+  for (const model::Corner& corner : hull) {
     corners.push_back(model.tiles[corner.tile].vertices[corner.vertex]);
   }
   const Vector3 middle = meanPoint(corners);
@@ -126,7 +129,7 @@ BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& b
   }
 }
 
-void BoundarySprings::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+void BoundarySprings::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     // Every brick is damped, also those without a spring.
     addDamping(strengths_[i], poses[i].rotation.toRotationMatrix(), loads[i]);
@@ -152,7 +155,8 @@ double BoundarySprings::energy(const Poses& poses) const {
 // An acceleration that is proportional to the distance alone makes a sheet grow evenly, whatever
 // its tiles' masses and numbers of vertices: by frequency, k is m (2 pi f)^2 / 4.
 
-Expansion::Expansion(const std::vector<Brick>& bricks, const TargetSpringSettings& settings)
+Expansion::Expansion(const std::vector<model::Brick>& bricks,
+                     const scene::TargetSpringSettings& settings)
     : bricks_(bricks), strengths_(springsOf(bricks, settings)) {
   if (settings.springStiffness) return;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -160,7 +164,7 @@ Expansion::Expansion(const std::vector<Brick>& bricks, const TargetSpringSetting
   }
 }
 
-void Expansion::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+void Expansion::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
   const Vector3 centre = centreOf(poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     loads[i].force.head<3>() += strengths_[i].springStiffness * (poses[i].position - centre);
@@ -193,7 +197,7 @@ Vector3 Expansion::centreOf(const Poses& poses) const {
 // stiffness is positive semidefinite, and so is the damping c G^T G, which acts on the point's
 // velocity.
 
-void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load) {
+void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& load) {
   const Vector3 arm = pose.rotation * spring.point;
   const Vector3 force = spring.stiffness * (spring.anchor - pose.position - arm);
   load.force.head<3>() += force;
@@ -217,14 +221,15 @@ double pointSpringEnergy(const PointSpring& spring, const Pose& pose) {
 // force is -c m v and the torque -c I w with the inertia I turned into world axes. Damping enters
 // as a matrix, so that the implicit step takes it without a bound on its length.
 
-void addEnvironmentLoads(const Environment& environment, std::span<const Brick> bricks,
-                         const Poses& poses, std::vector<Load>& loads) {
+void addEnvironmentLoads(const scene::Environment& environment,
+                         std::span<const model::Brick> bricks, const Poses& poses,
+                         std::vector<model::Load>& loads) {
   // exp(-rate) is the part of the velocity that is left after a second.
   const double linearRate = -std::log1p(-environment.linearDamping);
   const double angularRate = -std::log1p(-environment.angularDamping);
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const Brick& brick = bricks[i];
-    Load& load = loads[i];
+    const model::Brick& brick = bricks[i];
+    model::Load& load = loads[i];
     load.force.head<3>() += brick.mass * environment.gravity;
     load.damping.topLeftCorner<3, 3>().diagonal().array() += linearRate * brick.mass;
     if (angularRate == 0) continue;
@@ -290,9 +295,10 @@ Vector3 crossSum(const Matrix3& C) {
 
 }  // namespace
 
-TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
+TargetSprings::TargetSprings(const std::vector<model::Brick>& bricks,
+                             const std::vector<model::Tile>& target,
                              const std::optional<std::vector<int>>& pulled,
-                             const TargetSpringSettings& settings)
+                             const scene::TargetSpringSettings& settings)
     : bricks_(bricks), springs_(bricks.size()) {
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     springs_[i].strength = springOf(bricks[i], settings);
@@ -303,7 +309,7 @@ TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector
   for (const int brick : *pulled) springs_[brick].pulled = true;
 }
 
-void TargetSprings::setTarget(const std::vector<Tile>& target) {
+void TargetSprings::setTarget(const std::vector<model::Tile>& target) {
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const std::vector<Vector3>& bottom = bricks_[i].bottom;
     Spring& spring = springs_[i];
@@ -323,21 +329,21 @@ void TargetSprings::setTarget(const std::vector<Tile>& target) {
   }
 }
 
-Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
-  Load load;
+model::Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
+  model::Load load;
   addLoad(springs_[brick], pose, stiffening, load);
   return load;
 }
 
 void TargetSprings::addLoads(const Poses& poses, double stiffening,
-                             std::vector<Load>& loads) const {
+                             std::vector<model::Load>& loads) const {
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     addLoad(springs_[i], poses[i], stiffening, loads[i]);
   }
 }
 
 void TargetSprings::addLoad(const Spring& spring, const Pose& pose, double stiffening,
-                            Load& load) const {
+                            model::Load& load) const {
   const Matrix3 R = pose.rotation.toRotationMatrix();
   addDamping(spring.strength, R, load);
   if (!spring.pulled) return;
@@ -430,11 +436,12 @@ Vector3 rotationVector(const Matrix3& rotation) {
 
 }  // namespace
 
-TargetGuide::TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>& target) {
+TargetGuide::TargetGuide(const std::vector<model::Tile>& start,
+                         const std::vector<model::Tile>& target) {
   for (std::size_t i = 0; i < start.size(); ++i) {
     const std::vector<Vector3>& from = start[i].vertices;
     const std::vector<Vector3>& to = target[i].vertices;
-    const Matrix3 R = bestRigidMotion(from, to).rotation;
+    const Matrix3 R = model::bestRigidMotion(from, to).rotation;
     Way way{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
     for (std::size_t k = 0; k < from.size(); ++k) {
       way.vertices.push_back(from[k] - way.startMean);
@@ -444,8 +451,8 @@ TargetGuide::TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>
   }
 }
 
-std::vector<Tile> TargetGuide::at(double progress) const {
-  std::vector<Tile> tiles(ways_.size());
+std::vector<model::Tile> TargetGuide::at(double progress) const {
+  std::vector<model::Tile> tiles(ways_.size());
   for (std::size_t i = 0; i < ways_.size(); ++i) {
     const Way& way = ways_[i];
     const Quaternion turn = rotationFromVector(progress * way.turn);
@@ -457,13 +464,14 @@ std::vector<Tile> TargetGuide::at(double progress) const {
   return tiles;
 }
 
-Poses bestFitPoses(const std::vector<Brick>& bricks, const std::vector<Tile>& target) {
+Poses bestFitPoses(const std::vector<model::Brick>& bricks,
+                   const std::vector<model::Tile>& target) {
   Poses poses(bricks.size());
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const RigidMotion motion = bestRigidMotion(bricks[i].bottom, target[i].vertices);
+    const model::RigidMotion motion = model::bestRigidMotion(bricks[i].bottom, target[i].vertices);
     poses[i] = {motion.translation, Quaternion(motion.rotation)};
   }
   return poses;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -14,7 +14,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // How strong springs are.
@@ -28,11 +28,12 @@ struct BrickSpring {
 };
 
 /// The brick's spring by the settings. See the equations in forces.cpp.
-BrickSpring springOf(const Brick& brick, const TargetSpringSettings& settings);
+BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSettings& settings);
 
 /// k_f by the settings' frequency of a brick with 4 vertices and the mean mass of these bricks,
 /// N/m: stiffnesses that nobody gave are multiples of it.
-double usualStiffness(const TargetSpringSettings& settings, const std::vector<Brick>& bricks);
+double usualStiffness(const scene::TargetSpringSettings& settings,
+                      const std::vector<model::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
 // The force of a drive, for all drives but the springs to a target, which a run moves on and
@@ -45,7 +46,7 @@ class DriveForce {
 
   /// Adds the drive's load on every brick at these poses, its damping included.
   /// One pose and one load a brick. The loads are added to what is there.
-  virtual void addLoads(const Poses& poses, std::vector<Load>& loads) const = 0;
+  virtual void addLoads(const Poses& poses, std::vector<model::Load>& loads) const = 0;
 
   /// Energy that it stores in these poses, joules; 0 where it stores none.
   virtual double energy(const Poses& poses) const = 0;
@@ -67,9 +68,9 @@ class Expansion : public DriveForce {
  public:
   /// k is the spring stiffness of the settings, N/m, or what their frequency gives a vertex of a
   /// square of the brick's mass; c is the brick's force damping, N s/m. `bricks` must outlive this.
-  Expansion(const std::vector<Brick>& bricks, const TargetSpringSettings& settings);
+  Expansion(const std::vector<model::Brick>& bricks, const scene::TargetSpringSettings& settings);
 
-  void addLoads(const Poses& poses, std::vector<Load>& loads) const override;
+  void addLoads(const Poses& poses, std::vector<model::Load>& loads) const override;
   double energy(const Poses&) const override { return 0; }
   void addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const override;
   bool isEndless() const override { return true; }
@@ -77,7 +78,7 @@ class Expansion : public DriveForce {
  private:
   Vector3 centreOf(const Poses& poses) const;
 
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   std::vector<BrickSpring> strengths_;  // one a brick
 };
 
@@ -95,7 +96,7 @@ struct PointSpring {
 /// Adds the spring's force and its torque about the centre of mass to the brick's load.
 /// Forces of the damper are in the load's damping, not in its force, which is that at zero
 /// velocity.
-void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load);
+void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& load);
 
 /// Energy that the spring stores, joules.
 double pointSpringEnergy(const PointSpring& spring, const Pose& pose);
@@ -113,10 +114,10 @@ class BoundarySprings : public DriveForce {
   /// names and that cannot be.
   /// The middle of the hull must not be one of its corners. `bricks` are those of the model's
   /// tiles.
-  BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
-                  const TargetSpringSettings& settings, const BoundaryCurve& curve);
+  BoundarySprings(const model::Model& model, const std::vector<model::Brick>& bricks,
+                  const scene::TargetSpringSettings& settings, const scene::BoundaryCurve& curve);
 
-  void addLoads(const Poses& poses, std::vector<Load>& loads) const override;
+  void addLoads(const Poses& poses, std::vector<model::Load>& loads) const override;
   double energy(const Poses& poses) const override;
   void addFreeForces(const Poses&, std::vector<Vector3>&) const override {}
   bool isEndless() const override { return false; }
@@ -136,8 +137,9 @@ class BoundarySprings : public DriveForce {
 /// Adds gravity and the environment's damping to the load of each of these bricks, which are the
 /// first of those that have poses and loads. Damping takes the given part of the velocity away each
 /// second, as a viscous force in proportion to mass and inertia.
-void addEnvironmentLoads(const Environment& environment, std::span<const Brick> bricks,
-                         const Poses& poses, std::vector<Load>& loads);
+void addEnvironmentLoads(const scene::Environment& environment,
+                         std::span<const model::Brick> bricks, const Poses& poses,
+                         std::vector<model::Load>& loads);
 
 // ------------------------------------------------------------------------------------------------
 // Springs that pull every brick's bottom towards its target (Jiang and Choi, "PyKirigami",
@@ -151,19 +153,19 @@ class TargetSprings {
  public:
   /// `bricks` must outlive this. `target`: one tile a brick, vertex by vertex. `pulled`: the bricks
   /// that feel springs; all when absent. Bricks that feel none keep their damping.
-  TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
+  TargetSprings(const std::vector<model::Brick>& bricks, const std::vector<model::Tile>& target,
                 const std::optional<std::vector<int>>& pulled,
-                const TargetSpringSettings& settings);
+                const scene::TargetSpringSettings& settings);
 
   /// Pulls towards another target from now on; the same tiles as the first.
-  void setTarget(const std::vector<Tile>& target);
+  void setTarget(const std::vector<model::Tile>& target);
 
   /// The load on one brick at a pose; both stiffnesses times `stiffening` (from 1).
   /// About 100 multiplications and, far from the target, a 3 x 3 eigenvalue problem.
-  Load load(int brick, const Pose& pose, double stiffening) const;
+  model::Load load(int brick, const Pose& pose, double stiffening) const;
 
   /// Adds the loads on all bricks at these poses, one a brick, to what is there.
-  void addLoads(const Poses& poses, double stiffening, std::vector<Load>& loads) const;
+  void addLoads(const Poses& poses, double stiffening, std::vector<model::Load>& loads) const;
 
   /// Energy stored in all springs, joules.
   double energy(const Poses& poses, double stiffening) const;
@@ -180,9 +182,9 @@ class TargetSprings {
     BrickSpring strength;
   };
 
-  void addLoad(const Spring& spring, const Pose& pose, double stiffening, Load& load) const;
+  void addLoad(const Spring& spring, const Pose& pose, double stiffening, model::Load& load) const;
 
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   std::vector<Spring> springs_;
 };
 
@@ -234,11 +236,11 @@ class AdaptiveStiffness {
 class TargetGuide {
  public:
   /// The same tiles, vertex by vertex, in both states.
-  TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>& target);
+  TargetGuide(const std::vector<model::Tile>& start, const std::vector<model::Tile>& target);
 
   /// Where the tiles are guided at a progress from 0 (the start) to 1 (the target).
   /// Costs O(vertices).
-  std::vector<Tile> at(double progress) const;
+  std::vector<model::Tile> at(double progress) const;
 
  private:
   /// The motion of one tile.
@@ -255,6 +257,6 @@ class TargetGuide {
 
 /// The bricks' poses that fit the target best, each brick by itself.
 /// `target` has one tile a brick. The fit is that of the bottoms, in the sum of squares.
-Poses bestFitPoses(const std::vector<Brick>& bricks, const std::vector<Tile>& target);
+Poses bestFitPoses(const std::vector<model::Brick>& bricks, const std::vector<model::Tile>& target);
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -29,7 +29,7 @@
 #include "sim/deploy/run_figures.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // The paths to try without contacts, the usual first. A heavier turn follows its guide more.
@@ -76,34 +76,34 @@ constexpr auto kTurnWeights = std::to_array<double>({10, 3, 1});
 constexpr double kLeastExtension = 1e-3;
 
 // Whether no overlap grew on the path beyond what counts as rounding.
-bool isClear(const Scene& scene, const GeometricPath& found) {
-  return found.grown <= kClearShare * tileSize(scene.model);
+bool isClear(const scene::Scene& scene, const GeometricPath& found) {
+  return found.grown <= kClearShare * model::tileSize(scene.model);
 }
 
 /// The contacts that bricks have where the scene was given these and they meet on the way.
-ContactFilter whereTheyMeet(ContactFilter wanted) {
-  return wanted == ContactFilter::Auto ? ContactFilter::All : wanted;
+scene::ContactFilter whereTheyMeet(scene::ContactFilter wanted) {
+  return wanted == scene::ContactFilter::Auto ? scene::ContactFilter::All : wanted;
 }
 
 /// Measures how deep bricks overlap on a path beyond its first state, and how far compliant joints
 /// open; says why bricks had contacts on it, or had none. `wanted`: the contacts that the scene was
 /// given with.
-void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+void judge(const scene::Scene& scene, GeometricPath& found, scene::ContactFilter wanted) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   const std::vector<Poses>& states = found.path.states;
-  Environment asked = scene.environment;
+  scene::Environment asked = scene.environment;
   asked.contacts = wanted;
-  PenetrationMeter meter = overlapMeter(asked, bricks, pivots, states.front());
+  trajectory::PenetrationMeter meter = overlapMeter(asked, bricks, pivots, states.front());
   found.grown = found.opening = 0;
   for (const Poses& state : states) {
     found.grownAtEnd = meter.at(state).grown;
     found.grown = std::max(found.grown, found.grownAtEnd);
     if (!found.hasCompliantJoints) continue;
-    found.opening = std::max(found.opening, jointGap(pivots, state).max);
+    found.opening = std::max(found.opening, trajectory::jointGap(pivots, state).max);
   }
-  const bool isAsked = wanted != ContactFilter::None;
-  const bool isTouching = found.contacts != ContactFilter::None;
+  const bool isAsked = wanted != scene::ContactFilter::None;
+  const bool isTouching = found.contacts != scene::ContactFilter::None;
   found.passesThrough = isAsked && !isTouching && !isClear(scene, found);
   const bool isPushed = isAsked && isTouching && !isClear(scene, found);
   found.contactReason =
@@ -115,13 +115,13 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
           : "no bricks meet on the way";
 }
 
-void judge(const Scene& scene, GeometricPath& found) {
+void judge(const scene::Scene& scene, GeometricPath& found) {
   judge(scene, found, scene.environment.contacts);
 }
 
 /// A path pulled tight so that tiles turn as evenly on it as they can on a path that is no detour.
 /// Where every one is a detour, the one on which they turn most evenly.
-MechanismPath evenlyTight(const Scene& scene, const MechanismPath& path, double mostGrown,
+MechanismPath evenlyTight(const scene::Scene& scene, const MechanismPath& path, double mostGrown,
                           SearchBudget& budget, const PathObserver& goesOn) {
   std::optional<MechanismPath> mostEven;
   for (const double turnWeight : kTurnWeights) {
@@ -137,18 +137,18 @@ MechanismPath evenlyTight(const Scene& scene, const MechanismPath& path, double 
 /// deeper on it than before, or than counts as clear; where no contacts are wanted, they may
 /// overlap. Compliant joints open no farther; their path is only cleared of the places where it
 /// turns back.
-void shorten(const Scene& scene, GeometricPath& found, ContactFilter wanted, SearchBudget& budget,
-             const PathObserver& goesOn) {
+void shorten(const scene::Scene& scene, GeometricPath& found, scene::ContactFilter wanted,
+             SearchBudget& budget, const PathObserver& goesOn) {
   const bool isBack = turnsBack(scene, found.path);
   if (!isBack && (found.hasCompliantJoints || !isDetour(scene, found.path))) return;
-  const double mostGrown = wanted == ContactFilter::None
+  const double mostGrown = wanted == scene::ContactFilter::None
                                ? std::numeric_limits<double>::infinity()
-                               : std::max(found.grown, kClearShare * tileSize(scene.model));
+                               : std::max(found.grown, kClearShare * model::tileSize(scene.model));
   if (found.hasCompliantJoints) {
     found.path = withoutKinks(scene, std::move(found.path), found.opening, mostGrown);
     return judge(scene, found, wanted);
   }
-  Scene touching = scene;
+  scene::Scene touching = scene;
   // Bricks that did not meet may do so on a shorter path.
   touching.environment.contacts = found.passesThrough ? found.contacts : whereTheyMeet(wanted);
   SearchBudget part(std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
@@ -170,27 +170,28 @@ const char* const kCompliantTried = "a path of the mechanism with compliant join
 /// Tries the paths of one scene.
 class GeometricSearch {
  public:
-  GeometricSearch(const Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
+  GeometricSearch(const scene::Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
                   const TrialObserver& observer)
       : scene_(scene),
         atTarget_(atTarget),
         budget_(budget),
         observer_(observer),
-        tile_(tileSize(scene.model)),
-        start_(startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick))) {}
+        tile_(model::tileSize(scene.model)),
+        start_(model::startPoses(scene.model.tiles,
+                                 model::makeBricks(scene.model.tiles, scene.brick))) {}
 
   // The order is that of the head of this file. A clear path without contacts ends the search;
   // contacts are tried only where a path passed through bricks; compliant joints come last.
   GeometricPaths find() {
-    const ContactFilter wanted = scene_.environment.contacts;
+    const scene::ContactFilter wanted = scene_.environment.contacts;
     for (const ContinuationSettings& settings : kAlone) {
       tryAlone(settings);
       if (isOver_) return std::move(found_);
       if (isCutShort_ || (found_.clear && !isDetour(scene_, found_.clear->path))) break;
     }
     if (found_.clear) return shortened(found_.clear);
-    const ContactFilter touching = whereTheyMeet(wanted);
-    if (wanted != ContactFilter::None && found_.through) {
+    const scene::ContactFilter touching = whereTheyMeet(wanted);
+    if (wanted != scene::ContactFilter::None && found_.through) {
       for (const ContinuationSettings& settings : kTouching) {
         tryTouching(settings, touching);
         if (isOver_) return std::move(found_);
@@ -203,8 +204,8 @@ class GeometricSearch {
     }
     found_.mayBeExact = found_.through || isCutShort_;
     tryCompliant(touching);
-    if (!found_.compliant && !found_.through && wanted == ContactFilter::Auto) {
-      tryCompliant(ContactFilter::None);
+    if (!found_.compliant && !found_.through && wanted == scene::ContactFilter::Auto) {
+      tryCompliant(scene::ContactFilter::None);
     }
     if (!found_.compliant && !found_.through) found_.trouble = trouble();
     return found_.through ? shortened(found_.through) : std::move(found_);
@@ -223,8 +224,8 @@ class GeometricSearch {
 
   // One trial, charged to the budget, with a share of it that grows as the path does.
   MechanismPath follow(std::vector<Poses> guide, const ContinuationSettings& settings,
-                       ContactFilter contacts, const char* what) {
-    Scene trial = scene_;
+                       scene::ContactFilter contacts, const char* what) {
+    scene::Scene trial = scene_;
     trial.environment.contacts = contacts;
     SearchBudget part(budget_.left() / kWorkPerSecond);
     const double least = kPathShare * budget_.seconds();
@@ -253,7 +254,8 @@ class GeometricSearch {
   // Without contacts: how deep bricks overlap says whether they are needed.
   void tryAlone(const ContinuationSettings& settings) {
     GeometricPath trial;
-    trial.path = follow(tilesOwnMotion(), settings, ContactFilter::None, "a path of the mechanism");
+    trial.path =
+        follow(tilesOwnMotion(), settings, scene::ContactFilter::None, "a path of the mechanism");
     if (!arrives(trial.path, false)) return;
     trial.hasCompliantJoints = trial.path.isRounded;
     trial.reason = "a path of the mechanism, nothing given needs dynamics";
@@ -266,7 +268,7 @@ class GeometricSearch {
     }
   }
 
-  void tryTouching(const ContinuationSettings& settings, ContactFilter contacts) {
+  void tryTouching(const ContinuationSettings& settings, scene::ContactFilter contacts) {
     GeometricPath trial;
     trial.contacts = contacts;
     trial.path = follow(tilesOwnMotion(), settings, contacts, kAmongBricks);
@@ -281,8 +283,8 @@ class GeometricSearch {
   }
 
   /// Among bricks that wedge near the start, where a path passes through them.
-  void tryFromTarget(ContactFilter contacts) {
-    Scene trial = scene_;
+  void tryFromTarget(scene::ContactFilter contacts) {
+    scene::Scene trial = scene_;
     trial.environment.contacts = contacts;
     GeometricPath found;
     found.contacts = contacts;
@@ -323,7 +325,7 @@ class GeometricSearch {
   }
 
   /// Compliant joints, opening as little as they can: once a path is found, it guides the next.
-  void tryCompliant(ContactFilter contacts) {
+  void tryCompliant(scene::ContactFilter contacts) {
     std::optional<GeometricPath> best;
     for (ContinuationSettings settings : kCompliant) {
       best = compliantPath(tilesOwnMotion(), settings, contacts);
@@ -344,14 +346,14 @@ class GeometricSearch {
 
   std::optional<GeometricPath> compliantPath(std::vector<Poses> guide,
                                              const ContinuationSettings& settings,
-                                             ContactFilter contacts) {
+                                             scene::ContactFilter contacts) {
     GeometricPath trial;
     trial.hasCompliantJoints = true;
     trial.contacts = contacts;
     trial.path = follow(std::move(guide), settings, contacts, kCompliantTried);
-    if (!arrives(trial.path, contacts != ContactFilter::None)) return std::nullopt;
+    if (!arrives(trial.path, contacts != scene::ContactFilter::None)) return std::nullopt;
     judge(scene_, trial);
-    if (contacts != ContactFilter::None && !isClear(scene_, trial)) return std::nullopt;
+    if (contacts != scene::ContactFilter::None && !isClear(scene_, trial)) return std::nullopt;
     return trial;
   }
 
@@ -361,7 +363,7 @@ class GeometricSearch {
                       : "paths of the mechanism end short of the target";
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   const TargetFindings& atTarget_;
   SearchBudget& budget_;
   const TrialObserver& observer_;
@@ -377,15 +379,16 @@ const char* const kTracing = "the states of the run that arrives";
 const char* const kExtending = "the way to full extension";
 
 // Whether a path is shorter than any extension that counts.
-bool standsStill(const Scene& scene, const MechanismPath& path) {
-  return path.length() < kLeastExtension * tileSize(scene.model);
+bool standsStill(const scene::Scene& scene, const MechanismPath& path) {
+  return path.length() < kLeastExtension * model::tileSize(scene.model);
 }
 
 /// The path to full extension with these contacts, unless a share of the budget's rest is not
 /// enough.
-std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contacts, double share,
-                                       SearchBudget& budget, const TrialObserver& observer) {
-  Scene trial = scene;
+std::optional<GeometricPath> extension(const scene::Scene& scene, scene::ContactFilter contacts,
+                                       double share, SearchBudget& budget,
+                                       const TrialObserver& observer) {
+  scene::Scene trial = scene;
   trial.environment.contacts = contacts;
   SearchBudget part(share * budget.left() / kWorkPerSecond);
   GeometricPath found;
@@ -402,18 +405,19 @@ std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contact
 }
 
 /// The paths to full extension, as they are found.
-GeometricPaths extensions(const Scene& scene, SearchBudget& budget, const TrialObserver& observer) {
-  const ContactFilter wanted = scene.environment.contacts;
-  const bool isOpen = wanted == ContactFilter::Auto;
+GeometricPaths extensions(const scene::Scene& scene, SearchBudget& budget,
+                          const TrialObserver& observer) {
+  const scene::ContactFilter wanted = scene.environment.contacts;
+  const bool isOpen = wanted == scene::ContactFilter::Auto;
   GeometricPaths found;
   found.trouble = "looking for the way to full extension was cut short";
   std::optional<GeometricPath> alone =
-      extension(scene, ContactFilter::None, kAloneShare, budget, observer);
+      extension(scene, scene::ContactFilter::None, kAloneShare, budget, observer);
   if (alone && !alone->passesThrough) {
     found.clear = std::move(alone);
     return found;
   }
-  if (wanted == ContactFilter::None) return found;
+  if (wanted == scene::ContactFilter::None) return found;
   std::optional<GeometricPath> touching =
       extension(scene, whereTheyMeet(wanted), 1, budget, observer);
   if (touching && !isClear(scene, *touching)) {
@@ -432,21 +436,21 @@ GeometricPaths extensions(const Scene& scene, SearchBudget& budget, const TrialO
 /// A walk in progress.
 class Walk {
  public:
-  Walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
+  Walk(const scene::Scene& scene, const GeometricPath& found, const AssembledState& nearest,
        double sampleInterval, const SampleObserver& observer)
       : scene_(scene),
         found_(found),
         symmetries_(scene, found.path.symmetries),
         interval_(sampleInterval),
         observer_(observer),
-        bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(makePivots(scene.model.joints, bricks_)),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
         figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone,
-                 startPoses(scene.model.tiles, bricks_), nearest) {
-    Scene alone = scene;
-    alone.environment = Environment{};
-    projection_ =
-        makeDynamics(alone, sceneNeeds(alone), bricks_, startPoses(scene.model.tiles, bricks_));
+                 model::startPoses(scene.model.tiles, bricks_), nearest) {
+    scene::Scene alone = scene;
+    alone.environment = scene::Environment{};
+    projection_ = makeDynamics(alone, scene::sceneNeeds(alone), bricks_,
+                               model::startPoses(scene.model.tiles, bricks_));
   }
 
   // Walks all states, samples included, and returns the result without outcome and reason.
@@ -462,7 +466,7 @@ class Walk {
     // The last state is sampled though no sample is due.
     if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
     DeploymentResult result;
-    static_cast<Subject&>(result.trajectory) = subjectOf(scene_);
+    static_cast<trajectory::Subject&>(result.trajectory) = trajectory::subjectOf(scene_);
     figures_.leave(result);
     return result;
   }
@@ -499,7 +503,7 @@ class Walk {
 
   bool isOpen(const Poses& state) const {
     return found_.hasCompliantJoints &&
-           jointGap(pivots_, state).max > kExactShare * tileSize(scene_.model);
+           trajectory::jointGap(pivots_, state).max > kExactShare * model::tileSize(scene_.model);
   }
 
   // A state between two of the path. Where joints are closed in both, the straight state is closed
@@ -507,7 +511,7 @@ class Walk {
   Poses between(const Poses& from, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    if (isOpen(from) || isOpen(*poses_)) return symmetricMean(poses, found_.path.symmetries);
+    if (isOpen(from) || isOpen(*poses_)) return model::symmetricMean(poses, found_.path.symmetries);
     closeInPlace(poses, *projection_);
     symmetries_.restore(poses, *projection_);
     return poses;
@@ -518,17 +522,17 @@ class Walk {
   void takeSample(double time, Poses poses) {
     ++samples_;
     lastTime_ = time;
-    const Sample sample = figures_.sampleAt(time, std::move(poses));
+    const trajectory::Sample sample = figures_.sampleAt(time, std::move(poses));
     isAskedToEnd_ = observer_ && !observer_(sample);
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   const GeometricPath& found_;
   SymmetricStates symmetries_;
   double interval_;  // seconds
   const SampleObserver& observer_;
-  std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
   RunFigures figures_;
   std::unique_ptr<Dynamics> projection_;  // closes joints of states between two others
   const Poses* poses_ = &found_.path.states.front();
@@ -540,8 +544,8 @@ class Walk {
 };
 
 /// How a walk ends that nobody interrupts, `error` metres from the target.
-std::string endOf(const Scene& scene, const GeometricPath& found, double error) {
-  const double tile = tileSize(scene.model);
+std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error) {
+  const double tile = model::tileSize(scene.model);
   std::string words = "the path ends at full extension";
   if (scene.model.target) {
     words = error > kFarShare * tile
@@ -553,8 +557,9 @@ std::string endOf(const Scene& scene, const GeometricPath& found, double error) 
   } else if (standsStill(scene, found.path)) {
     words = fmt::format(
         "{}: no small motion of the mechanism takes them farther apart, so that nothing moves",
-        found.contacts == ContactFilter::None ? "the tiles are at full extension from the start"
-                                              : "the tiles hold each other at the start");
+        found.contacts == scene::ContactFilter::None
+            ? "the tiles are at full extension from the start"
+            : "the tiles hold each other at the start");
   }
   if (found.passesThrough) {
     words += fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
@@ -574,33 +579,33 @@ std::string endOf(const Scene& scene, const GeometricPath& found, double error) 
 
 /// Joints that are open at the start as read are closed there, whatever is in the way: says so
 /// where that pushes bricks into each other.
-void addPushedWarning(const Scene& scene, const Poses& closed, DeploymentResult& result) {
-  if (scene.environment.contacts == ContactFilter::None) return;
-  const double tile = tileSize(scene.model);
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  const Poses asRead = startPoses(scene.model.tiles, bricks);
-  PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
+void addPushedWarning(const scene::Scene& scene, const Poses& closed, DeploymentResult& result) {
+  if (scene.environment.contacts == scene::ContactFilter::None) return;
+  const double tile = model::tileSize(scene.model);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const Poses asRead = model::startPoses(scene.model.tiles, bricks);
+  trajectory::PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
   const double pushed = meter.at(closed).grown;
   if (pushed <= kClearShare * tile) return;
   result.warnings.push_back(fmt::format(
       "closing the joints of the start, which are open by up to {:.2g} m, pushes bricks {:.2g} m "
       "({:.2g} tiles) into each other",
-      jointGap(pivots, asRead).max, pushed, pushed / tile));
+      trajectory::jointGap(pivots, asRead).max, pushed, pushed / tile));
 }
 
 }  // namespace
 
-GeometricPaths findGeometricPaths(const Scene& scene, const TargetFindings& atTarget,
+GeometricPaths findGeometricPaths(const scene::Scene& scene, const TargetFindings& atTarget,
                                   SearchBudget& budget, const TrialObserver& observer) {
   return GeometricSearch(scene, atTarget, budget, observer).find();
 }
 
-GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFilter wanted,
-                         const TargetFindings& atTarget, SearchBudget& budget,
-                         const TrialObserver& observer) {
-  Scene traced = scene;
-  traced.stop = StopRules{};  // as in its trial
+GeometricPath tracedPath(const scene::Scene& scene, const PathChoice& choice,
+                         scene::ContactFilter wanted, const TargetFindings& atTarget,
+                         SearchBudget& budget, const TrialObserver& observer) {
+  scene::Scene traced = scene;
+  traced.stop = scene::StopRules{};  // as in its trial
   bool goesOn = true;
   const auto tell = [&](double) {
     goesOn = goesOn && (!observer || observer({kTracing, budget.share()}));
@@ -609,7 +614,7 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFi
   std::vector<Poses> states;
   RunObservers watch;
   watch.sampleInterval = traced.solver.timestep;
-  watch.sample = [&](const Sample& sample) {
+  watch.sample = [&](const trajectory::Sample& sample) {
     states.push_back(sample.poses);
     return tell(1);
   };
@@ -626,13 +631,13 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFi
   shorten(traced, found, wanted, budget, tell);
   // Joints that were closed at the end may have pushed bricks into each other that had contacts.
   found.passesThrough =
-      found.passesThrough || (wanted != ContactFilter::None && !isClear(scene, found));
+      found.passesThrough || (wanted != scene::ContactFilter::None && !isClear(scene, found));
   return found;
 }
 
-GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
+GeometricPaths findExtension(const scene::Scene& scene, SearchBudget& budget,
                              const TrialObserver& observer) {
-  const ContactFilter wanted = scene.environment.contacts;
+  const scene::ContactFilter wanted = scene.environment.contacts;
   GeometricPaths found = extensions(scene, budget, observer);
   const auto goesOn = [&](double) { return !observer || observer({kShortening, budget.share()}); };
   if (found.clear) shorten(scene, *found.clear, wanted, budget, goesOn);
@@ -640,17 +645,18 @@ GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
   return found;
 }
 
-DeploymentResult walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
-                      double sampleInterval, const SampleObserver& observer) {
+DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
+                      const AssembledState& nearest, double sampleInterval,
+                      const SampleObserver& observer) {
   const double startSeconds = threadCpuSeconds();
-  Scene walked = scene;
+  scene::Scene walked = scene;
   walked.environment.contacts = found.contacts;
-  walked.path.kind = PathKind::Continuation;
+  walked.path.kind = scene::PathKind::Continuation;
   Walk walk(walked, found, nearest, sampleInterval, observer);
   DeploymentResult result = walk.finish();
   if (!found.hasCompliantJoints) addPushedWarning(scene, found.path.states.front(), result);
   const double error = result.accuracy.targetErrorEnd;
-  const bool isFar = scene.model.target && error > kFarShare * tileSize(scene.model);
+  const bool isFar = scene.model.target && error > kFarShare * model::tileSize(scene.model);
   result.outcome = walk.isInterrupted() ? Outcome::Interrupted
                    : isFar              ? Outcome::Locked
                                         : Outcome::Settled;
@@ -658,12 +664,12 @@ DeploymentResult walk(const Scene& scene, const GeometricPath& found, const Asse
   if (scene.model.target) result.atTarget = !isFar;
   result.trajectory.events.push_back(
       {walk.time(), fmt::format("{}: {}", toString(result.outcome), result.reason)});
-  result.needs = sceneNeeds(walked);
-  result.needs.contacts = {found.contacts != ContactFilter::None, found.contactReason};
+  result.needs = scene::sceneNeeds(walked);
+  result.needs.contacts = {found.contacts != scene::ContactFilter::None, found.contactReason};
   result.path = walked.path;
   result.pathReason = found.reason;
   result.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
   return result;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -9,14 +9,14 @@
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/run.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// A path that arrives.
 struct GeometricPath {
-  MechanismPath path;                            ///< its states
-  ContactFilter contacts = ContactFilter::None;  ///< that bricks had on it
-  std::string contactReason;                     ///< why, for the summary
-  std::string reason;                            ///< why this path, for the summary
+  MechanismPath path;                                          ///< its states
+  scene::ContactFilter contacts = scene::ContactFilter::None;  ///< that bricks had on it
+  std::string contactReason;                                   ///< why, for the summary
+  std::string reason;                                          ///< why this path, for the summary
   /// Bricks may touch, yet pass through each other: no other path was found.
   bool passesThrough = false;
   double grown = 0;                 ///< deepest overlap of any pair beyond its start, metres
@@ -38,23 +38,24 @@ struct GeometricPaths {
 /// Looks for a path from the start to the state nearest to the target: first without contacts;
 /// then, where bricks overlap on the way and the scene lets them touch, with contacts; then with
 /// compliant joints, for designs that have no freedom and bricks that wedge.
-GeometricPaths findGeometricPaths(const Scene& scene, const TargetFindings& atTarget,
+GeometricPaths findGeometricPaths(const scene::Scene& scene, const TargetFindings& atTarget,
                                   SearchBudget& budget, const TrialObserver& observer);
 
 /// The states that a run passes which was chosen because it arrives, as a path that goes on from
 /// where the springs rest to the state nearest to the target. `scene` has its path and contacts;
 /// `wanted`: those that were given, which may have been left out since.
-GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFilter wanted,
-                         const TargetFindings& atTarget, SearchBudget& budget,
-                         const TrialObserver& observer);
+GeometricPath tracedPath(const scene::Scene& scene, const PathChoice& choice,
+                         scene::ContactFilter wanted, const TargetFindings& atTarget,
+                         SearchBudget& budget, const TrialObserver& observer);
 
 /// The path to full extension of a scene without a target.
-GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
+GeometricPaths findExtension(const scene::Scene& scene, SearchBudget& budget,
                              const TrialObserver& observer);
 
 /// Walks a path at an even pace within the scene's PathSettings::walkTime, or its duration where
 /// that is shorter. Measures each state; samples lie between two states, with joints closed.
-DeploymentResult walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
-                      double sampleInterval, const SampleObserver& observer);
+DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
+                      const AssembledState& nearest, double sampleInterval,
+                      const SampleObserver& observer);
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -23,14 +23,14 @@
 #include "sim/model/stiffness.h"
 #include "sim/scene/scene_parts.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 /// The tiles that are pinned from the start, which is all that the timeline may ask for.
-std::vector<int> pinnedTiles(const Scene& scene) {
+std::vector<int> pinnedTiles(const scene::Scene& scene) {
   std::vector<int> tiles;
-  for (const TimelineEntry& entry : scene.timeline) {
-    const auto* pin = std::get_if<timeline::Pin>(&entry.action);
+  for (const scene::TimelineEntry& entry : scene.timeline) {
+    const auto* pin = std::get_if<scene::timeline::Pin>(&entry.action);
     if (!pin || entry.when.value != 0) {
       throw inputErrorAt(entry.where,
                          "grips are followed through equilibria, which know no time; "
@@ -42,36 +42,40 @@ std::vector<int> pinnedTiles(const Scene& scene) {
 }
 
 // Each message says what to leave away.
-void requireEquilibria(const Scene& scene) {
-  Scene bare = scene;
+void requireEquilibria(const scene::Scene& scene) {
+  scene::Scene bare = scene;
   // What the checks below allow by themselves is taken out, so that isQuasiStatic() speaks of the
   // rest.
   bare.timeline.clear();
   bare.hinges = {};
   if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold what no joint does
-  bare.actuation.drive = defaultDrive(bare.model);
+  bare.actuation.drive = scene::defaultDrive(bare.model);
   std::string reason;
-  if (!isQuasiStatic(bare, reason)) {
+  if (!scene::isQuasiStatic(bare, reason)) {
     throw InputError(fmt::format(
         "error: grips are followed through equilibria, but {}; leave that away, or the grips",
         reason));
   }
-  if (scene.path.kind != PathKind::Auto && scene.path.kind != PathKind::Continuation) {
+  if (scene.path.kind != scene::PathKind::Auto &&
+      scene.path.kind != scene::PathKind::Continuation) {
     throw InputError(
         "error: grips are followed through equilibria; leave --path away, or the grips");
   }
-  const ContactFilter contacts = scene.environment.contacts;
-  if (contacts == ContactFilter::All || contacts == ContactFilter::Unjoined) {
+  const scene::ContactFilter contacts = scene.environment.contacts;
+  if (contacts == scene::ContactFilter::All || contacts == scene::ContactFilter::Unjoined) {
     throw InputError(
         "error: equilibria under grips are without contacts; leave --contacts away, or the grips");
   }
-  if (const Need planar = sceneNeeds(scene).planar; !planar.on && !scene.hinges.panels) {
+  if (const scene::Need planar = scene::sceneNeeds(scene).planar;
+      !planar.on && !scene.hinges.panels) {
     throw InputError(fmt::format(
         "error: grips load rigid tiles in the plane alone, but {}; let the tiles bend (--panels), "
         "or leave the grips away",
         planar.reason));
   }
-  const auto isLink = [](const Joint& joint) { return joint.kind == JointKind::Link; };
+  const auto isLink = [](const model::Joint& joint) {
+    return joint.kind == model::JointKind::Link;
+  };
   if (std::ranges::any_of(scene.model.joints, isLink)) {
     throw InputError(
         "error: grips load sheets of tiles and joints, not of links; leave --link "
@@ -80,10 +84,11 @@ void requireEquilibria(const Scene& scene) {
 }
 
 /// What a grip holds of its tiles: its corners, or the tiles' middles.
-std::vector<GripHandle> handlesOf(const GripOrder& grip, const std::vector<Brick>& bricks) {
-  std::vector<GripHandle> points;
-  for (const Corner& corner : grip.setting->corners) {
-    const Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
+std::vector<mechanics::GripHandle> handlesOf(const GripOrder& grip,
+                                             const std::vector<model::Brick>& bricks) {
+  std::vector<mechanics::GripHandle> points;
+  for (const model::Corner& corner : grip.setting->corners) {
+    const model::Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
     points.push_back({corner.tile, brick.bottom[static_cast<std::size_t>(corner.vertex)]});
   }
   if (!points.empty()) return points;
@@ -95,10 +100,10 @@ std::vector<GripHandle> handlesOf(const GripOrder& grip, const std::vector<Brick
 }
 
 /// The grips of a scene, one for each direction that it names.
-std::vector<GripOrder> gripsOf(const Scene& scene) {
+std::vector<GripOrder> gripsOf(const scene::Scene& scene) {
   std::vector<GripOrder> found;
   for (std::size_t k = 0; k < scene.grips.size(); ++k) {
-    const GripSetting& setting = scene.grips[k];
+    const scene::GripSetting& setting = scene.grips[k];
     const auto add = [&](const std::optional<double>& amount, const Vector3& direction,
                          const char* word) {
       if (!amount) return;
@@ -127,9 +132,11 @@ std::size_t leadingOf(const std::vector<GripOrder>& grips) {
 }
 
 /// The sheet in three coordinates a tile.
-std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                         const Ties& ties, const std::vector<GripOrder>& grips) {
-  std::vector<Grip> held;
+std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
+                                                    const std::vector<model::Brick>& bricks,
+                                                    const scene::Ties& ties,
+                                                    const std::vector<GripOrder>& grips) {
+  std::vector<mechanics::Grip> held;
   for (const GripOrder& grip : grips) {
     if (grip.setting->z) {
       throw inputErrorAt(grip.setting->where,
@@ -138,18 +145,19 @@ std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<B
     }
     held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
   }
-  return std::make_unique<ElasticSheet>(bricks, startPoses(scene.model.tiles, bricks),
-                                        ties.pairForces, ties.pivots, pinnedTiles(scene),
-                                        std::move(held));
+  return std::make_unique<mechanics::ElasticSheet>(
+      bricks, model::startPoses(scene.model.tiles, bricks), ties.pairForces, ties.pivots,
+      pinnedTiles(scene), std::move(held));
 }
 
 /// The states as a path to be walked.
-GeometricPath walkable(const std::vector<Brick>& bricks, const LoadPath& loaded, bool isSoft) {
+GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics::LoadPath& loaded,
+                       bool isSoft) {
   GeometricPath walked;
   walked.hasCompliantJoints = isSoft;
   walked.contactReason = "equilibria under grips are without contacts";
   walked.reason = "equilibria under grips";
-  for (const Equilibrium& state : loaded.states) {
+  for (const mechanics::Equilibrium& state : loaded.states) {
     MechanismPath& path = walked.path;
     const double length =
         path.states.empty()
@@ -162,53 +170,54 @@ GeometricPath walkable(const std::vector<Brick>& bricks, const LoadPath& loaded,
 }
 
 /// What happened on the way, each at its time in the walk.
-void noteTurnings(const LoadCurve& curve, const MechanismPath& path, double seconds,
+void noteTurnings(const mechanics::LoadCurve& curve, const MechanismPath& path, double seconds,
                   DeploymentResult& result) {
-  std::vector<Event> events;
+  std::vector<trajectory::Event> events;
   for (std::size_t k = 0; k < curve.states.size(); ++k) {
-    const Equilibrium& state = curve.states[k];
-    if (state.turning == Turning::None) continue;
+    const mechanics::Equilibrium& state = curve.states[k];
+    if (state.turning == mechanics::Turning::None) continue;
     const double time = path.length() > 0 ? seconds * path.lengths[k] / path.length() : 0;
     events.push_back(
-        {time, fmt::format(
-                   "{} at the load {:.6g}: {} {:.6g} {}, {} {:.6g} {}", toString(state.turning),
-                   state.load, curve.grips[curve.leading].name, state.displacements[curve.leading],
-                   curve.grips[curve.leading].isTurn ? "rad" : "m",
-                   curve.grips[curve.leading].isTurn ? "moment" : "force",
-                   state.forces[curve.leading], curve.grips[curve.leading].isTurn ? "N m" : "N")});
+        {time, fmt::format("{} at the load {:.6g}: {} {:.6g} {}, {} {:.6g} {}",
+                           mechanics::toString(state.turning), state.load,
+                           curve.grips[curve.leading].name, state.displacements[curve.leading],
+                           curve.grips[curve.leading].isTurn ? "rad" : "m",
+                           curve.grips[curve.leading].isTurn ? "moment" : "force",
+                           state.forces[curve.leading],
+                           curve.grips[curve.leading].isTurn ? "N m" : "N")});
   }
   result.trajectory.events.insert(result.trajectory.events.begin(), events.begin(), events.end());
 }
 
 }  // namespace
 
-DeploymentResult followGrips(const Scene& scene, double sampleInterval,
+DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
                              const SampleObserver& observer) {
   requireEquilibria(scene);
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const Ties ties = loadedTies(scene, bricks);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const scene::Ties ties = scene::loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
-  const std::unique_ptr<LoadedSheet> sheet =
+  const std::unique_ptr<mechanics::LoadedSheet> sheet =
       scene.hinges.panels
           ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), grips)
           : planarSheet(scene, bricks, ties, grips);
   const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
-  LoadPathSettings settings;
+  mechanics::LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
   settings.mostStates = std::max(settings.mostStates, 20 * scene.path.loadSteps);
-  const LoadPath loaded = followLoad(*sheet, leading, settings, {});
+  const mechanics::LoadPath loaded = mechanics::followLoad(*sheet, leading, settings, {});
   const GeometricPath path = walkable(bricks, loaded, isSoft);
   Poses last;
-  const SampleObserver watch = [&](const Sample& sample) {
+  const SampleObserver watch = [&](const trajectory::Sample& sample) {
     last = sample.poses;
     return !observer || observer(sample);
   };
   DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
-  result.loadCurve = LoadCurve{{}, leading, loaded.states};
+  result.loadCurve = mechanics::LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
   if (!ties.pairForces.empty()) {
-    result.elasticity = elasticityOf(ties.pairForces, loaded.states.front().poses, last);
+    result.elasticity = model::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
   }
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
@@ -235,11 +244,11 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
 namespace {
 
 /// The node of each corner of each tile: corners that joints hold together have one.
-std::vector<std::vector<int>> nodesOfTiles(const Model& model, int& count) {
+std::vector<std::vector<int>> nodesOfTiles(const model::Model& model, int& count) {
   std::vector<std::vector<int>> corners;
   // Numbers of all corners, tile after tile.
   int next = 0;
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     corners.emplace_back(tile.vertices.size());
     std::iota(corners.back().begin(), corners.back().end(), next);
     next += static_cast<int>(tile.vertices.size());
@@ -250,10 +259,10 @@ std::vector<std::vector<int>> nodesOfTiles(const Model& model, int& count) {
     while (parent[static_cast<std::size_t>(k)] != k) k = parent[static_cast<std::size_t>(k)];
     return k;
   };
-  const auto cornerAt = [&](const Corner& corner) {
+  const auto cornerAt = [&](const model::Corner& corner) {
     return corners[static_cast<std::size_t>(corner.tile)][static_cast<std::size_t>(corner.vertex)];
   };
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     const int a = root(cornerAt(joint.a)), b = root(cornerAt(joint.b));
     // The lower number leads: groups do not depend on the order of joints.
     parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
@@ -286,10 +295,10 @@ using Edge = std::pair<int, int>;
 using Edges = std::map<Edge, std::vector<PanelSide>>;
 
 // By their two nodes, the lower first, with the triangles on their sides.
-Edges edgesOf(const Model& model, const std::vector<std::vector<int>>& nodes) {
+Edges edgesOf(const model::Model& model, const std::vector<std::vector<int>>& nodes) {
   Edges edges;
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
-    for (const std::array<int, 3>& triangle : tileTriangles(model.tiles[t])) {
+    for (const std::array<int, 3>& triangle : model::tileTriangles(model.tiles[t])) {
       std::array<int, 3> n{};
       for (std::size_t k = 0; k < 3; ++k) {
         n[k] = nodes[t][static_cast<std::size_t>(triangle[k])];
@@ -306,11 +315,11 @@ Edges edgesOf(const Model& model, const std::vector<std::vector<int>>& nodes) {
 /// A sheet in the making.
 class BarHingeMaker {
  public:
-  BarHingeMaker(const Scene& scene, const std::vector<Brick>& bricks)
+  BarHingeMaker(const scene::Scene& scene, const std::vector<model::Brick>& bricks)
       : scene_(scene), material_(*scene.hinges.panels), thickness_(scene.brick.thickness) {
     int count = 0;
     made_.tiles = nodesOfTiles(scene.model, count);
-    made_.start = startPoses(scene.model.tiles, bricks);
+    made_.start = model::startPoses(scene.model.tiles, bricks);
     placeNodes(count);
     edges_ = edgesOf(scene.model, made_.tiles);
     for (const auto& [edge, sides] : edges_) addBar(edge, sides);
@@ -318,8 +327,8 @@ class BarHingeMaker {
   }
 
   /// Springs at hinges of the scene: each edge that the two tiles share has its part by length.
-  void addFolds(const std::vector<HingeSpring>& springs) {
-    for (const HingeSpring& spring : springs) {
+  void addFolds(const std::vector<model::HingeSpring>& springs) {
+    for (const model::HingeSpring& spring : springs) {
       const std::vector<FoldSides> shared = sidesBetween(spring.hinge.brickA, spring.hinge.brickB);
       double length = 0;
       for (const auto& [left, right] : shared) length += lengthOf({left.from, left.to});
@@ -341,13 +350,13 @@ class BarHingeMaker {
     made_.fixed.erase(twice.begin(), twice.end());
   }
 
-  NodeGrip gripOf(const GripOrder& order) const {
+  mechanics::NodeGrip gripOf(const GripOrder& order) const {
     if (order.name.isTurn) {
       throw inputErrorAt(order.setting->where,
                          "tiles that bend have no turn of their own; hold or move their vertices");
     }
-    NodeGrip grip{{}, order.direction, order.amount, order.setting->isForce};
-    for (const Corner& corner : order.setting->corners) {
+    mechanics::NodeGrip grip{{}, order.direction, order.amount, order.setting->isForce};
+    for (const model::Corner& corner : order.setting->corners) {
       grip.handles.push_back({made_.tiles[static_cast<std::size_t>(corner.tile)]
                                          [static_cast<std::size_t>(corner.vertex)]});
     }
@@ -358,7 +367,7 @@ class BarHingeMaker {
     return grip;
   }
 
-  BarHingeModel take() { return std::move(made_); }
+  mechanics::BarHingeModel take() { return std::move(made_); }
 
  private:
   /// Each node where its corners are on the average.
@@ -383,7 +392,7 @@ class BarHingeMaker {
     double area = 0;
     for (const PanelSide& side : sides) {
       const auto& [a, b, c] = side.corners;
-      area += barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
+      area += model::barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
     }
     const double length = lengthOf(edge);
     // Stiffness of a bar: E A / l.
@@ -399,16 +408,16 @@ class BarHingeMaker {
         const std::array<Vector3, 4> corners = {at(left.from), at(right.wing), at(left.to),
                                                 at(left.wing)};
         addFold(left, right,
-                bendStiffness(corners, (corners[2] - corners[0]).norm(), material_.youngs,
-                              material_.poisson, thickness_));
+                model::bendStiffness(corners, (corners[2] - corners[0]).norm(), material_.youngs,
+                                     material_.poisson, thickness_));
       }
     }
   }
 
-  Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
-    Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
+  mechanics::Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
+    mechanics::Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
     // Without a rest angle of its own a fold rests as it stands.
-    fold.rest = foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
+    fold.rest = mechanics::foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
     return made_.folds.emplace_back(fold);
   }
 
@@ -434,20 +443,20 @@ class BarHingeMaker {
         first + a, first + b));
   }
 
-  const Scene& scene_;
-  const PanelMaterial& material_;
+  const scene::Scene& scene_;
+  const scene::PanelMaterial& material_;
   double thickness_;
-  BarHingeModel made_;
+  mechanics::BarHingeModel made_;
   Edges edges_;
 };
 
-void requireNodes(const Model& model) {
-  for (const Joint& joint : model.joints) {
-    if (joint.kind != JointKind::Pivot) {
+void requireNodes(const model::Model& model) {
+  for (const model::Joint& joint : model.joints) {
+    if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
           "error: tiles that bend are joined at corners; leave --fix and --link away, or --panels");
     }
-    if (joint.face == JointFace::Both) {
+    if (joint.face == model::JointFace::Both) {
       throw InputError(
           "error: tiles that bend are joined at one face, not at both as hinges through their "
           "thickness are; give --face bottom, or leave --panels away");
@@ -456,9 +465,9 @@ void requireNodes(const Model& model) {
 }
 
 /// Tiles that bend have springs at their folds; other forces need bricks that are rigid.
-void requireSpringsAlone(const PairForces& forces) {
-  for (const std::shared_ptr<const PairForce>& force : forces) {
-    if (dynamic_cast<const HingeSprings*>(force.get())) continue;
+void requireSpringsAlone(const model::PairForces& forces) {
+  for (const std::shared_ptr<const model::PairForce>& force : forces) {
+    if (dynamic_cast<const model::HingeSprings*>(force.get())) continue;
     throw InputError(fmt::format(
         "error: tiles that bend (--panels) have springs at hinges, but no {}; leave one of the two "
         "away",
@@ -468,18 +477,19 @@ void requireSpringsAlone(const PairForces& forces) {
 
 }  // namespace
 
-std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                               const PairForces& pairForces,
-                                               const std::vector<int>& pinned,
-                                               const std::vector<GripOrder>& grips) {
+std::unique_ptr<mechanics::LoadedSheet> makeBarHingeSheet(const scene::Scene& scene,
+                                                          const std::vector<model::Brick>& bricks,
+                                                          const model::PairForces& pairForces,
+                                                          const std::vector<int>& pinned,
+                                                          const std::vector<GripOrder>& grips) {
   requireNodes(scene.model);
   requireSpringsAlone(pairForces);
   BarHingeMaker maker(scene, bricks);
-  maker.addFolds(hingeSpringsOf(pairForces));
+  maker.addFolds(model::hingeSpringsOf(pairForces));
   maker.fix(pinned);
-  std::vector<NodeGrip> held;
+  std::vector<mechanics::NodeGrip> held;
   for (const GripOrder& grip : grips) held.push_back(maker.gripOf(grip));
-  return std::make_unique<BarHingeSheet>(maker.take(), std::move(held));
+  return std::make_unique<mechanics::BarHingeSheet>(maker.take(), std::move(held));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

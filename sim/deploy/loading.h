@@ -9,7 +9,7 @@
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// Follows the equilibria of a scene with grips (see followLoad()) from the load 0 to 1 and samples
 /// them as a walk at an even pace (PathSettings::walkTime). Limit points and bifurcations are
@@ -17,7 +17,7 @@ namespace kirireel {
 /// Throws InputError where the scene has what equilibria of a planar sheet do not know (contacts,
 /// gravity, a timeline, links, space) or no grip moves or pushes, RunError where nothing resists or
 /// no equilibrium is found at the start.
-DeploymentResult followGrips(const Scene& scene, double sampleInterval,
+DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
                              const SampleObserver& observer);
 
 // ------------------------------------------------------------------------------------------------
@@ -25,10 +25,10 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
 
 /// One direction of a grip of the scene.
 struct GripOrder {
-  const GripSetting* setting = nullptr;  ///< that it is of
-  Vector3 direction = Vector3::UnitX();  ///< unit; zero for a turn
-  double amount = 0;                     ///< at the load 1, see Grip
-  GripName name;                         ///< what tables call it
+  const scene::GripSetting* setting = nullptr;  ///< that it is of
+  Vector3 direction = Vector3::UnitX();         ///< unit; zero for a turn
+  double amount = 0;                            ///< at the load 1, see Grip
+  mechanics::GripName name;                     ///< what tables call it
 };
 
 /// The sheet of a scene with panels. Corners that joints hold together are one node, whichever face
@@ -36,9 +36,10 @@ struct GripOrder {
 /// Folds have the stiffness and rest angle of their springs (hingeSprings()). Throws InputError for
 /// joints on both faces, fixed tiles, springs at hinges that are no common edge of two tiles, and
 /// grips that turn.
-std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                               const PairForces& pairForces,
-                                               const std::vector<int>& pinned,
-                                               const std::vector<GripOrder>& grips);
+std::unique_ptr<mechanics::LoadedSheet> makeBarHingeSheet(const scene::Scene& scene,
+                                                          const std::vector<model::Brick>& bricks,
+                                                          const model::PairForces& pairForces,
+                                                          const std::vector<int>& pinned,
+                                                          const std::vector<GripOrder>& grips);
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -43,7 +43,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // A trial arrives when it ends within this factor of the assembled error, or this part of a tile.
@@ -85,17 +85,18 @@ constexpr double kOpenPeriods = 4;
 constexpr std::array kCompliantShares = {1e6, 1e5, 1e4};
 
 /// The ways to the scene's target, in the order in which they are tried.
-std::vector<PathSettings> waysOf(const Scene& scene, bool areAmongBricks) {
+std::vector<scene::PathSettings> waysOf(const scene::Scene& scene, bool areAmongBricks) {
   const double period = 1 / scene.springs.frequency;
-  PathSettings guided{PathKind::Guided};
+  scene::PathSettings guided{scene::PathKind::Guided};
   guided.guideTime = kGuidedPeriods * period;
-  std::vector<PathSettings> ways = {{PathKind::Straight}};
+  std::vector<scene::PathSettings> ways = {{scene::PathKind::Straight}};
   if (areAmongBricks) {
     ways.push_back(guided);
     ways.back().openTime = kOpenPeriods * period;
   }
   ways.push_back(guided);
-  const double usual = usualStiffness(scene.springs, makeBricks(scene.model.tiles, scene.brick));
+  const double usual =
+      usualStiffness(scene.springs, model::makeBricks(scene.model.tiles, scene.brick));
   for (const double share : kCompliantShares) {
     ways.push_back(guided);
     ways.back().jointStiffness = share * usual;
@@ -104,8 +105,8 @@ std::vector<PathSettings> waysOf(const Scene& scene, bool areAmongBricks) {
 }
 
 // The words for a path in reasons and in what is told of the search.
-std::string describe(const PathSettings& path) {
-  if (path.kind == PathKind::Straight) return "straight pull";
+std::string describe(const scene::PathSettings& path) {
+  if (path.kind == scene::PathKind::Straight) return "straight pull";
   std::string way = fmt::format("guided for {:.3g} s", path.guideTime);
   if (path.openTime > 0) way = fmt::format("opened for {:.3g} s, {}", path.openTime, way);
   return path.jointsAreCompliant()
@@ -132,14 +133,14 @@ class WorkLimit {
 /// Ends a trial that gets no nearer to the target any more.
 class StallWatch {
  public:
-  explicit StallWatch(const Scene& scene)
-      : patience_(kPatienceSeconds + (scene.path.kind == PathKind::Guided
+  explicit StallWatch(const scene::Scene& scene)
+      : patience_(kPatienceSeconds + (scene.path.kind == scene::PathKind::Guided
                                           ? scene.path.openTime + scene.path.guideTime
                                           : 0)) {}
 
   // Whether the trial goes on. Time that tiles are opened and guided counts as patience: the error
   // may grow in it.
-  bool operator()(const StepRecord& step) {
+  bool operator()(const trajectory::StepRecord& step) {
     if (best_ < 0 || step.targetError < kImprovement * best_) {
       best_ = step.targetError;
       bestTime_ = step.time;
@@ -160,16 +161,17 @@ bool isJammed(const DeployCost& cost) {
 
 /// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
 /// tiles forbids any motion, and most steps are halved in vain.
-bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserver& observer) {
-  Scene trial = scene;
-  trial.environment = Environment{};
+bool exactJointsJam(const scene::Scene& scene, SearchBudget& budget,
+                    const TrialObserver& observer) {
+  scene::Scene trial = scene;
+  trial.environment = scene::Environment{};
   trial.stop.duration = kJamTime;
-  trial.path = {PathKind::Straight};
+  trial.path = {scene::PathKind::Straight};
   // The observer is called in the run's constructor already, when there is no run to ask yet.
   const Run* running = nullptr;
   WorkLimit limit(budget);
   RunObservers watch;
-  watch.step = [&](const StepRecord&) {
+  watch.step = [&](const trajectory::StepRecord&) {
     return observer({"exact joints", budget.share()}) &&
            (!running || (limit.allows(running->cost()) && !isJammed(running->cost())));
   };
@@ -187,18 +189,18 @@ bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserve
 class TrialClearance {
  public:
   /// `wanted`: which pairs may touch.
-  TrialClearance(const Scene& scene, ContactFilter wanted)
-      : isOfUnjoined_(wanted == ContactFilter::Unjoined),
-        most_(kClearShare * tileSize(scene.model)),
+  TrialClearance(const scene::Scene& scene, scene::ContactFilter wanted)
+      : isOfUnjoined_(wanted == scene::ContactFilter::Unjoined),
+        most_(kClearShare * model::tileSize(scene.model)),
         zone_(scene.environment.pivotZone),
-        bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(makePivots(scene.model.joints, bricks_)) {}
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)) {}
 
   /// Makes the trial's samples known to this, where it needs them.
   void watch(RunObservers& observers) {
     if (!isOfUnjoined_) return;
     observers.sampleInterval = kLookTime;
-    observers.sample = [this](const Sample& sample) {
+    observers.sample = [this](const trajectory::Sample& sample) {
       look(sample.poses);
       return true;
     };
@@ -216,9 +218,9 @@ class TrialClearance {
   void look(const Poses& poses) {
     const bool isStart = !atStart_;
     if (isStart) atStart_.emplace();
-    const auto joined = sharedCorners(pivots_);
-    for (const Penetration& found :
-         penetrationsOutsidePivots(bricks_, pivots_, zone_, poses, isStart ? 0 : most_)) {
+    const auto joined = model::sharedCorners(pivots_);
+    for (const trajectory::Penetration& found : trajectory::penetrationsOutsidePivots(
+             bricks_, pivots_, zone_, poses, isStart ? 0 : most_)) {
       const std::pair pair(found.brickA, found.brickB);
       if (joined.contains(pair)) continue;
       double& given = (*atStart_)[pair];
@@ -230,26 +232,27 @@ class TrialClearance {
   bool isOfUnjoined_;
   double most_;  // metres that an overlap may grow
   double zone_;
-  std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
   bool isClear_ = true;
   std::optional<std::map<std::pair<int, int>, double>> atStart_;  // metres, of pairs
 };
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
 /// long as `goesOn` says so and the budget allows. `wanted`: which pairs may touch in the end.
-TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetFindings& atTarget,
-                 const SearchBudget& budget, const std::function<bool(double work)>& goesOn) {
+TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
+                 const TargetFindings& atTarget, const SearchBudget& budget,
+                 const std::function<bool(double work)>& goesOn) {
   const AssembledState& nearest = atTarget.nearest;
   StallWatch stalls(scene);
   const Run* running = nullptr;
   WorkLimit limit(budget);
-  const double tile = tileSize(scene.model);
-  const bool isAmongBricks = scene.environment.contacts != ContactFilter::None;
+  const double tile = model::tileSize(scene.model);
+  const bool isAmongBricks = scene.environment.contacts != scene::ContactFilter::None;
   TrialClearance clearance(scene, wanted);
   RunObservers watch;
   clearance.watch(watch);
-  watch.step = [&](const StepRecord& step) {
+  watch.step = [&](const trajectory::StepRecord& step) {
     if (!goesOn(running->cost().took.work) || !stalls(step)) return false;
     if (!limit.allows(running->cost())) return false;
     return isAmongBricks ? clearance.holds(running->accuracy()) : !isJammed(running->cost());
@@ -278,14 +281,14 @@ TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetFindings&
 
 /// Where bricks are in the way all the same, joints are not to be compliant in vain: a straight
 /// pull then takes the path's place.
-PathSettings withExactJoints(const PathSettings& path) {
-  return path.jointsAreCompliant() ? PathSettings{PathKind::Straight} : path;
+scene::PathSettings withExactJoints(const scene::PathSettings& path) {
+  return path.jointsAreCompliant() ? scene::PathSettings{scene::PathKind::Straight} : path;
 }
 
 /// Looks for a path of one scene.
 class PathSearch {
  public:
-  PathSearch(const Scene& scene, TargetFindings atTarget, SearchBudget& budget,
+  PathSearch(const scene::Scene& scene, TargetFindings atTarget, SearchBudget& budget,
              const TrialObserver& observer, std::vector<TrialEnd>& trials)
       : scene_(scene),
         atTarget_(std::move(atTarget)),
@@ -298,11 +301,11 @@ class PathSearch {
   PathChoice find() {
     const bool fitsAtTarget = !atTarget_.isBlocked;
     if (atTarget_.isReachedThrough) {
-      return findAmongBricks({{PathKind::Straight}, "a path of the mechanism arrives"},
+      return findAmongBricks({{scene::PathKind::Straight}, "a path of the mechanism arrives"},
                              fitsAtTarget);
     }
     PathChoice choice = findWithoutContacts();
-    const bool contacts = scene_.environment.contacts != ContactFilter::None;
+    const bool contacts = scene_.environment.contacts != scene::ContactFilter::None;
     choice.isFound = last_.arrives && (!contacts || last_.keepsClear);
     choice.isClear = last_.arrives && last_.keepsClear;
     const bool isWanting = contacts && !choice.isFound;
@@ -321,16 +324,16 @@ class PathSearch {
 
  private:
   struct Attempt {
-    PathSettings path;
+    scene::PathSettings path;
     TrialEnd end;
   };
 
   /// Whether a path arrives; not when the search ends before that is known.
-  bool arrives(const PathSettings& path, const Environment& environment, const std::string& what,
-               double stepFactor = 1) {
-    Scene trial = scene_;
+  bool arrives(const scene::PathSettings& path, const scene::Environment& environment,
+               const std::string& what, double stepFactor = 1) {
+    scene::Scene trial = scene_;
     trial.environment = environment;
-    trial.stop = StopRules{};  // the run's own time may be too short for any path
+    trial.stop = scene::StopRules{};  // the run's own time may be too short for any path
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     // Trials that a checkpoint brought along are not made again: their ends are the same.
@@ -375,7 +378,7 @@ class PathSearch {
 
   /// What a path does that comes to where the scene's springs rest.
   std::string arriving() const {
-    return atTarget_.nearest.restError <= kFarShare * tileSize(scene_.model)
+    return atTarget_.nearest.restError <= kFarShare * model::tileSize(scene_.model)
                ? " arrives"
                : " comes as near as joints that stay closed were found to";
   }
@@ -383,23 +386,23 @@ class PathSearch {
   // In the plane a coarse look at the straight pull comes first, but where bricks are to keep
   // clear.
   PathChoice findWithoutContacts() {
-    PathSettings straight = scene_.path;
-    straight.kind = PathKind::Straight;
-    const Environment empty;
+    scene::PathSettings straight = scene_.path;
+    straight.kind = scene::PathKind::Straight;
+    const scene::Environment empty;
     bool jams = false;
-    const bool mayTouch = scene_.environment.contacts != ContactFilter::None;
-    if (sceneNeeds(scene_).planar.on && !mayTouch) {
+    const bool mayTouch = scene_.environment.contacts != scene::ContactFilter::None;
+    if (scene::sceneNeeds(scene_).planar.on && !mayTouch) {
       if (!mayTry(describe(straight))) return {straight, noneArrives()};
       if (arrives(straight, empty, describe(straight), kCoarseSteps))
         return {straight, describe(straight) + arriving()};
       jams = last_.jams;
     }
-    for (const PathSettings& path : waysOf(scene_, false)) {
+    for (const scene::PathSettings& path : waysOf(scene_, false)) {
       if (jams && !path.jointsAreCompliant()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
       if (arrives(path, empty, what)) return {path, what + arriving()};
-      if (path.kind == PathKind::Straight) jams = last_.jams;
+      if (path.kind == scene::PathKind::Straight) jams = last_.jams;
     }
     return {straight, noneArrives()};
   }
@@ -424,18 +427,18 @@ class PathSearch {
   }
 
   /// The first path on which bricks arrive without overlap, joints hardly open.
-  std::optional<PathSettings> pathAmongBricks(const std::vector<PathSettings>& paths,
-                                              const std::string& which) {
-    Environment bricks = scene_.environment;
+  std::optional<scene::PathSettings> pathAmongBricks(const std::vector<scene::PathSettings>& paths,
+                                                     const std::string& which) {
+    scene::Environment bricks = scene_.environment;
     // Ground and weight would decide which trial arrives; a path is sought for the mechanism alone.
     bricks.ground.reset();
     bricks.gravity.setZero();
-    for (const PathSettings& path : paths) {
+    for (const scene::PathSettings& path : paths) {
       const std::string what = fmt::format("{} among {}", describe(path), which);
       if (!mayTry(what)) return {};
       const bool found = arrives(path, bricks, what);
       if (isOver_ || !last_.keepsClear) continue;
-      if (last_.opening > kOpeningShare * tileSize(scene_.model)) {
+      if (last_.opening > kOpeningShare * model::tileSize(scene_.model)) {
         if (found && !wide_) wide_ = {path, last_};
         continue;
       }
@@ -454,11 +457,11 @@ class PathSearch {
 
   /// Which thinner bricks arrive, for the summary; empty when none was found.
   std::string thinnerBricks() {
-    std::vector<PathSettings> paths = waysOf(scene_, true);
+    std::vector<scene::PathSettings> paths = waysOf(scene_, true);
     paths.resize(kThinPaths);
     for (const double share : kThinnerShares) {
       if (isOver_ || budget_.isSpent()) break;
-      Scene thin = scene_;
+      scene::Scene thin = scene_;
       thin.brick.thickness *= share;
       const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
       TargetFindings atTarget = atTarget_;
@@ -475,7 +478,7 @@ class PathSearch {
     return "";
   }
 
-  const Scene& scene_;
+  const scene::Scene& scene_;
   TargetFindings atTarget_;
   SearchBudget& budget_;
   const TrialObserver& observer_;
@@ -493,15 +496,18 @@ class PathSearch {
 
 // The first rule that applies decides. Everything up to the last lines names a case in which a
 // search would make no sense, or in which another force than the pull leads.
-PathChoice choosePath(const Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
-                      const TrialObserver& observer, std::vector<TrialEnd>& trials) {
+PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
+                      SearchBudget& budget, const TrialObserver& observer,
+                      std::vector<TrialEnd>& trials) {
   const TrialObserver watch = observer ? observer : [](const SearchNews&) { return true; };
-  if (scene.path.kind != PathKind::Dynamic) return {scene.path, "asked for", true};
-  PathSettings straight = scene.path;
-  straight.kind = PathKind::Straight;
-  if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
+  if (scene.path.kind != scene::PathKind::Dynamic) return {scene.path, "asked for", true};
+  scene::PathSettings straight = scene.path;
+  straight.kind = scene::PathKind::Straight;
+  if (scene.solver.kind == scene::SolverKind::Bullet)
+    return {straight, "the baseline tries no others"};
   if (std::isfinite(roundedJointStiffness(scene.model)) && exactJointsJam(scene, budget, watch)) {
-    straight.jointStiffness = misfitStiffness(scene, makeBricks(scene.model.tiles, scene.brick));
+    straight.jointStiffness =
+        misfitStiffness(scene, model::makeBricks(scene.model.tiles, scene.brick));
     return {
         straight,
         fmt::format("exact joints jam, tiles of coordinates rounded to {:g} m fit each other in "
@@ -510,16 +516,18 @@ PathChoice choosePath(const Scene& scene, const TargetFindings& atTarget, Search
         true};
   }
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
-  const Drive drive = scene.actuation.drive;
-  if (drive != Drive::Target && drive != Drive::None && exactJointsJam(scene, budget, watch)) {
-    straight.jointStiffness = misfitStiffness(scene, makeBricks(scene.model.tiles, scene.brick));
+  const scene::Drive drive = scene.actuation.drive;
+  if (drive != scene::Drive::Target && drive != scene::Drive::None &&
+      exactJointsJam(scene, budget, watch)) {
+    straight.jointStiffness =
+        misfitStiffness(scene, model::makeBricks(scene.model.tiles, scene.brick));
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
                                   "joints of {:.2g} N/m",
                                   straight.jointStiffness)};
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};
-  if (drive != Drive::Target || !scene.springs.pull())
+  if (drive != scene::Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
   return PathSearch(scene, atTarget, budget, watch, trials).find();
 }
@@ -539,14 +547,14 @@ constexpr double kMovedShare = 1e-6;
 // Bounds that differ less are one.
 constexpr double kAboveBound = 1.1;
 
-bool isWanted(const Scene& scene) {
-  return scene.model.target && scene.actuation.drive == Drive::Target;
+bool isWanted(const scene::Scene& scene) {
+  return scene.model.target && scene.actuation.drive == scene::Drive::Target;
 }
 
 // Joints that are open in the target's own data.
-std::string tornWarning(const Scene& scene) {
-  const double tile = tileSize(scene.model);
-  const double gap = largestJointGap(scene.model.joints, *scene.model.target);
+std::string tornWarning(const scene::Scene& scene) {
+  const double tile = model::tileSize(scene.model);
+  const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap <= kTorn * tile) return "";
   return fmt::format(
       "the target is torn: its own joints are open by {:.3g} m there ({:.2g} tiles), so that "
@@ -555,12 +563,12 @@ std::string tornWarning(const Scene& scene) {
 }
 
 /// Tiles of a folded target face many ways; a sheet of which all do the other way is turned over.
-std::string turnedWarning(const Scene& scene) {
-  const Model& model = scene.model;
+std::string turnedWarning(const scene::Scene& scene) {
+  const model::Model& model = scene.model;
   const auto count = static_cast<int>(model.tiles.size());
-  const int turned = countTurnedOver(model.tiles, *model.target);
-  const double flat = 1e-9 * modelSize(model);
-  const bool areFlat = liesFlat(model.tiles, flat) && liesFlat(*model.target, flat);
+  const int turned = model::countTurnedOver(model.tiles, *model.target);
+  const double flat = 1e-9 * model::modelSize(model);
+  const bool areFlat = model::liesFlat(model.tiles, flat) && model::liesFlat(*model.target, flat);
   if (turned == 0 || (!areFlat && turned < count)) return "";
   return fmt::format(
       "the target is turned over: {} of {} tiles face the other way there than at the start",
@@ -568,9 +576,9 @@ std::string turnedWarning(const Scene& scene) {
 }
 
 // Tiles of other shapes than the target's.
-std::string rigidWarning(const Scene& scene) {
-  const double tile = tileSize(scene.model);
-  const double bound = rigidBound(scene.model.tiles, *scene.model.target);
+std::string rigidWarning(const scene::Scene& scene) {
+  const double tile = model::tileSize(scene.model);
+  const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (bound <= kFarShare * tile) return "";
   return fmt::format(
       "the target is out of reach: its tiles have other shapes, and rigid ones cannot come nearer "
@@ -579,17 +587,17 @@ std::string rigidWarning(const Scene& scene) {
 }
 
 // Where the place matters, a start that was moved onto its target is told.
-std::string movedWarning(const Scene& scene) {
-  const StartAlignment& alignment = scene.alignment;
-  const Environment& environment = scene.environment;
+std::string movedWarning(const scene::Scene& scene) {
+  const scene::StartAlignment& alignment = scene.alignment;
+  const scene::Environment& environment = scene.environment;
   const bool placeCounts = environment.ground || !environment.obstacles.empty();
-  const bool isMoved = alignment.moved > kMovedShare * tileSize(scene.model);
-  return placeCounts && isMoved ? describe(alignment) : "";
+  const bool isMoved = alignment.moved > kMovedShare * model::tileSize(scene.model);
+  return placeCounts && isMoved ? scene::describe(alignment) : "";
 }
 
 }  // namespace
 
-std::vector<std::string> targetWarnings(const Scene& scene) {
+std::vector<std::string> targetWarnings(const scene::Scene& scene) {
   std::vector<std::string> warnings;
   if (!isWanted(scene)) return warnings;
   for (const auto& warn : {tornWarning, turnedWarning, rigidWarning, movedWarning}) {
@@ -599,10 +607,10 @@ std::vector<std::string> targetWarnings(const Scene& scene) {
   return warnings;
 }
 
-std::string reachWarning(const Scene& scene, const AssembledState& nearest) {
-  const double tile = tileSize(scene.model);
+std::string reachWarning(const scene::Scene& scene, const AssembledState& nearest) {
+  const double tile = model::tileSize(scene.model);
   if (!isWanted(scene) || nearest.error <= kFarShare * tile) return "";
-  const double bound = rigidBound(scene.model.tiles, *scene.model.target);
+  const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (nearest.error <= kAboveBound * bound) return "";
   return fmt::format(
       "the target is out of reach: the search for the nearest state with closed joints ended "
@@ -611,4 +619,4 @@ std::string reachWarning(const Scene& scene, const AssembledState& nearest) {
       nearest.error, nearest.error / tile);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -10,16 +10,16 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// A path, and why it was taken.
 struct PathChoice {
-  PathSettings path;     ///< Straight or Guided
-  std::string reason;    ///< one short phrase for the summary
-  bool isFound = false;  ///< it arrives, among bricks that touch where they may
-  bool isClear = false;  ///< no bricks met on it
+  scene::PathSettings path;  ///< Straight or Guided
+  std::string reason;        ///< one short phrase for the summary
+  bool isFound = false;      ///< it arrives, among bricks that touch where they may
+  bool isClear = false;      ///< no bricks met on it
   /// A path that arrives where bricks pass through each other.
-  std::optional<PathSettings> through = std::nullopt;
+  std::optional<scene::PathSettings> through = std::nullopt;
   std::string throughReason = {};  ///< why that was taken, one short phrase
 };
 
@@ -83,8 +83,9 @@ inline constexpr double kClearShare = 1e-4;
 /// budget: one that is cut short is no trial that failed, and the reason tells of it. `observer`
 /// may be empty. `trials` holds how the first trials ended, which are not made again, and gets the
 /// others, but not one that the observer stopped.
-PathChoice choosePath(const Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
-                      const TrialObserver& observer, std::vector<TrialEnd>& trials);
+PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
+                      SearchBudget& budget, const TrialObserver& observer,
+                      std::vector<TrialEnd>& trials);
 
 // ------------------------------------------------------------------------------------------------
 // What is wrong with a target, told before the run.
@@ -93,10 +94,10 @@ PathChoice choosePath(const Scene& scene, const TargetFindings& atTarget, Search
 /// joints are open there by more than a thousandth of a tile), turned over, or out of reach of
 /// rigid tiles by more than a tenth of a tile, and where a start was moved onto its target although
 /// its place counts (ground, obstacles). Empty where all is well, or nothing pulls to the target.
-std::vector<std::string> targetWarnings(const Scene& scene);
+std::vector<std::string> targetWarnings(const scene::Scene& scene);
 
 /// The same where no state with closed joints was found within a tenth of a tile, beyond what rigid
 /// tiles by themselves miss; empty otherwise.
-std::string reachWarning(const Scene& scene, const AssembledState& nearest);
+std::string reachWarning(const scene::Scene& scene, const AssembledState& nearest);
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

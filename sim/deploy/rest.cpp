@@ -13,7 +13,7 @@
 #include <random>
 #include <utility>
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // Steps that fail, and bring no brick farther than this part of a tile, are no motion.
@@ -115,7 +115,7 @@ double farthestMove(const Poses& from, const Poses& to, double tileSize) {
 }
 
 RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
-                    const LoadSource& actuation, double tileSize) {
+                    const mechanics::LoadSource& actuation, double tileSize) {
   RestProbe probe;
   Motion trial = motion;
   for (double length = kStepGrowth * step; length < kLongest && !probe.movesOn;
@@ -199,8 +199,8 @@ bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double ti
 }
 
 std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
-                                     std::span<const Symmetry> group, Dynamics& dynamics) {
-  std::vector<Velocity> symmetric = symmetricMean(whole, group);
+                                     std::span<const model::Symmetry> group, Dynamics& dynamics) {
+  std::vector<Velocity> symmetric = model::symmetricMean(whole, group);
   const double left = fastestOpening(fitted(symmetric, poses, dynamics));
   const double most = fastestOpening(fitted(whole, poses, dynamics));
   if (!(left > kLeft * most)) return {};
@@ -211,10 +211,11 @@ std::vector<Velocity> NudgeGiver::whole() const {
   return nudge(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
 }
 
-void NudgeGiver::giveAtStart(RunMotion& motion, const LoadSource& loads, const JointFit& joints) {
+void NudgeGiver::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads,
+                             const JointFit& joints) {
   given_ = Nudged::Wholly;
   std::vector<Velocity> velocities = whole();
-  if (bricks_.scene.solver.kind == SolverKind::Bullet) {
+  if (bricks_.scene.solver.kind == scene::SolverKind::Bullet) {
     motion.now().velocities = std::move(velocities);
     return;
   }
@@ -247,4 +248,4 @@ void NudgeGiver::giveAtRest(RunMotion& motion) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -11,7 +11,7 @@
 #include "sim/deploy/run_motion.h"
 #include "sim/model/isometry.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // Since when nothing moves.
@@ -71,7 +71,7 @@ struct RestProbe {
 /// moved on and not to be used afterwards. `actuation` must pull the bricks to somewhere, else long
 /// steps lead nowhere. `tileSize` in metres.
 RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
-                    const LoadSource& actuation, double tileSize);
+                    const mechanics::LoadSource& actuation, double tileSize);
 
 /// How far the brick is that moved farthest from one state to another, metres: turns count at a
 /// tile's size.
@@ -106,7 +106,7 @@ bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double ti
 /// some of it, else nothing: a sheet that is closed may open in a way that no symmetry keeps.
 /// `dynamics` holds the joints at the state.
 std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
-                                     std::span<const Symmetry> group, Dynamics& dynamics);
+                                     std::span<const model::Symmetry> group, Dynamics& dynamics);
 
 /// What a run has been given to leave states in balance, and gives it.
 class NudgeGiver {
@@ -117,7 +117,7 @@ class NudgeGiver {
   /// Gives the bricks, which stand still, what they need to leave this start: nothing where `loads`
   /// move them by themselves. An engine's start is not known to its end, and it gets the whole
   /// nudge. `joints` are as the run's.
-  void giveAtStart(RunMotion& motion, const LoadSource& loads, const JointFit& joints);
+  void giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads, const JointFit& joints);
   /// Gives a whole nudge to bricks that came to rest: a motion may come to an equilibrium that is
   /// not stable, as a start may be one.
   void giveAtRest(RunMotion& motion);
@@ -137,4 +137,4 @@ class NudgeGiver {
   Nudged given_ = Nudged::No;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

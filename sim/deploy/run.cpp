@@ -35,7 +35,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // At a target, a run that is this near to where springs rest, or to it, is not only slow.
@@ -46,7 +46,7 @@ constexpr double kArrivedShare = 1e-9;
 
 }  // namespace
 
-Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& observers,
+Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObservers& observers,
          Checkpoints* checkpoints)
     : bricks_(scene),
       clock_(RunMotion::lookOf(scene)),
@@ -82,7 +82,7 @@ DeploymentResult Run::finish() {
 
 // Closes joints, sets the first velocities and measures the start.
 void Run::start() {
-  const Scene& scene = bricks_.scene;
+  const scene::Scene& scene = bricks_.scene;
   Motion& now = motion_.now();
   joints_.closeAtStart(motion_, recorder_.figures());
   goTo(nullptr);
@@ -90,7 +90,7 @@ void Run::start() {
     now.velocities.assign(bricks_.bricks.size(), Velocity{});
     nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
   } else {
-    now.velocities = initialVelocities(scene.velocities, bricks_.bricks, now.poses);
+    now.velocities = scene::initialVelocities(scene.velocities, bricks_.bricks, now.poses);
     if (!scene.path.jointsAreCompliant()) motion_.solver().fitVelocities(now);
   }
   motion_.beginHere();
@@ -198,15 +198,16 @@ void Run::end(RunEnding ending) {
 // Everything that the run leaves, at its end.
 DeploymentResult Run::result() {
   DeploymentResult result;
-  Trajectory& trajectory = result.trajectory;
-  static_cast<Subject&>(trajectory) = subjectOf(bricks_.scene);
+  trajectory::Trajectory& trajectory = result.trajectory;
+  static_cast<trajectory::Subject&>(trajectory) = trajectory::subjectOf(bricks_.scene);
   trajectory.events = std::move(recorder_.events());
   recorder_.figures().leave(result);
   result.outcome = ending_->outcome;
   result.reason = ending_->reason;
   if (target_.isPulledTo()) result.atTarget = target_.hasArrived(motion_.poses());
   if (!trajectory.pairForces.empty()) {
-    result.elasticity = elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
+    result.elasticity =
+        model::elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
   }
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;
@@ -255,9 +256,10 @@ void Run::restOrGoOn() {
 // Whether bricks that hardly move are on their way: soft springs and heavy bricks are slow. Springs
 // at hinges move them too, but expansion would drive them on for ever.
 bool Run::isOnlySlow() {
-  const Scene& scene = bricks_.scene;
+  const scene::Scene& scene = bricks_.scene;
   const double tile = bricks_.tileSize;
-  if (rest_.isStuck(motion_.poses()) || scene.solver.kind == SolverKind::Bullet) return false;
+  if (rest_.isStuck(motion_.poses()) || scene.solver.kind == scene::SolverKind::Bullet)
+    return false;
   if (target_.isPulledTo() && timeline_.forcesAreOn()) {
     const double arrived = std::max(kThere * target_.leastError(), kThereShare * tile);
     if (targetErrorNow() <= arrived) return false;
@@ -286,7 +288,7 @@ bool Run::followTimeline(bool atRest) {
 }
 
 // Null for the model's own.
-void Run::goTo(const std::vector<Tile>* target) {
+void Run::goTo(const std::vector<model::Tile>* target) {
   nudges_.beginAnew();
   target_.set(target, motion_.poses());
   drive_.headFor(target_, motion_.poses());
@@ -326,7 +328,7 @@ void Run::saveState() {
 void Run::goOnFrom(const RunState& state) {
   StateTape tape(state.numbers);
   transfer(tape);
-  const std::optional<Sample> last = recorder_.showAgain(state.time);
+  const std::optional<trajectory::Sample> last = recorder_.showAgain(state.time);
   if (!last) return;
   motion_.now().poses = last->poses;
   interrupt();
@@ -371,7 +373,7 @@ RunEnding RunReasons::atRest(bool isTrial) const {
 }
 
 RunEnding RunReasons::late() const {
-  const StopRules& stop = bricks_.scene.stop;
+  const scene::StopRules& stop = bricks_.scene.stop;
   const double speed = fastestSpeed(motion_.now().velocities, bricks_.tileSize);
   const bool isSlow = speed < stop.settleSpeed * bricks_.size;
   std::string text = fmt::format(
@@ -385,15 +387,18 @@ RunEnding RunReasons::late() const {
 
 // Whether the joints leave the tiles no motion but that of the whole.
 bool RunReasons::isImmobile() const {
-  const Freedom freedom = bricks_.needs.planar.on ? Freedom::Plane : Freedom::Space;
-  const Mobility found = mobility(bricks_.scene.model, bottomTiles(bricks_.bricks, motion_.poses()),
-                                  freedom, bricks_.scene.brick.thickness);
+  const trajectory::Freedom freedom =
+      bricks_.needs.planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
+  const trajectory::Mobility found =
+      trajectory::mobility(bricks_.scene.model, model::bottomTiles(bricks_.bricks, motion_.poses()),
+                           freedom, bricks_.scene.brick.thickness);
   return found.isCounted && found.freedoms <= 0;
 }
 
 // What keeps a run from its target that has come to rest.
 std::string RunReasons::holdup() const {
-  if (bricks_.scene.solver.kind == SolverKind::Bullet) return "the baseline does not tell why";
+  if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
+    return "the baseline does not tell why";
   const std::vector<std::string> contacts = motion_.solver().loadedContacts();
   if (!contacts.empty()) return contactWords(contacts);
   if (rest_.isStuck(motion_.poses())) return "exact joints leave the tiles no way on";
@@ -410,4 +415,4 @@ std::string RunReasons::holdup() const {
   return "a local minimum of the pull, no small move brings the tiles nearer";
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

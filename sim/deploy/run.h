@@ -16,7 +16,7 @@
 #include "sim/deploy/timeline_runner.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// How a run ended, and why, in one line.
 struct RunEnding {
@@ -74,7 +74,7 @@ class Run : private TimelineStage {
  public:
   /// `nearest`: see assembleAtTarget(). The scene's path must be chosen (not Auto). Scene
   /// and checkpoints must outlive the run; the latter may be null.
-  Run(const Scene& scene, const AssembledState& nearest, const RunObservers& observers,
+  Run(const scene::Scene& scene, const AssembledState& nearest, const RunObservers& observers,
       Checkpoints* checkpoints = nullptr);
   // Its parts refer to each other.
   Run(const Run&) = delete;
@@ -122,7 +122,7 @@ class Run : private TimelineStage {
   // The timeline, and what it does to the run.
   bool followTimeline(bool atRest);
   void setPinned(const std::vector<bool>& pinned) override { motion_.solver().setPinned(pinned); }
-  void goTo(const std::vector<Tile>* target) override;
+  void goTo(const std::vector<model::Tile>* target) override;
   void reset() override;
   void quit() override;
 
@@ -151,4 +151,4 @@ class Run : private TimelineStage {
   std::optional<RunEnding> ending_;  // once it has ended
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -23,23 +23,23 @@
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // The target headed for.
 
-void CurrentTarget::set(const std::vector<Tile>* tiles, const Poses& from) {
-  const Model& model = bricks_.scene.model;
+void CurrentTarget::set(const std::vector<model::Tile>* tiles, const Poses& from) {
+  const model::Model& model = bricks_.scene.model;
   if (!tiles && model.target) tiles = &*model.target;
   tiles_ = tiles;
   if (!tiles_) return;
   startError_ = error(from);
   const bool isOwn = model.target && tiles_ == &*model.target;
-  leastError_ = isOwn ? restError_ : rigidBound(model.tiles, *tiles_);
+  leastError_ = isOwn ? restError_ : trajectory::rigidBound(model.tiles, *tiles_);
 }
 
 double CurrentTarget::error(const Poses& poses) const {
-  return tiles_ ? targetError(*tiles_, bricks_.bricks, poses) : 0;
+  return tiles_ ? trajectory::targetError(*tiles_, bricks_.bricks, poses) : 0;
 }
 
 bool CurrentTarget::isReachedAt(double error) const {
@@ -47,8 +47,8 @@ bool CurrentTarget::isReachedAt(double error) const {
 }
 
 bool CurrentTarget::isPulledTo() const {
-  const Scene& scene = bricks_.scene;
-  return hasSprings() && (scene.springs.pull() || scene.path.kind == PathKind::Guided);
+  const scene::Scene& scene = bricks_.scene;
+  return hasSprings() && (scene.springs.pull() || scene.path.kind == scene::PathKind::Guided);
 }
 
 bool CurrentTarget::hasArrived(const Poses& poses) const {
@@ -57,11 +57,11 @@ bool CurrentTarget::hasArrived(const Poses& poses) const {
 }
 
 void CurrentTarget::transfer(StateTape& tape) {
-  const Scene& scene = bricks_.scene;
-  std::vector<const std::vector<Tile>*> targets = {nullptr};
+  const scene::Scene& scene = bricks_.scene;
+  std::vector<const std::vector<model::Tile>*> targets = {nullptr};
   if (scene.model.target) targets.push_back(&*scene.model.target);
-  for (const TimelineEntry& entry : scene.timeline) {
-    const auto* going = std::get_if<timeline::GoTo>(&entry.action);
+  for (const scene::TimelineEntry& entry : scene.timeline) {
+    const auto* going = std::get_if<scene::timeline::GoTo>(&entry.action);
     if (going) targets.push_back(&going->tiles);
   }
   auto number = std::ranges::find(targets, tiles_) - targets.begin();
@@ -73,17 +73,18 @@ void CurrentTarget::transfer(StateTape& tape) {
 // The choice of a drive. Springs to a target are not made here: a run moves their target on,
 // stiffens them and switches them, so that it keeps them itself.
 
-std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks) {
-  const TargetSpringSettings& strength = scene.springs;
+std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
+                                           const std::vector<model::Brick>& bricks) {
+  const scene::TargetSpringSettings& strength = scene.springs;
   switch (scene.actuation.drive) {
-    case Drive::Expansion:
+    case scene::Drive::Expansion:
       return std::make_unique<Expansion>(bricks, strength);
-    case Drive::Boundary:
+    case scene::Drive::Boundary:
       return std::make_unique<BoundarySprings>(scene.model, bricks, strength,
                                                scene.actuation.boundary);
-    case Drive::Auto:
-    case Drive::Target:
-    case Drive::None:
+    case scene::Drive::Auto:
+    case scene::Drive::Target:
+    case scene::Drive::None:
       break;
   }
   return nullptr;
@@ -108,8 +109,8 @@ constexpr double kClosingShare = 1e8;
 }  // namespace
 
 // Their damping is critical whatever the scene's: tiles are to follow, not to swing.
-TargetSpringSettings leadingSprings(const Scene& scene) {
-  TargetSpringSettings springs;
+scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
+  scene::TargetSpringSettings springs;
   springs.frequency = kLedFrequency * scene.springs.frequency;
   springs.dampingRatio = 1;
   springs.springStiffness = scene.path.guideStiffness;
@@ -120,12 +121,13 @@ TargetSpringSettings leadingSprings(const Scene& scene) {
 }
 
 // The guide leads from the bricks' poses at the start of leading, not from the model's start.
-PathFollower::PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
-                           const std::vector<Tile>& target, double beginTime)
+PathFollower::PathFollower(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+                           const Poses& start, const std::vector<model::Tile>& target,
+                           double beginTime)
     : path_(scene.path),
       beginTime_(beginTime),
       closingStiffness_(kClosingShare * usualStiffness(scene.springs, bricks)),
-      guide_(bottomTiles(bricks, start), target),
+      guide_(model::bottomTiles(bricks, start), target),
       springs_(bricks, target, scene.model.pulledTiles, leadingSprings(scene)) {}
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
@@ -153,8 +155,8 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
 // are.
 bool RunDrive::jointsAreCompliant() const {
   if (bricks_.ties.pairForces.replaceJoints()) return true;
-  const PathSettings& path = bricks_.scene.path;
-  return path.jointsAreCompliant() && (isOnPath() || path.kind == PathKind::Straight);
+  const scene::PathSettings& path = bricks_.scene.path;
+  return path.jointsAreCompliant() && (isOnPath() || path.kind == scene::PathKind::Straight);
 }
 
 // Without a target nothing pulls any more.
@@ -165,23 +167,23 @@ void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
   departure_ = from;
   departedAt_ = clock_.time();
   if (!target.hasSprings()) return;
-  const Scene& scene = bricks_.scene;
+  const scene::Scene& scene = bricks_.scene;
   pullTo(*target.tiles());
   stiffness_ = AdaptiveStiffness(scene.springs.adaptive);
   stiffness_.observe(target.startError(), departedAt_, 0);
-  if (scene.path.kind != PathKind::Guided) return;
+  if (scene.path.kind != scene::PathKind::Guided) return;
   phase_ = scene.path.openTime > 0 ? Phase::Open : Phase::Guide;
   openedAt_ = departedAt_ + scene.path.openTime;
   if (phase_ == Phase::Guide) leadTo(*target.tiles());
 }
 
-void RunDrive::pullTo(const std::vector<Tile>& target) {
-  const Scene& scene = bricks_.scene;
+void RunDrive::pullTo(const std::vector<model::Tile>& target) {
+  const scene::Scene& scene = bricks_.scene;
   springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, scene.springs);
 }
 
 // From where and when the bricks departed.
-void RunDrive::leadTo(const std::vector<Tile>& target) {
+void RunDrive::leadTo(const std::vector<model::Tile>& target) {
   follower_.emplace(bricks_.scene, bricks_.bricks, departure_, target, departedAt_);
 }
 
@@ -216,7 +218,7 @@ const TargetSprings* RunDrive::presentSprings() const {
   return springs_ ? &*springs_ : nullptr;
 }
 
-void RunDrive::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+void RunDrive::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
   if (const DriveForce* drive = presentDrive()) {
     drive->addLoads(poses, loads);
   } else if (const TargetSprings* springs = presentSprings()) {
@@ -244,4 +246,4 @@ void RunDrive::transfer(StateTape& tape, const CurrentTarget& target) {
   if (phase_ == Phase::Guide || phase_ == Phase::Close) leadTo(*target.tiles());
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

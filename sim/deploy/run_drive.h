@@ -16,7 +16,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // The target headed for.
@@ -32,10 +32,10 @@ class CurrentTarget {
 
   /// Heads for these tiles, one a brick, which must outlive this; null: for the model's own, or
   /// nowhere if it has none. `from`: where the bricks are.
-  void set(const std::vector<Tile>* tiles, const Poses& from);
+  void set(const std::vector<model::Tile>* tiles, const Poses& from);
 
   /// One tile a brick; null where there is no target.
-  const std::vector<Tile>* tiles() const { return tiles_; }
+  const std::vector<model::Tile>* tiles() const { return tiles_; }
   /// From these poses; 0 where there is no target.
   double error(const Poses& poses) const;
   /// When it was set.
@@ -46,7 +46,9 @@ class CurrentTarget {
   bool isReachedAt(double error) const;
 
   /// Whether the scene's springs to a target have one. Those without stiffness damp alone.
-  bool hasSprings() const { return bricks_.scene.actuation.drive == Drive::Target && tiles_; }
+  bool hasSprings() const {
+    return bricks_.scene.actuation.drive == scene::Drive::Target && tiles_;
+  }
   /// Whether something pulls there: springs with a stiffness, or those that lead tiles.
   bool isPulledTo() const;
   /// Whether it is pulled to, and reached as nearly as can be. An error that is far is no nearness,
@@ -59,7 +61,7 @@ class CurrentTarget {
  private:
   const SceneBricks& bricks_;
   double restError_;
-  const std::vector<Tile>* tiles_ = nullptr;
+  const std::vector<model::Tile>* tiles_ = nullptr;
   double startError_ = 0;
   double leastError_ = 0;
 };
@@ -69,7 +71,8 @@ class CurrentTarget {
 
 /// The drive that a scene asks for; null where that is the target or nothing. Scene and bricks must
 /// outlive it. Throws InputError where the model does not have what the drive needs.
-std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks);
+std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
+                                           const std::vector<model::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
 // The phases on the way to a target.
@@ -84,7 +87,7 @@ enum class Phase {
 };
 
 /// the springs of the guide the scene's tiles: as its path says, else by its springs' frequency.
-TargetSpringSettings leadingSprings(const Scene& scene);
+scene::TargetSpringSettings leadingSprings(const scene::Scene& scene);
 
 /// Leads the tiles of a run to their target: springs pull every tile after a target that moves
 /// along the tile's own rigid motion, by the turn more than by the place (a mechanism that turns
@@ -95,8 +98,8 @@ class PathFollower {
   /// `bricks` must outlive this. `start`: where the path begins, joints closed unless they are
   /// compliant; `beginTime`: when, seconds. `target`: where it leads, one tile a brick. The scene
   /// has PathKind::Guided.
-  PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
-               const std::vector<Tile>& target, double beginTime);
+  PathFollower(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+               const Poses& start, const std::vector<model::Tile>& target, double beginTime);
 
   /// Sets the moving target and the joints' stiffness for the step that ends at `time` (seconds
   /// of the run), and says which phase that step is in. Settle: the path is done, the joints are as
@@ -107,7 +110,7 @@ class PathFollower {
   const TargetSprings& springs() const { return springs_; }
 
  private:
-  PathSettings path_;
+  scene::PathSettings path_;
   double beginTime_;
   double closingStiffness_;  // of joints at the end, N/m
   TargetGuide guide_;
@@ -138,7 +141,7 @@ class RunDrive {
   double nextMoment() const;
 
   /// Adds the drive's load on every brick at these poses.
-  void addLoads(const Poses& poses, std::vector<Load>& loads) const;
+  void addLoads(const Poses& poses, std::vector<model::Load>& loads) const;
   /// Energy that it stores in these poses, joules.
   double energy(const Poses& poses) const;
   /// Adds to every brick's force, newtons, what of the drive stores no energy.
@@ -155,8 +158,8 @@ class RunDrive {
   void transfer(StateTape& tape, const CurrentTarget& target);
 
  private:
-  void pullTo(const std::vector<Tile>& target);
-  void leadTo(const std::vector<Tile>& target);
+  void pullTo(const std::vector<model::Tile>& target);
+  void leadTo(const std::vector<model::Tile>& target);
   const DriveForce* presentDrive() const;
   const TargetSprings* presentSprings() const;
 
@@ -173,4 +176,4 @@ class RunDrive {
   AdaptiveStiffness stiffness_{false};
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -8,7 +8,7 @@
 
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // Joints with gaps below this part of a tile are closed.
@@ -19,15 +19,15 @@ constexpr double kNoTime = -1;
 }  // namespace
 
 // `asRead`: the state whose overlaps count as given, so that "grown" is measured from it.
-RunFigures::RunFigures(const Model& model, const std::vector<Brick>& bricks,
-                       std::span<const Pivot> pivots, double pivotZone, const Poses& asRead,
+RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick>& bricks,
+                       std::span<const model::Pivot> pivots, double pivotZone, const Poses& asRead,
                        const AssembledState& nearest)
     : model_(model),
       bricks_(bricks),
       pivots_(pivots),
-      tileSize_(tileSize(model)),
-      overlaps_(std::make_unique<PenetrationMeter>(bricks, pivots, pivotZone, asRead,
-                                                   kRoundingOverlap * tileSize_)),
+      tileSize_(model::tileSize(model)),
+      overlaps_(std::make_unique<trajectory::PenetrationMeter>(
+          bricks, pivots, pivotZone, asRead, trajectory::kRoundingOverlap * tileSize_)),
       asRead_(asRead),
       assembledError_(nearest.error) {
   if (!model.target) return;
@@ -38,9 +38,10 @@ RunFigures::RunFigures(const Model& model, const std::vector<Brick>& bricks,
 
 // The start is observed as a step of no length: it counts in means and maxima.
 void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
-  accuracy_.assemblyMove = targetError(bottomTiles(bricks_, asRead_), bricks_, start);
+  accuracy_.assemblyMove =
+      trajectory::targetError(model::bottomTiles(bricks_, asRead_), bricks_, start);
   accuracy_.targetErrorStart = accuracy_.targetErrorMin = targetErrorOf(start);
-  if (model_.target) accuracy_.rigidBound = rigidBound(model_.tiles, *model_.target);
+  if (model_.target) accuracy_.rigidBound = trajectory::rigidBound(model_.tiles, *model_.target);
   observe(0, start, {}, jointsAreCompliant);
 }
 
@@ -48,13 +49,13 @@ void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
                          bool jointsAreCompliant) {
   // What may be ended from within comes first, while nothing has changed.
-  const PenetrationDepths overlaps =
+  const trajectory::PenetrationDepths overlaps =
       overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
                           accuracy_.penetrationGrownMax},
                          poses);
   const TimedPoses state = {time, poses};
   cost_.took += report;
-  const JointGap gap = jointGap(pivots_, poses);
+  const trajectory::JointGap gap = trajectory::jointGap(pivots_, poses);
   gapBefore_ = gapNow_;
   gapNow_ = accuracy_.jointGapEnd = gap.max;
   gapSum_ += gap.mean;
@@ -70,8 +71,8 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
 }
 
 void RunFigures::keepState(const char* figure, const TimedPoses& state) {
-  auto kept = std::ranges::find(states_, figure, &FigureState::figure);
-  if (kept == states_.end()) kept = states_.insert(kept, FigureState{figure, 0, {}});
+  auto kept = std::ranges::find(states_, figure, &trajectory::FigureState::figure);
+  if (kept == states_.end()) kept = states_.insert(kept, trajectory::FigureState{figure, 0, {}});
   kept->time = state.time;
   kept->poses = state.poses;
 }
@@ -84,7 +85,7 @@ void RunFigures::raise(double& figure, const char* name, double value, const Tim
 }
 
 // Two least errors: of any state, and of states with closed joints.
-void RunFigures::observeTarget(const TimedPoses& state, const JointGap& gap) {
+void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointGap& gap) {
   if (!model_.target) return;
   const double error = accuracy_.targetErrorEnd = targetErrorOf(state.poses);
   if (count_ == 0 || error < accuracy_.targetErrorMin) {
@@ -99,7 +100,7 @@ void RunFigures::observeTarget(const TimedPoses& state, const JointGap& gap) {
 
 // 0 without a target.
 double RunFigures::targetErrorOf(const Poses& poses) const {
-  return model_.target ? targetError(*model_.target, bricks_, poses) : 0;
+  return model_.target ? trajectory::targetError(*model_.target, bricks_, poses) : 0;
 }
 
 // At both ends of the last step.
@@ -108,22 +109,22 @@ bool RunFigures::wereClosed() const {
 }
 
 // A sample takes along the records of the steps up to its time; those of later ones wait.
-Sample RunFigures::sampleAt(double time, Poses poses) {
-  Sample sample;
+trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
+  trajectory::Sample sample;
   sample.time = time;
   sample.poses = std::move(poses);
-  sample.jointGap = jointGap(pivots_, sample.poses).max;
+  sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
   sample.targetError = targetErrorOf(sample.poses);
-  sample.penetration = deepestPenetration(bricks_, sample.poses).depth;
-  const auto later =
-      std::ranges::find_if(steps_, [&](const StepRecord& step) { return step.time > time; });
+  sample.penetration = trajectory::deepestPenetration(bricks_, sample.poses).depth;
+  const auto later = std::ranges::find_if(
+      steps_, [&](const trajectory::StepRecord& step) { return step.time > time; });
   sample.steps.assign(steps_.begin(), later);
   steps_.erase(steps_.begin(), later);
   return sample;
 }
 
 // The figures of the end are the sample's. Kept states are dropped with it.
-void RunFigures::endWith(const Sample& sample) {
+void RunFigures::endWith(const trajectory::Sample& sample) {
   accuracy_.jointGapEnd = sample.jointGap;
   accuracy_.targetErrorEnd = sample.targetError;
   states_.clear();
@@ -145,4 +146,4 @@ void RunFigures::transferStates(StateTape& tape) {
   tape.transfer(states_, steps_, gapBefore_, gapNow_);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

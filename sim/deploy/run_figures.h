@@ -11,7 +11,7 @@
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// The poses of a run at a time, seconds.
 struct TimedPoses {
@@ -25,8 +25,9 @@ class RunFigures {
  public:
   /// `asRead`: where the bricks stand before joints are closed. `nearest`: see assembleAtTarget().
   /// Model, bricks and pivots must outlive this.
-  RunFigures(const Model& model, const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-             double pivotZone, const Poses& asRead, const AssembledState& nearest);
+  RunFigures(const model::Model& model, const std::vector<model::Brick>& bricks,
+             std::span<const model::Pivot> pivots, double pivotZone, const Poses& asRead,
+             const AssembledState& nearest);
 
   /// Measures the start, its joints closed unless they are compliant (`jointsAreCompliant`).
   void begin(const Poses& start, bool jointsAreCompliant);
@@ -43,19 +44,19 @@ class RunFigures {
   /// The target error of a state, metres; 0 without a target.
   double targetErrorOf(const Poses& poses) const;
   /// The overlaps of a state, which enter no figure.
-  PenetrationDepths overlapsOf(const Poses& poses) { return overlaps_->at(poses); }
+  trajectory::PenetrationDepths overlapsOf(const Poses& poses) { return overlaps_->at(poses); }
   /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
   bool seesAllPairs() const { return overlaps_->seesAllPairs(); }
   /// Whether the joints were closed at the start and at the end of the last step.
   bool wereClosed() const;
   /// The record of the last step.
-  const StepRecord& lastStep() const { return steps_.back(); }
+  const trajectory::StepRecord& lastStep() const { return steps_.back(); }
 
   /// A sample of these poses with its measures, and the steps up to its time since the one before.
-  Sample sampleAt(double time, Poses poses);
+  trajectory::Sample sampleAt(double time, Poses poses);
   /// Makes a sample the end of the run, though later steps were measured. Which states the figures
   /// up to it were reached in is not known.
-  void endWith(const Sample& sample);
+  void endWith(const trajectory::Sample& sample);
 
   /// Puts the figures in their places.
   void leave(DeploymentResult& result) const;
@@ -68,13 +69,13 @@ class RunFigures {
  private:
   void keepState(const char* figure, const TimedPoses& state);
   void raise(double& figure, const char* name, double value, const TimedPoses& state);
-  void observeTarget(const TimedPoses& state, const JointGap& gap);
+  void observeTarget(const TimedPoses& state, const trajectory::JointGap& gap);
 
-  const Model& model_;
-  const std::vector<Brick>& bricks_;
-  std::span<const Pivot> pivots_;
+  const model::Model& model_;
+  const std::vector<model::Brick>& bricks_;
+  std::span<const model::Pivot> pivots_;
   double tileSize_;  // metres
-  std::unique_ptr<PenetrationMeter> overlaps_;
+  std::unique_ptr<trajectory::PenetrationMeter> overlaps_;
   Poses asRead_;
   Accuracy accuracy_;
   DeployCost cost_;
@@ -83,8 +84,8 @@ class RunFigures {
   double gapSum_ = 0;      // of their mean gaps
   double gapBefore_ = 0;   // the largest of the state before the last
   double gapNow_ = 0;      // likewise of the last
-  std::vector<FigureState> states_;
-  std::vector<StepRecord> steps_;  // since the last sample
+  std::vector<trajectory::FigureState> states_;
+  std::vector<trajectory::StepRecord> steps_;  // since the last sample
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

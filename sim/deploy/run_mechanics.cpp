@@ -8,24 +8,25 @@
 #include "sim/deploy/forces.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // What acts on the bricks.
 
-TimedLoads ActingForces::timedLoads() const {
-  return [this](double seconds, const Poses& poses, std::vector<Load>& loads) {
+mechanics::TimedLoads ActingForces::timedLoads() const {
+  return [this](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
     addLoads(seconds, poses, loads);
   };
 }
 
-LoadSource ActingForces::loadsNow() const {
-  return [this](const Poses& poses, std::vector<Load>& loads) { addLoads(0, poses, loads); };
+mechanics::LoadSource ActingForces::loadsNow() const {
+  return [this](const Poses& poses, std::vector<model::Load>& loads) { addLoads(0, poses, loads); };
 }
 
 // Drags move on with the seconds; the drive stays as it is at present.
-void ActingForces::addLoads(double seconds, const Poses& poses, std::vector<Load>& loads) const {
-  std::fill(loads.begin(), loads.end(), Load{});
+void ActingForces::addLoads(double seconds, const Poses& poses,
+                            std::vector<model::Load>& loads) const {
+  std::fill(loads.begin(), loads.end(), model::Load{});
   if (timeline_.forcesAreOn()) drive_.addLoads(poses, loads);
   timeline_.addDrags(clock_.time() + seconds, poses, loads);
 }
@@ -39,10 +40,10 @@ double ActingForces::springEnergy(double time, const Poses& poses) const {
   }
   const double stiffness = jointStiffness();
   if (!std::isfinite(stiffness)) return sum;
-  for (const Pivot& pivot : bricks_.pivots) {
+  for (const model::Pivot& pivot : bricks_.pivots) {
     // In the plane both faces' pivots are one.
     if (bricks_.needs.planar.on && pivot.isUpper) continue;
-    sum += 0.5 * stiffness * std::pow(pivotGap(pivot, poses), 2);
+    sum += 0.5 * stiffness * std::pow(model::pivotGap(pivot, poses), 2);
   }
   return sum;
 }
@@ -54,7 +55,7 @@ double ActingForces::pairEnergy(const Poses& poses) const {
 // Forces that store no energy here, newtons: gravity, and what of a drive is no spring.
 std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
-  for (const Brick& brick : bricks_.bricks)
+  for (const model::Brick& brick : bricks_.bricks)
     forces.push_back(brick.mass * bricks_.scene.environment.gravity);
   if (timeline_.forcesAreOn()) drive_.addFreeForces(poses, forces);
   return forces;
@@ -63,7 +64,7 @@ std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
 // Everything but contacts and joints, with its damping at these velocities: N and N m about the
 // centres of mass.
 std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& motion) const {
-  std::vector<Load> loads(bricks_.bricks.size());
+  std::vector<model::Load> loads(bricks_.bricks.size());
   addLoads(time - clock_.time(), motion.poses, loads);
   addEnvironmentLoads(bricks_.scene.environment, bricks_.bricks, motion.poses, loads);
   std::vector<Vector6> forces;
@@ -72,7 +73,7 @@ std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& moti
     velocity << motion.velocities[i].linear, motion.velocities[i].angular;
     forces.push_back(loads[i].force - loads[i].damping * velocity);
   }
-  for (const std::shared_ptr<const PairForce>& force : bricks_.ties.pairForces) {
+  for (const std::shared_ptr<const model::PairForce>& force : bricks_.ties.pairForces) {
     force->addForces(motion, forces);
   }
   return forces;
@@ -80,10 +81,10 @@ std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& moti
 
 void ActingForces::addForcesOfReplacedJoints(const Poses& poses,
                                              std::vector<Vector3>& jointForces) const {
-  for (const std::shared_ptr<const PairForce>& force : bricks_.ties.pairForces) {
+  for (const std::shared_ptr<const model::PairForce>& force : bricks_.ties.pairForces) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const int joint = force->joint(pair);
-      if (joint == PairForce::kNoJoint) continue;
+      if (joint == model::PairForce::kNoJoint) continue;
       jointForces[static_cast<std::size_t>(joint)] -=
           force->derivatives(pair, poses).gradient.head<3>();
     }
@@ -91,22 +92,22 @@ void ActingForces::addForcesOfReplacedJoints(const Poses& poses,
 }
 
 // Drags as grips, and the contacts of the last step.
-std::vector<Hold> ActingForces::holds(double time, const Motion& motion) const {
-  std::vector<Hold> holds;
+std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& motion) const {
+  std::vector<trajectory::Hold> holds;
   for (const DragSpring& grip : timeline_.dragSprings(time)) {
     const Pose& pose = motion.poses[grip.tile];
-    Load load;
+    model::Load load;
     addPointSpring(grip.spring, pose, load);
     Vector6 velocity;
     velocity << motion.velocities[grip.tile].linear, motion.velocities[grip.tile].angular;
-    holds.push_back({HoldKind::Grip, grip.tile, Hold::kGround,
+    holds.push_back({trajectory::HoldKind::Grip, grip.tile, trajectory::Hold::kGround,
                      (load.force - load.damping * velocity).head<3>(), Vector3::Zero(),
                      pose.apply(grip.spring.point)});
   }
   // Grips come by tile, in the timeline's order within a tile, so that files do not depend on it.
-  std::ranges::stable_sort(holds, {}, &Hold::tile);
-  const std::vector<Hold> contacts =
-      clock_.time() > 0 ? motion_.solver().contacts(motion.poses) : std::vector<Hold>{};
+  std::ranges::stable_sort(holds, {}, &trajectory::Hold::tile);
+  const std::vector<trajectory::Hold> contacts =
+      clock_.time() > 0 ? motion_.solver().contacts(motion.poses) : std::vector<trajectory::Hold>{};
   holds.insert(holds.end(), contacts.begin(), contacts.end());
   return holds;
 }
@@ -128,16 +129,18 @@ double valueBetween(double first, double last, double share) {
   return share == 1 ? last : first + share * (last - first);
 }
 
-Energies energiesBetween(const Energies& first, const Energies& last, double share) {
-  const auto value = [&](double Energies::*field) {
+trajectory::Energies energiesBetween(const trajectory::Energies& first,
+                                     const trajectory::Energies& last, double share) {
+  const auto value = [&](double trajectory::Energies::*field) {
     return valueBetween(first.*field, last.*field, share);
   };
-  return {value(&Energies::kinetic), value(&Energies::spring), value(&Energies::elastic),
-          value(&Energies::work),    value(&Energies::damped), value(&Energies::impacted)};
+  return {value(&trajectory::Energies::kinetic), value(&trajectory::Energies::spring),
+          value(&trajectory::Energies::elastic), value(&trajectory::Energies::work),
+          value(&trajectory::Energies::damped),  value(&trajectory::Energies::impacted)};
 }
 
 /// Adds a contact's force to what is applied to its tiles.
-void apply(const Hold& contact, const Poses& poses, std::vector<Vector6>& applied) {
+void apply(const trajectory::Hold& contact, const Poses& poses, std::vector<Vector6>& applied) {
   const auto push = [&](int tile, double sign) {
     Vector6& force = applied[static_cast<std::size_t>(tile)];
     const Vector3 arm = contact.point - poses[static_cast<std::size_t>(tile)].position;
@@ -153,15 +156,15 @@ void apply(const Hold& contact, const Poses& poses, std::vector<Vector6>& applie
 RunMechanics::RunMechanics(const SceneBricks& bricks, const ActingForces& acting)
     : bricks_(bricks),
       acting_(acting),
-      reactions_(makeReactionSolver(bricks.bricks, bricks.ties.pivots, bricks.needs.planar.on,
-                                    bricks.tileSize)) {}
+      reactions_(mechanics::makeReactionSolver(bricks.bricks, bricks.ties.pivots,
+                                               bricks.needs.planar.on, bricks.tileSize)) {}
 
 // What springs hold now and did not hold at the end of the last step was put in by whoever moved or
 // stiffened them.
 void RunMechanics::begin(double time, const Motion& motion) {
-  Energies& now = account_.now;
+  trajectory::Energies& now = account_.now;
   const double there = now.kinetic + now.spring + now.elastic;
-  now.kinetic = kineticEnergy(bricks_.bricks, motion);
+  now.kinetic = trajectory::kineticEnergy(bricks_.bricks, motion);
   now.spring = acting_.springEnergy(time, motion.poses);
   now.elastic = acting_.pairEnergy(motion.poses);
   now.work += now.kinetic + now.spring + now.elastic - there;
@@ -170,9 +173,9 @@ void RunMechanics::begin(double time, const Motion& motion) {
 
 // Springs that move within a step hold their energy at its end by their places at its end.
 void RunMechanics::end(const StepSpan& step) {
-  Energies& now = account_.now;
+  trajectory::Energies& now = account_.now;
   const double springTime = step.time + (step.springsMove ? step.seconds : 0);
-  now.kinetic = kineticEnergy(bricks_.bricks, step.to);
+  now.kinetic = trajectory::kineticEnergy(bricks_.bricks, step.to);
   now.spring = acting_.springEnergy(springTime, step.to.poses);
   now.elastic = acting_.pairEnergy(step.to.poses);
   now.work += workOfFreeForces(step.from, step.to);
@@ -195,7 +198,7 @@ double RunMechanics::workOfFreeForces(const Motion& from, const Motion& to) cons
 double RunMechanics::workOfMovingSprings(const StepSpan& step) const {
   double work = 0, done = 0;
   const Motion* from = &step.from;
-  for (const PassedState& state : step.passed) {
+  for (const mechanics::PassedState& state : step.passed) {
     work += workOfMovingSprings(step.time + done, state.seconds - done, *from, state.motion);
     done = state.seconds;
     from = &state.motion;
@@ -216,19 +219,19 @@ double RunMechanics::workOfMovingSprings(double time, double seconds, const Moti
 
 // Energies lie on a straight line between the two ends of the step; forces come from a solve of
 // their own in this state.
-Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
-  Mechanics result;
+trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
+  trajectory::Mechanics result;
   result.energies = energiesBetween(account_.before, account_.now, share);
   const std::vector<bool>& pinned = acting_.pinned();
-  std::vector<Hold> holds = acting_.holds(time, motion);
+  std::vector<trajectory::Hold> holds = acting_.holds(time, motion);
   std::vector<Vector6> applied = acting_.appliedForces(time, motion);
-  for (const Hold& hold : holds) {
-    if (hold.kind == HoldKind::Contact) apply(hold, motion.poses, applied);
+  for (const trajectory::Hold& hold : holds) {
+    if (hold.kind == trajectory::HoldKind::Contact) apply(hold, motion.poses, applied);
   }
   const double stiffness = acting_.jointStiffness();
-  const Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
+  const mechanics::Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
   const std::size_t joints = bricks_.scene.model.joints.size();
-  const std::vector<Pivot>& pivots = bricks_.ties.pivots;
+  const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
   result.jointForces.assign(joints, Vector3::Zero());
   for (std::size_t p = 0; p < pivots.size(); ++p) {
     result.jointForces[static_cast<std::size_t>(pivots[p].joint)] += reactions.pivotForces[p];
@@ -238,12 +241,12 @@ Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
                                                     : reactions_->indeterminateJoints(joints);
   for (std::size_t i = 0; i < pinned.size(); ++i) {
     if (!pinned[i]) continue;
-    result.holds.push_back({HoldKind::Pin, static_cast<int>(i), Hold::kGround,
-                            reactions.pinForces[i].head<3>(), reactions.pinForces[i].tail<3>(),
-                            motion.poses[i].position});
+    result.holds.push_back({trajectory::HoldKind::Pin, static_cast<int>(i),
+                            trajectory::Hold::kGround, reactions.pinForces[i].head<3>(),
+                            reactions.pinForces[i].tail<3>(), motion.poses[i].position});
   }
   result.holds.insert(result.holds.end(), holds.begin(), holds.end());
   return result;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

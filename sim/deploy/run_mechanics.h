@@ -16,7 +16,7 @@
 #include "sim/model/contact.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // What acts on the bricks.
@@ -31,9 +31,9 @@ class ActingForces {
       : bricks_(bricks), clock_(clock), timeline_(timeline), drive_(drive), motion_(motion) {}
 
   /// Loads of drive and drags, for steps in which they move on.
-  TimedLoads timedLoads() const;
+  mechanics::TimedLoads timedLoads() const;
   /// The same as they are at present.
-  LoadSource loadsNow() const;
+  mechanics::LoadSource loadsNow() const;
 
   /// Energy stored in all springs but those between pairs, as they pull at a time of the run
   /// (seconds), in the bricks at these poses; joules, from 0.
@@ -55,10 +55,10 @@ class ActingForces {
   /// The same as a list, ascending.
   std::vector<int> pinnedTiles() const { return timeline_.pinnedTiles(); }
   /// The grips and the contacts of a state at a time.
-  std::vector<Hold> holds(double time, const Motion& motion) const;
+  std::vector<trajectory::Hold> holds(double time, const Motion& motion) const;
 
  private:
-  void addLoads(double seconds, const Poses& poses, std::vector<Load>& loads) const;
+  void addLoads(double seconds, const Poses& poses, std::vector<model::Load>& loads) const;
 
   const SceneBricks& bricks_;
   const StepClock& clock_;
@@ -83,12 +83,12 @@ class RunMechanics {
   void end(const StepSpan& step);
 
   /// The mechanics of a state at a time, which is so far (0 to 1) on the way through the last step.
-  Mechanics at(double time, const Motion& motion, double share);
+  trajectory::Mechanics at(double time, const Motion& motion, double share);
 
   /// The account at present.
   struct Account {
-    Energies before;  ///< where the last step began
-    Energies now;     ///< where it has ended
+    trajectory::Energies before;  ///< where the last step began
+    trajectory::Energies now;     ///< where it has ended
 
     /// Records or plays back.
     void transfer(StateTape& tape) { tape.transfer(before, now); }
@@ -109,8 +109,8 @@ class RunMechanics {
 
   const SceneBricks& bricks_;
   const ActingForces& acting_;
-  std::unique_ptr<ReactionSolver> reactions_;
+  std::unique_ptr<mechanics::ReactionSolver> reactions_;
   Account account_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -20,7 +20,7 @@
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // A run has diverged once a brick is this many model sizes away from where it started.
@@ -32,14 +32,14 @@ constexpr int kStepsAtOnce = 4;
 
 }  // namespace
 
-SceneBricks::SceneBricks(const Scene& given)
+SceneBricks::SceneBricks(const scene::Scene& given)
     : scene(given),
-      bricks(makeBricks(given.model.tiles, given.brick)),
-      pivots(makePivots(given.model.joints, bricks)),
-      ties(dynamicTies(given, bricks)),
-      needs(sceneNeeds(given)),
-      size(modelSize(given.model)),
-      tileSize(kirireel::tileSize(given.model)) {}
+      bricks(model::makeBricks(given.model.tiles, given.brick)),
+      pivots(model::makePivots(given.model.joints, bricks)),
+      ties(scene::dynamicTies(given, bricks)),
+      needs(scene::sceneNeeds(given)),
+      size(model::modelSize(given.model)),
+      tileSize(kirireel::model::tileSize(given.model)) {}
 
 // ------------------------------------------------------------------------------------------------
 // Time.
@@ -65,17 +65,17 @@ RunMotion::RunMotion(const SceneBricks& bricks, const StepClock& clock)
     : bricks_(bricks),
       clock_(clock),
       wantsTolerance_(keepsTolerance(bricks.scene)),
-      now_{startPoses(bricks.scene.model.tiles, bricks.bricks), {}},
+      now_{model::startPoses(bricks.scene.model.tiles, bricks.bricks), {}},
       solver_(makeSolver()) {}
 
-double RunMotion::lookOf(const Scene& scene) {
+double RunMotion::lookOf(const scene::Scene& scene) {
   return scene.solver.timestep * (keepsTolerance(scene) ? kStepsAtOnce : 1);
 }
 
 std::unique_ptr<Dynamics> RunMotion::makeSolver() const {
-  const Scene& scene = bricks_.scene;
-  std::unique_ptr<Dynamics> solver = makeDynamics(scene, bricks_.needs, bricks_.bricks,
-                                                  startPoses(scene.model.tiles, bricks_.bricks));
+  const scene::Scene& scene = bricks_.scene;
+  std::unique_ptr<Dynamics> solver = makeDynamics(
+      scene, bricks_.needs, bricks_.bricks, model::startPoses(scene.model.tiles, bricks_.bricks));
   if (wantsTolerance_) {
     solver->setTolerance({scene.solver.tolerance, scene.solver.timestep, clock_.look()});
   }
@@ -110,13 +110,13 @@ void RunMotion::beginStep() {
 }
 
 // Fixed steps each take the loads at their own start.
-StepReport RunMotion::advance(const TimedLoads& loads, bool isToTolerance) {
+StepReport RunMotion::advance(const mechanics::TimedLoads& loads, bool isToTolerance) {
   if (isToTolerance) {
     const StepReport report = solver_->advanceToTolerance(now_, clock_.length(), loads);
     isSmooth_ = report.touchingTime == 0 && report.singularTime == 0;
     return report;
   }
-  const LoadSource loadsNow = [&](const Poses& poses, std::vector<Load>& out) {
+  const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<model::Load>& out) {
     loads(0, poses, out);
   };
   const int count = wantsTolerance_ ? kStepsAtOnce : 1;
@@ -145,17 +145,17 @@ StepSpan RunMotion::span(double begin, const StepReport& report, bool isToTolera
 Poses RunMotion::posesAt(double time) const {
   const double seconds = time - (clock_.time() - clock_.length());
   if (!isSmooth_) return interpolate(before_.poses, now_.poses, seconds / clock_.length());
-  return posesBetween(before_, solver_->passed(), now_, clock_.length(), seconds);
+  return mechanics::posesBetween(before_, solver_->passed(), now_, clock_.length(), seconds);
 }
 
 Poses RunMotion::closedPosesAt(double time, const std::vector<bool>& pinned) {
   Poses poses = posesAt(time);
-  if (bricks_.scene.solver.kind != SolverKind::Direct) return poses;
+  if (bricks_.scene.solver.kind != scene::SolverKind::Direct) return poses;
   if (!projection_) {
-    Scene alone = bricks_.scene;
-    alone.environment = Environment{};
+    scene::Scene alone = bricks_.scene;
+    alone.environment = scene::Environment{};
     projection_ =
-        makeDynamics(alone, Needs{.planar = bricks_.needs.planar}, bricks_.bricks, start_);
+        makeDynamics(alone, scene::Needs{.planar = bricks_.needs.planar}, bricks_.bricks, start_);
   }
   projection_->setPinned(pinned);
   projection_->assemble(poses);
@@ -163,8 +163,8 @@ Poses RunMotion::closedPosesAt(double time, const std::vector<bool>& pinned) {
 }
 
 std::vector<Velocity> RunMotion::velocitiesAt(double seconds) const {
-  const auto passed = isSmooth_ ? solver_->passed() : std::span<const PassedState>{};
-  return velocitiesBetween(before_, passed, now_, clock_.length(), seconds);
+  const auto passed = isSmooth_ ? solver_->passed() : std::span<const mechanics::PassedState>{};
+  return mechanics::velocitiesBetween(before_, passed, now_, clock_.length(), seconds);
 }
 
 Motion RunMotion::motionAt(double time, const Poses& poses) const {
@@ -193,12 +193,13 @@ void JointFit::closeAtEndOfPath(RunMotion& motion, RunFigures& figures) {
 
 // Returns whether the joints are closed now; else the poses are as they were.
 bool JointFit::close(RunMotion& motion, RunFigures& figures) {
-  const Model& model = bricks_.scene.model;
+  const model::Model& model = bricks_.scene.model;
   const Poses open = motion.poses();
   Poses& poses = motion.now().poses;
   if (!motion.solver().assemble(poses)) return false;
   if (std::isfinite(roundedJointStiffness(model)) &&
-      targetError(bottomTiles(bricks_.bricks, open), bricks_.bricks, poses) > roundedReach(model)) {
+      trajectory::targetError(model::bottomTiles(bricks_.bricks, open), bricks_.bricks, poses) >
+          roundedReach(model)) {
     poses = open;
     return false;
   }
@@ -212,7 +213,7 @@ bool JointFit::close(RunMotion& motion, RunFigures& figures) {
 
 // They give a little where tiles do not fit.
 void JointFit::hold(Dynamics& solver) const {
-  const PathSettings& path = bricks_.scene.path;
+  const scene::PathSettings& path = bricks_.scene.path;
   if (path.jointsAreCompliant()) {
     solver.setJointStiffness(path.jointStiffness);
   } else if (isMisfit_) {
@@ -235,4 +236,4 @@ std::string JointFit::trouble() const {
       pushedAtStart_, misfit);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

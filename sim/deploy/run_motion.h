@@ -16,7 +16,7 @@
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_parts.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
 // What of a run does not change.
@@ -25,13 +25,14 @@ namespace kirireel {
 struct SceneBricks {
   /// The scene must outlive this, its path be chosen (not Auto). Throws InputError for forces
   /// between pairs and needs that the scene cannot have.
-  explicit SceneBricks(const Scene& given);
+  explicit SceneBricks(const scene::Scene& given);
 
-  const Scene& scene;         ///< that the run is of
-  std::vector<Brick> bricks;  ///< one a tile
-  std::vector<Pivot> pivots;  ///< of all joints
-  Ties ties;    ///< exact pivots, ligaments in the place of the others, and what else acts in pairs
-  Needs needs;  ///< what is modelled
+  const scene::Scene& scene;         ///< that the run is of
+  std::vector<model::Brick> bricks;  ///< one a tile
+  std::vector<model::Pivot> pivots;  ///< of all joints
+  scene::Ties
+      ties;  ///< exact pivots, ligaments in the place of the others, and what else acts in pairs
+  scene::Needs needs;   ///< what is modelled
   double size = 0;      ///< of the model, metres
   double tileSize = 0;  ///< metres
 };
@@ -84,14 +85,15 @@ class StepClock {
 
 /// One step of a run, as its energies see it.
 struct StepSpan {
-  double time = 0;                      ///< where it begins, seconds
-  double seconds = 0;                   ///< its length
-  const Motion& from;                   ///< at its beginning
-  const Motion& to;                     ///< at its end
-  std::span<const PassedState> passed;  ///< in between, where springs move on within the step
-  bool springsMove = false;             ///< or stand as they are at its beginning
-  double damped = 0;                    ///< joules, see StepReport
-  double impacted = 0;                  ///< joules, see StepReport
+  double time = 0;     ///< where it begins, seconds
+  double seconds = 0;  ///< its length
+  const Motion& from;  ///< at its beginning
+  const Motion& to;    ///< at its end
+  std::span<const mechanics::PassedState>
+      passed;                ///< in between, where springs move on within the step
+  bool springsMove = false;  ///< or stand as they are at its beginning
+  double damped = 0;         ///< joules, see StepReport
+  double impacted = 0;       ///< joules, see StepReport
 };
 
 /// The bricks of a run at the end of its last step, the solver that moves them, and the states
@@ -103,7 +105,7 @@ class RunMotion {
   RunMotion(const SceneBricks& bricks, const StepClock& clock);
 
   /// Seconds from one look at a scene's run to the next.
-  static double lookOf(const Scene& scene);
+  static double lookOf(const scene::Scene& scene);
 
   /// From now on states keep the symmetries that the model has and its start, see beginHere().
   void keepSymmetries() { symmetries_.emplace(bricks_.scene); }
@@ -134,7 +136,7 @@ class RunMotion {
   void beginStep();
   /// Moves the bricks by the length of a step, to the scene's tolerance in time where
   /// `isToTolerance` (joints must be exact, see wantsTolerance()), else by fixed steps.
-  StepReport advance(const TimedLoads& loads, bool isToTolerance);
+  StepReport advance(const mechanics::TimedLoads& loads, bool isToTolerance);
   /// Back to where the step began.
   void takeBack() { now_ = before_; }
 
@@ -209,4 +211,4 @@ class JointFit {
   double pushedAtStart_ = 0;  // metres that closing the joints pushed bricks into each other
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 RunRecorder::RunRecorder(const SceneBricks& bricks, StepClock& clock, RunMotion& motion,
                          const ActingForces& forces, const RunObservers& observers,
@@ -18,7 +18,7 @@ RunRecorder::RunRecorder(const SceneBricks& bricks, StepClock& clock, RunMotion&
       checkpoints_(checkpoints),
       figures_(bricks.scene.model, bricks.bricks, bricks.pivots, bricks.scene.environment.pivotZone,
                motion.poses(), nearest) {
-  if (observers_.sample && bricks.scene.solver.kind == SolverKind::Direct) {
+  if (observers_.sample && bricks.scene.solver.kind == scene::SolverKind::Direct) {
     mechanics_.emplace(bricks, forces);
   }
 }
@@ -66,9 +66,9 @@ void RunRecorder::takeLastSample() {
 void RunRecorder::takeSample(double time, Poses poses) {
   // What may be ended from within comes first.
   const double share = 1 - (clock_.time() - time) / clock_.length();
-  std::optional<Mechanics> mechanics;
+  std::optional<trajectory::Mechanics> mechanics;
   if (mechanics_) mechanics = mechanics_->at(time, motion_.motionAt(time, poses), share);
-  Sample sample = figures_.sampleAt(time, std::move(poses));
+  trajectory::Sample sample = figures_.sampleAt(time, std::move(poses));
   ++sampleCount_;
   lastSampleTime_ = time;
   sample.mechanics = std::move(mechanics);
@@ -95,10 +95,10 @@ void RunRecorder::transferAsOfSample(StateTape& tape) {
 
 // Which states the figures up to a sample were reached in is not known: those of the checkpoint may
 // be later.
-std::optional<Sample> RunRecorder::showAgain(double time) {
+std::optional<trajectory::Sample> RunRecorder::showAgain(double time) {
   StateTape latest;
   transferAsOfSample(latest);
-  Sample shown;
+  trajectory::Sample shown;
   checkpoints_->playSamples([&](StateTape& samples) {
     samples.transfer(shown);
     transferAsOfSample(samples);
@@ -108,7 +108,7 @@ std::optional<Sample> RunRecorder::showAgain(double time) {
   if (isAskedToEnd_ && shown.time < time) {
     isOver_ = true;
     figures_.endWith(shown);
-    std::erase_if(events_, [&](const Event& event) { return event.time > shown.time; });
+    std::erase_if(events_, [&](const trajectory::Event& event) { return event.time > shown.time; });
     return shown;
   }
   StateTape played(latest.numbers());
@@ -123,4 +123,4 @@ void RunRecorder::transfer(StateTape& tape) {
   if (mechanics_) tape.transfer(*mechanics_);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -14,7 +14,7 @@
 #include "sim/deploy/run_motion.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// What is shown of a run while it goes on. Either function may be empty; one that returns false
 /// ends the run.
@@ -22,8 +22,8 @@ struct RunObservers {
   /// Seconds between the samples: these do not need to be whole steps. Infinity: the start and the
   /// end alone.
   double sampleInterval = std::numeric_limits<double>::infinity();
-  SampleObserver sample;                        ///< gets each sample; may be empty
-  std::function<bool(const StepRecord&)> step;  ///< the start counts as one
+  SampleObserver sample;                                    ///< gets each sample; may be empty
+  std::function<bool(const trajectory::StepRecord&)> step;  ///< the start counts as one
 };
 
 /// Measures the start of a run and each step, and gives observers their steps and samples. Nothing
@@ -62,7 +62,7 @@ class RunRecorder {
   /// The figures so far.
   const RunFigures& figures() const { return figures_; }
   /// What has happened so far.
-  std::vector<Event>& events() { return events_; }
+  std::vector<trajectory::Event>& events() { return events_; }
 
   /// The account of energies, for steps that are taken back.
   RunMechanics::Account account() const;
@@ -72,7 +72,7 @@ class RunRecorder {
   /// Shows the samples that the checkpoint holds, of a run that it was made of at `time` (seconds).
   /// Returns the one before that at which the observer ended the run: clock and figures are then as
   /// of it, and no sample follows.
-  std::optional<Sample> showAgain(double time);
+  std::optional<trajectory::Sample> showAgain(double time);
 
   /// Records or plays back.
   void transfer(StateTape& tape);
@@ -88,11 +88,11 @@ class RunRecorder {
   Checkpoints* checkpoints_;
   RunFigures figures_;
   std::optional<RunMechanics> mechanics_;  // where samples are taken that can have them
-  std::vector<Event> events_;
+  std::vector<trajectory::Event> events_;
   long sampleCount_ = 0;       // samples taken
   double lastSampleTime_ = 0;  // seconds
   bool isAskedToEnd_ = false;
   bool isOver_ = false;  // ended among samples that were shown again
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // Times are sums of steps: what is due within this of a time is due at it.
@@ -40,20 +40,22 @@ std::string tilesText(std::vector<int> tiles, int countsFrom) {
 /// What an action acts on, for the record.
 struct Describe {
   int countsFrom;  // of tiles
-  std::string operator()(const timeline::Pin& pin) const {
+  std::string operator()(const scene::timeline::Pin& pin) const {
     return tilesText(pin.tiles, countsFrom);
   }
-  std::string operator()(const timeline::Unpin& unpin) const {
+  std::string operator()(const scene::timeline::Unpin& unpin) const {
     return tilesText(unpin.tiles, countsFrom);
   }
-  std::string operator()(const timeline::Drag& drag) const {
+  std::string operator()(const scene::timeline::Drag& drag) const {
     return fmt::format("tile {} for {:g} s", countsFrom + drag.tile, drag.seconds);
   }
-  std::string operator()(const timeline::Forces& forces) const { return forces.on ? "on" : "off"; }
-  std::string operator()(const timeline::Pause& pause) const {
+  std::string operator()(const scene::timeline::Forces& forces) const {
+    return forces.on ? "on" : "off";
+  }
+  std::string operator()(const scene::timeline::Pause& pause) const {
     return fmt::format("{:g} s", pause.seconds);
   }
-  std::string operator()(const timeline::GoTo& goTo) const {
+  std::string operator()(const scene::timeline::GoTo& goTo) const {
     return goTo.file.empty() ? "the model's" : goTo.file.string();
   }
   template <typename Other>
@@ -63,25 +65,26 @@ struct Describe {
 };
 
 /// "pin tiles 3, 4".
-std::string describe(const timeline::Action& action, int countsFrom) {
+std::string describe(const scene::timeline::Action& action, int countsFrom) {
   const std::string what = std::visit(Describe{countsFrom}, action);
-  return what.empty() ? actionName(action) : fmt::format("{} {}", actionName(action), what);
+  return what.empty() ? scene::actionName(action)
+                      : fmt::format("{} {}", scene::actionName(action), what);
 }
 
 // What an entry waits for, in words for the reason of an end.
-std::string momentText(const Occasion& moment) {
+std::string momentText(const scene::Occasion& moment) {
   switch (moment.kind) {
-    case Occasion::Kind::AtTime:
+    case scene::Occasion::Kind::AtTime:
       return fmt::format("{:g} s", moment.value);
-    case Occasion::Kind::After:
+    case scene::Occasion::Kind::After:
       return fmt::format("{:g} s after the entry before", moment.value);
-    case Occasion::Kind::AtRest:
+    case scene::Occasion::Kind::AtRest:
       return "rest";
-    case Occasion::Kind::AtTarget:
+    case scene::Occasion::Kind::AtTarget:
       return "the target";
-    case Occasion::Kind::ErrorBelow:
+    case scene::Occasion::Kind::ErrorBelow:
       return fmt::format("an error below {:g} m", moment.value);
-    case Occasion::Kind::ProgressAbove:
+    case scene::Occasion::Kind::ProgressAbove:
       return fmt::format("a progress of {:g}", moment.value);
   }
   return "";
@@ -89,8 +92,8 @@ std::string momentText(const Occasion& moment) {
 
 }  // namespace
 
-TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks,
-                               int countsFrom)
+TimelineRunner::TimelineRunner(const scene::Timeline& timeline,
+                               const std::vector<model::Brick>& bricks, int countsFrom)
     : timeline_(timeline),
       bricks_(bricks),
       countsFrom_(countsFrom),
@@ -98,7 +101,7 @@ TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick
 
 // Drags that are over go first; then entries as far as they are due.
 bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
-                              std::vector<Event>& events) {
+                              std::vector<trajectory::Event>& events) {
   // A drag that ends now must not pull in the coming step.
   std::erase_if(drags_, [&](const ActiveDrag& active) {
     return view.time >= active.from + dragOf(active).seconds - kTimeRounding;
@@ -106,7 +109,7 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
   const std::size_t before = next_;
   // Only the first entry may wait for the state at hand: what it does changes that state.
   while (next_ < timeline_.size() && isDue(timeline_[next_].when, view)) {
-    const TimelineEntry& entry = timeline_[next_];
+    const scene::TimelineEntry& entry = timeline_[next_];
     const bool ofTime = waitsForTime();
     if (next_ > before && !ofTime) break;
     carryOut(entry.action, view, stage);
@@ -118,47 +121,47 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
 }
 
 /// When what is due by itself is due, seconds.
-double TimelineRunner::dueTime(const Occasion& moment) const {
-  return moment.kind == Occasion::Kind::After ? lastTime_ + moment.value : moment.value;
+double TimelineRunner::dueTime(const scene::Occasion& moment) const {
+  return moment.kind == scene::Occasion::Kind::After ? lastTime_ + moment.value : moment.value;
 }
 
 // Whether an entry's condition holds. Progress is the part of the error at the target's setting
 // that is gone: 1 - error / startError.
-bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) const {
+bool TimelineRunner::isDue(const scene::Occasion& moment, const TimelineView& view) const {
   switch (moment.kind) {
-    case Occasion::Kind::AtTime:
-    case Occasion::Kind::After:
+    case scene::Occasion::Kind::AtTime:
+    case scene::Occasion::Kind::After:
       return view.time >= dueTime(moment) - kTimeRounding;
-    case Occasion::Kind::AtRest:
+    case scene::Occasion::Kind::AtRest:
       return view.atRest;
-    case Occasion::Kind::AtTarget:
+    case scene::Occasion::Kind::AtTarget:
       return view.atTarget;
-    case Occasion::Kind::ErrorBelow:
+    case scene::Occasion::Kind::ErrorBelow:
       return view.error < moment.value;
-    case Occasion::Kind::ProgressAbove:
+    case scene::Occasion::Kind::ProgressAbove:
       return view.error <= (1 - moment.value) * view.startError;
   }
   return false;
 }
 
 // One action; `view` is the state before it.
-void TimelineRunner::carryOut(const timeline::Action& action, const TimelineView& view,
+void TimelineRunner::carryOut(const scene::timeline::Action& action, const TimelineView& view,
                               TimelineStage& stage) {
-  if (const auto* pinning = std::get_if<timeline::Pin>(&action)) {
+  if (const auto* pinning = std::get_if<scene::timeline::Pin>(&action)) {
     pin(pinning->tiles, true, stage);
-  } else if (const auto* unpinning = std::get_if<timeline::Unpin>(&action)) {
+  } else if (const auto* unpinning = std::get_if<scene::timeline::Unpin>(&action)) {
     pin(unpinning->tiles, false, stage);
-  } else if (const auto* drag = std::get_if<timeline::Drag>(&action)) {
+  } else if (const auto* drag = std::get_if<scene::timeline::Drag>(&action)) {
     startDrag(*drag, view);
-  } else if (const auto* forces = std::get_if<timeline::Forces>(&action)) {
+  } else if (const auto* forces = std::get_if<scene::timeline::Forces>(&action)) {
     forcesOn_ = forces->on;
-  } else if (const auto* pause = std::get_if<timeline::Pause>(&action)) {
+  } else if (const auto* pause = std::get_if<scene::timeline::Pause>(&action)) {
     pausedUntil_ = view.time + pause->seconds - kTimeRounding;
-  } else if (const auto* goTo = std::get_if<timeline::GoTo>(&action)) {
+  } else if (const auto* goTo = std::get_if<scene::timeline::GoTo>(&action)) {
     stage.goTo(goTo->file.empty() ? nullptr : &goTo->tiles);
-  } else if (std::holds_alternative<timeline::Reset>(action)) {
+  } else if (std::holds_alternative<scene::timeline::Reset>(action)) {
     reset(stage);
-  } else if (std::holds_alternative<timeline::Quit>(action)) {
+  } else if (std::holds_alternative<scene::timeline::Quit>(action)) {
     stage.quit();
   }  // snapshots and exports are for those who read the events
 }
@@ -171,7 +174,7 @@ void TimelineRunner::pin(const std::vector<int>& tiles, bool pinned, TimelineSta
 }
 
 // The path begins where the point is now.
-void TimelineRunner::startDrag(const timeline::Drag& drag, const TimelineView& view) {
+void TimelineRunner::startDrag(const scene::timeline::Drag& drag, const TimelineView& view) {
   const Vector3 point =
       drag.vertex ? bricks_[drag.tile].bottom[*drag.vertex] : Vector3(Vector3::Zero());
   std::vector<Vector3> path = {(*view.poses)[drag.tile].apply(point)};
@@ -193,7 +196,7 @@ void TimelineRunner::reset(TimelineStage& stage) {
 std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
   std::vector<DragSpring> grips;
   for (const ActiveDrag& active : drags_) {
-    const timeline::Drag& drag = dragOf(active);
+    const scene::timeline::Drag& drag = dragOf(active);
     const double share = (time - active.from) / drag.seconds;
     grips.push_back(
         {drag.tile, {active.point, pointOnPath(active.path, share), drag.stiffness, drag.damping}});
@@ -201,7 +204,8 @@ std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
   return grips;
 }
 
-void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
+void TimelineRunner::addDrags(double time, const Poses& poses,
+                              std::vector<model::Load>& loads) const {
   for (const DragSpring& grip : dragSprings(time))
     addPointSpring(grip.spring, poses[grip.tile], loads[grip.tile]);
 }
@@ -230,8 +234,8 @@ double TimelineRunner::nextMoment(double time) const {
 // Whether the next entry comes by itself. A run at rest must not end before it.
 bool TimelineRunner::waitsForTime() const {
   if (next_ == timeline_.size()) return false;
-  const Occasion::Kind kind = timeline_[next_].when.kind;
-  return kind == Occasion::Kind::AtTime || kind == Occasion::Kind::After;
+  const scene::Occasion::Kind kind = timeline_[next_].when.kind;
+  return kind == scene::Occasion::Kind::AtTime || kind == scene::Occasion::Kind::After;
 }
 
 // Whether only the bricks can bring the next entry about: at rest the run then waits in vain.
@@ -250,9 +254,9 @@ std::vector<int> TimelineRunner::pinnedTiles() const {
 // Empty when all entries have happened.
 std::string TimelineRunner::pending() const {
   if (next_ == timeline_.size()) return "";
-  const TimelineEntry& entry = timeline_[next_];
+  const scene::TimelineEntry& entry = timeline_[next_];
   return fmt::format("the timeline still waits for {} to {}", momentText(entry.when),
-                     actionName(entry.action));
+                     scene::actionName(entry.action));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

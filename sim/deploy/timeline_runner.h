@@ -12,7 +12,7 @@
 #include "sim/scene/conditions.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// What the timeline looks at.
 struct TimelineView {
@@ -31,7 +31,7 @@ class TimelineStage {
   /// Fixes these bricks to the world from now on, and frees all others; one entry a brick.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
   /// `target`: one tile a brick; null for the model's own.
-  virtual void goTo(const std::vector<Tile>* target) = 0;
+  virtual void goTo(const std::vector<model::Tile>* target) = 0;
   /// Brings all bricks back to the start, at rest.
   virtual void reset() = 0;
   /// Ends the run.
@@ -48,13 +48,15 @@ struct DragSpring {
 class TimelineRunner {
  public:
   /// The timeline must outlive the runner. `countsFrom`: the first tile's number in events.
-  TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks, int countsFrom = 0);
+  TimelineRunner(const scene::Timeline& timeline, const std::vector<model::Brick>& bricks,
+                 int countsFrom = 0);
 
   /// Does everything that is due now and appends it to the events. Returns whether anything was.
-  bool carryOut(const TimelineView& view, TimelineStage& stage, std::vector<Event>& events);
+  bool carryOut(const TimelineView& view, TimelineStage& stage,
+                std::vector<trajectory::Event>& events);
 
   /// Adds what drags pull with at this time.
-  void addDrags(double time, const Poses& poses, std::vector<Load>& loads) const;
+  void addDrags(double time, const Poses& poses, std::vector<model::Load>& loads) const;
 
   /// The drags under way at this time, as the springs that they pull with.
   std::vector<DragSpring> dragSprings(double time) const;
@@ -94,19 +96,20 @@ class TimelineRunner {
     void transfer(StateTape& tape) { tape.transfer(entry, point, path, from); }
   };
 
-  const timeline::Drag& dragOf(const ActiveDrag& active) const {
-    return std::get<timeline::Drag>(timeline_.at(active.entry).action);
+  const scene::timeline::Drag& dragOf(const ActiveDrag& active) const {
+    return std::get<scene::timeline::Drag>(timeline_.at(active.entry).action);
   }
 
-  double dueTime(const Occasion& moment) const;
-  bool isDue(const Occasion& moment, const TimelineView& view) const;
-  void carryOut(const timeline::Action& action, const TimelineView& view, TimelineStage& stage);
+  double dueTime(const scene::Occasion& moment) const;
+  bool isDue(const scene::Occasion& moment, const TimelineView& view) const;
+  void carryOut(const scene::timeline::Action& action, const TimelineView& view,
+                TimelineStage& stage);
   void pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage);
-  void startDrag(const timeline::Drag& drag, const TimelineView& view);
+  void startDrag(const scene::timeline::Drag& drag, const TimelineView& view);
   void reset(TimelineStage& stage);
 
-  const Timeline& timeline_;
-  const std::vector<Brick>& bricks_;
+  const scene::Timeline& timeline_;
+  const std::vector<model::Brick>& bricks_;
   int countsFrom_;  // the first tile, in events
   std::size_t next_ = 0;
   double lastTime_ = 0;  // of the entry before
@@ -116,4 +119,4 @@ class TimelineRunner {
   std::vector<ActiveDrag> drags_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -20,7 +20,7 @@
 
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 namespace {
 
 // Times closer than this part of each other are the same.
@@ -31,9 +31,9 @@ constexpr int kCallsToWait = 8;
 constexpr int kImpactBisections = 60;  // to the last bit
 
 /// The bricks of a contact alone.
-Motion motionOf(const Contact& contact, const Motion& all) {
+Motion motionOf(const model::Contact& contact, const Motion& all) {
   Motion motion{{all.poses[contact.brickA]}, {all.velocities[contact.brickA]}};
-  if (contact.brickB == kFixed) return motion;
+  if (contact.brickB == model::kFixed) return motion;
   motion.poses.push_back(all.poses[contact.brickB]);
   motion.velocities.push_back(all.velocities[contact.brickB]);
   return motion;
@@ -41,16 +41,16 @@ Motion motionOf(const Contact& contact, const Motion& all) {
 
 /// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
 /// last moment at which it is open.
-double momentOfClosing(Contact contact, const Motion& from, const Motion& to, double seconds,
+double momentOfClosing(model::Contact contact, const Motion& from, const Motion& to, double seconds,
                        double latest) {
   const Motion start = motionOf(contact, from), end = motionOf(contact, to);
   contact.brickA = 0;
-  if (contact.brickB != kFixed) contact.brickB = 1;
+  if (contact.brickB != model::kFixed) contact.brickB = 1;
   double open = 0, closed = latest;
-  for (int k = 0; k < kImpactBisections && contactGap(contact, start.poses) > 0; ++k) {
+  for (int k = 0; k < kImpactBisections && model::contactGap(contact, start.poses) > 0; ++k) {
     const double middle = 0.5 * (open + closed);
-    const Poses poses = posesBetween(start, {}, end, seconds, middle);
-    (contactGap(contact, poses) > 0 ? open : closed) = middle;
+    const Poses poses = mechanics::posesBetween(start, {}, end, seconds, middle);
+    (model::contactGap(contact, poses) > 0 ? open : closed) = middle;
   }
   return open;
 }
@@ -61,7 +61,7 @@ double momentOfClosing(Contact contact, const Motion& from, const Motion& to, do
 /// other in it.
 bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
   if (!contacts_.exact) return false;
-  std::vector<Contact> violated;
+  std::vector<model::Contact> violated;
   contacts_.exact->startStep(from.poses);
   contacts_.exact->appendViolated(to.poses, violated);
   if (violated.empty()) return false;
@@ -74,27 +74,30 @@ bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double s
 std::optional<double> ToleranceSteps::momentOfImpact() const {
   const auto& [from, to, seconds, contacts] = *meeting_;
   std::optional<double> first;
-  for (const Contact& contact : contacts) {
-    if (contactGap(contact, to.poses) >= -0.5 * contacts_.touching) continue;  // touches, no more
+  for (const model::Contact& contact : contacts) {
+    if (model::contactGap(contact, to.poses) >= -0.5 * contacts_.touching)
+      continue;  // touches, no more
     first = momentOfClosing(contact, from, to, seconds, first.value_or(seconds));
   }
   return first;
 }
 
 /// Has the solver hold these contacts.
-void ToleranceSteps::setHeld(std::vector<Contact> contacts) {
+void ToleranceSteps::setHeld(std::vector<model::Contact> contacts) {
   // Obstacles are pinned bodies.
-  const bool onGround = std::ranges::find(contacts, kFixed, &Contact::brickB) != contacts.end();
+  const bool onGround =
+      std::ranges::find(contacts, model::kFixed, &model::Contact::brickB) != contacts.end();
   extrapolation_.setSupported(isPinned_ || contacts_.isRubbing || onGround);
   solver_.holdContacts(contacts);
 }
 
 /// Keeps of the contacts that are held those whose points still touch.
 void ToleranceSteps::holdTouching(const Poses& poses) {
-  std::vector<Contact> held = solver_.heldContacts();
+  std::vector<model::Contact> held = solver_.heldContacts();
   if (!held.empty()) contacts_.exact->startStep(poses);
-  std::erase_if(held, [&](const Contact& contact) {
-    return contactGap(contact, poses) > contacts_.touching || !contacts_.exact->isCurrent(contact);
+  std::erase_if(held, [&](const model::Contact& contact) {
+    return model::contactGap(contact, poses) > contacts_.touching ||
+           !contacts_.exact->isCurrent(contact);
   });
   setHeld(std::move(held));
 }
@@ -102,35 +105,38 @@ void ToleranceSteps::holdTouching(const Poses& poses) {
 /// The impact on those of these contacts that have closed, at this moment of the call. From now on
 /// they are held too. The motion before and after it are both passed. Returns the energy that is
 /// lost.
-double ToleranceSteps::collide(double now, const std::vector<Contact>& closing, Motion& motion) {
-  std::vector<Contact> held = solver_.heldContacts();
-  for (const Contact& contact : closing) {
+double ToleranceSteps::collide(double now, const std::vector<model::Contact>& closing,
+                               Motion& motion) {
+  std::vector<model::Contact> held = solver_.heldContacts();
+  for (const model::Contact& contact : closing) {
     const bool isHeld = std::ranges::find(held, contact) != held.end();
-    if (!isHeld && contactGap(contact, motion.poses) <= contacts_.touching) held.push_back(contact);
+    if (!isHeld && model::contactGap(contact, motion.poses) <= contacts_.touching)
+      held.push_back(contact);
   }
   setHeld(std::move(held));
-  const double energy = kineticEnergy(bodies_, motion);
+  const double energy = trajectory::kineticEnergy(bodies_, motion);
   passed_.push_back({now, motion});
   solver_.collide(motion);
   passed_.push_back({now, motion});
-  return energy - kineticEnergy(bodies_, motion);
+  return energy - trajectory::kineticEnergy(bodies_, motion);
 }
 
 /// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
 /// until that cannot be done. Returns the seconds done.
-double ToleranceSteps::advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
-                                       StepReport& report) {
-  const StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
+double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
+                                       const mechanics::TimedLoads& loads, StepReport& report) {
+  const mechanics::StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
     return !meetOnTheWay(from, to, length);
   };
   double done = 0;
-  const TimedLoads fromHere = [&](double after, const Poses& poses, std::vector<Load>& out) {
+  const mechanics::TimedLoads fromHere = [&](double after, const Poses& poses,
+                                             std::vector<model::Load>& out) {
     loads(done + after, poses, out);
   };
   const double shortest = kSameMoment * seconds;
   holdTouching(motion.poses);
-  double goal = seconds;         // or the moment of the next impact
-  std::vector<Contact> closing;  // then
+  double goal = seconds;                // or the moment of the next impact
+  std::vector<model::Contact> closing;  // then
   int impacts = 0;
   while (done < seconds - shortest) {
     meeting_.reset();
@@ -155,14 +161,14 @@ double ToleranceSteps::advanceByOrders(Motion& motion, double seconds, const Tim
 
 /// Goes on from one moment of the call to another in equal steps of first order, among contacts.
 StepReport ToleranceSteps::goOnByFirstOrder(Motion& motion, double begin, double end,
-                                            const TimedLoads& loads) {
+                                            const mechanics::TimedLoads& loads) {
   const double parts = std::ceil((end - begin) / firstOrderStep_ - kSameMoment);
   const int count = std::max(1, static_cast<int>(parts));
   StepReport report;
   for (int k = 0; k < count; ++k) {
     const double now = begin + k * (end - begin) / count;
     if (now > 0) passed_.push_back({now, motion});
-    const LoadSource loadsNow = [&](const Poses& poses, std::vector<Load>& out) {
+    const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<model::Load>& out) {
       loads(now, poses, out);
     };
     report += solver_.advance(motion, (end - begin) / count, loadsNow, contacts_.coarse);
@@ -171,8 +177,8 @@ StepReport ToleranceSteps::goOnByFirstOrder(Motion& motion, double begin, double
 }
 
 // First as far as the tolerance can be kept, then by fixed steps.
-StepReport ToleranceSteps::advance(Motion& motion, double seconds, const TimedLoads& loads,
-                                   bool isPinned) {
+StepReport ToleranceSteps::advance(Motion& motion, double seconds,
+                                   const mechanics::TimedLoads& loads, bool isPinned) {
   isPinned_ = isPinned;
   passed_.clear();
   meeting_.reset();
@@ -192,4 +198,4 @@ StepReport ToleranceSteps::advance(Motion& motion, double seconds, const TimedLo
   return report;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

@@ -6,20 +6,21 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/contacts/contact_finder.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
-#include "sim/world/contact_finder.h"
 
-namespace kirireel {
+namespace kirireel::deploy {
 
 /// What bodies run into in steps to a tolerance.
 struct ToleranceContacts {
-  ContactFinder* coarse = nullptr;  ///< for steps of first order; null where nothing can be touched
-  ContactFinder* exact = nullptr;   ///< for those that keep the tolerance; null likewise
-  double touching = 0;              ///< gap of points that touch, metres
-  bool isRubbing = false;           ///< planar bricks rub on a ground with friction
+  contacts::ContactFinder* coarse =
+      nullptr;  ///< for steps of first order; null where nothing can be touched
+  contacts::ContactFinder* exact = nullptr;  ///< for those that keep the tolerance; null likewise
+  double touching = 0;                       ///< gap of points that touch, metres
+  bool isRubbing = false;                    ///< planar bricks rub on a ground with friction
 };
 
 /// Takes steps that keep a tolerance among contacts that are held, and steps of first order where
@@ -28,9 +29,9 @@ class ToleranceSteps {
  public:
   /// Bodies, solver and finders must outlive this; bodies, motions and loads include obstacles,
   /// which are pinned. `firstOrderStep`: see TimeTolerance.
-  ToleranceSteps(const std::vector<Brick>& bodies, JointSolver& solver,
-                 const ToleranceContacts& contacts, const ExtrapolationSettings& settings,
-                 double firstOrderStep)
+  ToleranceSteps(const std::vector<model::Brick>& bodies, mechanics::JointSolver& solver,
+                 const ToleranceContacts& contacts,
+                 const mechanics::ExtrapolationSettings& settings, double firstOrderStep)
       : bodies_(bodies),
         solver_(solver),
         contacts_(contacts),
@@ -38,12 +39,13 @@ class ToleranceSteps {
         extrapolation_(bodies, solver, settings) {}
 
   /// Advances the motion by so many seconds. `isPinned`: some body is.
-  StepReport advance(Motion& motion, double seconds, const TimedLoads& loads, bool isPinned);
+  StepReport advance(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
+                     bool isPinned);
 
   /// The states between the ends of the last call, in order.
-  std::vector<PassedState>& passed() { return passed_; }
+  std::vector<mechanics::PassedState>& passed() { return passed_; }
   /// The states within the last step, in rising time, its ends left out.
-  const std::vector<PassedState>& passed() const { return passed_; }
+  const std::vector<mechanics::PassedState>& passed() const { return passed_; }
 
   /// What the next call takes from those before.
   void transfer(StateTape& tape) { tape.transfer(callsToWait_, extrapolation_); }
@@ -51,30 +53,31 @@ class ToleranceSteps {
  private:
   bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
   std::optional<double> momentOfImpact() const;
-  void setHeld(std::vector<Contact> contacts);
+  void setHeld(std::vector<model::Contact> contacts);
   void holdTouching(const Poses& poses);
-  double collide(double now, const std::vector<Contact>& closing, Motion& motion);
-  double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
+  double collide(double now, const std::vector<model::Contact>& closing, Motion& motion);
+  double advanceByOrders(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
                          StepReport& report);
-  StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
+  StepReport goOnByFirstOrder(Motion& motion, double begin, double end,
+                              const mechanics::TimedLoads& loads);
 
   /// A step that was not taken, because bodies meet in it.
   struct Meeting {
     Motion from;
     Motion to;
     double seconds = 0;
-    std::vector<Contact> contacts;  // that are violated at its end, whole planes of them
+    std::vector<model::Contact> contacts;  // that are violated at its end, whole planes of them
   };
 
-  const std::vector<Brick>& bodies_;
-  JointSolver& solver_;
+  const std::vector<model::Brick>& bodies_;
+  mechanics::JointSolver& solver_;
   ToleranceContacts contacts_;
   double firstOrderStep_;  // seconds
-  Extrapolation extrapolation_;
+  mechanics::Extrapolation extrapolation_;
   bool isPinned_ = false;
   std::optional<Meeting> meeting_;  // of the step that was tried last
   int callsToWait_ = 0;             // by first order, after impacts crowded
-  std::vector<PassedState> passed_;
+  std::vector<mechanics::PassedState> passed_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::deploy

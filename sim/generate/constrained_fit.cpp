@@ -27,7 +27,7 @@
 
 #include <Eigen/SparseCholesky>
 
-namespace kirireel {
+namespace kirireel::generate {
 namespace {
 
 using Vector = Eigen::VectorXd;
@@ -204,4 +204,4 @@ Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettin
   return fit;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-namespace kirireel {
+namespace kirireel::generate {
 
 /// An exact equation that is off by more than this does not hold. Largest met: 2e-14.
 inline constexpr double kExactFit = 1e-11;
@@ -63,4 +63,4 @@ struct Fit {
 /// evaluations of the equations.
 Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettings& settings);
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -26,7 +26,7 @@
 #include "sim/model/model_checks.h"
 #include "sim/trajectory/sheet.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 namespace {
 
 // What a generated model may be off by, as a part of a tile. Largest met: 7e-15.
@@ -61,22 +61,22 @@ FamilyParameter targetAngle(double usual, double most = 180) {
   return angle("target-angle", "between neighbours at the target", usual, 0, most);
 }
 
-Lattice latticeOf(const FamilyValues& values) {
+model::Lattice latticeOf(const FamilyValues& values) {
   return {values.whole("columns"), values.whole("rows")};
 }
 
 // A sheet of quads in two states of its field.
-Model fieldModel(const TurningField& field, const FamilyValues& values) {
-  Model model;
+model::Model fieldModel(const model::TurningField& field, const FamilyValues& values) {
+  model::Model model;
   // Both states come from the same constants, so that they are congruent to rounding.
   model.tiles = field.tiles(values.angle("start-angle"));
   model.target = field.tiles(values.angle("target-angle"));
-  model.joints = latticeJoints(field.lattice(), JointFace::Both);
+  model.joints = model::latticeJoints(field.lattice(), model::JointFace::Both);
   return model;
 }
 
-Model tessellationModel(const FamilyValues& values) {
-  TessellationShape shape;
+model::Model tessellationModel(const FamilyValues& values) {
+  model::TessellationShape shape;
   shape.columns = values.whole("columns");
   shape.rows = values.whole("rows");
   shape.length = values.number("length");
@@ -84,10 +84,10 @@ Model tessellationModel(const FamilyValues& values) {
   shape.skew = values.angle("skew");
   shape.startAngle = values.angle("start-angle");
   shape.targetAngle = values.angle("target-angle");
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
-Model fanModel(const FamilyValues& values) {
+model::Model fanModel(const FamilyValues& values) {
   FanShape shape;
   shape.lattice = latticeOf(values);
   shape.outerRadius = values.number("outer-radius");
@@ -109,7 +109,7 @@ CapShape capShape(const FamilyValues& values) {
 }
 
 /// The tile turned about the vertical through a point.
-Tile turned(Tile tile, const Vector3& centre, double turn) {
+model::Tile turned(model::Tile tile, const Vector3& centre, double turn) {
   const Matrix3 rotation = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
   for (Vector3& vertex : tile.vertices) vertex = centre + rotation * (vertex - centre);
   return tile;
@@ -117,13 +117,13 @@ Tile turned(Tile tile, const Vector3& centre, double turn) {
 
 /// Four quads round a slit that is bent in the middle. In the plane, the slit opens to a kite: its
 /// upper side becomes the mirror image of its lower one.
-Model nonrigidModel(const FamilyValues& values) {
+model::Model nonrigidModel(const FamilyValues& values) {
   const double left = values.number("left"), right = values.number("right");
   const double depth = values.number("depth");
   // The quads reach beyond the slit on all sides.
   const double side = 1.5 * std::max({left, right, depth});
   const Vector3 leftTip(-left, 0, 0), rightTip(right, 0, 0), middle(0, -depth, 0);
-  Model model;
+  model::Model model;
   model.tiles = {{{{-side, -side, 0}, {0, -side, 0}, middle, leftTip}},
                  {{leftTip, middle, {0, side, 0}, {-side, side, 0}}},
                  {{{0, -side, 0}, {side, -side, 0}, rightTip, middle}},
@@ -134,7 +134,7 @@ Model nonrigidModel(const FamilyValues& values) {
   // angle.
   (*model.target)[1] = turned(model.tiles[1], leftTip, 2 * std::atan2(depth, left));
   (*model.target)[3] = turned(model.tiles[3], rightTip, -2 * std::atan2(depth, right));
-  model.joints = latticeJoints({2, 2}, JointFace::Both);
+  model.joints = model::latticeJoints({2, 2}, model::JointFace::Both);
   return model;
 }
 
@@ -282,25 +282,25 @@ std::vector<SidePoint> armedSide(double width, double depth) {
 }
 
 /// The tiles of a lattice that turn one way.
-std::vector<bool> evenTiles(const Lattice& lattice) {
+std::vector<bool> evenTiles(const model::Lattice& lattice) {
   std::vector<bool> even;
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
-    even.push_back(isEven(lattice.cellOf(tile)));
+    even.push_back(model::isEven(lattice.cellOf(tile)));
   }
   return even;
 }
 
 /// The tiles with as many corners as the first.
-std::vector<bool> tilesLikeTheFirst(const Model& model) {
+std::vector<bool> tilesLikeTheFirst(const model::Model& model) {
   std::vector<bool> alike;
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     alike.push_back(tile.vertices.size() == model.tiles.front().vertices.size());
   }
   return alike;
 }
 
 /// Every other tile: the rotating triangles are listed in turn.
-std::vector<bool> everyOtherTile(const Model& model) {
+std::vector<bool> everyOtherTile(const model::Model& model) {
   std::vector<bool> other(model.tiles.size());
   for (std::size_t i = 0; i < other.size(); i += 2) other[i] = true;
   return other;
@@ -312,14 +312,14 @@ FamilyParameter depth(double usual, double least, double most) {
           false};
 }
 
-Model squares(const FamilyValues& values) {
-  TessellationShape shape;
+model::Model squares(const FamilyValues& values) {
+  model::TessellationShape shape;
   shape.columns = values.whole("columns");
   shape.rows = values.whole("rows");
   shape.length = shape.width = values.number("length");
   shape.startAngle = values.angle("start-angle");
   shape.targetAngle = values.angle("target-angle");
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
 void appendConcave(std::vector<Family>& all) {
@@ -354,7 +354,7 @@ void appendConcave(std::vector<Family>& all) {
        {tiles("columns", "cells", 3), tiles("rows", "cells", 3), startAngle(), targetAngle(45, 180),
         depth(-0.15, -0.3, 0.3)},
        [](const FamilyValues& values) {
-         const Model model = makeHexagonsAndTriangles(rotorShape(values));
+         const model::Model model = makeHexagonsAndTriangles(rotorShape(values));
          const double depth = values.number("depth");
          return withBentSides(model, tilesLikeTheFirst(model), {{0.35, depth}, {0.65, depth}});
        }});
@@ -363,7 +363,7 @@ void appendConcave(std::vector<Family>& all) {
        {tiles("columns", "cells", 4), tiles("rows", "cells", 4), startAngle(240),
         targetAngle(60, 240), depth(0.12, 0.01, 0.25)},
        [](const FamilyValues& values) {
-         const Model model = makeRotatingTriangles(rotorShape(values));
+         const model::Model model = makeRotatingTriangles(rotorShape(values));
          return withBentSides(model, everyOtherTile(model), pointedSide(values.number("depth")));
        }});
 }
@@ -457,25 +457,30 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
 }
 
 /// Why the tiles of one state make no sheet; empty when they do.
-std::string stateFault(const Model& model, const std::vector<Tile>& tiles, bool isConcave) {
+std::string stateFault(const model::Model& model, const std::vector<model::Tile>& tiles,
+                       bool isConcave) {
   // The order goes from what is cheap to what is not; overlaps compare pairs of tiles.
-  const double size = tileSize(model);
-  if (!(largestJointGap(model.joints, tiles) <= kExactModel * size))
+  const double size = model::tileSize(model);
+  if (!(trajectory::largestJointGap(model.joints, tiles) <= kExactModel * size))
     return "its joints do not close";
-  if (!(largestUnevenness(tiles) <= kExactModel * size)) return "its tiles are not flat";
-  if (!isConcave && !(leastCornerSine(tiles) >= kConvex)) return "its tiles are not convex";
-  const std::vector<TileOverlap> overlaps = tileOverlaps(tiles, kTouchingTiles * size);
+  if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size))
+    return "its tiles are not flat";
+  if (!isConcave && !(trajectory::leastCornerSine(tiles) >= kConvex))
+    return "its tiles are not convex";
+  const std::vector<trajectory::TileOverlap> overlaps =
+      trajectory::tileOverlaps(tiles, kTouchingTiles * size);
   if (overlaps.empty()) return "";
   return fmt::format("its tiles {} and {} overlap by {:.2g} m", overlaps[0].tileA,
                      overlaps[0].tileB, overlaps[0].depth);
 }
 
 // Both states, and that tiles are the same in both.
-std::string modelFault(const Model& model, bool isConcave) {
+std::string modelFault(const model::Model& model, bool isConcave) {
   const std::string atStart = stateFault(model, model.tiles, isConcave);
   if (!atStart.empty()) return atStart + " at the start";
   if (!model.target) return "";
-  if (!(largestShapeChange(model.tiles, *model.target) <= kExactModel * tileSize(model))) {
+  if (!(trajectory::largestShapeChange(model.tiles, *model.target) <=
+        kExactModel * model::tileSize(model))) {
     return "its tiles change their shape";
   }
   const std::string atTarget = stateFault(model, *model.target, isConcave);
@@ -511,11 +516,11 @@ const Family& familyNamed(const std::string& name) {
                                fmt::join(names(families()), ", ")));
 }
 
-Model generateModel(const Family& family, const std::map<std::string, double>& given) {
-  Model model = family.make(checkedValues(family, given));
+model::Model generateModel(const Family& family, const std::map<std::string, double>& given) {
+  model::Model model = family.make(checkedValues(family, given));
   model.name = family.name;
-  chooseJointFaces(model, FaceRule::Fold);
-  symmetrise(model);  // a fit ends within its own tolerance of the symmetries that it keeps
+  model::chooseJointFaces(model, model::FaceRule::Fold);
+  model::symmetrise(model);  // a fit ends within its own tolerance of the symmetries that it keeps
   const std::string fault = modelFault(model, family.isConcave);
   if (fault.empty()) return model;
   throw InputError(
@@ -536,9 +541,9 @@ Model generateModel(const Family& family, const std::map<std::string, double>& g
 namespace {
 
 // Corners of a tile with the points of its sides between them.
-Tile bent(const Tile& tile, bool bulges, const std::vector<SidePoint>& points) {
-  const Vector3 normal = tileNormal(tile);
-  Tile result;
+model::Tile bent(const model::Tile& tile, bool bulges, const std::vector<SidePoint>& points) {
+  const Vector3 normal = model::tileNormal(tile);
+  model::Tile result;
   const std::size_t count = tile.vertices.size();
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3& from = tile.vertices[k];
@@ -555,16 +560,16 @@ Tile bent(const Tile& tile, bool bulges, const std::vector<SidePoint>& points) {
 
 }  // namespace
 
-Model withBentSides(const Model& model, const std::vector<bool>& bulges,
-                    const std::vector<SidePoint>& points) {
-  Model result = model;
+model::Model withBentSides(const model::Model& model, const std::vector<bool>& bulges,
+                           const std::vector<SidePoint>& points) {
+  model::Model result = model;
   for (std::size_t i = 0; i < model.tiles.size(); ++i) {
     result.tiles[i] = bent(model.tiles[i], bulges[i], points);
     if (model.target) (*result.target)[i] = bent((*model.target)[i], bulges[i], points);
   }
   // Corner k of a tile is corner k (1 + points) of the bent one.
   const int corners = 1 + static_cast<int>(points.size());
-  for (Joint& joint : result.joints) {
+  for (model::Joint& joint : result.joints) {
     joint.a.vertex *= corners;
     joint.b.vertex *= corners;
   }
@@ -611,12 +616,12 @@ struct Pattern {
 };
 
 // All tiles at one angle, in the plane z = 0.
-std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<RotorPlace>& places,
-                          double angle) {
+std::vector<model::Tile> tilesAt(const Pattern& pattern, const std::vector<RotorPlace>& places,
+                                 double angle) {
   const Complex turn = std::polar(1.0, 0.5 * angle);
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (const RotorPlace& place : places) {
-    Tile& tile = tiles.emplace_back();
+    model::Tile& tile = tiles.emplace_back();
     for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       Complex first = pattern.centre(place);
       Complex second = pattern.centre(neighbour);
@@ -632,7 +637,7 @@ std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<RotorPlace>&
 }
 
 // A corner towards a neighbour has that neighbour's place in the list.
-std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace>& places) {
+std::vector<model::Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace>& places) {
   std::map<RotorPlace, int> numbers;
   for (const RotorPlace& place : places) numbers.emplace(place, static_cast<int>(numbers.size()));
   const auto cornerTowards = [&](const RotorPlace& from, const RotorPlace& to) {
@@ -641,7 +646,7 @@ std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace
     while (around[std::size_t(corner)] != to) ++corner;
     return corner;
   };
-  std::vector<Joint> joints;
+  std::vector<model::Joint> joints;
   for (const RotorPlace& place : places) {
     // Each joint is between kind 0 and another kind, so that it is met once.
     if (place.kind != 0) continue;
@@ -650,15 +655,15 @@ std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace
       if (there == numbers.end()) continue;
       joints.push_back({{numbers.at(place), cornerTowards(place, neighbour)},
                         {there->second, cornerTowards(neighbour, place)},
-                        JointFace::Both});
+                        model::JointFace::Both});
     }
   }
   return joints;
 }
 
-Model makeSheet(const std::string& name, const Pattern& pattern,
-                const std::vector<RotorPlace>& places, const RotorShape& shape) {
-  Model model;
+model::Model makeSheet(const std::string& name, const Pattern& pattern,
+                       const std::vector<RotorPlace>& places, const RotorShape& shape) {
+  model::Model model;
   model.name = name;
   model.tiles = tilesAt(pattern, places, shape.startAngle);
   model.target = tilesAt(pattern, places, shape.targetAngle);
@@ -708,7 +713,7 @@ std::vector<RotorPlace> hexagonPatternNeighbours(const RotorPlace& place) {
 
 }  // namespace
 
-Model makeRotatingTriangles(const RotorShape& shape) {
+model::Model makeRotatingTriangles(const RotorShape& shape) {
   const Pattern pattern{kTriangleRatio, triangleCentre, triangleNeighbours};
   std::vector<RotorPlace> places;
   for (int i = 0; i < shape.columns; ++i) {
@@ -719,7 +724,7 @@ Model makeRotatingTriangles(const RotorShape& shape) {
   return makeSheet("triangles", pattern, places, shape);
 }
 
-Model makeHexagonsAndTriangles(const RotorShape& shape) {
+model::Model makeHexagonsAndTriangles(const RotorShape& shape) {
   const Pattern pattern{kHexagonRatio, hexagonPatternCentre, hexagonPatternNeighbours};
   std::vector<RotorPlace> places;
   for (int i = 0; i < shape.columns; ++i) {
@@ -733,4 +738,4 @@ Model makeHexagonsAndTriangles(const RotorShape& shape) {
   return makeSheet("hexagons", pattern, places, shape);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -8,7 +8,7 @@
 
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 
 /// A number that shapes a family's models, as a person types it: lengths in metres, angles in
 /// degrees.
@@ -44,7 +44,7 @@ struct Family {
   std::string name;                         ///< e.g. "square-to-disk"
   std::string help;                         ///< one phrase
   std::vector<FamilyParameter> parameters;  ///< in the order of the help
-  std::function<Model(const FamilyValues&)>
+  std::function<model::Model(const FamilyValues&)>
       make;                ///< makes a model; throws InputError for values that do not go together
   bool isConcave = false;  ///< whether its tiles need not be convex
 };
@@ -64,7 +64,7 @@ const Family& familyNamed(const std::string& name);
 /// Throws InputError for a parameter that the family does not have or that is out of range, and for
 /// values with which no such sheet was found. The same values give the same model to the last bit.
 /// Families that are fitted cost a sparse factorisation a round.
-Model generateModel(const Family& family, const std::map<std::string, double>& given);
+model::Model generateModel(const Family& family, const std::map<std::string, double>& given);
 
 // ------------------------------------------------------------------------------------------------
 // Concave tiles: sheets whose tiles have bent sides that fit into each other.
@@ -86,8 +86,8 @@ struct SidePoint {
 /// The sheet with these points in each side of each tile: outwards where `bulges` says so of the
 /// tile, else inwards. The points are the same from either end of a side. Joints stay at their
 /// corners.
-Model withBentSides(const Model& model, const std::vector<bool>& bulges,
-                    const std::vector<SidePoint>& points);
+model::Model withBentSides(const model::Model& model, const std::vector<bool>& bulges,
+                           const std::vector<SidePoint>& points);
 
 // ------------------------------------------------------------------------------------------------
 // Sheets of regular tiles of two kinds that turn against each other at their corners.
@@ -102,10 +102,10 @@ struct RotorShape {
 
 /// Rotating triangles with edges of 1 m: two a cell, pointing up and down; a kagome lattice of
 /// hexagonal voids at 120 degrees, closed again at 240.
-Model makeRotatingTriangles(const RotorShape& shape);
+model::Model makeRotatingTriangles(const RotorShape& shape);
 
 /// Regular hexagons, one a cell, and the triangles between them, edges of 1 m; widest at 90
 /// degrees, closed again at 180. At least 2 columns and 2 rows.
-Model makeHexagonsAndTriangles(const RotorShape& shape);
+model::Model makeHexagonsAndTriangles(const RotorShape& shape);
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -26,13 +26,13 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 namespace {
 
 using std::numbers::pi;
 
-TurningField unitField(const Lattice& lattice) {
-  return regularField(lattice, 1, Complex(0, 1));
+model::TurningField unitField(const model::Lattice& lattice) {
+  return model::regularField(lattice, 1, model::Complex(0, 1));
 }
 
 // A fit whose exact equations hold; throws InputError where they do not.
@@ -46,7 +46,7 @@ Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorX
                   family, fit.violation));
 }
 
-std::vector<TileBlock> allBlocks(const Lattice& lattice) {
+std::vector<TileBlock> allBlocks(const model::Lattice& lattice) {
   std::vector<TileBlock> blocks = innerBlocks(lattice);
   for (const auto& more : {sideBlocksClosedAtStart(lattice), sideBlocksClosedAtEnd(lattice)}) {
     blocks.insert(blocks.end(), more.begin(), more.end());
@@ -55,32 +55,33 @@ std::vector<TileBlock> allBlocks(const Lattice& lattice) {
 }
 
 void addRhombicBlocks(EquationRows& rows, const LatticeUnknowns& unknowns,
-                      const TurningField& field, const std::vector<TileBlock>& blocks,
+                      const model::TurningField& field, const std::vector<TileBlock>& blocks,
                       const Eigen::VectorXd& values) {
   for (const TileBlock& block : blocks) unknowns.addBlock(rows, field, block, values, -1);
 }
 
 // Both coordinates of a corner in the state at `angle`.
-void addWantedPoint(EquationRows& rows, const LatticeUnknowns& unknowns, const TurningField& field,
-                    const LatticeCorner& corner, double angle, Complex point) {
+void addWantedPoint(EquationRows& rows, const LatticeUnknowns& unknowns,
+                    const model::TurningField& field, const LatticeCorner& corner, double angle,
+                    model::Complex point) {
   unknowns.addPosition(rows, field, corner, angle, 1, point.real());
-  unknowns.addPosition(rows, field, corner, angle, Complex(0, 1), point.imag());
+  unknowns.addPosition(rows, field, corner, angle, model::Complex(0, 1), point.imag());
 }
 
 /// A corner and where it should go.
 struct WantedPoint {
   LatticeCorner corner;
-  Complex point;
+  model::Complex point;
 };
 
 /// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
 /// wanted points. All equations are linear, so that the fit is one step.
-TurningField rhombicField(const std::string& family, const Lattice& lattice, double angle,
-                          const std::vector<WantedPoint>& wanted) {
+model::TurningField rhombicField(const std::string& family, const model::Lattice& lattice,
+                                 double angle, const std::vector<WantedPoint>& wanted) {
   const LatticeUnknowns unknowns(lattice);
-  const TurningField zero(lattice);
+  const model::TurningField zero(lattice);
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
-    const TurningField field = unknowns.field(values);
+    const model::TurningField field = unknowns.field(values);
     addRhombicBlocks(equations.exact, unknowns, field, allBlocks(lattice), values);
     for (const WantedPoint& point : wanted) {
       addWantedPoint(equations.wanted, unknowns, field, point.corner, angle, point.point);
@@ -98,15 +99,16 @@ TurningField rhombicField(const std::string& family, const Lattice& lattice, dou
 
 /// A point of the heart curve x = 16 sin a |sin a|, y = 13 cos a - 5 cos 2a - 2 cos 3a (over 8),
 /// from the lower tip anticlockwise as t goes from 0 to 1.
-Complex heartPoint(double t) {
+model::Complex heartPoint(double t) {
   const double a = pi - 2 * pi * t;
   const double x = 16 * std::sin(a) * std::abs(std::sin(a));
   const double y = 13 * std::cos(a) - 5 * std::cos(2 * a) - 2 * std::cos(3 * a);
-  return Complex(x, y) / 8.0;
+  return model::Complex(x, y) / 8.0;
 }
 
 /// Points at equal distances along a closed curve given over [0, 1].
-std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int count) {
+std::vector<model::Complex> evenPoints(const std::function<model::Complex(double)>& curve,
+                                       int count) {
   // Chords of that many pieces measure the curve to about 1e-8 of its length.
   constexpr int kPieces = 20000;
   std::vector<double> lengths{0};
@@ -114,7 +116,7 @@ std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int
     const double step = std::abs(curve((k + 1.0) / kPieces) - curve(double(k) / kPieces));
     lengths.push_back(lengths.back() + step);
   }
-  std::vector<Complex> points;
+  std::vector<model::Complex> points;
   for (int k = 0; k < count; ++k) {
     const double wanted = lengths.back() * k / count;
     // Along a straight piece, which is exact enough at this number of pieces.
@@ -127,9 +129,9 @@ std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int
 }
 
 /// Half the extent of a field's corners at an angle, along x and y, about the origin.
-Complex halfExtent(const TurningField& field, double angle) {
+model::Complex halfExtent(const model::TurningField& field, double angle) {
   double x = 0, y = 0;
-  for (const Tile& tile : field.tiles(angle)) {
+  for (const model::Tile& tile : field.tiles(angle)) {
     for (const Vector3& vertex : tile.vertices) {
       x = std::max(x, std::abs(vertex.x()));
       y = std::max(y, std::abs(vertex.y()));
@@ -158,10 +160,10 @@ class RoundDesign {
   const LatticeUnknowns& unknowns() const { return unknowns_; }
   const std::vector<TileBlock>& blocks() const { return blocks_; }
   const std::vector<LatticeCorner>& tipCorners() const { return tips_; }
-  const Lattice& lattice() const { return lattice_; }
+  const model::Lattice& lattice() const { return lattice_; }
 
   /// Closed voids, and tips on the circle.
-  void addExact(EquationRows& rows, const TurningField& field,
+  void addExact(EquationRows& rows, const model::TurningField& field,
                 const Eigen::VectorXd& values) const {
     for (std::size_t k = 0; k < blocks_.size(); ++k) {
       unknowns_.addBlock(rows, field, blocks_[k], values, logarithm(k));
@@ -170,15 +172,15 @@ class RoundDesign {
     // A tip on the circle: its component along its present direction is the radius. The direction
     // is taken anew in each round, so that in the end it is the position's own.
     for (const LatticeCorner& tip : tips_) {
-      const Complex position = field.corner(tip.cell, tip.corner, angle_);
-      const Complex outwards = position / std::abs(position);
+      const model::Complex position = field.corner(tip.cell, tip.corner, angle_);
+      const model::Complex outwards = position / std::abs(position);
       unknowns_.addPosition(rows, field, tip, angle_, outwards, values[radius()]);
       rows.slope(radius(), -1);
     }
   }
 
   // `firstRadius` in metres: of the circle that the tips shall lie on.
-  TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
+  model::TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
     const int further = static_cast<int>(blocks_.size()) + 1;
     Eigen::VectorXd start = unknowns_.pack(unitField(lattice_), further);
     start[radius()] = firstRadius;
@@ -189,7 +191,7 @@ class RoundDesign {
 
  private:
   std::string family_;
-  Lattice lattice_;
+  model::Lattice lattice_;
   LatticeUnknowns unknowns_;
   std::vector<TileBlock> blocks_;
   std::vector<TileBlock> sideBlocks_;
@@ -198,13 +200,13 @@ class RoundDesign {
 };
 
 /// The place of node k of the closed boundary on a square of half side h about the origin.
-Complex squarePoint(const Lattice& lattice, int node) {
+model::Complex squarePoint(const model::Lattice& lattice, int node) {
   const int size = lattice.columns;
   const double half = 0.5 * size;
   const int side = node / size;
   // Each further side is the bottom turned by a quarter.
-  const Complex onBottom(node % size - half, -half);
-  return onBottom * std::pow(Complex(0, 1), side);
+  const model::Complex onBottom(node % size - half, -half);
+  return onBottom * std::pow(model::Complex(0, 1), side);
 }
 
 /// Appends weight * (unknown - value).
@@ -213,7 +215,7 @@ void addValue(EquationRows& rows, int unknown, double found, double wanted, doub
   rows.slope(unknown, weight);
 }
 
-std::vector<TileBlock> allSideBlocks(const Lattice& lattice) {
+std::vector<TileBlock> allSideBlocks(const model::Lattice& lattice) {
   std::vector<TileBlock> blocks = sideBlocksClosedAtStart(lattice);
   const std::vector<TileBlock> more = sideBlocksClosedAtEnd(lattice);
   blocks.insert(blocks.end(), more.begin(), more.end());
@@ -222,14 +224,14 @@ std::vector<TileBlock> allSideBlocks(const Lattice& lattice) {
 
 }  // namespace
 
-TurningField fanField(const FanShape& shape) {
-  const TurningField regular = unitField(shape.lattice);
-  const Complex half = halfExtent(regular, pi);
+model::TurningField fanField(const FanShape& shape) {
+  const model::TurningField regular = unitField(shape.lattice);
+  const model::Complex half = halfExtent(regular, pi);
   std::vector<WantedPoint> wanted;
   for (int tile = 0; tile < shape.lattice.tileCount(); ++tile) {
     for (int k = 0; k < 4; ++k) {
-      const Cell cell = shape.lattice.cellOf(tile);
-      const Complex position = regular.corner(cell, k, pi);
+      const model::Cell cell = shape.lattice.cellOf(tile);
+      const model::Complex position = regular.corner(cell, k, pi);
       const double x = position.real() / half.real();
       const double y = position.imag() / half.imag();
       // Only corners on the outline of the open sheet are guided; the inside follows from the exact
@@ -244,10 +246,10 @@ TurningField fanField(const FanShape& shape) {
   return rhombicField("fan", shape.lattice, pi, wanted);
 }
 
-TurningField heartField(const Lattice& lattice) {
+model::TurningField heartField(const model::Lattice& lattice) {
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
   const int count = static_cast<int>(nodes.size());
-  const std::vector<Complex> points = evenPoints(heartPoint, count);
+  const std::vector<model::Complex> points = evenPoints(heartPoint, count);
   // The lower tip stands in the middle of the left side.
   // Nodes count from the bottom left: the left side begins after bottom, right and top, and runs
   // down.
@@ -259,14 +261,14 @@ TurningField heartField(const Lattice& lattice) {
   return rhombicField("heart", lattice, 0, wanted);
 }
 
-TurningField squareToDiskField(int size) {
-  const Lattice lattice{size, size};
+model::TurningField squareToDiskField(int size) {
+  const model::Lattice lattice{size, size};
   const RoundDesign design("square-to-disk", size, pi, allSideBlocks(lattice));
   const LatticeUnknowns& unknowns = design.unknowns();
-  const TurningField regular = unitField(lattice);
+  const model::TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
-    const TurningField field = unknowns.field(values);
+    const model::TurningField field = unknowns.field(values);
     design.addExact(equations.exact, field, values);
     // Evenly spaced nodes: without that the tiles at the square's corners collapse.
     for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -277,7 +279,7 @@ TurningField squareToDiskField(int size) {
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {
       const int logarithm = design.logarithm(k);
       // Voids alternate between narrow and wide ones, about e^-0.8 and e^0.8.
-      const double wanted = isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
+      const double wanted = model::isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
       addValue(equations.wanted, logarithm, values[logarithm], wanted, 0.3);
     }
   };
@@ -286,23 +288,23 @@ TurningField squareToDiskField(int size) {
   return design.fit(source, 0.58 * size, 0.1);
 }
 
-TurningField squareToCircleField(int size) {
-  const Lattice lattice{size, size};
+model::TurningField squareToCircleField(int size) {
+  const model::Lattice lattice{size, size};
   const RoundDesign design("square-to-circle", size, pi / 2, sideBlocksClosedAtStart(lattice));
   const LatticeUnknowns& unknowns = design.unknowns();
-  const TurningField regular = unitField(lattice);
+  const model::TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
-  const Complex half = halfExtent(regular, pi / 2);
+  const model::Complex half = halfExtent(regular, pi / 2);
   const double radius = 1.15 * half.real();
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
-    const TurningField field = unknowns.field(values);
+    const model::TurningField field = unknowns.field(values);
     design.addExact(equations.exact, field, values);
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const int node = static_cast<int>(k);
-      const Complex point = squarePoint(lattice, node);
-      const Complex along = std::pow(Complex(0, 1), node / size);
-      const Complex across = along * Complex(0, -1);
-      const auto onSide = [&](Complex direction) {
+      const model::Complex point = squarePoint(lattice, node);
+      const model::Complex along = std::pow(model::Complex(0, 1), node / size);
+      const model::Complex across = along * model::Complex(0, -1);
+      const auto onSide = [&](model::Complex direction) {
         unknowns.addPosition(equations.exact, field, nodes[k], 0, direction, 0.5 * size);
       };
       onSide(across);
@@ -313,12 +315,12 @@ TurningField squareToCircleField(int size) {
     }
     // Tips spread round the circle as the square maps to the disk.
     for (const LatticeCorner& tip : design.tipCorners()) {
-      const Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
+      const model::Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
       const double u = box.real(), v = box.imag();
       // The square [-1, 1]^2 is mapped to the unit disk by (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)).
-      const Complex onDisk =
-          radius * Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
-      const Complex tangent = Complex(0, 1) * onDisk / std::abs(onDisk);
+      const model::Complex onDisk =
+          radius * model::Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
+      const model::Complex tangent = model::Complex(0, 1) * onDisk / std::abs(onDisk);
       unknowns.addPosition(equations.wanted, field, tip, pi / 2, tangent, 0, 0.3);
     }
     unknowns.addConstants(equations.wanted, field, regular, 0.05);
@@ -330,8 +332,9 @@ TurningField squareToCircleField(int size) {
   return design.fit(source, radius, 1e-2);
 }
 
-TurningField irregularField(const Lattice& lattice, double irregularity, unsigned seed) {
-  const TurningField regular = unitField(lattice);
+model::TurningField irregularField(const model::Lattice& lattice, double irregularity,
+                                   unsigned seed) {
+  const model::TurningField regular = unitField(lattice);
   std::mt19937 generator(seed);
   // Whole numbers of the generator are the same on every machine, those of a distribution are not.
   const auto random = [&] { return irregularity * (generator() / 2147483648.0 - 1); };
@@ -340,8 +343,8 @@ TurningField irregularField(const Lattice& lattice, double irregularity, unsigne
     // One after the other: the order in which arguments are evaluated is open.
     const double x = random();
     const double y = random();
-    const Complex place = regular.corner(node.cell, node.corner, 0);
-    wanted.push_back({node, place + Complex(x, y)});
+    const model::Complex place = regular.corner(node.cell, node.corner, 0);
+    wanted.push_back({node, place + model::Complex(x, y)});
   }
   return rhombicField("quads", lattice, 0, wanted);
 }
@@ -360,12 +363,12 @@ TurningField irregularField(const Lattice& lattice, double irregularity, unsigne
 namespace {
 
 /// The inner product of two plane vectors.
-double scalarProduct(Complex a, Complex b) {
+double scalarProduct(model::Complex a, model::Complex b) {
   return (std::conj(a) * b).real();
 }
 
 // Places diagonally outside, which nothing refers to.
-bool isGhostCorner(const Lattice& lattice, const Cell& cell) {
+bool isGhostCorner(const model::Lattice& lattice, const model::Cell& cell) {
   const bool outsideColumns = cell.column < 0 || cell.column >= lattice.columns;
   const bool outsideRows = cell.row < 0 || cell.row >= lattice.rows;
   return outsideColumns && outsideRows;
@@ -373,18 +376,18 @@ bool isGhostCorner(const Lattice& lattice, const Cell& cell) {
 
 /// Half blocks whose lower left places are even on the sides to the left and right and odd at the
 /// bottom and the top, or the other way round.
-std::vector<TileBlock> sideBlocks(const Lattice& lattice, bool evenAtLeftAndRight) {
+std::vector<TileBlock> sideBlocks(const model::Lattice& lattice, bool evenAtLeftAndRight) {
   std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (const int row : {-1, lattice.rows - 1}) {
       // A block's parity is that of its lower left place. Sides at the bottom and the top take the
       // other parity, since neighbouring sides have their mouths at different nodes.
-      if (isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
+      if (model::isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
     }
   }
   for (int row = 0; row + 1 < lattice.rows; ++row) {
     for (const int column : {-1, lattice.columns - 1}) {
-      if (isEven({column, row}) == evenAtLeftAndRight) blocks.push_back({{column, row}});
+      if (model::isEven({column, row}) == evenAtLeftAndRight) blocks.push_back({{column, row}});
     }
   }
   return blocks;
@@ -392,7 +395,7 @@ std::vector<TileBlock> sideBlocks(const Lattice& lattice, bool evenAtLeftAndRigh
 
 }  // namespace
 
-std::vector<LatticeCorner> closedBoundary(const Lattice& lattice) {
+std::vector<LatticeCorner> closedBoundary(const model::Lattice& lattice) {
   const int right = lattice.columns - 1;
   const int top = lattice.rows - 1;
   std::vector<LatticeCorner> nodes;
@@ -404,13 +407,13 @@ std::vector<LatticeCorner> closedBoundary(const Lattice& lattice) {
 }
 
 // Side by side, as closedBoundary() goes round.
-std::vector<LatticeCorner> tips(const Lattice& lattice) {
+std::vector<LatticeCorner> tips(const model::Lattice& lattice) {
   const int right = lattice.columns - 1;
   const int top = lattice.rows - 1;
   std::vector<LatticeCorner> found;
-  const auto append = [&](const Cell& cell, int stepColumn, int stepRow) {
+  const auto append = [&](const model::Cell& cell, int stepColumn, int stepRow) {
     for (int k = 0; k < 4; ++k) {
-      const Cell beyond = cornerNeighbour(cell, k);
+      const model::Cell beyond = model::cornerNeighbour(cell, k);
       // A corner whose neighbour lies outside has no joint.
       const bool isThere =
           beyond.column == cell.column + stepColumn && beyond.row == cell.row + stepRow;
@@ -424,7 +427,7 @@ std::vector<LatticeCorner> tips(const Lattice& lattice) {
   return found;
 }
 
-std::vector<TileBlock> innerBlocks(const Lattice& lattice) {
+std::vector<TileBlock> innerBlocks(const model::Lattice& lattice) {
   std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (int row = 0; row + 1 < lattice.rows; ++row) blocks.push_back({{column, row}});
@@ -432,15 +435,15 @@ std::vector<TileBlock> innerBlocks(const Lattice& lattice) {
   return blocks;
 }
 
-std::vector<TileBlock> sideBlocksClosedAtStart(const Lattice& lattice) {
+std::vector<TileBlock> sideBlocksClosedAtStart(const model::Lattice& lattice) {
   return sideBlocks(lattice, true);
 }
 
-std::vector<TileBlock> sideBlocksClosedAtEnd(const Lattice& lattice) {
+std::vector<TileBlock> sideBlocksClosedAtEnd(const model::Lattice& lattice) {
   return sideBlocks(lattice, false);
 }
 
-Eigen::VectorXd LatticeUnknowns::pack(const TurningField& field, int further) const {
+Eigen::VectorXd LatticeUnknowns::pack(const model::TurningField& field, int further) const {
   Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(firstFurther() + further);
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
@@ -452,8 +455,8 @@ Eigen::VectorXd LatticeUnknowns::pack(const TurningField& field, int further) co
   return unknowns;
 }
 
-TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) const {
-  TurningField field(lattice());
+model::TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) const {
+  model::TurningField field(lattice());
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
       const int place = places_.placeAt({column, row});
@@ -464,34 +467,34 @@ TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) const {
 }
 
 // The slope along both parts of a constant that enters as factor * F, taken along a direction.
-void LatticeUnknowns::addSlope(EquationRows& rows, const Cell& cell, Complex factor,
-                               Complex direction) const {
+void LatticeUnknowns::addSlope(EquationRows& rows, const model::Cell& cell, model::Complex factor,
+                               model::Complex direction) const {
   const int place = places_.placeAt(cell);
   rows.slope(2 * place, scalarProduct(direction, factor));
-  rows.slope(2 * place + 1, scalarProduct(direction, factor * Complex(0, 1)));
+  rows.slope(2 * place + 1, scalarProduct(direction, factor * model::Complex(0, 1)));
 }
 
-void LatticeUnknowns::addPosition(EquationRows& rows, const TurningField& field,
-                                  const LatticeCorner& corner, double angle, Complex direction,
-                                  double value, double weight) const {
-  const Complex halfTurn = std::polar(1.0, 0.5 * angle);
-  Cell even = corner.cell;
-  Cell odd = cornerNeighbour(corner.cell, corner.corner);
-  if (!isEven(corner.cell)) std::swap(even, odd);
-  const Complex position = field.corner(corner.cell, corner.corner, angle);
+void LatticeUnknowns::addPosition(EquationRows& rows, const model::TurningField& field,
+                                  const LatticeCorner& corner, double angle,
+                                  model::Complex direction, double value, double weight) const {
+  const model::Complex halfTurn = std::polar(1.0, 0.5 * angle);
+  model::Cell even = corner.cell;
+  model::Cell odd = model::cornerNeighbour(corner.cell, corner.corner);
+  if (!model::isEven(corner.cell)) std::swap(even, odd);
+  const model::Complex position = field.corner(corner.cell, corner.corner, angle);
   rows.begin(weight * (scalarProduct(direction, position) - value));
   addSlope(rows, odd, std::conj(halfTurn), weight * direction);
   addSlope(rows, even, halfTurn, weight * direction);
 }
 
-void LatticeUnknowns::addBlock(EquationRows& rows, const TurningField& field,
+void LatticeUnknowns::addBlock(EquationRows& rows, const model::TurningField& field,
                                const TileBlock& block, const Eigen::VectorXd& unknowns,
                                int logarithm) const {
   const double ratio = logarithm < 0 ? 1 : std::exp(unknowns[logarithm]);
-  const double signedRatio = isEven(block.lowerLeft) ? ratio : -ratio;
-  const Complex across = field.at(block.at(1, 0)) - field.at(block.at(0, 1));
-  const Complex along = field.at(block.at(1, 1)) - field.at(block.at(0, 0));
-  for (const Complex direction : {Complex(1, 0), Complex(0, 1)}) {
+  const double signedRatio = model::isEven(block.lowerLeft) ? ratio : -ratio;
+  const model::Complex across = field.at(block.at(1, 0)) - field.at(block.at(0, 1));
+  const model::Complex along = field.at(block.at(1, 1)) - field.at(block.at(0, 0));
+  for (const model::Complex direction : {model::Complex(1, 0), model::Complex(0, 1)}) {
     rows.begin(scalarProduct(direction, along - signedRatio * across));
     addSlope(rows, block.at(1, 1), 1, direction);
     addSlope(rows, block.at(0, 0), -1, direction);
@@ -502,13 +505,13 @@ void LatticeUnknowns::addBlock(EquationRows& rows, const TurningField& field,
   }
 }
 
-void LatticeUnknowns::addConstants(EquationRows& rows, const TurningField& field,
-                                   const TurningField& wanted, double weight) const {
+void LatticeUnknowns::addConstants(EquationRows& rows, const model::TurningField& field,
+                                   const model::TurningField& wanted, double weight) const {
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
-      const Cell cell{column, row};
+      const model::Cell cell{column, row};
       if (isGhostCorner(lattice(), cell)) continue;
-      const Complex difference = field.at(cell) - wanted.at(cell);
+      const model::Complex difference = field.at(cell) - wanted.at(cell);
       const int place = places_.placeAt(cell);
       rows.begin(weight * difference.real());
       rows.slope(2 * place, weight);
@@ -518,4 +521,4 @@ void LatticeUnknowns::addConstants(EquationRows& rows, const TurningField& field
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -10,105 +10,110 @@
 #include "sim/generate/constrained_fit.h"
 #include "sim/model/lattice.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 
 /// A rectangle that becomes a sector of a ring.
 struct FanShape {
-  Lattice lattice{6, 6};                ///< columns and rows of tiles
+  model::Lattice lattice{6, 6};         ///< columns and rows of tiles
   double outerRadius = 10;              ///< positive
   double innerRadius = 1;               ///< positive, below the outer one
   double halfAngle = 0.52359877559830;  ///< of the sector
 };
 /// The rectangle is closed at theta = 0, the sector at pi.
-TurningField fanField(const FanShape& shape);
+model::TurningField fanField(const FanShape& shape);
 
 /// A heart when closed at the start; closed again at pi. Any even number of columns and rows.
-TurningField heartField(const Lattice& lattice);
+model::TurningField heartField(const model::Lattice& lattice);
 
 /// A square of size x size tiles when closed at the start, a disk's inscribed polygon when closed
 /// at pi.
 /// `size`: odd, at least 3.
-TurningField squareToDiskField(int size);
+model::TurningField squareToDiskField(int size);
 
 /// A square of size x size tiles when closed at the start, whose tips stand on a circle when
 /// neighbours have turned by pi / 2.
 /// `size`: even, at least 4.
-TurningField squareToCircleField(int size);
+model::TurningField squareToCircleField(int size);
 
 /// Irregular quads, closed at the start and at pi: the regular lattice with its sides moved at
 /// random by up to `irregularity` tiles.
 /// `irregularity`: from 0, below 0.5 so that sides do not cross. The same seed gives the same sheet
 /// on every machine.
-TurningField irregularField(const Lattice& lattice, double irregularity, unsigned seed);
+model::TurningField irregularField(const model::Lattice& lattice, double irregularity,
+                                   unsigned seed);
 
 // ------------------------------------------------------------------------------------------------
 // Equations on the constants of a turning field, for the fit of planar designs.
 
 /// One corner in a sheet.
 struct LatticeCorner {
-  Cell cell;       ///< its tile
-  int corner = 0;  ///< 0-3: bottom left, bottom right, top right, top left
+  model::Cell cell;  ///< its tile
+  int corner = 0;    ///< 0-3: bottom left, bottom right, top right, top left
 };
 
 /// The nodes round the closed sheet (theta = 0), anticlockwise from the bottom left: columns along
 /// the bottom, rows up the right, columns along the top, rows down the left. Each by one of the
 /// corners that meet there.
-std::vector<LatticeCorner> closedBoundary(const Lattice& lattice);
+std::vector<LatticeCorner> closedBoundary(const model::Lattice& lattice);
 
 /// The corners that no joint holds, anticlockwise from the bottom left: the tips of the open sheet.
-std::vector<LatticeCorner> tips(const Lattice& lattice);
+std::vector<LatticeCorner> tips(const model::Lattice& lattice);
 
 /// A 2 x 2 block of places: the void between four tiles, or half of one at the sheet's side.
 struct TileBlock {
-  Cell lowerLeft;  ///< of the four places
+  model::Cell lowerLeft;  ///< of the four places
 
   /// Of the four, by 0 or 1 column and row.
-  Cell at(int column, int row) const { return {lowerLeft.column + column, lowerLeft.row + row}; }
+  model::Cell at(int column, int row) const {
+    return {lowerLeft.column + column, lowerLeft.row + row};
+  }
 };
 
 /// Blocks between tiles, by columns.
-std::vector<TileBlock> innerBlocks(const Lattice& lattice);
+std::vector<TileBlock> innerBlocks(const model::Lattice& lattice);
 
 /// Half blocks at the sides that are closed at theta = 0.
-std::vector<TileBlock> sideBlocksClosedAtStart(const Lattice& lattice);
+std::vector<TileBlock> sideBlocksClosedAtStart(const model::Lattice& lattice);
 
 /// Half blocks at the sides that are closed at theta = pi.
-std::vector<TileBlock> sideBlocksClosedAtEnd(const Lattice& lattice);
+std::vector<TileBlock> sideBlocksClosedAtEnd(const model::Lattice& lattice);
 
 /// Unknowns: the field's constants (real and imaginary part of each place), then further ones.
 class LatticeUnknowns {
  public:
   /// The constants of a field on this lattice; further unknowns follow.
-  explicit LatticeUnknowns(const Lattice& lattice) : places_(lattice) {}
+  explicit LatticeUnknowns(const model::Lattice& lattice) : places_(lattice) {}
 
   /// Its columns and rows.
-  const Lattice& lattice() const { return places_.lattice(); }
+  const model::Lattice& lattice() const { return places_.lattice(); }
   /// The first unknown after the constants.
   int firstFurther() const { return 2 * places_.placeCount(); }
   /// The unknowns of a field, and zeros for `further` more.
-  Eigen::VectorXd pack(const TurningField& field, int further) const;
+  Eigen::VectorXd pack(const model::TurningField& field, int further) const;
   /// The field that the unknowns describe; further ones are not looked at.
-  TurningField field(const Eigen::VectorXd& unknowns) const;
+  model::TurningField field(const Eigen::VectorXd& unknowns) const;
 
   /// Adds the equation weight * (direction . v(theta) - value) of one corner, with the position
   /// along a direction given as a complex number. Slopes along other unknowns may follow.
   /// `angle` in radians, `value` in metres along `direction`, a unit complex number.
-  void addPosition(EquationRows& rows, const TurningField& field, const LatticeCorner& corner,
-                   double angle, Complex direction, double value, double weight = 1) const;
+  void addPosition(EquationRows& rows, const model::TurningField& field,
+                   const LatticeCorner& corner, double angle, model::Complex direction,
+                   double value, double weight = 1) const;
 
   /// Adds both equations of a block with the ratio lambda of its sides; the unknown that is
   /// lambda's logarithm, or -1 when lambda is 1.
-  void addBlock(EquationRows& rows, const TurningField& field, const TileBlock& block,
+  void addBlock(EquationRows& rows, const model::TurningField& field, const TileBlock& block,
                 const Eigen::VectorXd& unknowns, int logarithm) const;
 
   /// Adds weight * (F - wanted F) for all places of the sheet and at its sides.
-  void addConstants(EquationRows& rows, const TurningField& field, const TurningField& wanted,
-                    double weight) const;
+  void addConstants(EquationRows& rows, const model::TurningField& field,
+                    const model::TurningField& wanted, double weight) const;
 
  private:
-  void addSlope(EquationRows& rows, const Cell& cell, Complex factor, Complex direction) const;
+  void addSlope(EquationRows& rows, const model::Cell& cell, model::Complex factor,
+                model::Complex direction) const;
 
-  TurningField places_;  ///< numbers the places
+  model::TurningField places_;  ///< numbers the places
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

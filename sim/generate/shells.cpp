@@ -32,13 +32,13 @@
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 namespace {
 
 using std::numbers::pi;
 
 /// Wraps a flat sheet round a regular prism whose sides are `side` wide: x, from 0, runs round it.
-std::vector<Tile> wrapped(std::vector<Tile> flat, int sides, double side) {
+std::vector<model::Tile> wrapped(std::vector<model::Tile> flat, int sides, double side) {
   // The circumscribed circle of a regular polygon with that side.
   const double radius = 0.5 * side / std::sin(pi / sides);
   const auto edge = [&](int k) {
@@ -85,7 +85,8 @@ class SaddleDesign {
     saddle_ = {nodesClosedAtEnd(lattice_), 3, sphere_.count()};
   }
 
-  Eigen::VectorXd packed(const std::vector<Tile>& start, const std::vector<Tile>& target) const {
+  Eigen::VectorXd packed(const std::vector<model::Tile>& start,
+                         const std::vector<model::Tile>& target) const {
     Eigen::VectorXd unknowns(sphere_.count() + saddle_.count());
     sphere_.pack(start, unknowns);
     saddle_.pack(target, unknowns);
@@ -110,12 +111,12 @@ class SaddleDesign {
     return fitFamily("sphere-to-saddle", source, start, {1e-3, 200});
   }
 
-  Model model(const Eigen::VectorXd& unknowns) const {
-    Model model;
+  model::Model model(const Eigen::VectorXd& unknowns) const {
+    model::Model model;
     model.name = "sphere-to-saddle";
     model.tiles = sphere_.tiles(unknowns);
     model.target = saddle_.tiles(unknowns);
-    model.joints = latticeJoints(lattice_, JointFace::Bottom);
+    model.joints = model::latticeJoints(lattice_, model::JointFace::Bottom);
     return model;
   }
 
@@ -152,7 +153,7 @@ class SaddleDesign {
     addSlope(rows, point, gradient.normalized());
   }
 
-  Lattice lattice_;
+  model::Lattice lattice_;
   double radius_;
   double curvature_;
   StateUnknowns sphere_;
@@ -161,33 +162,34 @@ class SaddleDesign {
 
 }  // namespace
 
-Model makeCylinder(const CylinderShape& shape) {
-  const Lattice lattice{shape.columns, shape.rows};
-  const TurningField field = regularField(lattice, shape.length, Complex(0, shape.width));
-  Model model;
+model::Model makeCylinder(const CylinderShape& shape) {
+  const model::Lattice lattice{shape.columns, shape.rows};
+  const model::TurningField field =
+      model::regularField(lattice, shape.length, model::Complex(0, shape.width));
+  model::Model model;
   model.name = "cylinder";
   model.tiles = wrapped(field.tiles(0), shape.columns, shape.length);
   model.target = wrapped(field.tiles(pi), shape.columns, shape.width);
-  model.joints = latticeJoints(lattice, JointFace::Bottom);
+  model.joints = model::latticeJoints(lattice, model::JointFace::Bottom);
   const int last = shape.columns - 1;
   for (int row = 0; row < shape.rows; ++row) {
-    const bool even = isEven({last, row});
+    const bool even = model::isEven({last, row});
     model.joints.push_back({{lattice.tileAt({last, row}), even ? 2 : 1},
                             {lattice.tileAt({0, row}), even ? 3 : 0},
-                            JointFace::Bottom});
+                            model::JointFace::Bottom});
   }
   return model;
 }
 
-Model makeMoebiusBand(const BandShape& shape) {
-  const Lattice lattice{shape.columns, shape.rows};
+model::Model makeMoebiusBand(const BandShape& shape) {
+  const model::Lattice lattice{shape.columns, shape.rows};
   StateUnknowns strip{nodesClosedAtStart(lattice), 2, 0};
   StateUnknowns band{openNodes(lattice), 3, strip.count()};
   const int halfLength = strip.count() + band.count();
   const int halfWidth = halfLength + 1;
   const FlatRectangle rectangle(lattice, strip, halfLength, halfWidth);
 
-  const std::vector<Tile> open = unitTiles(lattice, shape.angle);
+  const std::vector<model::Tile> open = unitTiles(lattice, shape.angle);
   const Vector3 half = halfExtent(open);
   // The open sheet is as long as the circle: 2 half.x() scale = 2 pi R.
   const double scale = pi * shape.radius / half.x();
@@ -227,19 +229,19 @@ Model makeMoebiusBand(const BandShape& shape) {
     rectangle.addEvenGrid(equations.wanted, values, 0.1);
   };
   const Eigen::VectorXd found = fitFamily("moebius", source, start, {1e-2, 200});
-  Model model;
+  model::Model model;
   model.name = "moebius";
   model.tiles = strip.tiles(found);
   model.target = band.tiles(found);
-  model.joints = latticeJoints(lattice, JointFace::Bottom);
+  model.joints = model::latticeJoints(lattice, model::JointFace::Bottom);
   return model;
 }
 
 // The curvature grows in stages, each begun from the sheet before.
-Model makeSphereToSaddle(const SaddleShape& shape) {
+model::Model makeSphereToSaddle(const SaddleShape& shape) {
   // Four stages are enough for the usual curvature.
   constexpr int kStages = 4;
-  const Lattice lattice{shape.columns, shape.rows};
+  const model::Lattice lattice{shape.columns, shape.rows};
   const double scale = shape.width / std::max(shape.columns, shape.rows);
   const auto scaled = [&](double angle) {
     return mapped(unitTiles(lattice, angle), [&](const Vector3& v) { return Vector3(scale * v); });
@@ -292,8 +294,8 @@ void addMirror(EquationRows& rows, const UnknownPoint& a, const UnknownPoint& b,
 
 /// The flat square and its cap.
 struct CapPair {
-  std::vector<Tile> square;  ///< in the plane z = 0
-  std::vector<Tile> cap;
+  std::vector<model::Tile> square;  ///< in the plane z = 0
+  std::vector<model::Tile> cap;
   double half = 0;  ///< half the square's side
 };
 
@@ -313,7 +315,7 @@ class CapDesign {
 
   // From the start to both states.
   CapPair solve() const {
-    const std::vector<Tile> start = startCap();
+    const std::vector<model::Tile> start = startCap();
     // The square is given the edge lengths of the cap that it starts from.
     const double half = 0.5 * shape_.size * meanEdge(start);
     Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(half_ + 1);
@@ -334,9 +336,9 @@ class CapDesign {
 
  private:
   /// The regular open sheet, its box mapped to the cap's.
-  std::vector<Tile> startCap() const {
-    const std::vector<Tile> flat = unitTiles(lattice_, 0.4 * pi);
-    const Vector3 half = halfExtent(flat);
+  std::vector<model::Tile> startCap() const {
+    const std::vector<model::Tile> flat = unitTiles(lattice_, 0.4 * pi);
+    const Vector3 half = generate::halfExtent(flat);
     return mapped(flat, [&](const Vector3& vertex) {
       const double u = std::tan(shape_.halfAngle * vertex.x() / half.x());
       const double v = std::tan(shape_.halfAngle * vertex.y() / half.y());
@@ -400,7 +402,7 @@ class CapDesign {
 
   std::string family_;
   CapShape shape_;
-  Lattice lattice_;
+  model::Lattice lattice_;
   std::vector<LatticeCorner> tips_;
   StateUnknowns square_;
   StateUnknowns cap_;
@@ -421,7 +423,7 @@ std::array<Matrix3, 6> cubeFaces() {
 
 /// A corner's place at the start and at the target, in units in which all corners that coincide
 /// round to the same numbers.
-std::array<long, 6> placeOf(const Model& model, const Corner& corner, double unit) {
+std::array<long, 6> placeOf(const model::Model& model, const model::Corner& corner, double unit) {
   std::array<long, 6> place{};
   const std::size_t tile = std::size_t(corner.tile), vertex = std::size_t(corner.vertex);
   for (int axis = 0; axis < 3; ++axis) {
@@ -432,42 +434,42 @@ std::array<long, 6> placeOf(const Model& model, const Corner& corner, double uni
 }
 
 /// Joins the tips of different caps that coincide at the start and at the target.
-void joinCaps(Model& model, const Lattice& lattice) {
-  const double unit = 1e-6 * modelSize(model);
-  std::map<std::array<long, 6>, Corner> known;
+void joinCaps(model::Model& model, const model::Lattice& lattice) {
+  const double unit = 1e-6 * model::modelSize(model);
+  std::map<std::array<long, 6>, model::Corner> known;
   for (int face = 0; face < 6; ++face) {
     for (const LatticeCorner& tip : tips(lattice)) {
-      const Corner corner{face * lattice.tileCount() + lattice.tileAt(tip.cell), tip.corner};
+      const model::Corner corner{face * lattice.tileCount() + lattice.tileAt(tip.cell), tip.corner};
       // A third tip at the same place would be joined to the first, too.
       const auto [entry, isNew] = known.try_emplace(placeOf(model, corner, unit), corner);
-      if (!isNew) model.joints.push_back({entry->second, corner, JointFace::Bottom});
+      if (!isNew) model.joints.push_back({entry->second, corner, model::JointFace::Bottom});
     }
   }
 }
 
 }  // namespace
 
-Model makeSphericalCap(const CapShape& shape) {
+model::Model makeSphericalCap(const CapShape& shape) {
   const CapPair pair = CapDesign("cap", shape).solve();
-  Model model;
+  model::Model model;
   model.name = "cap";
   model.tiles = pair.square;
   model.target = pair.cap;
-  model.joints = latticeJoints({shape.size, shape.size}, JointFace::Bottom);
+  model.joints = model::latticeJoints({shape.size, shape.size}, model::JointFace::Bottom);
   return model;
 }
 
-Model makeCubeToSphere(const CapShape& shape) {
+model::Model makeCubeToSphere(const CapShape& shape) {
   CapShape face = shape;
   face.halfAngle = pi / 4;
   const CapPair pair = CapDesign("cube-to-sphere", face).solve();
-  const Lattice lattice{shape.size, shape.size};
-  Model model;
+  const model::Lattice lattice{shape.size, shape.size};
+  model::Model model;
   model.name = "cube-to-sphere";
   model.target.emplace();
   for (const Matrix3& turn : cubeFaces()) {
     const int first = static_cast<int>(model.tiles.size());
-    for (Joint joint : latticeJoints(lattice, JointFace::Bottom)) {
+    for (model::Joint joint : model::latticeJoints(lattice, model::JointFace::Bottom)) {
       joint.a.tile += first;
       joint.b.tile += first;
       model.joints.push_back(joint);
@@ -475,9 +477,9 @@ Model makeCubeToSphere(const CapShape& shape) {
     // The flat square becomes the face z = h of the cube; the cap is centred on the origin already.
     const Vector3 lift(0, 0, pair.half);
     const auto place = [&](const Vector3& v) { return Vector3(turn * (v + lift)); };
-    for (const Tile& tile : mapped(pair.square, place)) model.tiles.push_back(tile);
+    for (const model::Tile& tile : mapped(pair.square, place)) model.tiles.push_back(tile);
     const auto rotate = [&](const Vector3& v) { return Vector3(turn * v); };
-    for (const Tile& tile : mapped(pair.cap, rotate)) model.target->push_back(tile);
+    for (const model::Tile& tile : mapped(pair.cap, rotate)) model.target->push_back(tile);
   }
   joinCaps(model, lattice);
   return model;
@@ -501,26 +503,26 @@ Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                   family, fit.violation));
 }
 
-std::vector<Tile> unitTiles(const Lattice& lattice, double angle) {
-  return regularField(lattice, 1, Complex(0, 1)).tiles(angle);
+std::vector<model::Tile> unitTiles(const model::Lattice& lattice, double angle) {
+  return model::regularField(lattice, 1, model::Complex(0, 1)).tiles(angle);
 }
 
 // From the origin, so that an asymmetric sheet has its larger side.
-Vector3 halfExtent(const std::vector<Tile>& tiles) {
+Vector3 halfExtent(const std::vector<model::Tile>& tiles) {
   Vector3 half = Vector3::Zero();
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) half = half.cwiseMax(vertex.cwiseAbs());
   }
   return half;
 }
 
-double meanEdge(const std::vector<Tile>& tiles) {
-  Model model;
+double meanEdge(const std::vector<model::Tile>& tiles) {
+  model::Model model;
   model.tiles = tiles;
-  return tileSize(model);
+  return model::tileSize(model);
 }
 
-int sideOf(const Lattice& lattice, int number) {
+int sideOf(const model::Lattice& lattice, int number) {
   // Numbers at which the bottom, the right and the top side end.
   const int ends[] = {lattice.columns, lattice.columns + lattice.rows,
                       2 * lattice.columns + lattice.rows};
@@ -534,7 +536,7 @@ Vector3 outwards(int side) {
   return directions[side];
 }
 
-FlatRectangle::FlatRectangle(const Lattice& lattice, StateUnknowns state, int halfColumns,
+FlatRectangle::FlatRectangle(const model::Lattice& lattice, StateUnknowns state, int halfColumns,
                              int halfRows)
     : lattice_(lattice),
       state_(std::move(state)),
@@ -654,19 +656,19 @@ void addProductSlopes(EquationRows& rows, const QuadVectors& quad, int i, int j,
 
 }  // namespace
 
-NodeMap openNodes(const Lattice& lattice) {
+NodeMap openNodes(const model::Lattice& lattice) {
   JoinedCorners groups(lattice.tileCount());
-  for (const Joint& joint : latticeJoints(lattice, JointFace::Bottom)) {
+  for (const model::Joint& joint : model::latticeJoints(lattice, model::JointFace::Bottom)) {
     groups.merge(4 * joint.a.tile + joint.a.vertex, 4 * joint.b.tile + joint.b.vertex);
   }
   return groups.nodes();
 }
 
-NodeMap nodesClosedAtStart(const Lattice& lattice) {
+NodeMap nodesClosedAtStart(const model::Lattice& lattice) {
   NodeMap map;
   map.nodeCount = (lattice.columns + 1) * (lattice.rows + 1);
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
-    const Cell cell = lattice.cellOf(tile);
+    const model::Cell cell = lattice.cellOf(tile);
     const int corner = cell.column * (lattice.rows + 1) + cell.row;
     const int next = corner + lattice.rows + 1;
     map.nodeOf.push_back({corner, next, next + 1, corner + 1});
@@ -674,12 +676,13 @@ NodeMap nodesClosedAtStart(const Lattice& lattice) {
   return map;
 }
 
-NodeMap nodesClosedAtEnd(const Lattice& lattice) {
-  const std::vector<Tile> closed = regularField(lattice, 1, Complex(0, 1)).tiles(std::numbers::pi);
+NodeMap nodesClosedAtEnd(const model::Lattice& lattice) {
+  const std::vector<model::Tile> closed =
+      model::regularField(lattice, 1, model::Complex(0, 1)).tiles(std::numbers::pi);
   // Corners of unit squares coincide or are 1 apart.
   std::map<std::pair<long, long>, int> numbers;
   NodeMap map;
-  for (const Tile& tile : closed) {
+  for (const model::Tile& tile : closed) {
     std::vector<int>& nodes = map.nodeOf.emplace_back();
     for (const Vector3& vertex : tile.vertices) {
       // Sheets with an even and an odd number of tiles have corners at whole or at half numbers.
@@ -700,7 +703,7 @@ UnknownPoint StateUnknowns::point(const Eigen::VectorXd& unknowns, int node) con
   return point;
 }
 
-void StateUnknowns::pack(const std::vector<Tile>& tiles, Eigen::VectorXd& unknowns) const {
+void StateUnknowns::pack(const std::vector<model::Tile>& tiles, Eigen::VectorXd& unknowns) const {
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
     for (std::size_t k = 0; k < 4; ++k) {
       unknowns.segment(first + dimension * nodes.nodeOf[tile][k], dimension) =
@@ -709,8 +712,8 @@ void StateUnknowns::pack(const std::vector<Tile>& tiles, Eigen::VectorXd& unknow
   }
 }
 
-std::vector<Tile> StateUnknowns::tiles(const Eigen::VectorXd& unknowns) const {
-  std::vector<Tile> tiles(nodes.nodeOf.size());
+std::vector<model::Tile> StateUnknowns::tiles(const Eigen::VectorXd& unknowns) const {
+  std::vector<model::Tile> tiles(nodes.nodeOf.size());
   for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
     for (const int node : nodes.nodeOf[tile]) {
       tiles[tile].vertices.push_back(point(unknowns, node).value);
@@ -767,4 +770,4 @@ void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::V
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -11,7 +11,7 @@
 #include "sim/model/lattice.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 
 // ------------------------------------------------------------------------------------------------
 // Sheets of quads that deploy to curved surfaces. Lengths in metres, angles in radians.
@@ -28,7 +28,7 @@ struct CylinderShape {
   double width = 1;   ///< of a tile along the tube at the start, positive
 };
 /// Such a model, its start and its target.
-Model makeCylinder(const CylinderShape& shape);
+model::Model makeCylinder(const CylinderShape& shape);
 
 /// A flat square that becomes a cap on a sphere.
 struct CapShape {
@@ -37,11 +37,11 @@ struct CapShape {
   double halfAngle = 0.7853981633974483;  ///< between the sphere's pole and the sides' middles
 };
 /// Such a model, its start and its target.
-Model makeSphericalCap(const CapShape& shape);
+model::Model makeSphericalCap(const CapShape& shape);
 
 /// A cube of six square sheets that becomes a sphere: six caps, joined where their tips meet in
 /// both states. The angle of the shape is not used; it is pi / 4.
-Model makeCubeToSphere(const CapShape& shape);
+model::Model makeCubeToSphere(const CapShape& shape);
 
 /// A flat strip that becomes a twisted band.
 struct BandShape {
@@ -52,7 +52,7 @@ struct BandShape {
   double angle = 1.2217304764;  ///< by which neighbours open, about
 };
 /// Such a model, its start and its target.
-Model makeMoebiusBand(const BandShape& shape);
+model::Model makeMoebiusBand(const BandShape& shape);
 
 /// A cap of a sphere that becomes a saddle z = curvature (x^2 - y^2), closed in both states.
 struct SaddleShape {
@@ -63,7 +63,7 @@ struct SaddleShape {
   double width = 6;        ///< of the sheet's longer side before it is lifted
 };
 /// Such a model, its start and its target.
-Model makeSphereToSaddle(const SaddleShape& shape);
+model::Model makeSphereToSaddle(const SaddleShape& shape);
 
 // ------------------------------------------------------------------------------------------------
 // Two congruent states of one sheet of quads, as unknowns of a fit.
@@ -75,13 +75,13 @@ struct NodeMap {
 };
 
 /// The nodes of the open sheet: corners that joints hold together.
-NodeMap openNodes(const Lattice& lattice);
+NodeMap openNodes(const model::Lattice& lattice);
 
 /// The nodes of the sheet closed at the start (theta = 0): a grid of columns + 1 by rows + 1.
-NodeMap nodesClosedAtStart(const Lattice& lattice);
+NodeMap nodesClosedAtStart(const model::Lattice& lattice);
 
 /// The nodes of the sheet closed again after all tiles have turned (theta = pi).
-NodeMap nodesClosedAtEnd(const Lattice& lattice);
+NodeMap nodesClosedAtEnd(const model::Lattice& lattice);
 
 /// A point whose coordinates are unknowns.
 struct UnknownPoint {
@@ -105,9 +105,9 @@ struct StateUnknowns {
     return point(unknowns, nodes.nodeOf[std::size_t(tile)][std::size_t(corner)]);
   }
   /// Writes a state's tiles into the unknowns.
-  void pack(const std::vector<Tile>& tiles, Eigen::VectorXd& unknowns) const;
+  void pack(const std::vector<model::Tile>& tiles, Eigen::VectorXd& unknowns) const;
   /// The state's tiles, whose vertices are the nodes.
-  std::vector<Tile> tiles(const Eigen::VectorXd& unknowns) const;
+  std::vector<model::Tile> tiles(const Eigen::VectorXd& unknowns) const;
 };
 
 /// Adds to the slopes of the last equation those along a point's coordinates.
@@ -144,26 +144,26 @@ Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                           Eigen::VectorXd start, const FitSettings& settings);
 
 /// Unit squares at an opening angle, about the origin.
-std::vector<Tile> unitTiles(const Lattice& lattice, double angle);
+std::vector<model::Tile> unitTiles(const model::Lattice& lattice, double angle);
 
 /// Half the extent of tiles about the origin, along each axis.
-Vector3 halfExtent(const std::vector<Tile>& tiles);
+Vector3 halfExtent(const std::vector<model::Tile>& tiles);
 
 /// The tiles with every vertex moved.
 template <typename Map>
-std::vector<Tile> mapped(std::vector<Tile> tiles, const Map& map) {
-  for (Tile& tile : tiles) {
+std::vector<model::Tile> mapped(std::vector<model::Tile> tiles, const Map& map) {
+  for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex = map(vertex);
   }
   return tiles;
 }
 
 /// Mean edge length of tiles.
-double meanEdge(const std::vector<Tile>& tiles);
+double meanEdge(const std::vector<model::Tile>& tiles);
 
 /// The side of a sheet that a tip or node of its closed boundary belongs to: 0 bottom, 1 right, 2
 /// top, 3 left.
-int sideOf(const Lattice& lattice, int number);
+int sideOf(const model::Lattice& lattice, int number);
 
 /// The direction out of that side.
 Vector3 outwards(int side);
@@ -172,7 +172,7 @@ Vector3 outwards(int side);
 class FlatRectangle {
  public:
   /// The unknowns of half the length of the columns' and the rows' sides; they may be the same.
-  FlatRectangle(const Lattice& lattice, StateUnknowns state, int halfColumns, int halfRows);
+  FlatRectangle(const model::Lattice& lattice, StateUnknowns state, int halfColumns, int halfRows);
 
   /// Adds that the boundary's nodes lie on the rectangle.
   void addExact(EquationRows& rows, const Eigen::VectorXd& unknowns) const;
@@ -186,10 +186,10 @@ class FlatRectangle {
  private:
   void addOnSide(EquationRows& rows, const Eigen::VectorXd& unknowns, int number, int side) const;
 
-  Lattice lattice_;
+  model::Lattice lattice_;
   StateUnknowns state_;
   std::array<int, 2> halves_;
   std::vector<LatticeCorner> boundary_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

@@ -34,7 +34,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 namespace {
 
 using Complex = std::complex<double>;
@@ -403,8 +403,8 @@ int cornerAt(const Tiling& tiling, int tile, int vertex) {
   return static_cast<int>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin());
 }
 
-Tile placed(const Tiling& tiling, int tile) {
-  Tile result;
+model::Tile placed(const Tiling& tiling, int tile) {
+  model::Tile result;
   for (const int vertex : tiling.tiles[std::size_t(tile)]) {
     const Complex place = tiling.vertices[std::size_t(vertex)];
     result.vertices.emplace_back(place.real() + 0.0, place.imag() + 0.0, 0);
@@ -420,9 +420,9 @@ struct VertexJoint {
 };
 
 /// The kept tiles, numbered anew, with these joints.
-Model jointedModel(const Tiling& tiling, const std::vector<int>& kept,
-                   const std::vector<VertexJoint>& joints) {
-  Model model;
+model::Model jointedModel(const Tiling& tiling, const std::vector<int>& kept,
+                          const std::vector<VertexJoint>& joints) {
+  model::Model model;
   std::map<int, int> numbers;
   for (const int tile : kept) {
     numbers.emplace(tile, static_cast<int>(model.tiles.size()));
@@ -431,7 +431,7 @@ Model jointedModel(const Tiling& tiling, const std::vector<int>& kept,
   for (const VertexJoint& joint : joints) {
     model.joints.push_back({{numbers.at(joint.a), cornerAt(tiling, joint.a, joint.vertex)},
                             {numbers.at(joint.b), cornerAt(tiling, joint.b, joint.vertex)},
-                            JointFace::Both});
+                            model::JointFace::Both});
   }
   return model;
 }
@@ -639,7 +639,7 @@ Vector3 expandedCorner(const Tiling& tiling, int tile, int vertex, double angle)
 
 }  // namespace
 
-Model makeChain(const Tiling& tiling) {
+model::Model makeChain(const Tiling& tiling) {
   const std::vector<int> kept = withTwoNeighbours(tiling);
   const Neighbours neighbours = neighboursOf(tiling, kept);
   const std::vector<int> path = kept.empty() ? kept : ChainSearch(neighbours, kept).find();
@@ -662,7 +662,7 @@ Model makeChain(const Tiling& tiling) {
   return jointedModel(tiling, path, joints);
 }
 
-Model makeThinned(const Tiling& tiling) {
+model::Model makeThinned(const Tiling& tiling) {
   std::vector<int> kept = allTiles(tiling);
   const auto isThin = [&](int tile) { return bool(tiling.isThin[std::size_t(tile)]); };
   std::erase_if(kept, isThin);
@@ -689,12 +689,12 @@ Model makeThinned(const Tiling& tiling) {
   return jointedModel(tiling, kept, joints);
 }
 
-Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle) {
-  Model model;
+model::Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle) {
+  model::Model model;
   model.target.emplace();
   const auto append = [&](const std::vector<std::pair<int, int>>& corners) {
-    Tile& start = model.tiles.emplace_back();
-    Tile& target = model.target->emplace_back();
+    model::Tile& start = model.tiles.emplace_back();
+    model::Tile& target = model.target->emplace_back();
     for (const auto& [tile, vertex] : corners) {
       start.vertices.push_back(expandedCorner(tiling, tile, vertex, startAngle));
       target.vertices.push_back(expandedCorner(tiling, tile, vertex, targetAngle));
@@ -723,7 +723,7 @@ Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle) 
     for (const int tile : around) {
       model.joints.push_back({{numbers.at(tile), cornerAt(tiling, tile, vertex)},
                               {cell, static_cast<int>(corners.size())},
-                              JointFace::Both});
+                              model::JointFace::Both});
       corners.emplace_back(tile, vertex);
     }
     append(corners);
@@ -731,4 +731,4 @@ Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle) 
   return model;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

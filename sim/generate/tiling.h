@@ -7,7 +7,7 @@
 
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::generate {
 
 /// An edge-to-edge tiling of a patch of the plane, edges of 1 m, about the origin.
 struct Tiling {
@@ -37,16 +37,16 @@ Tiling stampfliTiling(int tiles);
 /// the other end of the edges that it crosses. Tiles with one neighbour are left out. Throws
 /// InputError when no such chain was found.
 /// The search has a fixed seed and a fixed number of tries, so that its result is always the same.
-Model makeChain(const Tiling& tiling);
+model::Model makeChain(const Tiling& tiling);
 
 /// The tiling without its narrow rhombi: every two tiles that share an edge are joined at its
 /// clockwise end as seen from the centre, and parts that touch at a vertex alone are linked there.
 /// The largest connected part.
-Model makeThinned(const Tiling& tiling);
+model::Model makeThinned(const Tiling& tiling);
 
 /// The tiling's tiles and its grids' cells, each corner of a tile joined to a corner of the cell of
 /// its vertex. Tiles turn one way and cells the other, the voids are parallelograms: closed at 0,
 /// open at right angles at pi / 2, closed at pi. The start and the target stand at these angles.
-Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle);
+model::Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle);
 
-}  // namespace kirireel
+}  // namespace kirireel::generate

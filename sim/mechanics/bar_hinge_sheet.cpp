@@ -12,7 +12,7 @@
 
 #include "sim/model/isometry.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
@@ -104,7 +104,7 @@ Poses BarHingeSheet::posesAt(const Vector& q) const {
       before.push_back(model_.nodes[static_cast<std::size_t>(node)]);
       now.push_back(place(node, q));
     }
-    const RigidMotion motion = bestRigidMotion(before, now);
+    const model::RigidMotion motion = model::bestRigidMotion(before, now);
     poses[t].position = motion.apply(poses[t].position);
     poses[t].rotation = (Quaternion(motion.rotation) * poses[t].rotation).normalized();
   }
@@ -334,4 +334,4 @@ Matrix12 foldBend(const FoldPoints& points) {
   return bend;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -9,7 +9,7 @@
 #include "sim/base/geometry.h"
 #include "sim/mechanics/load_path.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
 // The angle between two triangles with a common edge, and its derivatives.
@@ -110,4 +110,4 @@ class BarHingeSheet : public LoadedSheet {
   std::vector<Eigen::Index> firstRow_;  // of each grip, where it moves
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -18,7 +18,7 @@
 #include "sim/base/interruption.h"
 #include "sim/mechanics/dense_kernels.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 namespace {
 
 using Graph = std::vector<std::vector<int>>;
@@ -452,4 +452,4 @@ const DenseKernels& denseKernels() {
   return baseline::kKernels;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

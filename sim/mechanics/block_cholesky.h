@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
 // The symbolic half of a sparse Cholesky factorisation: in which order to eliminate the tiles, and
@@ -123,4 +123,4 @@ class BlockCholesky {
 extern template class BlockCholesky<3>;
 extern template class BlockCholesky<6>;
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -18,7 +18,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-namespace kirireel::KIRIREEL_KERNELS {
+namespace kirireel::mechanics::KIRIREEL_KERNELS {
 namespace {
 
 constexpr int kTogether = 3;           // columns
@@ -199,4 +199,4 @@ void solveBackward(const double* panel, int rows, int columns, double* x) {
 extern const DenseKernels kKernels;
 const DenseKernels kKernels = {eliminate, solveForward, solveBackward, KIRIREEL_KERNELS_NAME};
 
-}  // namespace kirireel::KIRIREEL_KERNELS
+}  // namespace kirireel::mechanics::KIRIREEL_KERNELS

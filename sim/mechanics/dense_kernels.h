@@ -1,7 +1,7 @@
 /// The dense inner loops of the factorisation, in versions for older and newer processors.
 #pragma once
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 /// The rows of a register. A column of a panel or of an update is padded to whole registers.
 inline constexpr int kRowsTogether = 4;
@@ -45,4 +45,4 @@ namespace avx2 {
 extern const DenseKernels kKernels;
 }  // namespace avx2
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -14,27 +14,28 @@
 #include <algorithm>
 #include <cmath>
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 // Builds the rows in a fixed order: two for each pivot, three for each pinned tile, one for each
 // handle of a grip that moves. force() finds a grip's multipliers by that order. Pivots of the
 // upper face coincide with those of the lower one in the plane and are left out.
-ElasticSheet::ElasticSheet(const std::vector<Brick>& bricks, Poses start,
-                           const PairForces& pairForces, const std::vector<Pivot>& pivots,
-                           const std::vector<int>& pinned, std::vector<Grip> grips)
+ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
+                           const model::PairForces& pairForces,
+                           const std::vector<model::Pivot>& pivots, const std::vector<int>& pinned,
+                           std::vector<Grip> grips)
     : start_(std::move(start)),
-      springs_(hingeSpringsOf(pairForces)),
+      springs_(model::hingeSpringsOf(pairForces)),
       grips_(std::move(grips)),
-      ligaments_(ligamentsOf(pairForces)),
-      scale_(bricks.empty() ? 1 : meanEdge(bricks.front())) {
-  for (const std::shared_ptr<const PairForce>& force : pairForces) {
-    const bool isKnown = dynamic_cast<const HingeSprings*>(force.get()) ||
-                         dynamic_cast<const Ligaments*>(force.get());
+      ligaments_(model::ligamentsOf(pairForces)),
+      scale_(bricks.empty() ? 1 : model::meanEdge(bricks.front())) {
+  for (const std::shared_ptr<const model::PairForce>& force : pairForces) {
+    const bool isKnown = dynamic_cast<const model::HingeSprings*>(force.get()) ||
+                         dynamic_cast<const model::Ligaments*>(force.get());
     if (!isKnown) others_.add(force);
   }
   const Vector q = startCoordinates();
   const Vector3 axes[] = {Vector3::UnitX(), Vector3::UnitY()};
-  for (const Pivot& pivot : pivots) {
+  for (const model::Pivot& pivot : pivots) {
     if (pivot.isUpper) continue;
     for (const Vector3& axis : axes) {
       addRow({{{pivot.brickA, pivot.pointA}, axis}, {{pivot.brickB, pivot.pointB}, axis, -1}}, 0,
@@ -115,8 +116,8 @@ double ElasticSheet::bend(const Term& term, const Vector& q) const {
 // length^2.
 double ElasticSheet::stiffnessScale() const {
   double largest = 0;
-  for (const HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
-  for (const Ligament& ligament : ligaments_) {
+  for (const model::HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
+  for (const model::Ligament& ligament : ligaments_) {
     const double area = scale_ * scale_, shear = ligament.shearStiffness;
     const double across = ligament.isPin() ? shear : shear / ligament.start.squaredNorm();
     largest = std::max(largest, area * std::max(across, ligament.stretchStiffness));
@@ -130,7 +131,7 @@ double ElasticSheet::stiffnessScale() const {
 }
 
 /// An energy whose derivatives are by metres, by length scales: each by a place gains their size.
-PlanarEnergy ElasticSheet::inLengthScales(PlanarEnergy energy) const {
+model::PlanarEnergy ElasticSheet::inLengthScales(model::PlanarEnergy energy) const {
   Vector6 units;
   units << scale_, scale_, 1, scale_, scale_, 1;
   energy.gradient.array() *= units.array();
@@ -139,10 +140,10 @@ PlanarEnergy ElasticSheet::inLengthScales(PlanarEnergy energy) const {
 }
 
 /// Of a ligament, its derivatives by q.
-PlanarEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q) const {
+model::PlanarEnergy ElasticSheet::energyOf(const model::Ligament& ligament, const Vector& q) const {
   const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
   const Vector3 between(q[b] - q[a], q[b + 1] - q[a + 1], 0);
-  const PlanarEnergy found = ligamentEnergy(
+  const model::PlanarEnergy found = model::ligamentEnergy(
       ligament, scale_ * between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
       scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
   return inLengthScales(found);
@@ -152,15 +153,16 @@ PlanarEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q) c
 // apart.
 std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) const {
   std::vector<PairPart> parts;
-  for (const Ligament& ligament : ligaments_) {
+  for (const model::Ligament& ligament : ligaments_) {
     parts.push_back({ligament.brickA, ligament.brickB, energyOf(ligament, q)});
   }
   if (others_.empty()) return parts;
   const Poses poses = posesAt(q);
-  for (const std::shared_ptr<const PairForce>& force : others_) {
+  for (const std::shared_ptr<const model::PairForce>& force : others_) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const auto [brickA, brickB] = force->bricks(pair);
-      parts.push_back({brickA, brickB, inLengthScales(inPlane(force->derivatives(pair, poses)))});
+      parts.push_back(
+          {brickA, brickB, inLengthScales(model::inPlane(force->derivatives(pair, poses)))});
     }
   }
   return parts;
@@ -168,7 +170,7 @@ std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) con
 
 // All forces between pairs, joules. Dead loads are no part of it; gradient() has them.
 double ElasticSheet::energy(const Vector& q) const {
-  double sum = elasticEnergy(springs_, posesAt(q));
+  double sum = model::elasticEnergy(springs_, posesAt(q));
   for (const PairPart& part : pairParts(q)) sum += part.energy.energy;
   return sum;
 }
@@ -200,9 +202,9 @@ ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
 // in the direction of the moment, so that B's entry gets minus and A's entry plus.
 ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const {
   Vector sum = -load * pull(q);
-  const std::vector<double> moments = hingeMoments(springs_, posesAt(q));
+  const std::vector<double> moments = model::hingeMoments(springs_, posesAt(q));
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const Hinge& hinge = springs_[s].hinge;
+    const model::Hinge& hinge = springs_[s].hinge;
     sum[3 * hinge.brickA + 2] += moments[s] * hinge.axis.z();
     sum[3 * hinge.brickB + 2] -= moments[s] * hinge.axis.z();
   }
@@ -254,7 +256,7 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   const auto add = [&](int brickA, int brickB, double value) {
     entries.emplace_back(3 * brickA + 2, 3 * brickB + 2, value);
   };
-  for (const HingeSpring& spring : springs_) {
+  for (const model::HingeSpring& spring : springs_) {
     const auto [a, b] = std::pair(spring.hinge.brickA, spring.hinge.brickB);
     add(a, a, spring.stiffness);
     add(b, b, spring.stiffness);
@@ -326,4 +328,4 @@ double ElasticSheet::force(std::size_t grip, double load, const Vector& multipli
   return sum;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -9,7 +9,7 @@
 #include "sim/model/hinge.h"
 #include "sim/model/pair_force.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 /// What a grip holds of a brick: a point, or its turn.
 struct GripHandle {
@@ -36,9 +36,9 @@ class ElasticSheet : public LoadedSheet {
   /// `pinned`: the tiles that stay where they are. Pivots must be of joints that are exact: links
   /// are not known, and ligaments take the place of others.
   /// The length scale is the mean edge of the first brick. Tiles, bricks and poses have one order.
-  ElasticSheet(const std::vector<Brick>& bricks, Poses start, const PairForces& pairForces,
-               const std::vector<Pivot>& pivots, const std::vector<int>& pinned,
-               std::vector<Grip> grips);
+  ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
+               const model::PairForces& pairForces, const std::vector<model::Pivot>& pivots,
+               const std::vector<int>& pinned, std::vector<Grip> grips);
 
   int unknowns() const override { return 3 * static_cast<int>(start_.size()); }
   int rows() const override { return static_cast<int>(rows_.size()); }
@@ -79,7 +79,7 @@ class ElasticSheet : public LoadedSheet {
   struct PairPart {
     int brickA = 0;
     int brickB = 0;
-    PlanarEnergy energy;
+    model::PlanarEnergy energy;
   };
 
   void addRow(std::vector<Term> terms, double motion, const Vector& start);
@@ -88,18 +88,18 @@ class ElasticSheet : public LoadedSheet {
   Vector3 slope(const Term& term, const Vector& q) const;
   double bend(const Term& term, const Vector& q) const;
   std::vector<Term> forceTerms(const Grip& grip) const;
-  PlanarEnergy inLengthScales(PlanarEnergy energy) const;
-  PlanarEnergy energyOf(const Ligament& ligament, const Vector& q) const;
+  model::PlanarEnergy inLengthScales(model::PlanarEnergy energy) const;
+  model::PlanarEnergy energyOf(const model::Ligament& ligament, const Vector& q) const;
   std::vector<PairPart> pairParts(const Vector& q) const;
 
   Poses start_;
-  std::vector<HingeSpring> springs_;
+  std::vector<model::HingeSpring> springs_;
   std::vector<Grip> grips_;
-  std::vector<Ligament> ligaments_;
-  PairForces others_;  // neither springs nor ligaments
-  double scale_;       // metres
+  std::vector<model::Ligament> ligaments_;
+  model::PairForces others_;  // neither springs nor ligaments
+  double scale_;              // metres
   std::vector<Row> rows_;
   std::vector<std::size_t> firstRow_;  // of each grip, where it moves
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -8,10 +8,11 @@
 
 #include "sim/mechanics/joint_solver.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 /// Writes the load on every brick, so many seconds after the call's start, at the given poses.
-using TimedLoads = std::function<void(double seconds, const Poses&, std::vector<Load>& loads)>;
+using TimedLoads =
+    std::function<void(double seconds, const Poses&, std::vector<model::Load>& loads)>;
 
 /// A state on the way, so many seconds after the call's start.
 struct PassedState {
@@ -40,7 +41,7 @@ struct ExtrapolationSettings {
 class Extrapolation {
  public:
   /// Bricks and solver must outlive this.
-  Extrapolation(const std::vector<Brick>& bricks, JointSolver& solver,
+  Extrapolation(const std::vector<model::Brick>& bricks, JointSolver& solver,
                 const ExtrapolationSettings& settings);
 
   /// Takes one step of at most `seconds`, chosen so that steps of this length fill them evenly.
@@ -75,7 +76,7 @@ class Extrapolation {
   void chooseNext(const Trial& trial, bool wasRejected);
   void chooseAgain(const Trial& trial);
 
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   JointSolver& solver_;
   ExtrapolationSettings settings_;
   bool isSupported_ = false;
@@ -93,4 +94,4 @@ Poses posesBetween(const Motion& from, std::span<const PassedState> passed, cons
 std::vector<Velocity> velocitiesBetween(const Motion& from, std::span<const PassedState> passed,
                                         const Motion& to, double length, double seconds);
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -13,7 +13,7 @@
 
 #include "sim/mechanics/step_system.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
 // The step of the solver, in the plane and in space.
@@ -41,7 +41,7 @@ struct KeptRows {
 template <int D>
 class Stepper : public JointSolver {
  public:
-  Stepper(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+  Stepper(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
           const JointSolverSettings& settings)
       : bricks_(bricks),
         settings_(settings),
@@ -53,9 +53,9 @@ class Stepper : public JointSolver {
   }
 
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
-                     ContactSource* contacts) override;
-  void holdContacts(const std::vector<Contact>& contacts) override;
-  std::vector<Contact> heldContacts() const override;
+                     model::ContactSource* contacts) override;
+  void holdContacts(const std::vector<model::Contact>& contacts) override;
+  std::vector<model::Contact> heldContacts() const override;
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        LoadGain& given) override;
   double energy(const Motion& motion) const override;
@@ -90,12 +90,12 @@ class Stepper : public JointSolver {
   void addGain(const Poses& poses, double step, LoadGain& given) const;
   StepOutcome tryStep(const Motion& start, double step, const LoadSource& loads, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
-  bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
+  bool appendRows(const std::vector<model::Contact>& found, const Poses& start, double step);
   bool boundNewFriction();
   void startRows(const Poses& start, double step, bool warm);
   void carryOver(const Row& old, const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
-  Row contactRow(const Contact& contact, const Poses& start, double step) const;
+  Row contactRow(const model::Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
   bool solveWithPairForces(const Poses& start, double step);
@@ -114,16 +114,16 @@ class Stepper : public JointSolver {
   void finishStep(Motion& motion) const;
   void keepMultipliers(double step);
 
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   JointSolverSettings settings_;
   StepSystem<D> system_;
-  ContactSource* contactSource_ = nullptr;
+  model::ContactSource* contactSource_ = nullptr;
   double jointStiffness_ = std::numeric_limits<double>::infinity();
   StepReport report_;
   std::vector<bool> pinned_;
 
   // The step in work.
-  std::vector<Load> loads_;
+  std::vector<model::Load> loads_;
   bool isShortest_ = false;    // it will not be halved, and jumps are taken
   Vector startSpeed_;          // velocities where it starts
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
@@ -167,7 +167,7 @@ constexpr double kLeastShare = 1e-6;
 template <int D>
 // A step that would only repeat a standstill is answered without a try.
 StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& loads,
-                               ContactSource* contacts) {
+                               model::ContactSource* contacts) {
   contactSource_ = contacts;
   report_ = {};
   if (standstill_.isWhole()) loads(motion.poses, loads_);
@@ -256,7 +256,7 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
     limitEnergyAfterClosing(start, step);
     if (!contactSource_) return StepOutcome::Good;
-    std::vector<Contact> found;
+    std::vector<model::Contact> found;
     const double overlap = contactSource_->appendViolated(end_.poses, found);
     if (!appendRows(found, start, step)) {
       return overlap <= kOverlapAccepted * settings_.lengthScale ? StepOutcome::Good
@@ -268,9 +268,10 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
 
 /// Adds rows for contacts that have none yet. Returns whether there were any.
 template <int D>
-bool Stepper<D>::appendRows(const std::vector<Contact>& found, const Poses& start, double step) {
+bool Stepper<D>::appendRows(const std::vector<model::Contact>& found, const Poses& start,
+                            double step) {
   const std::size_t before = program_.contacts.size();
-  for (const Contact& contact : found) {
+  for (const model::Contact& contact : found) {
     const auto end = program_.contacts.begin() + static_cast<std::ptrdiff_t>(before);
     const bool known = std::any_of(program_.contacts.begin(), end,
                                    [&](const Row& row) { return row.contact == contact; });
@@ -332,7 +333,7 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
   for (std::size_t s = 0; s < settings_.supports.size(); ++s) {
     const Support& support = settings_.supports[s];
     Row row;
-    row.contact = {support.brick, kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
+    row.contact = {support.brick, model::kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
     row.hasNormal = false;
     row.slipBound = support.largestForce * step;
     if (s < kept_.supports.size()) {
@@ -345,7 +346,7 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
 }
 
 template <int D>
-ContactRow<D> Stepper<D>::contactRow(const Contact& contact, const Poses& start,
+ContactRow<D> Stepper<D>::contactRow(const model::Contact& contact, const Poses& start,
                                      double step) const {
   Row row = makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale);
   holdPinned(row);
@@ -359,7 +360,7 @@ void Stepper<D>::holdPinned(Row& row) const {
     row.normalA.setZero();
     row.tangentA.setZero();
   }
-  if (row.contact.brickB != kFixed && pinned_[row.contact.brickB]) {
+  if (row.contact.brickB != model::kFixed && pinned_[row.contact.brickB]) {
     row.normalB.setZero();
     row.tangentB.setZero();
   }
@@ -497,7 +498,7 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   for (const Row& row : kept_.contacts) {
     const auto [low, high] = std::minmax(row.contact.brickA, row.contact.brickB);
     const std::pair<int, int> pair =
-        low == kFixed ? std::pair(high, kFixed) : std::pair<int, int>(low, high);
+        low == model::kFixed ? std::pair(high, model::kFixed) : std::pair<int, int>(low, high);
     if (row.multiplier > 0) forces[pair] += row.multiplier / kept_.step;
   }
   std::vector<ContactLoad> loads;
@@ -548,9 +549,9 @@ void Stepper<D>::addGain(const Poses& poses, double step, LoadGain& given) const
 
 template <int D>
 // Contacts that were held already keep their impulses.
-void Stepper<D>::holdContacts(const std::vector<Contact>& contacts) {
+void Stepper<D>::holdContacts(const std::vector<model::Contact>& contacts) {
   std::vector<Row> held;
-  for (const Contact& contact : contacts) {
+  for (const model::Contact& contact : contacts) {
     const auto known = std::ranges::find_if(kept_.contacts,
                                             [&](const Row& row) { return row.contact == contact; });
     Row row = known == kept_.contacts.end() ? Row{} : *known;
@@ -561,8 +562,8 @@ void Stepper<D>::holdContacts(const std::vector<Contact>& contacts) {
 }
 
 template <int D>
-std::vector<Contact> Stepper<D>::heldContacts() const {
-  std::vector<Contact> contacts;
+std::vector<model::Contact> Stepper<D>::heldContacts() const {
+  std::vector<model::Contact> contacts;
   for (const Row& row : kept_.contacts) contacts.push_back(row.contact);
   return contacts;
 }
@@ -674,7 +675,7 @@ double Stepper<D>::energy(const Motion& motion) const {
     x.segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : motion.velocities[i]);
   }
   double sum = system_.kineticEnergy(motion.poses, x);
-  for (const std::shared_ptr<const PairForce>& force : settings_.pairForces) {
+  for (const std::shared_ptr<const model::PairForce>& force : settings_.pairForces) {
     sum += force->energy(motion.poses);
   }
   return sum;
@@ -688,8 +689,8 @@ void Stepper<D>::transfer(StateTape& tape) {
   system_.setPinned(pinned_);
 }
 
-std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
-                                             std::span<const Pivot> pivots,
+std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& bricks,
+                                             std::span<const model::Pivot> pivots,
                                              const JointSolverSettings& settings) {
   assert(settings.planar || ligamentsOf(settings.pairForces).empty());
   if (settings.planar) return std::make_unique<Stepper<3>>(bricks, pivots, settings);
@@ -712,7 +713,7 @@ bool areEqual(const Pose& a, const Pose& b) {
   return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
 }
 
-bool areEqual(const Load& a, const Load& b) {
+bool areEqual(const model::Load& a, const model::Load& b) {
   return a.force == b.force && a.stiffness == b.stiffness && a.damping == b.damping;
 }
 
@@ -730,7 +731,8 @@ bool areAtRest(const std::vector<Velocity>& velocities) {
 }  // namespace
 
 // Says whether a step is to be tried. `motion`, `loads` and `seconds` are what it begins with.
-bool Standstill::beginStep(const Motion& motion, const std::vector<Load>& loads, double seconds) {
+bool Standstill::beginStep(const Motion& motion, const std::vector<model::Load>& loads,
+                           double seconds) {
   const bool mayHalve = steps_ % kPatience == 0;
   // Inputs are the same and the last answer was "stands still". It would differ only if halving
   // were allowed now and had not been allowed then.
@@ -747,7 +749,7 @@ bool Standstill::beginStep(const Motion& motion, const std::vector<Load>& loads,
 
 // Notes the outcome. Poses and loads are kept only where no brick moved, since another step cannot
 // be the same.
-void Standstill::endStep(const Poses& poses, const std::vector<Load>& loads) {
+void Standstill::endStep(const Poses& poses, const std::vector<model::Load>& loads) {
   steps_ = stood_ ? steps_ + 1 : 0;
   halved_ = mayHalve_;
   poses_.clear();
@@ -758,7 +760,7 @@ void Standstill::endStep(const Poses& poses, const std::vector<Load>& loads) {
 }
 
 // The order of the comparisons is by their cost.
-bool Standstill::isAsBefore(const Motion& motion, const std::vector<Load>& loads,
+bool Standstill::isAsBefore(const Motion& motion, const std::vector<model::Load>& loads,
                             double seconds) const {
   return seconds == seconds_ && areAtRest(motion.velocities) && areEqual(motion.poses, poses_) &&
          areEqual(loads, loads_);
@@ -902,7 +904,7 @@ Eigen::VectorXd Stepper<D>::extrapolated(const Vector& move, const Vector& lastM
 /// How far a contact falls short of the gap that it aims at, metres.
 template <int D>
 double Stepper<D>::overlap(const Row& row) const {
-  return std::max(0.0, row.aim - contactGap(row.contact, end_.poses));
+  return std::max(0.0, row.aim - model::contactGap(row.contact, end_.poses));
 }
 
 template <int D>
@@ -985,7 +987,7 @@ template <int D>
 double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) const {
   double largest = largestOf(gaps);
   for (const Row& row : held) {
-    largest = std::max(largest, std::abs(contactGap(row.contact, end_.poses)));
+    largest = std::max(largest, std::abs(model::contactGap(row.contact, end_.poses)));
   }
   return largest;
 }
@@ -1018,7 +1020,7 @@ double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
     Vector move = Vector::Zero(D * bricks_.size());
     system_.addJointImpulse(-system_.kappa(), gaps, move);
     for (const Row& row : held) {
-      row.addNormal(-system_.rho() * contactGap(row.contact, end_.poses), move);
+      row.addNormal(-system_.rho() * model::contactGap(row.contact, end_.poses), move);
     }
     system_.solveInPlace(move);
     displace(move);
@@ -1035,4 +1037,4 @@ double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
 template class Stepper<3>;
 template class Stepper<6>;
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -14,7 +14,7 @@
 #include "sim/model/contact.h"
 #include "sim/model/pair_force.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 /// Where a brick of a planar scene rests on the ground: it rubs there with a known normal load.
 struct Support {
@@ -30,13 +30,13 @@ struct JointSolverSettings {
   std::vector<Support> supports;  ///< of planar scenes on the ground
   /// Implicit in the step, which finds its end by Newton's method unless they are springs at hinges
   /// alone. Ligaments ask for the plane.
-  PairForces pairForces;
+  model::PairForces pairForces;
   bool isHalving = true;  ///< whether steps that fail are tried in halves
 };
 
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
 /// replaced.
-using LoadSource = std::function<void(const Poses&, std::vector<Load>& loads)>;
+using LoadSource = std::function<void(const Poses&, std::vector<model::Load>& loads)>;
 
 /// Linear and angular momentum of all bricks together, the latter about the origin, N s and N m s.
 struct Momentum {
@@ -52,18 +52,18 @@ struct LoadGain {
 
 /// What two touching bricks push each other with.
 struct ContactLoad {
-  int brickA = 0;       ///< its number, from 0
-  int brickB = kFixed;  ///< above brickA, or kFixed
-  double force = 0;     ///< newtons, the sum over the pair's points
+  int brickA = 0;              ///< its number, from 0
+  int brickB = model::kFixed;  ///< above brickA, or kFixed
+  double force = 0;            ///< newtons, the sum over the pair's points
 };
 
 /// The force at one point where two bricks, or a brick and the ground, touch.
 struct TouchForce {
-  int brickA = 0;       ///< its number, from 0
-  int brickB = kFixed;  ///< or kFixed
-  Vector3 point;        ///< world axes
-  Vector3 force;        ///< on brick A, friction included, newtons; brick B gets the opposite
-  double push = 0;      ///< of that along the normal, newtons, from 0
+  int brickA = 0;              ///< its number, from 0
+  int brickB = model::kFixed;  ///< or kFixed
+  Vector3 point;               ///< world axes
+  Vector3 force;    ///< on brick A, friction included, newtons; brick B gets the opposite
+  double push = 0;  ///< of that along the normal, newtons, from 0
 };
 
 /// The direct solver: an implicit Euler step whose velocities satisfy all joints exactly,
@@ -87,13 +87,13 @@ class JointSolver {
   /// `step` is positive, joints are closed at the start to about the solver's tolerance. Loads are
   /// asked for at the start of each part of the step.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
-                             ContactSource* contacts) = 0;
+                             model::ContactSource* contacts) = 0;
 
   /// The contacts that eulerStep(), project() and collide() keep from now on: their points part, or
   /// slide, but approach no more. To be set anew after advance(), which finds contacts itself.
-  virtual void holdContacts(const std::vector<Contact>& contacts) = 0;
+  virtual void holdContacts(const std::vector<model::Contact>& contacts) = 0;
   /// Those that are held, or that carried load in the last step of advance(), with their planes.
-  virtual std::vector<Contact> heldContacts() const = 0;
+  virtual std::vector<model::Contact> heldContacts() const = 0;
 
   /// One step of implicit Euler, linearised at its start, with the contacts that are held alone:
   /// velocities satisfy joints and contacts as they stand at the start, bricks move by them, and
@@ -154,8 +154,8 @@ class JointSolver {
 /// A solver for these bricks and pivots. The pivots of a planar scene's two faces coincide and are
 /// taken once.
 /// `bricks` must outlive the solver. Ligaments ask for a planar scene.
-std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
-                                             std::span<const Pivot> pivots,
+std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& bricks,
+                                             std::span<const model::Pivot> pivots,
                                              const JointSolverSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
@@ -171,13 +171,13 @@ class Standstill {
   /// Begins a step of so many seconds from this motion, one load a brick; the loads count only
   /// where isWhole(). Returns false if it need not be tried: the last one that was began just so,
   /// and halves either failed then too or are not due.
-  bool beginStep(const Motion& motion, const std::vector<Load>& loads, double seconds);
+  bool beginStep(const Motion& motion, const std::vector<model::Load>& loads, double seconds);
   /// Notes that bricks stood still in a part of the step, or that they moved.
   void recordStandstill() { stood_ = true; }
   /// Notes that bricks moved in a part of the step.
   void recordMotion() { moved_ = true; }
   /// Ends the step that was begun, in these poses, with these loads.
-  void endStep(const Poses& poses, const std::vector<Load>& loads);
+  void endStep(const Poses& poses, const std::vector<model::Load>& loads);
 
   /// Whether a part of the step that fails may be tried in halves: not once bricks stand still in
   /// another part, and after such steps only in every tenth.
@@ -190,12 +190,13 @@ class Standstill {
   void transfer(StateTape& tape);
 
  private:
-  bool isAsBefore(const Motion& motion, const std::vector<Load>& loads, double seconds) const;
+  bool isAsBefore(const Motion& motion, const std::vector<model::Load>& loads,
+                  double seconds) const;
 
   // What the last step began and ended with, where bricks stood still through it: so it ended at
   // rest.
   Poses poses_;
-  std::vector<Load> loads_;
+  std::vector<model::Load> loads_;
   double seconds_ = 0;
   bool halved_ = false;  // it was tried in halves
 
@@ -242,8 +243,8 @@ class ReactionSolver {
 
 /// A solver for these bricks and pivots, which must outlive it. `planar` and `lengthScale` as in
 /// JointSolverSettings.
-std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<Brick>& bricks,
-                                                   std::span<const Pivot> pivots, bool planar,
-                                                   double lengthScale);
+std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<model::Brick>& bricks,
+                                                   std::span<const model::Pivot> pivots,
+                                                   bool planar, double lengthScale);
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -22,7 +22,7 @@
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 namespace {
 
 using Vector = LoadedSheet::Vector;
@@ -452,4 +452,4 @@ std::string loadTable(const LoadCurve& curve) {
   return text;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

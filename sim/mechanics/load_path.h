@@ -10,7 +10,7 @@
 
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
 // States of a sheet that is loaded by grips.
@@ -152,4 +152,4 @@ using EquilibriumObserver = std::function<bool(const Equilibrium&)>;
 LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
                     const EquilibriumObserver& observer);
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -30,7 +30,7 @@
 #include "sim/mechanics/joint_solver.h"
 #include "sim/mechanics/step_system.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 namespace {
 
 constexpr int kAccelerationRounds = 6;
@@ -52,7 +52,8 @@ Vector3 centripetal(const Velocity& velocity, const Vector3& arm) {
 template <int D>
 class Reactor final : public ReactionSolver {
  public:
-  Reactor(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale)
+  Reactor(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+          double lengthScale)
       : bricks_(bricks), pivots_(pivots), system_(bricks, pivots, lengthScale) {
     for (std::size_t p = 0; p < pivots.size(); ++p) {
       if (D == 6 || !pivots[p].isUpper) solved_.push_back(p);
@@ -109,10 +110,10 @@ class Reactor final : public ReactionSolver {
   using Vector = Eigen::VectorXd;
   static constexpr int kRows = Space::kJointRows;
 
-  const Pivot& pivot(std::size_t k) const { return pivots_[solved_[k]]; }
+  const model::Pivot& pivot(std::size_t k) const { return pivots_[solved_[k]]; }
 
   // From the pivot's point of B to that of A, world axes.
-  Vector3 between(const Pivot& pivot) const {
+  Vector3 between(const model::Pivot& pivot) const {
     return motion_.poses[pivot.brickA].apply(pivot.pointA) -
            motion_.poses[pivot.brickB].apply(pivot.pointB);
   }
@@ -128,7 +129,7 @@ class Reactor final : public ReactionSolver {
   }
 
   /// b = -(dJ/dt) u of one pivot.
-  Vector3 neededAcceleration(const Pivot& pivot) const {
+  Vector3 neededAcceleration(const model::Pivot& pivot) const {
     const Pose &poseA = motion_.poses[pivot.brickA], &poseB = motion_.poses[pivot.brickB];
     const Velocity& velocityA = motion_.velocities[pivot.brickA];
     const Velocity& velocityB = motion_.velocities[pivot.brickB];
@@ -266,8 +267,8 @@ class Reactor final : public ReactionSolver {
     return forces;
   }
 
-  const std::vector<Brick>& bricks_;
-  std::span<const Pivot> pivots_;
+  const std::vector<model::Brick>& bricks_;
+  std::span<const model::Pivot> pivots_;
   std::vector<std::size_t> solved_;  // the pivots that the system has
   StepSystem<D> system_;             // of the state of the last solve
   Motion motion_;
@@ -276,11 +277,11 @@ class Reactor final : public ReactionSolver {
 
 }  // namespace
 
-std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<Brick>& bricks,
-                                                   std::span<const Pivot> pivots, bool planar,
-                                                   double lengthScale) {
+std::unique_ptr<ReactionSolver> makeReactionSolver(const std::vector<model::Brick>& bricks,
+                                                   std::span<const model::Pivot> pivots,
+                                                   bool planar, double lengthScale) {
   if (planar) return std::make_unique<Reactor<3>>(bricks, pivots, lengthScale);
   return std::make_unique<Reactor<6>>(bricks, pivots, lengthScale);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

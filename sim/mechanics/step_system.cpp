@@ -10,7 +10,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace kirireel {
+namespace kirireel::mechanics {
 namespace {
 
 // Two unit vectors that span the plane across a unit normal. Which two they are does not matter:
@@ -25,7 +25,7 @@ std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
 /// and only what of d lies across the normal counts, since the normal keeps its length.
 template <int D>
 void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
-  const Contact& contact = row.contact;
+  const model::Contact& contact = row.contact;
   const Vector3 a = poses[contact.brickA].rotation * contact.edgeA;
   const Vector3 b = poses[contact.brickB].rotation * contact.normal;
   const double length = a.cross(b).norm();
@@ -43,27 +43,29 @@ template <int D>
 // w = C u for this row, m/s; positive where the points part.
 double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
   double w = normalA.dot(u.segment<D>(D * contact.brickA));
-  if (contact.brickB != kFixed) w += normalB.dot(u.segment<D>(D * contact.brickB));
+  if (contact.brickB != model::kFixed) w += normalB.dot(u.segment<D>(D * contact.brickB));
   return w;
 }
 
 template <int D>
 typename ContactRow<D>::Tangent ContactRow<D>::slipVelocity(const Eigen::VectorXd& u) const {
   Tangent w = tangentA * u.segment<D>(D * contact.brickA);
-  if (contact.brickB != kFixed) w += tangentB * u.segment<D>(D * contact.brickB);
+  if (contact.brickB != model::kFixed) w += tangentB * u.segment<D>(D * contact.brickB);
   return w;
 }
 
 template <int D>
 void ContactRow<D>::addNormal(double scale, Eigen::VectorXd& to) const {
   to.segment<D>(D * contact.brickA) += scale * normalA.transpose();
-  if (contact.brickB != kFixed) to.segment<D>(D * contact.brickB) += scale * normalB.transpose();
+  if (contact.brickB != model::kFixed)
+    to.segment<D>(D * contact.brickB) += scale * normalB.transpose();
 }
 
 template <int D>
 void ContactRow<D>::addTangent(const Tangent& scale, Eigen::VectorXd& to) const {
   to.segment<D>(D * contact.brickA) += tangentA.transpose() * scale;
-  if (contact.brickB != kFixed) to.segment<D>(D * contact.brickB) += tangentB.transpose() * scale;
+  if (contact.brickB != model::kFixed)
+    to.segment<D>(D * contact.brickB) += tangentB.transpose() * scale;
 }
 
 template <int D>
@@ -96,12 +98,12 @@ typename ContactRow<D>::Tangent ContactRow<D>::trialSlipImpulse(const Eigen::Vec
 
 template <int D>
 void placeRow(ContactRow<D>& row, const Poses& poses) {
-  const Contact& contact = row.contact;
+  const model::Contact& contact = row.contact;
   const Pose& poseA = poses[contact.brickA];
   const Vector3 armA = poseA.rotation * contact.pointA;
-  const Vector3 normal = contactNormal(contact, poses);
+  const Vector3 normal = model::contactNormal(contact, poses);
   Vector3 armB = Vector3::Zero();
-  if (contact.brickB != kFixed) {
+  if (contact.brickB != model::kFixed) {
     // A plane of B turns with B, so B's arm too goes to A's point.
     const Pose& poseB = poses[contact.brickB];
     armB = contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
@@ -118,12 +120,12 @@ void placeRow(ContactRow<D>& row, const Poses& poses) {
 }
 
 template <int D>
-ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step,
+ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, double step,
                              double recovery) {
   ContactRow<D> row;
   row.contact = contact;
   placeRow(row, poses);
-  const double gap = contactGap(contact, poses);
+  const double gap = model::contactGap(contact, poses);
   row.aim = std::min(0.0, gap + recovery);
   row.bias = std::max(0.0, gap) / step;
   return row;
@@ -131,8 +133,8 @@ ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double 
 
 template struct ContactRow<3>;
 template struct ContactRow<6>;
-template ContactRow<3> makeContactRow<3>(const Contact&, const Poses&, double, double);
-template ContactRow<6> makeContactRow<6>(const Contact&, const Poses&, double, double);
+template ContactRow<3> makeContactRow<3>(const model::Contact&, const Poses&, double, double);
+template ContactRow<6> makeContactRow<6>(const model::Contact&, const Poses&, double, double);
 template void placeRow<3>(ContactRow<3>&, const Poses&);
 template void placeRow<6>(ContactRow<6>&, const Poses&);
 
@@ -167,7 +169,7 @@ constexpr double kWorkOfRow = 500;
 
 /// Mass and inertia of a brick in world axes.
 template <int D>
-typename Coordinates<D>::Block massMatrix(const Brick& brick, const Pose& pose) {
+typename Coordinates<D>::Block massMatrix(const model::Brick& brick, const Pose& pose) {
   return Coordinates<D>::inertia(brick.mass, brick.inertia, pose.rotation.toRotationMatrix());
 }
 
@@ -192,7 +194,7 @@ void BrickGraph::transfer(StateTape& tape) {
 }
 
 template <int D>
-SpringRows<D>::SpringRows(std::vector<HingeSpring> springs, BrickGraph& graph)
+SpringRows<D>::SpringRows(std::vector<model::HingeSpring> springs, BrickGraph& graph)
     : springs_(std::move(springs)), rows_(springs_.size()) {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     rows_[s].edge = graph.edgeOf(springs_[s].hinge.brickA, springs_[s].hinge.brickB);
@@ -202,10 +204,10 @@ SpringRows<D>::SpringRows(std::vector<HingeSpring> springs, BrickGraph& graph)
 template <int D>
 void SpringRows<D>::begin(const Poses& poses, double step, const std::vector<bool>& held) {
   if (springs_.empty()) return;
-  const std::vector<double> moments = hingeMoments(springs_, poses);
+  const std::vector<double> moments = model::hingeMoments(springs_, poses);
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const HingeSpring& spring = springs_[s];
-    const Hinge& hinge = spring.hinge;
+    const model::HingeSpring& spring = springs_[s];
+    const model::Hinge& hinge = spring.hinge;
     SpringRow<D>& row = rows_[s];
     row.b = Coordinates<D>::turning(poses[hinge.brickA].rotation * hinge.axis);
     row.a = -row.b;
@@ -223,7 +225,7 @@ void SpringRows<D>::clear() {
 
 template <int D>
 double SpringRows<D>::rate(std::size_t s, const Vector& x) const {
-  const Hinge& hinge = springs_[s].hinge;
+  const model::Hinge& hinge = springs_[s].hinge;
   return rows_[s].a.dot(x.segment<D>(D * hinge.brickA)) +
          rows_[s].b.dot(x.segment<D>(D * hinge.brickB));
 }
@@ -231,7 +233,7 @@ double SpringRows<D>::rate(std::size_t s, const Vector& x) const {
 template <int D>
 void SpringRows<D>::addForce(double step, Vector& f) const {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const Hinge& hinge = springs_[s].hinge;
+    const model::Hinge& hinge = springs_[s].hinge;
     f.segment<D>(D * hinge.brickA) += step * rows_[s].moment * rows_[s].a.transpose();
     f.segment<D>(D * hinge.brickB) += step * rows_[s].moment * rows_[s].b.transpose();
   }
@@ -240,7 +242,7 @@ void SpringRows<D>::addForce(double step, Vector& f) const {
 template <int D>
 void SpringRows<D>::addProduct(const Vector& x, Vector& to) const {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const Hinge& hinge = springs_[s].hinge;
+    const model::Hinge& hinge = springs_[s].hinge;
     const double share = rows_[s].weight * rate(s, x);
     to.segment<D>(D * hinge.brickA) += share * rows_[s].a.transpose();
     to.segment<D>(D * hinge.brickB) += share * rows_[s].b.transpose();
@@ -280,9 +282,9 @@ namespace {
 
 /// An energy in D coordinates a brick.
 template <int D>
-auto restricted(const PairEnergy& energy) {
+auto restricted(const model::PairEnergy& energy) {
   if constexpr (D == 3) {
-    return inPlane(energy);
+    return model::inPlane(energy);
   } else {
     return energy;
   }
@@ -307,11 +309,11 @@ void addPair(const PairOnGraph& pair, const typename PairBlocks<D>::PairVector& 
 }  // namespace
 
 template <int D>
-PairBlocks<D>::PairBlocks(const PairForces& forces, double lengthScale, BrickGraph& graph)
+PairBlocks<D>::PairBlocks(const model::PairForces& forces, double lengthScale, BrickGraph& graph)
     : lengthScale_(lengthScale) {
-  for (const std::shared_ptr<const PairForce>& force : forces) {
+  for (const std::shared_ptr<const model::PairForce>& force : forces) {
     // Springs at hinges are rows, see SpringRows.
-    if (dynamic_cast<const HingeSprings*>(force.get())) continue;
+    if (dynamic_cast<const model::HingeSprings*>(force.get())) continue;
     forces_.add(force);
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const auto [brickA, brickB] = force->bricks(pair);
@@ -370,7 +372,7 @@ template <int D>
 void PairBlocks<D>::setAbout(const Vector& x0, Curvature curvature) {
   const Poses poses = posesAfter(step_ * x0);
   auto block = blocks_.begin();
-  for (const std::shared_ptr<const PairForce>& force : forces_) {
+  for (const std::shared_ptr<const model::PairForce>& force : forces_) {
     for (std::size_t pair = 0; pair < force->size(); ++pair, ++block) {
       const auto energy = restricted<D>(force->derivatives(pair, poses));
       const bool isWhole = curvature == Curvature::Whole;
@@ -413,8 +415,9 @@ void PairBlocks<D>::addProduct(const Vector& x, Vector& to) const {
 // The system.
 
 template <int D>
-StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                          double lengthScale, const PairForces& pairForces)
+StepSystem<D>::StepSystem(const std::vector<model::Brick>& bricks,
+                          std::span<const model::Pivot> pivots, double lengthScale,
+                          const model::PairForces& pairForces)
     : bricks_(bricks),
       lengthScale_(lengthScale),
       pinned_(bricks.size(), false),
@@ -423,7 +426,7 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
       pairBlocks_({}, lengthScale, graph_),
       A_(bricks.size()),
       f_(D * bricks.size()) {
-  for (const Pivot& pivot : pivots) {
+  for (const model::Pivot& pivot : pivots) {
     // In the plane both faces' pivots coincide.
     if (D == 6 || !pivot.isUpper) pivots_.push_back(pivot);
   }
@@ -432,7 +435,7 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
     jointRows_[p].edge = graph_.edgeOf(pivots_[p].brickA, pivots_[p].brickB);
   }
   // After the joints: the order of edges decides the rounding.
-  springs_ = SpringRows<D>(hingeSpringsOf(pairForces), graph_);
+  springs_ = SpringRows<D>(model::hingeSpringsOf(pairForces), graph_);
   pairBlocks_ = PairBlocks<D>(pairForces, lengthScale, graph_);
 }
 
@@ -451,8 +454,8 @@ void StepSystem<D>::setMasses(const Poses& poses) {
 }
 
 template <int D>
-void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads, double step,
-                            double jointStiffness) {
+void StepSystem<D>::setStep(const Motion& motion, const std::vector<model::Load>& loads,
+                            double step, double jointStiffness) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Block M = massMatrix<D>(bricks_[i], motion.poses[i]);
@@ -494,7 +497,7 @@ template <int D>
 void StepSystem<D>::placeJoints(const Poses& poses) {
   const std::vector<Matrix3> turns = rotationMatrices(poses);
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    const Pivot& pivot = pivots_[p];
+    const model::Pivot& pivot = pivots_[p];
     JointRows<D>& rows = jointRows_[p];
     rows.a = Space::pointVelocity(turns[pivot.brickA] * pivot.pointA);
     rows.b = -Space::pointVelocity(turns[pivot.brickB] * pivot.pointB);
@@ -506,7 +509,8 @@ void StepSystem<D>::placeJoints(const Poses& poses) {
 
 /// A link is one row, the velocity along it; its other rows are empty.
 template <int D>
-void StepSystem<D>::keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows<D>& rows) {
+void StepSystem<D>::keepLengthwiseRow(const model::Pivot& pivot, const Poses& poses,
+                                      JointRows<D>& rows) {
   const typename Space::Gap along =
       Space::gap(poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB));
   const typename Space::RowVector alongA = along.normalized().transpose() * rows.a;
@@ -526,7 +530,7 @@ void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
                                     const Eigen::Matrix<double, kRows, D>& b, double weight) {
   const Eigen::Matrix<double, D, kRows> weightedA = weight * a.transpose();
   matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
-  if (pair.brickB == kFixed) return;
+  if (pair.brickB == model::kFixed) return;
   const Eigen::Matrix<double, D, kRows> weightedB = weight * b.transpose();
   matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
   if (pair.brickA < pair.brickB) {
@@ -549,7 +553,7 @@ template <int D>
 void StepSystem<D>::addSpringsToMatrix() {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     const SpringRow<D>& row = springs_.row(s);
-    const Hinge& hinge = springs_.spring(s).hinge;
+    const model::Hinge& hinge = springs_.spring(s).hinge;
     if (row.weight == 0) continue;
     addRowsToMatrix<1>({hinge.brickA, hinge.brickB, row.edge}, row.a, row.b, row.weight);
   }
@@ -569,7 +573,7 @@ void StepSystem<D>::addPairBlocksToMatrix() {
 template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
-  if (pair.brickB != kFixed) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
+  if (pair.brickB != model::kFixed) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
   if (row.active) addRowsToMatrix<1>(pair, row.normalA, row.normalB, rho_);
   if (!row.rubs()) return;
   // The tangents along the slip stiffness' own directions.
@@ -585,7 +589,7 @@ void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
 template <int D>
 bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (const ContactRow<D>& row : contacts) {
-    if (!row.acts() || row.contact.brickB == kFixed) continue;
+    if (!row.acts() || row.contact.brickB == model::kFixed) continue;
     graph_.edgeOf(row.contact.brickA, row.contact.brickB);
   }
   if (graph_.hasGrown()) matrix_.analyze(brickCount(), graph_.edges());
@@ -615,7 +619,7 @@ double StepSystem<D>::kineticEnergy(const Poses& poses, const Vector& x) const {
 }
 
 template <int D>
-double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& first,
+double StepSystem<D>::workAgainst(const std::vector<model::Load>& loads, const Vector& first,
                                   const Vector& further) const {
   double work = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -689,7 +693,7 @@ Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
   const std::vector<Matrix3> turns = rotationMatrices(poses);
   Vector result(jointRowCount());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    const Pivot& pivot = pivots_[p];
+    const model::Pivot& pivot = pivots_[p];
     const Vector3 between = poses[pivot.brickA].position - poses[pivot.brickB].position +
                             turns[pivot.brickA] * pivot.pointA - turns[pivot.brickB] * pivot.pointB;
     typename Space::Gap gap = Space::gap(between);
@@ -854,4 +858,4 @@ template bool setSlipStates<6>(StepProgram<6>&, double);
 template RoundReport solveRound<3>(StepSystem<3>&, StepProgram<3>&, double);
 template RoundReport solveRound<6>(StepSystem<6>&, StepProgram<6>&, double);
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -14,7 +14,7 @@
 #include "sim/model/hinge.h"
 #include "sim/model/pair_force.h"
 
-namespace kirireel {
+namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
 // The degrees of freedom of one brick: six in space, three in the plane.
@@ -170,8 +170,8 @@ struct ContactRow {
   /// By two tangents.
   using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
 
-  Contact contact;        ///< as it was found
-  bool hasNormal = true;  ///< false for supports, which only rub
+  model::Contact contact;  ///< as it was found
+  bool hasNormal = true;   ///< false for supports, which only rub
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
   /// That of B is zero where the other side is fixed.
   RowVector normalA, normalB;
@@ -216,7 +216,7 @@ struct ContactRow {
 /// may stay while the bricks move (taking it back by speed would add energy); closing aims at
 /// `recovery` metres less of it.
 template <int D>
-ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step,
+ContactRow<D> makeContactRow(const model::Contact& contact, const Poses& poses, double step,
                              double recovery);
 
 /// Sets the row's directions for its contact at these poses.
@@ -227,7 +227,7 @@ void placeRow(ContactRow<D>& row, const Poses& poses);
 template <int D, typename Iterator>
 Iterator endOfPlane(Iterator first, Iterator end) {
   return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
-    return !row.hasNormal || !onOnePlane(first->contact, row.contact);
+    return !row.hasNormal || !model::onOnePlane(first->contact, row.contact);
   });
 }
 
@@ -284,12 +284,12 @@ class SpringRows {
   using Vector = Eigen::VectorXd;
 
   /// Of these springs, in their order; each pair becomes an edge of the graph.
-  SpringRows(std::vector<HingeSpring> springs, BrickGraph& graph);
+  SpringRows(std::vector<model::HingeSpring> springs, BrickGraph& graph);
 
   /// How many springs there are.
   std::size_t size() const { return springs_.size(); }
   /// By its number, from 0.
-  const HingeSpring& spring(std::size_t s) const { return springs_[s]; }
+  const model::HingeSpring& spring(std::size_t s) const { return springs_[s]; }
   /// The row of a spring, by the same number.
   const SpringRow<D>& row(std::size_t s) const { return rows_[s]; }
 
@@ -311,7 +311,7 @@ class SpringRows {
   double damped(double step, const Vector& x) const;
 
  private:
-  std::vector<HingeSpring> springs_;
+  std::vector<model::HingeSpring> springs_;
   std::vector<SpringRow<D>> rows_;
 };
 
@@ -346,7 +346,7 @@ class PairBlocks {
 
   /// `lengthScale` in metres makes turning and moving comparable. Springs at hinges are left out.
   /// Each pair becomes an edge of the graph.
-  PairBlocks(const PairForces& forces, double lengthScale, BrickGraph& graph);
+  PairBlocks(const model::PairForces& forces, double lengthScale, BrickGraph& graph);
 
   /// Whether there are no such forces.
   bool empty() const { return blocks_.empty(); }
@@ -374,7 +374,7 @@ class PairBlocks {
   PairMatrix withoutNegative(const PairMatrix& matrix) const;
   void leaveOutHeld(PairBlock& block) const;
 
-  PairForces forces_;
+  model::PairForces forces_;
   double lengthScale_;
   std::vector<PairBlock> blocks_;  // force by force, pair by pair
   Poses start_;
@@ -420,8 +420,8 @@ class StepSystem {
 
   /// `lengthScale` in metres makes turning and moving comparable. Springs among `pairForces` are at
   /// hinges of the pivots; ligaments need D = 3.
-  StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale,
-             const PairForces& pairForces = {});
+  StepSystem(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+             double lengthScale, const model::PairForces& pairForces = {});
 
   /// How many there are.
   int brickCount() const { return static_cast<int>(bricks_.size()); }
@@ -436,7 +436,7 @@ class StepSystem {
 
   /// Sets A and f from the motion at the start of a step, but for pair blocks. `jointStiffness` in
   /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
-  void setStep(const Motion& motion, const std::vector<Load>& loads, double step,
+  void setStep(const Motion& motion, const std::vector<model::Load>& loads, double step,
                double jointStiffness);
   /// Whether forces act between pairs that are no springs at hinges.
   bool hasPairBlocks() const { return !pairBlocks_.empty(); }
@@ -461,7 +461,7 @@ class StepSystem {
   double kineticEnergy(const Poses& poses, const Vector& x) const;
   /// What a further displacement costs against the loads, the hinges' springs as they were set
   /// last, and the other forces between pairs, after a first one, joules.
-  double workAgainst(const std::vector<Load>& loads, const Vector& first,
+  double workAgainst(const std::vector<model::Load>& loads, const Vector& first,
                      const Vector& further) const;
   /// What the hinges' dashpots take in a step with velocities x, joules.
   double dampedBySprings(double step, const Vector& x) const;
@@ -492,7 +492,7 @@ class StepSystem {
   void transfer(StateTape& tape) { graph_.transfer(tape); }
 
  private:
-  void keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows<D>& rows);
+  void keepLengthwiseRow(const model::Pivot& pivot, const Poses& poses, JointRows<D>& rows);
   Vector ownTimesA(const Vector& x) const;
   template <int kRows>
   void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,
@@ -502,9 +502,9 @@ class StepSystem {
   void addPairBlocksToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   double lengthScale_;
-  std::vector<Pivot> pivots_;
+  std::vector<model::Pivot> pivots_;
   std::vector<bool> pinned_;
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;
@@ -557,4 +557,4 @@ RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double sl
 template <int D>
 bool setSlipStates(StepProgram<D>& program, double rho);
 
-}  // namespace kirireel
+}  // namespace kirireel::mechanics

@@ -19,7 +19,7 @@
 
 #include "sim/model/model_checks.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 Vector3 centreOfMass(const Tile& tile, double thickness) {
@@ -233,4 +233,4 @@ double meanEdge(const Brick& brick) {
   return sum / static_cast<double>(count);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -7,7 +7,7 @@
 #include "sim/model/convex_parts.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 /// How a brick gets its mass.
 enum class MassRule {
@@ -105,4 +105,4 @@ std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vecto
 /// The mean edge of a brick's tile, metres.
 double meanEdge(const Brick& brick);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 // Both ends of an edge may be cut off, and something must be left.
@@ -67,4 +67,4 @@ double cutLength(const Brick& a, const Brick& b, double zone) {
   return zone * 0.5 * (meanEdge(a) + meanEdge(b));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -10,7 +10,7 @@
 #include "sim/base/state_tape.h"
 #include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // What pushes a brick, in the form that both an explicit and an implicit solver can use.
@@ -139,4 +139,4 @@ std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot
 /// `zone` is the part of both bricks' mean edge, from 0 (nothing) to 0.4.
 double cutLength(const Brick& a, const Brick& b, double zone);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

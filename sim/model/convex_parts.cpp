@@ -21,7 +21,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 using Vector2 = Eigen::Vector2d;
@@ -490,4 +490,4 @@ Model splitTiles(const Model& model, const std::vector<int>& tiles) {
   return result;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -10,7 +10,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // Concave polygons as convex parts, for all that needs convex shapes: contacts, depths, painting,
@@ -68,4 +68,4 @@ std::vector<std::array<int, 3>> tileTriangles(const Tile& tile);
 /// tile are pulled. Throws InputError for a tile that does not exist.
 Model splitTiles(const Model& model, const std::vector<int>& tiles);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -36,7 +36,7 @@
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -755,4 +755,4 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& inOrder) 
   return creases;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

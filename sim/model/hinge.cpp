@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -533,4 +533,4 @@ Elasticity elasticityOf(const PairForces& forces, const Poses& start, const Pose
   return found;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -14,7 +14,7 @@
 #include "sim/model/brick.h"
 #include "sim/model/pair_force.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // Hinges: where two bricks turn about one axis, and the torsional springs that may be there.
@@ -213,4 +213,4 @@ struct Elasticity {
 /// The elasticity of a run that begins and ends in these poses.
 Elasticity elasticityOf(const PairForces& forces, const Poses& start, const Poses& end);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -29,7 +29,7 @@
 
 #include "sim/base/interruption.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 // The weighted mean; the weights add up to something.
@@ -520,4 +520,4 @@ std::vector<Velocity> symmetricMean(const std::vector<Velocity>& velocities,
   return mean;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

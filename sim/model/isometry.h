@@ -7,7 +7,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // Best rigid fits between point sets (Kabsch 1976), and turning a model's start into its target's
@@ -71,4 +71,4 @@ Poses symmetricMean(const Poses& poses, std::span<const Symmetry> group);
 std::vector<Velocity> symmetricMean(const std::vector<Velocity>& velocities,
                                     std::span<const Symmetry> group);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -15,7 +15,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 Cell cornerNeighbour(const Cell& cell, int corner) {
   constexpr Cell kWest{-1, 0}, kEast{1, 0}, kSouth{0, -1}, kNorth{0, 1};
@@ -155,4 +155,4 @@ std::vector<Tile> tessellationTiles(const TessellationShape& shape, double angle
   return fieldOf(shape).tiles(angle);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -6,7 +6,7 @@
 
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // The lattice of quads that most kirigami sheets are: tiles in columns and rows, joined at corners
@@ -123,4 +123,4 @@ Model makeTessellation(const TessellationShape& shape);
 /// closed and rigid for every theta.
 std::vector<Tile> tessellationTiles(const TessellationShape& shape, double angle);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

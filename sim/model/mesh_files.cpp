@@ -25,7 +25,7 @@
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -538,4 +538,4 @@ Model readPly(const fs::path& file, std::vector<std::string>& warnings) {
   return model;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -19,7 +19,7 @@
 
 #include <Eigen/Geometry>
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 /// Newell's sum over edges, taken about the first vertex so that far-away tiles lose no digits; its
@@ -235,4 +235,4 @@ std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
   return outline;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -9,7 +9,7 @@
 
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 /// A planar polygon whose sides do not cross, convex or not: one line of vertices.txt.
 struct Tile {
@@ -146,4 +146,4 @@ bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
 /// Heights do not matter. At least one tile; costs O(n log n) for n vertices.
 std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

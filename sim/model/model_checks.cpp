@@ -27,7 +27,7 @@
 #include "sim/base/error.h"
 #include "sim/model/convex_parts.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 // Vertices nearer than this part of a tile's diameter are one vertex typed twice.
@@ -234,7 +234,7 @@ ShapeChange shapeChange(const Tile& start, const Tile& target, int tile) {
 }  // namespace
 
 std::string TileTable::shortName(int tile) const {
-  return toString({file.filename(), sources[tile].line});
+  return kirireel::toString({file.filename(), sources[tile].line});
 }
 
 void checkTiles(const TileTable& table) {
@@ -509,7 +509,7 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
     }
     const bool repeats = hasFaces && newFaces != row.values[4];
     if (repeats && mend.place.empty()) {
-      mend.place = toString({table.file, row.line});
+      mend.place = kirireel::toString({table.file, row.line});
       firstRepeated = line;
     }
     if (repeats) mend.corners.push_back({row.values[0], row.values[1]});
@@ -718,7 +718,7 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
     }
     // The digits of the file explain the gap: the corners are one.
     if (gap <= samePlace) {
-      rounded.add(joint, gap, toString({table.file, table.rows[i].line}));
+      rounded.add(joint, gap, kirireel::toString({table.file, table.rows[i].line}));
       continue;
     }
     // Everything between is an opening that the first steps of a run close.
@@ -732,7 +732,7 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
   warnings.push_back(
       fmt::format("{}: warning: {} joints are open at the start, this one most, by "
                   "{:.2g} m; the run pulls them together",
-                  toString({table.file, worstLine}), open, worst));
+                  kirireel::toString({table.file, worstLine}), open, worst));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -1051,4 +1051,4 @@ void chooseJointFaces(Model& model, FaceRule rule) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -10,7 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // Tiles as read from a file, and the checks that they make bricks.
@@ -242,4 +242,4 @@ enum class FaceRule {
 /// Costs O(joints). Links and fixed joints keep what they have. Tiles need to have an area.
 void chooseJointFaces(Model& model, FaceRule rule);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

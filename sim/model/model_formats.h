@@ -11,7 +11,7 @@
 #include "sim/model/model.h"
 #include "sim/model/model_checks.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // Wavefront OBJ files: a sheet in one state, or a pair of files with the same faces in two states.
@@ -199,4 +199,4 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile
 /// the model's own file.
 std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& model);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstddef>
 
-namespace kirireel {
+namespace kirireel::model {
 
 /// One neck beside a shut slit, between two tiles 50 times as wide.
 /// The tiles are so much wider that their own bending does not count.
@@ -90,4 +90,4 @@ inline constexpr auto kCornerNeckTable = std::to_array<CornerNeckRow>({
 /// strain).
 inline constexpr std::array<double, 2> kCornerNeckOpening = {0.35, -0.25};
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -2,7 +2,7 @@
 // q: the bricks are pushed with -dE/dq.
 #include "sim/model/pair_force.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 /// Where a coordinate in the plane (x, y, turn of A, then of B) is among the twelve in space.
@@ -55,4 +55,4 @@ bool PairForces::replaceJoints() const {
   return false;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -14,7 +14,7 @@
 
 #include "sim/base/geometry.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // What one pair of bricks feels.
@@ -182,4 +182,4 @@ class PairForces {
   std::vector<std::shared_ptr<const PairForce>> forces_;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -27,7 +27,7 @@
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -366,7 +366,7 @@ void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& wa
     const double gap = startGap(model, joint);
     // The corners are one, as far as the digits of the file can tell: a pivot.
     if (gap <= samePlace) {
-      rounded.add(joint, gap, toString({rows.file, rows.rows[i].line}));
+      rounded.add(joint, gap, kirireel::toString({rows.file, rows.rows[i].line}));
       continue;
     }
     joint = makeLink(model.tiles, joint.a, joint.b);
@@ -382,7 +382,7 @@ void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& wa
   warnings.push_back(
       fmt::format("{}: note: {} joint{} corners clearly apart: {} {} long, which "
                   "{} this distance",
-                  toString({rows.file, firstLine}), rods, rods == 1 ? " holds" : "s hold",
+                  kirireel::toString({rows.file, firstLine}), rods, rods == 1 ? " holds" : "s hold",
                   rods == 1 ? "a rod" : "rods", length, rods == 1 ? "keeps" : "keep"));
 }
 
@@ -1016,4 +1016,4 @@ Model readCutPattern(const fs::path& file, std::vector<std::string>& warnings) {
   return model;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

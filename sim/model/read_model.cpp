@@ -18,7 +18,7 @@
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -439,4 +439,4 @@ void writeTiles(const std::vector<Tile>& tiles, const fs::path& file) {
   writeTextFile(file, tilesText(tiles));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -9,7 +9,7 @@
 #include "sim/model/model.h"
 #include "sim/model/model_checks.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 /// Reads the model at a path, in the format that stands there: a folder (vertices.txt and
 /// constraints.txt, with "x y z" or planar "x y" vertices), a .fold file, a contracted .obj whose
@@ -72,4 +72,4 @@ void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 /// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.
 void writeTiles(const std::vector<Tile>& tiles, const std::filesystem::path& file);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

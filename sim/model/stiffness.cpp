@@ -43,7 +43,7 @@
 
 #include "sim/model/neck_table.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 /// The table's ends at a length in widths, between rows along a straight line.
@@ -240,4 +240,4 @@ double foldStiffness(double length, double scale, double youngs, double poisson,
   return plateStiffness(youngs, poisson, thickness) * length / scale;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -6,7 +6,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // How stiffly a neck of material joins two tiles, as springs.
@@ -96,4 +96,4 @@ double bendStiffness(const std::array<Vector3, 4>& corners, double diagonal, dou
 /// that over which a panel as stiff as the fold would bend: 25 to 100 mm for paper of 0.1 mm.
 double foldStiffness(double length, double scale, double youngs, double poisson, double thickness);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -17,7 +17,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::model {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
@@ -156,4 +156,4 @@ int parseWholeNumber(const TextField& field, const FileLocation& location,
   return static_cast<int>(value);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -8,7 +8,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::model {
 
 /// One word of a line.
 struct TextField {
@@ -86,4 +86,4 @@ double parseNumberWithin(const TextField& field, const FileLocation& location, d
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning);
 
-}  // namespace kirireel
+}  // namespace kirireel::model

@@ -15,7 +15,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 // Throws InputError for anything but a whole number that an int holds, from 0.
 int readIndex(const TomlValue& value, const std::string& wanted) {
@@ -37,7 +37,7 @@ std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
 }
 
 // Throws InputError where the model has no such tile, with the numbers that it has.
-int tileOfModel(int number, const Model& model, const FileLocation& where) {
+int tileOfModel(int number, const model::Model& model, const FileLocation& where) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
   if (number >= first && number < end) return number - first;
@@ -155,7 +155,7 @@ std::vector<GripSetting> readGrips(const TomlValue& value) {
   return grips;
 }
 
-void numberAsModel(std::vector<GripSetting>& grips, const Model& model) {
+void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model) {
   const int first = model.fileOrder.countsFrom;
   const int tiles = static_cast<int>(model.tiles.size());
   for (GripSetting& grip : grips) {
@@ -165,7 +165,7 @@ void numberAsModel(std::vector<GripSetting>& grips, const Model& model) {
       if (tile < first || tile >= first + tiles) {
         refuseNumber(grip, "the model has tiles", first, tiles, tile);
       }
-      const Tile& held = model.tiles[static_cast<std::size_t>(tile - first)];
+      const model::Tile& held = model.tiles[static_cast<std::size_t>(tile - first)];
       const int vertices = static_cast<int>(held.vertices.size());
       for (const int vertex : grip.vertices) {
         if (vertex < first || vertex >= first + vertices) {
@@ -191,7 +191,7 @@ namespace {
 constexpr int kBands = 16;
 
 // A polygon in an obstacle's axes as one in the world's.
-Tile placed(const Pose& pose, Tile tile) {
+model::Tile placed(const Pose& pose, model::Tile tile) {
   for (Vector3& vertex : tile.vertices) vertex = pose.apply(vertex);
   return tile;
 }
@@ -206,11 +206,11 @@ Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
 }
 
 // Corners go round each face counter-clockwise as seen from outside: down, along, up, back.
-std::vector<Tile> sphereFaces(const Obstacle& sphere) {
-  std::vector<Tile> faces;
+std::vector<model::Tile> sphereFaces(const Obstacle& sphere) {
+  std::vector<model::Tile> faces;
   for (int band = 0; band < kBands; ++band) {
     for (int sector = 0; sector < 2 * kBands; ++sector) {
-      Tile& face = faces.emplace_back();
+      model::Tile& face = faces.emplace_back();
       face.vertices = {onSphere(sphere, band, sector), onSphere(sphere, band + 1, sector)};
       // At a pole the two corners of a band's border coincide, so that one of them is left out.
       // Triangles at the poles.
@@ -222,12 +222,12 @@ std::vector<Tile> sphereFaces(const Obstacle& sphere) {
 }
 
 // Floor and walls of a box in the world's axes.
-std::vector<Tile> boxFaces(const Obstacle& box) {
-  const Tile floor = boxFloor(box, box.size);
+std::vector<model::Tile> boxFaces(const Obstacle& box) {
+  const model::Tile floor = boxFloor(box, box.size);
   // The brick of the floor is the box, so that pictures and contacts have the same faces.
-  const Brick brick = makeBrick(floor, {.thickness = box.size.z()});
-  std::vector<Tile> faces;
-  for (std::vector<Vector3>& corners : brickFaces(brick)) {
+  const model::Brick brick = model::makeBrick(floor, {.thickness = box.size.z()});
+  std::vector<model::Tile> faces;
+  for (std::vector<Vector3>& corners : model::brickFaces(brick)) {
     faces.push_back(placed({box.pose.position, Quaternion::Identity()}, {std::move(corners)}));
   }
   return faces;
@@ -237,7 +237,7 @@ std::vector<Tile> boxFaces(const Obstacle& box) {
 
 // The lower side of a box of that size, with its corners counter-clockwise from above in the box's
 // own axes. `size` may differ from the obstacle's.
-Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
+model::Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
   const Vector3 half = 0.5 * size;
   return placed(obstacle.pose, {{{-half.x(), -half.y(), -half.z()},
                                  {half.x(), -half.y(), -half.z()},
@@ -245,7 +245,7 @@ Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
                                  {-half.x(), half.y(), -half.z()}}});
 }
 
-std::vector<Tile> obstacleFaces(const Obstacle& obstacle) {
+std::vector<model::Tile> obstacleFaces(const Obstacle& obstacle) {
   switch (obstacle.shape) {
     case Obstacle::Shape::Box:
       return boxFaces(obstacle);
@@ -254,15 +254,15 @@ std::vector<Tile> obstacleFaces(const Obstacle& obstacle) {
     case Obstacle::Shape::Mesh:
       break;
   }
-  std::vector<Tile> faces;
-  for (const Tile& face : obstacle.mesh) faces.push_back(placed(obstacle.pose, face));
+  std::vector<model::Tile> faces;
+  for (const model::Tile& face : obstacle.mesh) faces.push_back(placed(obstacle.pose, face));
   return faces;
 }
 
-std::vector<Tile> obstacleFaces(const std::vector<Obstacle>& obstacles) {
-  std::vector<Tile> all;
+std::vector<model::Tile> obstacleFaces(const std::vector<Obstacle>& obstacles) {
+  std::vector<model::Tile> all;
   for (const Obstacle& obstacle : obstacles) {
-    for (Tile& face : obstacleFaces(obstacle)) all.push_back(std::move(face));
+    for (model::Tile& face : obstacleFaces(obstacle)) all.push_back(std::move(face));
   }
   return all;
 }
@@ -288,7 +288,7 @@ std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
 
 // From the file's numbers to the model's. Throws InputError for a tile that the model does not
 // have.
-void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model) {
+void numberAsModel(std::vector<InitialVelocity>& velocities, const model::Model& model) {
   for (InitialVelocity& velocity : velocities) {
     for (int& tile : velocity.tiles) tile = tileOfModel(tile, model, velocity.where);
   }
@@ -296,7 +296,8 @@ void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model)
 
 // Tiles must be numbered as the model's. One velocity a brick, zero where no entry names it.
 std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
-                                        const std::vector<Brick>& bricks, const Poses& poses) {
+                                        const std::vector<model::Brick>& bricks,
+                                        const Poses& poses) {
   std::vector<Velocity> velocities(bricks.size());
   for (const InitialVelocity& velocity : given) {
     const std::vector<int> tiles = tilesOf(velocity, bricks.size());
@@ -324,12 +325,14 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
 
 namespace {
 
-void requireTiles(const std::vector<int>& tiles, const Model& model, const FileLocation& where) {
+void requireTiles(const std::vector<int>& tiles, const model::Model& model,
+                  const FileLocation& where) {
   for (const int tile : tiles) tileOfModel(tile, model, where);
 }
 
 // The tile must have been checked before: its vertices are counted here.
-void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
+void requireVertex(const timeline::Drag& drag, const model::Model& model,
+                   const FileLocation& where) {
   // The centre of mass of any brick can be dragged.
   if (!drag.vertex) return;
   const int first = model.fileOrder.countsFrom;
@@ -340,7 +343,7 @@ void requireVertex(const timeline::Drag& drag, const Model& model, const FileLoc
 }
 
 // Only these three actions name tiles.
-void check(const TimelineEntry& entry, const Model& model) {
+void check(const TimelineEntry& entry, const model::Model& model) {
   if (const auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
     requireTiles(pin->tiles, model, entry.where);
   } else if (const auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
@@ -370,7 +373,7 @@ std::string actionName(const timeline::Action& action) {
 
 // Throws InputError at the first entry that makes no sense. Entries are looked at in their order,
 // because one may set the target that a later one waits for.
-void checkTimeline(const Timeline& timeline, const Model& model) {
+void checkTimeline(const Timeline& timeline, const model::Model& model) {
   bool hasTarget = model.target.has_value();
   for (const TimelineEntry& entry : timeline) {
     check(entry, model);
@@ -385,7 +388,7 @@ void checkTimeline(const Timeline& timeline, const Model& model) {
 }
 
 // To be called once, after checkTimeline(): a second call would count from the wrong number.
-void numberAsModel(Timeline& timeline, const Model& model) {
+void numberAsModel(Timeline& timeline, const model::Model& model) {
   const int first = model.fileOrder.countsFrom;
   for (TimelineEntry& entry : timeline) {
     if (auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
@@ -393,7 +396,7 @@ void numberAsModel(Timeline& timeline, const Model& model) {
     } else if (auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
       for (int& tile : unpin->tiles) tile -= first;
     } else if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
-      const Corner corner =
+      const model::Corner corner =
           model.fileOrder.toModel({drag->tile, drag->vertex.value_or(first)}, model.tiles);
       drag->tile = corner.tile;
       // Of a tile that was turned round, the file's vertex has another number in the model.
@@ -402,4 +405,4 @@ void numberAsModel(Timeline& timeline, const Model& model) {
   }
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -14,7 +14,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/toml_file.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 // ------------------------------------------------------------------------------------------------
 // Numbers of tiles and vertices as files and scene files have them.
@@ -28,7 +28,7 @@ std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
 
 /// The model's own number of a tile that has this one in the model's file. Throws InputError where
 /// the model has no such tile.
-int tileOfModel(int number, const Model& model, const FileLocation& where);
+int tileOfModel(int number, const model::Model& model, const FileLocation& where);
 
 // ------------------------------------------------------------------------------------------------
 // [[grip]] in a scene file: what holds, moves or pushes parts of a sheet while it is loaded.
@@ -36,16 +36,17 @@ int tileOfModel(int number, const Model& model, const FileLocation& where);
 /// One grip. What it says is reached at the load 1, and in proportion before; what it does not say
 /// is free.
 struct GripSetting {
-  std::vector<int> tiles;       ///< that it holds, one or more
-  std::vector<int> vertices;    ///< of each of them: none, where the tile as a whole is held (its
-                                ///< middle), one, or the two of an edge
-  std::vector<Corner> corners;  ///< these vertices in the model's numbers, see numberAsModel()
-  bool isForce = false;         ///< newtons and N m that push, else metres and radians of moves
-  std::optional<double> x;      ///< 0 holds, where it moves
-  std::optional<double> y;      ///< likewise
-  std::optional<double> z;      ///< likewise, of sheets in space
-  std::optional<double> turn;   ///< anticlockwise; of whole tiles alone
-  FileLocation where;           ///< in the scene file, for messages
+  std::vector<int> tiles;     ///< that it holds, one or more
+  std::vector<int> vertices;  ///< of each of them: none, where the tile as a whole is held (its
+                              ///< middle), one, or the two of an edge
+  std::vector<model::Corner>
+      corners;                 ///< these vertices in the model's numbers, see numberAsModel()
+  bool isForce = false;        ///< newtons and N m that push, else metres and radians of moves
+  std::optional<double> x;     ///< 0 holds, where it moves
+  std::optional<double> y;     ///< likewise
+  std::optional<double> z;     ///< likewise, of sheets in space
+  std::optional<double> turn;  ///< anticlockwise; of whole tiles alone
+  FileLocation where;          ///< in the scene file, for messages
 };
 
 /// Reads the [[grip]] entries of a scene file:
@@ -59,7 +60,7 @@ std::vector<GripSetting> readGrips(const TomlValue& value);
 
 /// Turns numbers of tiles, as the model's file has them, into the model's own, and sets the corners
 /// that the vertices are. Throws InputError where a grip names no tile or vertex of the model.
-void numberAsModel(std::vector<GripSetting>& grips, const Model& model);
+void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model);
 
 // ------------------------------------------------------------------------------------------------
 // Things that do not move and that bricks run into.
@@ -75,21 +76,21 @@ struct Obstacle {
   Shape shape = Shape::Box;        ///< what it is
   Vector3 size = Vector3::Ones();  ///< of a box, along its own axes, metres, above 0
   double radius = 1;               ///< of a sphere, metres, above 0
-  std::vector<Tile> mesh;          ///< flat convex faces of a mesh, in its own axes
+  std::vector<model::Tile> mesh;   ///< flat convex faces of a mesh, in its own axes
   Pose pose;                       ///< of the middle of a box or sphere, of a mesh's axes
   double friction = 0.5;           ///< Coulomb coefficient, from 0
 };
 
 /// The surface of an obstacle as outward anticlockwise polygons (a mesh's as they are), world axes.
 /// A sphere's are the faces of a fine polyhedron with its corners on the sphere, for pictures.
-std::vector<Tile> obstacleFaces(const Obstacle& obstacle);
+std::vector<model::Tile> obstacleFaces(const Obstacle& obstacle);
 
 /// The same for all obstacles, one after the other.
-std::vector<Tile> obstacleFaces(const std::vector<Obstacle>& obstacles);
+std::vector<model::Tile> obstacleFaces(const std::vector<Obstacle>& obstacles);
 
 /// The lower face of an upright box about an obstacle's origin, turned and placed with it, and
 /// anticlockwise seen from within: thickened by size.z it is the box.
-Tile boxFloor(const Obstacle& obstacle, const Vector3& size);
+model::Tile boxFloor(const Obstacle& obstacle, const Vector3& size);
 
 // ------------------------------------------------------------------------------------------------
 // How fast tiles move when a run begins.
@@ -104,11 +105,12 @@ struct InitialVelocity {
 
 /// Turns numbers of tiles as the model's file counts them into those of the model. Throws
 /// InputError for a tile that the model does not have.
-void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model);
+void numberAsModel(std::vector<InitialVelocity>& velocities, const model::Model& model);
 
 /// The velocity of each brick at these poses; where several are given for a brick they add up.
 std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
-                                        const std::vector<Brick>& bricks, const Poses& poses);
+                                        const std::vector<model::Brick>& bricks,
+                                        const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------
 // The timeline: what happens to a running deployment, and when. The headless form of pinning and
@@ -168,8 +170,8 @@ struct Pause {
 
 /// Heads for another target.
 struct GoTo {
-  std::filesystem::path file;  ///< in the format of target.txt; empty: the model's own target
-  std::vector<Tile> tiles;     ///< what the file holds, once it has been read
+  std::filesystem::path file;      ///< in the format of target.txt; empty: the model's own target
+  std::vector<model::Tile> tiles;  ///< what the file holds, once it has been read
 };
 
 /// A picture of this moment.
@@ -204,10 +206,10 @@ std::string actionName(const timeline::Action& action);
 
 /// Throws InputError where the timeline, in the numbers of the model's file, does not fit the
 /// model: tiles or vertices that do not exist, a target without one.
-void checkTimeline(const Timeline& timeline, const Model& model);
+void checkTimeline(const Timeline& timeline, const model::Model& model);
 
 /// Turns numbers of tiles and vertices, as the model's file has them, into the model's own, which
 /// everything else goes by.
-void numberAsModel(Timeline& timeline, const Model& model);
+void numberAsModel(Timeline& timeline, const model::Model& model);
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -19,10 +19,10 @@
 
 #include "sim/scene/settings.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 namespace {
 
-double height(const std::vector<Tile>& tiles) {
+double height(const std::vector<model::Tile>& tiles) {
   return tiles.front().vertices.front().z();
 }
 
@@ -31,8 +31,8 @@ bool isVertical(const Vector3& vector) {
 }
 
 /// All targets that the bricks may be pulled to.
-std::vector<const std::vector<Tile>*> targets(const Scene& scene) {
-  std::vector<const std::vector<Tile>*> found;
+std::vector<const std::vector<model::Tile>*> targets(const Scene& scene) {
+  std::vector<const std::vector<model::Tile>*> found;
   // Other drives do not look at the targets.
   if (scene.actuation.drive != Drive::Target) return found;
   if (scene.model.target) found.push_back(&*scene.model.target);
@@ -76,15 +76,15 @@ Need planarNeed(const Scene& scene) {
   // An answer that was asked for is not questioned.
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};
-  const double tolerance = 1e-9 * modelSize(scene.model);
-  if (!liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
-  for (const std::vector<Tile>* target : targets(scene)) {
-    if (!liesFlat(*target, tolerance)) return {false, "the target is not flat"};
+  const double tolerance = 1e-9 * model::modelSize(scene.model);
+  if (!model::liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
+  for (const std::vector<model::Tile>* target : targets(scene)) {
+    if (!model::liesFlat(*target, tolerance)) return {false, "the target is not flat"};
     if (std::abs(height(*target) - height(scene.model.tiles)) > tolerance) {
       return {false, "start and target lie at different heights"};
     }
     // A tile can only be turned over through space.
-    if (countTurnedOver(scene.model.tiles, *target) > 0) {
+    if (model::countTurnedOver(scene.model.tiles, *target) > 0) {
       return {false, "tiles are turned over at the target"};
     }
   }
@@ -132,9 +132,9 @@ Need obstacleNeed(const Scene& scene) {
   return {true, "bricks may touch them"};
 }
 
-double lowestPoint(const std::vector<Tile>& tiles, const BrickRule& rule) {
-  const std::vector<Brick> bricks = makeBricks(tiles, rule);
-  const Poses poses = startPoses(tiles, bricks);
+double lowestPoint(const std::vector<model::Tile>& tiles, const model::BrickRule& rule) {
+  const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
+  const Poses poses = model::startPoses(tiles, bricks);
   double lowest = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     for (const Vector3& point : bricks[i].bottom)
@@ -172,18 +172,19 @@ Scene openScene() {
   return scene;
 }
 
-Drive defaultDrive(const Model& model) {
+Drive defaultDrive(const model::Model& model) {
   return model.target ? Drive::Target : Drive::Expansion;
 }
 
 void fillFromModel(Scene& scene) {
   if (scene.actuation.drive == Drive::Auto) scene.actuation.drive = defaultDrive(scene.model);
-  if (scene.brick.thickness == 0) scene.brick.thickness = kUsualThickness * tileSize(scene.model);
+  if (scene.brick.thickness == 0)
+    scene.brick.thickness = model::kUsualThickness * model::tileSize(scene.model);
 }
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
   // Full extension has no end where a part is held by nothing.
-  const bool fliesApart = !scene.model.target && !isOnePiece(scene.model);
+  const bool fliesApart = !scene.model.target && !model::isOnePiece(scene.model);
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
@@ -211,10 +212,10 @@ double lowestPoint(const Scene& scene) {
   return std::min(start, lowestPoint(*scene.model.target, scene.brick));
 }
 
-double lowestPoint(const Model& model) {
+double lowestPoint(const model::Model& model) {
   double lowest = std::numeric_limits<double>::infinity();
-  const auto lower = [&](const std::vector<Tile>& tiles) {
-    for (const Tile& tile : tiles) {
+  const auto lower = [&](const std::vector<model::Tile>& tiles) {
+    for (const model::Tile& tile : tiles) {
       for (const Vector3& vertex : tile.vertices) lowest = std::min(lowest, vertex.z());
     }
   };
@@ -223,4 +224,4 @@ double lowestPoint(const Model& model) {
   return lowest;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -14,7 +14,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/conditions.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 /// The horizontal plane that bricks rest on.
 struct Ground {
@@ -214,9 +214,9 @@ struct StartAlignment {
 
 /// Everything that a run depends on.
 struct Scene {
-  Model model;                   ///< its start aligned, see completeScene()
+  model::Model model;            ///< its start aligned, see completeScene()
   StartAlignment alignment;      ///< how it was aligned
-  BrickRule brick;               ///< how tiles become bricks
+  model::BrickRule brick;        ///< how tiles become bricks
   Environment environment;       ///< what is around them
   Actuation actuation;           ///< what drives them
   TargetSpringSettings springs;  ///< to the target; their strength serves other drives too
@@ -255,7 +255,7 @@ Scene openScene();
 void fillFromModel(Scene& scene);
 
 /// What drives a model by default: Target where it has one, else Expansion.
-Drive defaultDrive(const Model& model);
+Drive defaultDrive(const model::Model& model);
 
 /// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
 /// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
@@ -269,10 +269,10 @@ bool isQuasiStatic(const Scene& scene, std::string& reason);
 Needs sceneNeeds(const Scene& scene);
 
 /// The lowest z of start and target: where the ground lies unless told otherwise, metres.
-double lowestPoint(const Model& model);
+double lowestPoint(const model::Model& model);
 
 /// The lowest z of the bricks at the start and at the target: where a ground that touches them but
 /// pushes none away must stand. Metres.
 double lowestPoint(const Scene& scene);
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

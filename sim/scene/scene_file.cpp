@@ -20,7 +20,7 @@
 #include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 namespace {
 
 const std::vector<std::string> kTables = {"model",    "environment", "actuation", "solver",
@@ -279,11 +279,11 @@ Quaternion turn(const TomlValue& value) {
 }
 
 // Faces of an OBJ file as they stand, convex and flat or not: contacts take each face by itself.
-std::vector<Tile> meshFaces(const TomlValue& value) {
+std::vector<model::Tile> meshFaces(const TomlValue& value) {
   const std::string* name = value.text();
   if (!name || name->empty()) refuseValue(value, "the name of an OBJ file");
   std::vector<std::string> ignored;  // what a sheet should rather not be
-  return readObjPair(value.where.file.parent_path() / *name, {}, ignored).tiles;
+  return model::readObjPair(value.where.file.parent_path() / *name, {}, ignored).tiles;
 }
 
 void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {
@@ -450,4 +450,4 @@ SceneFile readSceneFile(const std::filesystem::path& path) {
   return file;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

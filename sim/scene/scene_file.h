@@ -9,7 +9,7 @@
 #include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 /// One key of one table, as text: what the key means is for those who own the setting.
 struct SceneSetting {
@@ -59,4 +59,4 @@ std::string entriesText(const SceneFile& file, bool withFileNames);
 /// keys (suggesting the nearest), and for values that a timeline or an obstacle does not allow.
 SceneFile readSceneFile(const std::filesystem::path& path);
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

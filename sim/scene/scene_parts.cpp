@@ -25,7 +25,7 @@
 #include "sim/model/text_table.h"
 #include "sim/scene/conditions.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 namespace {
 
 /// The chain of targets becomes the model's target and, before it, entries of the timeline.
@@ -36,17 +36,18 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
     // The first target is headed for at once, each further one when the one before it is reached.
     const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
-    chain.push_back(
-        {when, timeline::GoTo{files[k], readTarget(files[k], scene.model, warnings)}, {files[k]}});
+    chain.push_back({when,
+                     timeline::GoTo{files[k], model::readTarget(files[k], scene.model, warnings)},
+                     {files[k]}});
   }
-  scene.model.target = readTarget(files.back(), scene.model, warnings);
+  scene.model.target = model::readTarget(files.back(), scene.model, warnings);
   if (chain.empty()) return;
   chain.push_back({{Occasion::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
 /// Options number tiles and vertices as the model's file does.
-void requireTile(const Model& model, int tile, const char* option) {
+void requireTile(const model::Model& model, int tile, const char* option) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
   if (tile >= first && tile < end) return;
@@ -54,7 +55,7 @@ void requireTile(const Model& model, int tile, const char* option) {
                                option, first, end - 1, tile));
 }
 
-void requireTwoTiles(const Model& model, int tileA, int tileB, const char* option) {
+void requireTwoTiles(const model::Model& model, int tileA, int tileB, const char* option) {
   requireTile(model, tileA, option);
   requireTile(model, tileB, option);
   if (tileA != tileB) return;
@@ -62,7 +63,7 @@ void requireTwoTiles(const Model& model, int tileA, int tileB, const char* optio
       fmt::format("{}: error: tile {} cannot be joined to itself; name two tiles", option, tileA));
 }
 
-void requireVertex(const Model& model, const Corner& corner, const char* option) {
+void requireVertex(const model::Model& model, const model::Corner& corner, const char* option) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles[corner.tile - first].vertices.size());
   if (corner.vertex >= first && corner.vertex < end) return;
@@ -71,24 +72,25 @@ void requireVertex(const Model& model, const Corner& corner, const char* option)
 }
 
 // Pairs of tiles that move as one from where they stand.
-void addFixed(const std::vector<std::array<int, 2>>& pairs, Model& model) {
+void addFixed(const std::vector<std::array<int, 2>>& pairs, model::Model& model) {
   for (const auto& [tileA, tileB] : pairs) {
     requireTwoTiles(model, tileA, tileB, "--fix");
     const int first = model.fileOrder.countsFrom;
-    model.joints.push_back(makeFixedJoint(model.tiles, tileA - first, tileB - first));
+    model.joints.push_back(model::makeFixedJoint(model.tiles, tileA - first, tileB - first));
   }
 }
 
 // Pairs of corners that keep their present distance.
-void addLinks(const std::vector<std::array<int, 4>>& links, Model& model) {
+void addLinks(const std::vector<std::array<int, 4>>& links, model::Model& model) {
   for (const auto& [tileA, vertexA, tileB, vertexB] : links) {
     requireTwoTiles(model, tileA, tileB, "--link");
     requireVertex(model, {tileA, vertexA}, "--link");
     requireVertex(model, {tileB, vertexB}, "--link");
-    const Joint link = makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
-                                model.fileOrder.toModel({tileB, vertexB}, model.tiles));
+    const model::Joint link =
+        model::makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
+                        model.fileOrder.toModel({tileB, vertexB}, model.tiles));
     // kSamePlace of model_checks.h: points as near as that are one.
-    if (link.apart.norm() <= 1e-6 * modelSize(model)) {
+    if (link.apart.norm() <= 1e-6 * model::modelSize(model)) {
       throw InputError(fmt::format(
           "--link: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
           "them in constraints.txt instead",
@@ -102,7 +104,7 @@ void readTimelineTargets(Scene& scene, std::vector<std::string>& warnings) {
   for (TimelineEntry& entry : scene.timeline) {
     auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
     if (!goTo || goTo->file.empty() || !goTo->tiles.empty()) continue;
-    goTo->tiles = readTarget(goTo->file, scene.model, warnings);
+    goTo->tiles = model::readTarget(goTo->file, scene.model, warnings);
   }
 }
 
@@ -134,8 +136,8 @@ std::vector<int> heldTiles(const Timeline& timeline) {
 
 // Notes how far the start was moved and turned, for the summary.
 void align(Scene& scene, const std::vector<int>& held) {
-  const std::vector<Tile> before = scene.model.tiles;
-  const RigidMotion motion = alignStartToTarget(scene.model, held);
+  const std::vector<model::Tile> before = scene.model.tiles;
+  const model::RigidMotion motion = model::alignStartToTarget(scene.model, held);
   scene.alignment.byHeld = scene.model.target.has_value() && !held.empty();
   scene.alignment.turned = Eigen::AngleAxisd(motion.rotation).angle();
   scene.alignment.moved = 0;
@@ -175,13 +177,13 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
 namespace {
 
 /// The parts of each tile that the model had before, by its number there.
-std::vector<std::vector<int>> partsOfTiles(const Model& split, std::size_t count) {
+std::vector<std::vector<int>> partsOfTiles(const model::Model& split, std::size_t count) {
   std::vector<int> whole(split.tiles.size());
   std::iota(whole.begin(), whole.end(), 0);
   // The first part keeps the tile's number, which is less than those of all others.
   for (bool isDone = false; !isDone;) {
     isDone = true;
-    for (const Joint& joint : split.joints) {
+    for (const model::Joint& joint : split.joints) {
       int& a = whole[static_cast<std::size_t>(joint.a.tile)];
       int& b = whole[static_cast<std::size_t>(joint.b.tile)];
       if (!joint.isWithinTile || a == b) continue;
@@ -222,7 +224,7 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
         "files of hinges name; leave one of them out");
   }
   const std::size_t count = scene.model.tiles.size();
-  scene.model = splitTiles(scene.model, tiles);
+  scene.model = model::splitTiles(scene.model, tiles);
   const std::vector<std::vector<int>> parts = partsOfTiles(scene.model, count);
   for (TimelineEntry& entry : scene.timeline) {
     if (auto* pin = std::get_if<timeline::Pin>(&entry.action)) replaceByParts(parts, pin->tiles);
@@ -261,22 +263,25 @@ constexpr double kAngleRounding = 1e-6;
 
 using TilePair = std::pair<int, int>;
 
-int readTile(const TextTable& table, const TextLine& line, std::size_t column, const Model& model) {
+int readTile(const model::TextTable& table, const model::TextLine& line, std::size_t column,
+             const model::Model& model) {
   const FileLocation where = table.at(line, line.fields[column]);
-  const int tile = parseWholeNumber(line.fields[column], where, "a tile number");
+  const int tile = model::parseWholeNumber(line.fields[column], where, "a tile number");
   return tileOfModel(tile, model, where);
 }
 
 /// A number of a line that need not be there.
-std::optional<double> readOptional(const TextTable& table, const TextLine& line, std::size_t column,
-                                   double least, double most, const char* meaning) {
+std::optional<double> readOptional(const model::TextTable& table, const model::TextLine& line,
+                                   std::size_t column, double least, double most,
+                                   const char* meaning) {
   // A hyphen holds the place of a column that is left out, so that later columns can be given.
   if (column >= line.fields.size() || line.fields[column].text == "-") return std::nullopt;
-  const TextField& field = line.fields[column];
-  return parseNumberWithin(field, table.at(line, field), least, most, meaning);
+  const model::TextField& field = line.fields[column];
+  return model::parseNumberWithin(field, table.at(line, field), least, most, meaning);
 }
 
-OwnHingeSpring readSpring(const TextTable& table, const TextLine& line, const Model& model) {
+OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& line,
+                          const model::Model& model) {
   const FileLocation where = table.at(line, line.fields.front());
   if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
     throw inputErrorAt(where, fmt::format("there are {} columns; a hinge is tile, tile, stiffness, "
@@ -300,8 +305,9 @@ OwnHingeSpring readSpring(const TextTable& table, const TextLine& line, const Mo
 
 /// Bricks must not lie in each other where a spring is at rest. `line` says so, or null: the
 /// option.
-void requireRoomAtRest(const HingeSpring& spring, const OwnHingeSpring* line, const Model& model) {
-  const Hinge& hinge = spring.hinge;
+void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* line,
+                       const model::Model& model) {
+  const model::Hinge& hinge = spring.hinge;
   if (spring.rest >= hinge.least - kAngleRounding && spring.rest <= hinge.most + kAngleRounding) {
     return;
   }
@@ -315,31 +321,33 @@ void requireRoomAtRest(const HingeSpring& spring, const OwnHingeSpring* line, co
 }
 
 /// Joins every two corners that joints hold together on a face, also by way of others.
-std::vector<Joint> joinedCorners(const std::vector<Joint>& joints, JointFace face) {
+std::vector<model::Joint> joinedCorners(const std::vector<model::Joint>& joints,
+                                        model::JointFace face) {
   using CornerKey = std::pair<int, int>;
   std::map<CornerKey, int> groupOf;
-  std::vector<std::vector<Corner>> groups;
-  const auto groupAt = [&](const Corner& corner) {
+  std::vector<std::vector<model::Corner>> groups;
+  const auto groupAt = [&](const model::Corner& corner) {
     const auto [place, isNew] =
         groupOf.try_emplace({corner.tile, corner.vertex}, static_cast<int>(groups.size()));
     if (isNew) groups.push_back({corner});
     return place->second;
   };
-  for (const Joint& joint : joints) {
-    if (joint.kind != JointKind::Pivot || (joint.face != face && joint.face != JointFace::Both)) {
+  for (const model::Joint& joint : joints) {
+    if (joint.kind != model::JointKind::Pivot ||
+        (joint.face != face && joint.face != model::JointFace::Both)) {
       continue;
     }
     const int kept = groupAt(joint.a), emptied = groupAt(joint.b);
     if (kept == emptied) continue;
     // Corners of the emptied group move to the kept one. Groups have a few corners each.
-    for (const Corner& corner : groups[static_cast<std::size_t>(emptied)]) {
+    for (const model::Corner& corner : groups[static_cast<std::size_t>(emptied)]) {
       groupOf[{corner.tile, corner.vertex}] = kept;
       groups[static_cast<std::size_t>(kept)].push_back(corner);
     }
     groups[static_cast<std::size_t>(emptied)].clear();
   }
-  std::vector<Joint> all;
-  for (const std::vector<Corner>& group : groups) {
+  std::vector<model::Joint> all;
+  for (const std::vector<model::Corner>& group : groups) {
     for (std::size_t b = 1; b < group.size(); ++b) {
       for (std::size_t a = 0; a < b; ++a) {
         if (group[a].tile != group[b].tile) all.push_back({group[a], group[b], face});
@@ -349,21 +357,23 @@ std::vector<Joint> joinedCorners(const std::vector<Joint>& joints, JointFace fac
   return all;
 }
 
-bool isFold(const Hinge& hinge) {
+bool isFold(const model::Hinge& hinge) {
   // Angles at corners begin at 0, where tiles lie flush; folds go to both sides of flat.
   return hinge.least < 0;
 }
 
 /// Adds the folds between tiles whose common corners are joined by way of other tiles, as where
 /// four tiles of an origami meet.
-void addIndirectFolds(const Scene& scene, const std::vector<Brick>& bricks, FoundHinges& found) {
+void addIndirectFolds(const Scene& scene, const std::vector<model::Brick>& bricks,
+                      model::FoundHinges& found) {
   // A pair that is joined directly has its hinge already.
   std::set<TilePair> known;
-  for (const Hinge& hinge : found.hinges) known.insert(std::minmax(hinge.brickA, hinge.brickB));
-  for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
-    const FoundHinges joined =
-        findHinges(bricks, makePivots(joinedCorners(scene.model.joints, face), bricks), false);
-    for (const Hinge& hinge : joined.hinges) {
+  for (const model::Hinge& hinge : found.hinges)
+    known.insert(std::minmax(hinge.brickA, hinge.brickB));
+  for (const model::JointFace face : {model::JointFace::Bottom, model::JointFace::Top}) {
+    const model::FoundHinges joined = model::findHinges(
+        bricks, model::makePivots(joinedCorners(scene.model.joints, face), bricks), false);
+    for (const model::Hinge& hinge : joined.hinges) {
       const bool isNew = known.insert(std::minmax(hinge.brickA, hinge.brickB)).second;
       if (isFold(hinge) && isNew) found.hinges.push_back(hinge);
     }
@@ -371,10 +381,11 @@ void addIndirectFolds(const Scene& scene, const std::vector<Brick>& bricks, Foun
 }
 
 /// The hinges of a scene. Springs that were asked for by themselves need one at least.
-FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) {
+model::FoundHinges requireHinges(const Scene& scene, const std::vector<model::Brick>& bricks) {
   // In the plane one shared point is a hinge about the vertical; in space it is a ball.
   const bool isPlanar = sceneNeeds(scene).planar.on;
-  FoundHinges found = findHinges(bricks, makePivots(scene.model.joints, bricks), isPlanar);
+  model::FoundHinges found =
+      model::findHinges(bricks, model::makePivots(scene.model.joints, bricks), isPlanar);
   if (!isPlanar) addIndirectFolds(scene, bricks, found);
   if (!found.hinges.empty() || !scene.hinges.areGiven()) return found;
   if (found.ballJoints.empty()) {
@@ -397,12 +408,13 @@ struct CommonEdge {
 };
 
 /// The corners that pairs of tiles have in common by joints, of the first tile and of the second.
-std::map<TilePair, std::set<std::pair<int, int>>> commonCorners(const std::vector<Joint>& joints) {
+std::map<TilePair, std::set<std::pair<int, int>>> commonCorners(
+    const std::vector<model::Joint>& joints) {
   std::map<TilePair, std::set<std::pair<int, int>>> common;
-  for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
-    for (const Joint& joint : joinedCorners(joints, face)) {
+  for (const model::JointFace face : {model::JointFace::Bottom, model::JointFace::Top}) {
+    for (const model::Joint& joint : joinedCorners(joints, face)) {
       const bool isSwapped = joint.b.tile < joint.a.tile;
-      const Corner &a = isSwapped ? joint.b : joint.a, &b = isSwapped ? joint.a : joint.b;
+      const model::Corner &a = isSwapped ? joint.b : joint.a, &b = isSwapped ? joint.a : joint.b;
       common[{a.tile, b.tile}].emplace(a.vertex, b.vertex);
     }
   }
@@ -410,14 +422,14 @@ std::map<TilePair, std::set<std::pair<int, int>>> commonCorners(const std::vecto
 }
 
 /// Whether two corners of a tile are neighbours.
-bool areNeighbours(int corner, int other, const Tile& tile) {
+bool areNeighbours(int corner, int other, const model::Tile& tile) {
   const int apart = std::abs(corner - other);
   return apart == 1 || apart + 1 == static_cast<int>(tile.vertices.size());
 }
 
 /// The edges between corners that are neighbours in both tiles.
-std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corners, const Tile& a,
-                                     const Tile& b) {
+std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corners,
+                                     const model::Tile& a, const model::Tile& b) {
   std::vector<CommonEdge> edges;
   for (const auto& [fromA, fromB] : corners) {
     for (const auto& [toA, toB] : corners) {
@@ -431,19 +443,19 @@ std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corner
 /// What the hinges of a scene have of which no line of its file says more.
 class UsualSprings {
  public:
-  UsualSprings(const Scene& scene, const std::vector<Brick>& bricks)
+  UsualSprings(const Scene& scene, const std::vector<model::Brick>& bricks)
       : scene_(scene), bricks_(bricks) {
     if (!scene.hinges.panels) return;
     common_ = commonCorners(scene.model.joints);
-    for (const Joint& joint : scene.model.joints) {
+    for (const model::Joint& joint : scene.model.joints) {
       if (joint.isWithinTile) bends_.insert(std::minmax(joint.a.tile, joint.b.tile));
     }
   }
 
   /// Whether the hinge is where a tile bends by its material: springs of hinges are not meant.
-  bool isBend(const Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
+  bool isBend(const model::Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
 
-  double stiffness(const Hinge& hinge) const {
+  double stiffness(const model::Hinge& hinge) const {
     const HingeSettings& all = scene_.hinges;
     if (isBend(hinge)) return bending(hinge);
     // Necks stand at corners. A fold has the stiffness of all hinges.
@@ -452,36 +464,38 @@ class UsualSprings {
     return isByLength && isFold(hinge) ? folding(hinge) : all.stiffness;
   }
 
-  double rest(const Hinge& hinge) const {
+  double rest(const model::Hinge& hinge) const {
     const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
     const bool isInFile = isFold(hinge) && found != scene_.model.foldAngles.end();
     return isInFile ? found->second : hinge.start;
   }
 
  private:
-  static TilePair tilesOf(const Hinge& hinge) { return std::minmax(hinge.brickA, hinge.brickB); }
-  const Tile& tile(int number) const {
+  static TilePair tilesOf(const model::Hinge& hinge) {
+    return std::minmax(hinge.brickA, hinge.brickB);
+  }
+  const model::Tile& tile(int number) const {
     return scene_.model.tiles[static_cast<std::size_t>(number)];
   }
-  const Brick& brick(int number) const { return bricks_[static_cast<std::size_t>(number)]; }
+  const model::Brick& brick(int number) const { return bricks_[static_cast<std::size_t>(number)]; }
 
-  std::vector<CommonEdge> edgesAt(const Hinge& hinge) const {
+  std::vector<CommonEdge> edgesAt(const model::Hinge& hinge) const {
     const auto [a, b] = tilesOf(hinge);
     return edgesBetween(common_.at({a, b}), tile(a), tile(b));
   }
 
-  double neckStiffnessAt(const Hinge& hinge) const {
+  double neckStiffnessAt(const model::Hinge& hinge) const {
     const HingeNeck& neck = *scene_.hinges.neck;
     const double thickness = scene_.brick.thickness;
     const bool isShut = hinge.start <= kAngleRounding;
-    if (!isShut) return neckStiffness(neck.youngs, thickness, neck.width, neck.length);
-    return neckStiffness(neck.youngs, thickness, neck.width, neck.length,
-                         {neckCorner(brick(hinge.brickA), hinge.cornerA),
-                          neckCorner(brick(hinge.brickB), hinge.cornerB)});
+    if (!isShut) return model::neckStiffness(neck.youngs, thickness, neck.width, neck.length);
+    return model::neckStiffness(neck.youngs, thickness, neck.width, neck.length,
+                                {model::neckCorner(brick(hinge.brickA), hinge.cornerA),
+                                 model::neckCorner(brick(hinge.brickB), hinge.cornerB)});
   }
 
   /// Of a tile at the diagonal between two of its triangles.
-  double bending(const Hinge& hinge) const {
+  double bending(const model::Hinge& hinge) const {
     const PanelMaterial& material = *scene_.hinges.panels;
     const auto [a, b] = tilesOf(hinge);
     const CommonEdge edge = edgesAt(hinge).at(0);
@@ -491,14 +505,15 @@ class UsualSprings {
     };
     const Vector3& from = tile(a).vertices[static_cast<std::size_t>(edge.ofA[0])];
     const Vector3& to = tile(a).vertices[static_cast<std::size_t>(edge.ofA[1])];
-    return bendStiffness({from, wing(b, edge.ofB), to, wing(a, edge.ofA)}, (to - from).norm(),
-                         material.youngs, material.poisson, scene_.brick.thickness);
+    return model::bendStiffness({from, wing(b, edge.ofB), to, wing(a, edge.ofA)},
+                                (to - from).norm(), material.youngs, material.poisson,
+                                scene_.brick.thickness);
   }
 
   /// Of a fold, whose length is that of all edges that its tiles have in common.
-  double folding(const Hinge& hinge) const {
+  double folding(const model::Hinge& hinge) const {
     const PanelMaterial& material = *scene_.hinges.panels;
-    const Tile& a = tile(tilesOf(hinge).first);
+    const model::Tile& a = tile(tilesOf(hinge).first);
     double length = 0;
     for (const CommonEdge& edge : edgesAt(hinge)) {
       const auto [from, to] = edge.ofA;
@@ -506,12 +521,12 @@ class UsualSprings {
           (a.vertices[static_cast<std::size_t>(to)] - a.vertices[static_cast<std::size_t>(from)])
               .norm();
     }
-    return foldStiffness(length, material.foldLength, material.youngs, material.poisson,
-                         scene_.brick.thickness);
+    return model::foldStiffness(length, material.foldLength, material.youngs, material.poisson,
+                                scene_.brick.thickness);
   }
 
   const Scene& scene_;
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   std::map<TilePair, std::set<std::pair<int, int>>> common_;
   std::set<TilePair> bends_;
 };
@@ -523,7 +538,8 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
   return lines;
 }
 
-[[noreturn]] void refuseLine(const OwnHingeSpring& line, const FoundHinges& found, int first) {
+[[noreturn]] void refuseLine(const OwnHingeSpring& line, const model::FoundHinges& found,
+                             int first) {
   const TilePair tiles = std::minmax(line.tileA, line.tileB);
   const bool isBall = std::ranges::any_of(found.ballJoints, [&](const TilePair& ball) {
     return TilePair(std::minmax(ball.first, ball.second)) == tiles;
@@ -539,11 +555,11 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
 }  // namespace
 
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
-                                             const Model& model) {
-  TextTable table(file, "a list of hinges, tile tile stiffness rest damping");
+                                             const model::Model& model) {
+  model::TextTable table(file, "a list of hinges, tile tile stiffness rest damping");
   std::vector<OwnHingeSpring> springs;
   std::map<TilePair, int> lines;
-  for (TextLine line; table.next(line);) {
+  for (model::TextLine line; table.next(line);) {
     springs.push_back(readSpring(table, line, model));
     const OwnHingeSpring& spring = springs.back();
     const auto [known, isNew] =
@@ -556,14 +572,15 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
   return springs;
 }
 
-std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks) {
+std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
+                                             const std::vector<model::Brick>& bricks) {
   const HingeSettings& all = scene.hinges;
   if (!all.areOn()) return {};
-  const FoundHinges found = requireHinges(scene, bricks);
+  const model::FoundHinges found = requireHinges(scene, bricks);
   const UsualSprings usual(scene, bricks);
   std::map<TilePair, const OwnHingeSpring*> lines = byTiles(all.own);
-  std::vector<HingeSpring> springs;
-  for (const Hinge& hinge : found.hinges) {
+  std::vector<model::HingeSpring> springs;
+  for (const model::Hinge& hinge : found.hinges) {
     OwnHingeSpring own;
     if (const auto line = lines.find(std::minmax(hinge.brickA, hinge.brickB));
         line != lines.end()) {
@@ -572,8 +589,9 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest || usual.isBend(hinge) ? own.rest : all.rest;
-    const HingeSpring spring{hinge, own.stiffness.value_or(usual.stiffness(hinge)),
-                             rest.value_or(usual.rest(hinge)), own.damping.value_or(all.damping)};
+    const model::HingeSpring spring{hinge, own.stiffness.value_or(usual.stiffness(hinge)),
+                                    rest.value_or(usual.rest(hinge)),
+                                    own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);
     springs.push_back(spring);
@@ -597,7 +615,7 @@ namespace {
 
 /// The directions of both edges from a corner, unit.
 /// The corner's next and last neighbour give them, in the order of the tile's corners.
-std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
+std::array<Vector3, 2> edgesAt(const model::Brick& brick, int corner) {
   const std::size_t count = brick.bottom.size();
   const auto k = static_cast<std::size_t>(corner);
   return {(brick.bottom[(k + 1) % count] - brick.bottom[k]).normalized(),
@@ -606,16 +624,16 @@ std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
 
 /// The direction from a corner into its tile.
 /// The sum of two unit edges bisects the corner's angle; its length is no measure.
-Vector3 inwardAt(const Brick& brick, int corner) {
+Vector3 inwardAt(const model::Brick& brick, int corner) {
   const auto [next, last] = edgesAt(brick, corner);
   return next + last;
 }
 
 /// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
-std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bricks) {
+std::optional<Vector3> slitAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks) {
   constexpr double kFlush = 1e-6;  // of the cosine
-  const Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
-  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const model::Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const model::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   for (const Vector3& a : edgesAt(brickA, pivot.cornerA)) {
     for (const Vector3& b : edgesAt(brickB, pivot.cornerB)) {
       if (a.dot(b) > 1 - kFlush) return a;
@@ -625,41 +643,44 @@ std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bric
 }
 
 /// The corners of both tiles at their joint.
-std::array<NeckCorner, 2> neckCorners(const Pivot& pivot, const std::vector<Brick>& bricks) {
-  return {neckCorner(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA),
-          neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
+std::array<model::NeckCorner, 2> neckCorners(const model::Pivot& pivot,
+                                             const std::vector<model::Brick>& bricks) {
+  return {model::neckCorner(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA),
+          model::neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
 }
 
 /// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
 /// other.
-Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
+model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
+                           const Scene& scene) {
   const HingeNeck& neck = *scene.hinges.neck;
   const Vector3 across =
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
-  Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
+  model::Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
   // The ligament runs along the difference of the two inward directions: from tile A to tile B
   // across the slit.
   ligament.start = neck.length * across.normalized();
   ligament.pointA = pivot.pointA - 0.5 * ligament.start;
   ligament.pointB = pivot.pointB + 0.5 * ligament.start;
-  setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
-                   ligament);
+  model::setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
+                          ligament);
   return ligament;
 }
 
 /// A neck without a length at the end of a shut slit, as the pin that its tiles make of it.
-Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vector3& slit,
-               const Scene& scene) {
-  const CornerNeck neck = cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness,
-                                     scene.hinges.neck->width, neckCorners(pivot, bricks));
-  Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
-               pivot.pointA, pivot.pointB, Vector3::Zero()};
+model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
+                      const Vector3& slit, const Scene& scene) {
+  const model::CornerNeck neck =
+      model::cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness, scene.hinges.neck->width,
+                        neckCorners(pivot, bricks));
+  model::Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
+                      pivot.pointA, pivot.pointB, Vector3::Zero()};
   pin.across = slit.cross(Vector3::UnitZ());
   pin.stretchStiffness = neck.stretch;
   pin.shearStiffness = neck.shear;
   // B turns by z as the slit opens where it lies on that side of it.
-  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const model::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   const double sign = inwardAt(brickB, pivot.cornerB).dot(pin.across) < 0 ? 1 : -1;
   pin.opening = {sign * neck.bending * neck.opening[0], neck.bending * neck.opening[1]};
   return pin;
@@ -667,13 +688,13 @@ Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vecto
 
 /// Adds what a neck at a hinge is: under grips one that is no more than the end of a slit always
 /// gives as its tiles do, and others where ligaments are asked for.
-void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene,
-             std::vector<Pivot>& pivots, std::vector<Ligament>& ligaments) {
+void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const Scene& scene,
+             std::vector<model::Pivot>& pivots, std::vector<model::Ligament>& ligaments) {
   const HingeNeck& neck = *scene.hinges.neck;
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
     // Its axis is beside the corner.
-    const double axis = neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
+    const double axis = model::neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
     pivot.pointA += axis * *slit;
     pivot.pointB += axis * *slit;
   }
@@ -696,20 +717,20 @@ void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene,
 
 const std::vector<PairForceKind>& pairForceKinds() {
   static const std::vector<PairForceKind> kinds = {
-      {HingeSprings::kName,
-       [](const Scene& scene, const std::vector<Brick>& bricks) {
-         return std::shared_ptr<const PairForce>(
-             std::make_shared<HingeSprings>(hingeSprings(scene, bricks)));
+      {model::HingeSprings::kName,
+       [](const Scene& scene, const std::vector<model::Brick>& bricks) {
+         return std::shared_ptr<const model::PairForce>(
+             std::make_shared<model::HingeSprings>(hingeSprings(scene, bricks)));
        },
-       HingeSprings::read},
-      {Ligaments::kName, nullptr, Ligaments::read}};
+       model::HingeSprings::read},
+      {model::Ligaments::kName, nullptr, model::Ligaments::read}};
   return kinds;
 }
 
 namespace {
 
 /// Forces alone, but for ligaments.
-Ties withoutPivots(const Scene& scene, const std::vector<Brick>& bricks) {
+Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties;
   for (const PairForceKind& kind : pairForceKinds()) {
     if (kind.make) ties.pairForces.add(kind.make(scene, bricks));
@@ -719,13 +740,13 @@ Ties withoutPivots(const Scene& scene, const std::vector<Brick>& bricks) {
 
 /// Adds pivots and ligaments: a joint is a neck where its two bricks share a hinge that has a
 /// spring. Upper pivots coincide with lower ones in the plane and are left out.
-void addJoints(const Scene& scene, const std::vector<Brick>& bricks, Ties& ties) {
+void addJoints(const Scene& scene, const std::vector<model::Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
-  for (const HingeSpring& spring : hingeSpringsOf(ties.pairForces)) {
+  for (const model::HingeSpring& spring : model::hingeSpringsOf(ties.pairForces)) {
     hinges.insert(std::minmax(spring.hinge.brickA, spring.hinge.brickB));
   }
-  std::vector<Ligament> ligaments;
-  for (const Pivot& pivot : makePivots(scene.model.joints, bricks)) {
+  std::vector<model::Ligament> ligaments;
+  for (const model::Pivot& pivot : model::makePivots(scene.model.joints, bricks)) {
     if (pivot.isUpper) continue;
     const bool isNeck =
         scene.hinges.neck && hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
@@ -735,22 +756,22 @@ void addJoints(const Scene& scene, const std::vector<Brick>& bricks, Ties& ties)
       ties.pivots.push_back(pivot);
     }
   }
-  ties.pairForces.add(std::make_shared<Ligaments>(std::move(ligaments)));
+  ties.pairForces.add(std::make_shared<model::Ligaments>(std::move(ligaments)));
 }
 
 }  // namespace
 
-Ties loadedTies(const Scene& scene, const std::vector<Brick>& bricks) {
+Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties = withoutPivots(scene, bricks);
   if (!scene.hinges.panels) addJoints(scene, bricks, ties);
   return ties;
 }
 
 // Without ligaments all pivots are exact, upper ones too, since the scene may be in space.
-Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks) {
+Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties = withoutPivots(scene, bricks);
   if (!scene.hinges.areLigaments) {
-    ties.pivots = makePivots(scene.model.joints, bricks);
+    ties.pivots = model::makePivots(scene.model.joints, bricks);
     return ties;
   }
   if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
@@ -761,8 +782,8 @@ Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks) {
   return ties;
 }
 
-Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks) {
+Ties tiesOf(const Scene& scene, const std::vector<model::Brick>& bricks) {
   return scene.grips.empty() ? dynamicTies(scene, bricks) : loadedTies(scene, bricks);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

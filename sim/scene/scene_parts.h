@@ -10,7 +10,7 @@
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 /// Additions as they were asked for; the numbers are not checked yet.
 struct SceneParts {
@@ -45,7 +45,8 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene);
 /// in N m/rad, degrees and N m s/rad; tiles are numbered as in the model's file, and what a line
 /// has as - or leaves out is as for all hinges. Throws InputError with file:line:column for words,
 /// numbers below 0, tiles that the model does not have, and a hinge that is listed twice.
-std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, const Model& model);
+std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
+                                             const model::Model& model);
 
 /// The springs of a scene's hinges, in the order of findHinges(), and then of the folds between
 /// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
@@ -56,7 +57,8 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 /// InputError where springs of hinges are asked for and nothing has an axis, where a line of the
 /// file names no hinge, and where bricks would lie in each other at the rest angle. Empty where
 /// scene.hinges asks for nothing. Costs about O(joints log joints).
-std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
+std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
+                                             const std::vector<model::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
 // What holds the tiles of a sheet together where its joints are necks of material.
@@ -64,33 +66,34 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
 /// Joints that are exact, and the forces between pairs of bricks: ligaments in the place of other
 /// joints, and what else acts between two bricks.
 struct Ties {
-  std::vector<Pivot> pivots;  ///< that are exact
-  PairForces pairForces;      ///< between pairs of bricks
+  std::vector<model::Pivot> pivots;  ///< that are exact
+  model::PairForces pairForces;      ///< between pairs of bricks
 };
 
 /// The ties of a scene's run, whether grips load it or masses move. Throws InputError.
-Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks);
+Ties tiesOf(const Scene& scene, const std::vector<model::Brick>& bricks);
 
 /// The ties of a planar scene under grips: a joint at a hinge with a spring is a neck where the
 /// scene has necks. No pivots where tiles bend, whose corners are nodes. Throws InputError for
 /// ligaments that could neither stretch nor shear, and as hingeSprings() does.
-Ties loadedTies(const Scene& scene, const std::vector<Brick>& bricks);
+Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks);
 
 /// The ties of a scene that moves masses: as loadedTies() where it asks for ligaments, which needs
 /// a planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
-Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks);
+Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks);
 
 /// A kind of force between pairs of bricks: a new one is its class, and its row here.
 struct PairForceKind {
-  const PairForceName& name;  ///< its own constant
+  const model::PairForceName& name;  ///< its own constant
   /// The scene's force of this kind between its bricks, null or without pairs where it has none.
   /// Throws InputError. Null for ligaments, which come with the ties, in the place of joints.
-  std::shared_ptr<const PairForce> (*make)(const Scene& scene, const std::vector<Brick>& bricks);
+  std::shared_ptr<const model::PairForce> (*make)(const Scene& scene,
+                                                  const std::vector<model::Brick>& bricks);
   /// The force as a file has it. Throws InputError.
-  std::shared_ptr<const PairForce> (*read)(const PairReader& file);
+  std::shared_ptr<const model::PairForce> (*read)(const model::PairReader& file);
 };
 
 /// All kinds, in the order in which summaries tell of them.
 const std::vector<PairForceKind>& pairForceKinds();
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -18,7 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/scene/toml_file.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 namespace {
 
 // A bound against slips of the pen; springs of 1e12 N/m are beyond any material at these sizes.
@@ -55,7 +55,7 @@ bool hasDampingRatio(const Scene& scene) {
   return !scene.springs.forceDamping || !scene.springs.torqueDamping;
 }
 bool weighsByVolume(const Scene& scene) {
-  return scene.brick.mass == MassRule::Prism;
+  return scene.brick.mass == model::MassRule::Prism;
 }
 
 constexpr const char* kDirect = "--solver direct";
@@ -145,7 +145,7 @@ Setting flag(const std::string& key, const std::string& help, bool given = true)
 }
 
 SettingGroup brickSettings() {
-  using enum MassRule;
+  using enum model::MassRule;
   return {"Bricks",
           "model",
           {specialNumber(
@@ -156,12 +156,12 @@ SettingGroup brickSettings() {
                [](const Scene& scene) {
                  return scene.brick.thickness > 0 ? numberText(scene.brick.thickness) : "";
                }),
-           choice<&Scene::brick, &BrickRule::mass>(
-               "mass", Choices<MassRule>{{"unit", Unit}, {"prism", Prism}},
+           choice<&Scene::brick, &model::BrickRule::mass>(
+               "mass", Choices<model::MassRule>{{"unit", Unit}, {"prism", Prism}},
                "mass of a brick, 1 kg whatever its size or by volume")
                .needsDynamics("masses were given"),
-           number<&Scene::brick, &BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
-                                                      "density, with --mass prism")
+           number<&Scene::brick, &model::BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
+                                                             "density, with --mass prism")
                .with(weighsByVolume, "--mass prism")}};
 }
 
@@ -699,4 +699,4 @@ std::string listWords(const std::vector<std::string>& words) {
   return list;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

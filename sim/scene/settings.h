@@ -13,7 +13,7 @@
 #include "sim/base/geometry.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 // ------------------------------------------------------------------------------------------------
 // Reads the values of settings as people type them, and writes them again. Every function that
@@ -131,7 +131,7 @@ T parseChoice(const TypedValue& value, const Choices<T>& choices) {
 struct Condition {
   bool (*holds)(const Scene&);  ///< whether the scene is so
   const char* needed;           ///< the options that make it hold, as in "--solver direct"
-  bool isWithout = false;  ///< `needed` says the same as the setting, and must not be given
+  bool isWithout = false;       ///< `needed` says the same as the setting, and must not be given
 };
 
 /// One setting of a scene.
@@ -194,4 +194,4 @@ std::string whySpace(const Scene& scene);
 /// Why the settings of a scene need dynamics; empty where a path that is geometry serves them.
 std::string whyDynamics(const Scene& scene);
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -31,7 +31,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 namespace {
 
 // A timeline of 100,000 entries; what the parser makes of a byte can take a hundred.
@@ -187,4 +187,4 @@ void refuseKey(const TomlEntry& entry, const std::string& what,
                                  suggestion(entry.key, known), fmt::join(known, ", ")));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 
-namespace kirireel {
+namespace kirireel::scene {
 
 struct TomlEntry;
 struct TomlValue;
@@ -80,4 +80,4 @@ double requireNumber(const TomlValue& value, double least, double most, const st
 [[noreturn]] void refuseKey(const TomlEntry& entry, const std::string& what,
                             const std::vector<std::string>& known);
 
-}  // namespace kirireel
+}  // namespace kirireel::scene

@@ -25,13 +25,13 @@
 #include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 // All vertices one after the other, in the order of the tiles: what the best fit takes.
-std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
+std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> vertices;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
   }
   return vertices;
@@ -40,14 +40,14 @@ std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
 }  // namespace
 
 // A sheet of `side` x `side` squares without contacts, so that joints and springs alone act.
-Scene sheetScene(int side, bool planar, JointFace face, double startAngle) {
-  TessellationShape shape;
+scene::Scene sheetScene(int side, bool planar, model::JointFace face, double startAngle) {
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
   shape.face = face;
   shape.startAngle = startAngle;
-  Scene scene;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::None;
+  scene::Scene scene;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::None;
   scene.solver.planar = planar;
   return scene;
 }
@@ -61,7 +61,8 @@ double openingAngle(const Poses& poses) {
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 
-VertexError vertexError(const std::vector<Tile>& found, const std::vector<Tile>& wanted) {
+VertexError vertexError(const std::vector<model::Tile>& found,
+                        const std::vector<model::Tile>& wanted) {
   VertexError error;
   std::size_t count = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -102,12 +103,12 @@ double wayError(const SheetWay& found, const SheetWay& wanted) {
 
 // The exact sheet is moved as a whole, which takes away where the sheet stands and how it is
 // turned.
-VertexError sheetError(int side, double angle, const std::vector<Tile>& found) {
-  TessellationShape shape;
+VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found) {
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
-  std::vector<Tile> exact = tessellationTiles(shape, angle);
-  const RigidMotion fit = bestRigidMotion(verticesOf(exact), verticesOf(found));
-  for (Tile& tile : exact) {
+  std::vector<model::Tile> exact = model::tessellationTiles(shape, angle);
+  const model::RigidMotion fit = model::bestRigidMotion(verticesOf(exact), verticesOf(found));
+  for (model::Tile& tile : exact) {
     for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);
   }
   return vertexError(found, exact);
@@ -140,7 +141,7 @@ constexpr double kClosedSheet = 1e-12;  // metres
 constexpr int kMostRounds = 50;
 
 // Of the vertices; any fixed point of a tile would do.
-Vector3 meanOf(const Tile& tile) {
+Vector3 meanOf(const model::Tile& tile) {
   Vector3 mean = Vector3::Zero();
   for (const Vector3& vertex : tile.vertices) mean += vertex;
   return mean / static_cast<double>(tile.vertices.size());
@@ -157,7 +158,7 @@ Vector3 turned(const Vector3& point, double angle) {
 
 // With a and b the places about the two tiles' means, the turn that minimises sum |b - R a|^2 is
 // atan2(sum a x b, sum a . b), radians. Both tiles must have their vertices in the same order.
-double planarTurn(const Tile& from, const Tile& to) {
+double planarTurn(const model::Tile& from, const model::Tile& to) {
   const Vector3 meanFrom = meanOf(from);
   const Vector3 meanTo = meanOf(to);
   double along = 0;
@@ -173,9 +174,10 @@ double planarTurn(const Tile& from, const Tile& to) {
 }
 
 // Shapes are kept about their own means, so that a state's x and y are where the mean stands.
-ClosurePath::ClosurePath(const std::vector<Tile>& tiles, const std::vector<Joint>& joints)
+ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
+                         const std::vector<model::Joint>& joints)
     : shapes_(tiles), joints_(joints) {
-  for (Tile& shape : shapes_) {
+  for (model::Tile& shape : shapes_) {
     const Vector3 mean = meanOf(shape);
     for (Vector3& vertex : shape.vertices) vertex -= mean;
   }
@@ -183,7 +185,7 @@ ClosurePath::ClosurePath(const std::vector<Tile>& tiles, const std::vector<Joint
 
 // The turn is that of the best fit, so that tiles which are bent by rounding, or by an engine, have
 // a state too.
-PlanarState ClosurePath::stateOf(const std::vector<Tile>& placed) const {
+PlanarState ClosurePath::stateOf(const std::vector<model::Tile>& placed) const {
   PlanarState state(3 * static_cast<Eigen::Index>(placed.size()));
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const Vector3 mean = meanOf(placed[i]);
@@ -194,7 +196,7 @@ PlanarState ClosurePath::stateOf(const std::vector<Tile>& placed) const {
 }
 
 // Where a corner stands in a state, metres, at height 0.
-Vector3 ClosurePath::vertex(const PlanarState& state, const Corner& corner) const {
+Vector3 ClosurePath::vertex(const PlanarState& state, const model::Corner& corner) const {
   const auto first = 3 * static_cast<Eigen::Index>(corner.tile);
   const Vector3& point = shapes_[std::size_t(corner.tile)].vertices[std::size_t(corner.vertex)];
   return turned(point, state[first + 2]) + Vector3(state[first], state[first + 1], 0);
@@ -203,7 +205,7 @@ Vector3 ClosurePath::vertex(const PlanarState& state, const Corner& corner) cons
 // The largest distance between the two corners of a joint, metres.
 double ClosurePath::gap(const PlanarState& state) const {
   double largest = 0;
-  for (const Joint& joint : joints_) {
+  for (const model::Joint& joint : joints_) {
     largest = std::max(largest, (vertex(state, joint.a) - vertex(state, joint.b)).norm());
   }
   return largest;
@@ -218,7 +220,7 @@ ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, c
                         Eigen::VectorXd::Zero(last + 4)};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto row = 2 * static_cast<Eigen::Index>(j);
-    const Joint& joint = joints_[j];
+    const model::Joint& joint = joints_[j];
     made.missed.segment<2>(row) = (vertex(state, joint.a) - vertex(state, joint.b)).head<2>();
     // dv/d(x, y) is the identity and dv/dp is the place about the mean, turned by 90 degrees.
     for (const auto& [corner, sign] : {std::pair(joint.a, 1.0), std::pair(joint.b, -1.0)}) {
@@ -269,8 +271,8 @@ PlanarState ClosurePath::follow(PlanarState state, double wanted, double step) c
 }
 
 // Vertices of all tiles in a state, metres, at height 0.
-std::vector<Tile> ClosurePath::tiles(const PlanarState& state) const {
-  std::vector<Tile> placed = shapes_;
+std::vector<model::Tile> ClosurePath::tiles(const PlanarState& state) const {
+  std::vector<model::Tile> placed = shapes_;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     for (std::size_t k = 0; k < placed[i].vertices.size(); ++k) {
       placed[i].vertices[k] = vertex(state, {static_cast<int>(i), static_cast<int>(k)});
@@ -279,4 +281,4 @@ std::vector<Tile> ClosurePath::tiles(const PlanarState& state) const {
   return placed;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

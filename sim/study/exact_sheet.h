@@ -6,7 +6,7 @@
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::study {
 
 // ------------------------------------------------------------------------------------------------
 // The sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
@@ -15,7 +15,8 @@ namespace kirireel {
 /// Joints on both faces are hinges, two point joints each to engines; on the bottom alone they are
 /// one.
 /// Tiles are 1 m wide; the target is the sheet opened to 90 degrees.
-Scene sheetScene(int side, bool planar, JointFace face = JointFace::Both, double startAngle = 0);
+scene::Scene sheetScene(int side, bool planar, model::JointFace face = model::JointFace::Both,
+                        double startAngle = 0);
 
 /// The angle between the first two tiles of a sheet, radians from 0.
 double openingAngle(const Poses& poses);
@@ -27,10 +28,11 @@ struct VertexError {
 };
 
 /// How far corresponding vertices are apart.
-VertexError vertexError(const std::vector<Tile>& found, const std::vector<Tile>& wanted);
+VertexError vertexError(const std::vector<model::Tile>& found,
+                        const std::vector<model::Tile>& wanted);
 
 /// The states that a sheet passes through, at equal times.
-using SheetWay = std::vector<std::vector<Tile>>;
+using SheetWay = std::vector<std::vector<model::Tile>>;
 
 /// The limit of ever shorter steps of first order: their error is a power series in the step, so
 /// that ways in steps of h, h / 2 and h / 4 give it but for the third order.
@@ -41,7 +43,7 @@ SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const Shee
 double wayError(const SheetWay& found, const SheetWay& wanted);
 
 /// How far a sheet is from the exact one at the same opening angle, wherever that one is placed.
-VertexError sheetError(int side, double angle, const std::vector<Tile>& found);
+VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found);
 
 // ------------------------------------------------------------------------------------------------
 // The exact path of a planar mechanism with one way to move, by continuation of its closure
@@ -55,10 +57,10 @@ class ClosurePath {
  public:
   /// `tiles`: the shape of each tile; `joints`: pivots. Tile 0 is held, and the turn of tile 1
   /// against it says where on the path a state is.
-  ClosurePath(const std::vector<Tile>& tiles, const std::vector<Joint>& joints);
+  ClosurePath(const std::vector<model::Tile>& tiles, const std::vector<model::Joint>& joints);
 
   /// The state in which the given tiles, congruent to those of the constructor, stand.
-  PlanarState stateOf(const std::vector<Tile>& placed) const;
+  PlanarState stateOf(const std::vector<model::Tile>& placed) const;
 
   /// The turn of tile 1 against tile 0 in a state, radians, to whole turns.
   double angle(const PlanarState& state) const { return state[5] - state[2]; }
@@ -76,7 +78,7 @@ class ClosurePath {
   double gap(const PlanarState& state) const;
 
   /// The tiles in a state, at height 0.
-  std::vector<Tile> tiles(const PlanarState& state) const;
+  std::vector<model::Tile> tiles(const PlanarState& state) const;
 
  private:
   struct ClosureEquations {
@@ -84,14 +86,14 @@ class ClosurePath {
     Eigen::VectorXd missed;
   };
   ClosureEquations equations(const PlanarState& state, const Vector3& held, double wanted) const;
-  Vector3 vertex(const PlanarState& state, const Corner& corner) const;
+  Vector3 vertex(const PlanarState& state, const model::Corner& corner) const;
 
-  std::vector<Tile> shapes_;  // about the mean of their vertices
-  std::vector<Joint> joints_;
+  std::vector<model::Tile> shapes_;  // about the mean of their vertices
+  std::vector<model::Joint> joints_;
 };
 
 /// The angle by which planar points are turned about their mean from one set to another, radians
 /// from -pi to pi.
-double planarTurn(const Tile& from, const Tile& to);
+double planarTurn(const model::Tile& from, const model::Tile& to);
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -17,7 +17,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 /// A sheet, judged by the exact one at the same angle.
@@ -35,10 +35,10 @@ HardTrial contactTrial(std::string name, std::string tried, const std::string& f
                        double thickness) {
   HardTrial trial{std::move(name), std::move(tried), familyScene(family)};
   trial.scene.brick.thickness = thickness;
-  trial.scene.environment.contacts = ContactFilter::All;
+  trial.scene.environment.contacts = scene::ContactFilter::All;
   trial.errorMeaning = "from the target at the end";
   trial.error = [target = *trial.scene.model.target](const SteppedScene& run, double) {
-    return targetError(target, run.bricks(), run.motion().poses);
+    return trajectory::targetError(target, run.bricks(), run.motion().poses);
   };
   return trial;
 }
@@ -61,7 +61,7 @@ class Noise {
 // Each hinge's rows three times: the rank stays what it was.
 HardTrial redundantHinges() {
   HardTrial trial = sheetTrial("redundant hinges", "every hinge three times; 20 x 20", 20, false);
-  const std::vector<Joint> once = trial.scene.model.joints;
+  const std::vector<model::Joint> once = trial.scene.model.joints;
   for (int copy = 0; copy < 2; ++copy) {
     trial.scene.model.joints.insert(trial.scene.model.joints.end(), once.begin(), once.end());
   }
@@ -73,7 +73,7 @@ HardTrial inconsistentData() {
   HardTrial trial = sheetTrial("inconsistent data",
                                "tiles 1e-3 out of place; joints open at the start", 6, false);
   Noise noise;
-  for (Tile& tile : trial.scene.model.tiles) {
+  for (model::Tile& tile : trial.scene.model.tiles) {
     const Vector3 move = noise.inPlane(1e-3);
     for (Vector3& vertex : tile.vertices) vertex += move;
   }
@@ -86,7 +86,7 @@ HardTrial noisyShapes(double size) {
                   fmt::format("every vertex {:g} off; shapes that fit no more", size),
                   sheetScene(6, true)};
   Noise noise;
-  for (Tile& tile : trial.scene.model.tiles) {
+  for (model::Tile& tile : trial.scene.model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex += noise.inPlane(size);
   }
   trial.errorMeaning = "joint gap";
@@ -98,7 +98,7 @@ HardTrial noisyShapes(double size) {
 HardTrial massRatio() {
   HardTrial trial =
       sheetTrial("mass ratio 1e6", "every other tile a million times as heavy", 6, false);
-  trial.bricks = makeBricks(trial.scene.model.tiles, trial.scene.brick);
+  trial.bricks = model::makeBricks(trial.scene.model.tiles, trial.scene.brick);
   for (std::size_t i = 0; i < trial.bricks.size(); i += 2) {
     trial.bricks[i].mass *= 1e6;
     trial.bricks[i].inertia *= 1e6;
@@ -148,11 +148,11 @@ HardTrial sliding() {
   constexpr double kFriction = 0.3;
   HardTrial trial{"sliding", "a brick slides down a slope with friction 0.3", sheetScene(1, false)};
   trial.scene.model.target.reset();
-  Environment& environment = trial.scene.environment;
+  scene::Environment& environment = trial.scene.environment;
   // Tilted gravity in place of a tilted ground: with the acceleration a = kAlong - kFriction kDown
   // the brick has slid by a t^2 / 2.
   environment.gravity = {kAlong, 0, -kDown};
-  environment.ground = Ground{0, kFriction};
+  environment.ground = scene::Ground{0, kFriction};
   environment.linearDamping = environment.angularDamping = 0;
   trial.errorMeaning = "from a t^2 / 2";
   trial.error = [start = trial.scene.model.tiles](const SteppedScene& run, double time) {
@@ -186,33 +186,34 @@ std::vector<HardTrial> hardTrials(bool quick) {
 
 // Each must end in an InputError. The scene is valid but for what is spoilt.
 std::vector<Refusal> refusals() {
-  const auto deployed = [](const std::function<void(Scene&)>& spoil) {
+  const auto deployed = [](const std::function<void(scene::Scene&)>& spoil) {
     return [spoil] {
-      Scene scene = sheetScene(2, true);
+      scene::Scene scene = sheetScene(2, true);
       spoil(scene);
-      deploy(scene, 0.1, {});
+      deploy::deploy(scene, 0.1, {});
     };
   };
   return {
-      {"no step", "a timestep of 0", deployed([](Scene& s) { s.solver.timestep = 0; })},
-      {"no number", "a duration that is not a number",
-       deployed([](Scene& s) { s.stop.duration = std::numeric_limits<double>::quiet_NaN(); })},
+      {"no step", "a timestep of 0", deployed([](scene::Scene& s) { s.solver.timestep = 0; })},
+      {"no number", "a duration that is not a number", deployed([](scene::Scene& s) {
+         s.stop.duration = std::numeric_limits<double>::quiet_NaN();
+       })},
       {"no velocity left", "damping of 1 a second",
-       deployed([](Scene& s) { s.environment.linearDamping = 1; })},
-      {"no tiles", "a model without tiles", deployed([](Scene& s) { s.model = {}; })},
-      {"pins in Bullet", "a link in --solver bullet", deployed([](Scene& s) {
-         s.solver.kind = SolverKind::Bullet;
-         s.model.joints.push_back(makeLink(s.model.tiles, {0, 0}, {3, 2}));
+       deployed([](scene::Scene& s) { s.environment.linearDamping = 1; })},
+      {"no tiles", "a model without tiles", deployed([](scene::Scene& s) { s.model = {}; })},
+      {"pins in Bullet", "a link in --solver bullet", deployed([](scene::Scene& s) {
+         s.solver.kind = scene::SolverKind::Bullet;
+         s.model.joints.push_back(model::makeLink(s.model.tiles, {0, 0}, {3, 2}));
        })},
       {"a million tiles", "a sheet of 1000 x 1000",
        [] {
-         TessellationShape shape;
+         model::TessellationShape shape;
          shape.columns = shape.rows = 1000;
-         makeTessellation(shape);
+         model::makeTessellation(shape);
        }},
       {"no such parameter", "a fan with a radius; it has two",
        [] {
-         generateModel(familyNamed("fan"), {{"radius", 3}});
+         generate::generateModel(generate::familyNamed("fan"), {{"radius", 3}});
        }},
   };
 }
@@ -233,12 +234,12 @@ constexpr double kOverlapAllowed = 0.02;
 
 /// The deepest overlap outside shared corners, in tiles; 0 where bricks may pass through each
 /// other.
-double overlapNow(const SteppedScene& run, const Scene& scene) {
-  if (scene.environment.contacts == ContactFilter::None) return 0;
-  return deepestPenetrationOutsidePivots(run.bricks(), run.pivots(), scene.environment.pivotZone,
-                                         run.motion().poses)
+double overlapNow(const SteppedScene& run, const scene::Scene& scene) {
+  if (scene.environment.contacts == scene::ContactFilter::None) return 0;
+  return trajectory::deepestPenetrationOutsidePivots(
+             run.bricks(), run.pivots(), scene.environment.pivotZone, run.motion().poses)
              .depth /
-         tileSize(scene.model);
+         model::tileSize(scene.model);
 }
 
 // A run that took fewer steps than asked for, though all was finite, ran out of its CPU time.
@@ -250,15 +251,16 @@ std::string outcomeOf(const Stability& stability, int steps) {
 // One row: what a method did with a hard case.
 std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
   method.rate = trial.rate;
-  Scene scene = trial.scene;
+  scene::Scene scene = trial.scene;
   scene.solver.timestep = 1.0 / trial.rate;
   // Cases with bricks of their own (masses) bring them; others get those of the scene.
-  SteppedScene run(scene,
-                   trial.bricks.empty() ? makeBricks(scene.model.tiles, scene.brick) : trial.bricks,
-                   dynamicsMaker(method));
+  SteppedScene run(
+      scene,
+      trial.bricks.empty() ? model::makeBricks(scene.model.tiles, scene.brick) : trial.bricks,
+      dynamicsMaker(method));
   const int steps = static_cast<int>(std::lround(trial.seconds * trial.rate));
   const Stability stability = watchStability(run, steps, budget);
-  const double tile = tileSize(scene.model);
+  const double tile = model::tileSize(scene.model);
   // From parts of the model's size to parts of a tile.
   const double gap = stability.gap * run.size() / tile;
   const double overlap = overlapNow(run, scene);
@@ -347,4 +349,4 @@ Study hardCasesStudy() {
           hardCasesFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

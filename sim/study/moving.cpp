@@ -13,7 +13,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 constexpr double kSeconds = 0.5;
@@ -40,8 +40,9 @@ struct MovingRun {
 MovingRun runMoving(const MovingJob& job) {
   // Engines get one point joint a hinge in the plane, which is enough and costs them least.
   const bool isPoint = job.planar && job.method.engine != Engine::Direct;
-  Scene scene =
-      sheetScene(job.side, job.planar, isPoint ? JointFace::Bottom : JointFace::Both, kFirstAngle);
+  scene::Scene scene =
+      sheetScene(job.side, job.planar, isPoint ? model::JointFace::Bottom : model::JointFace::Both,
+                 kFirstAngle);
   SteppedScene run(scene, job.method);
   MovingRun result;
   const int steps = static_cast<int>(std::lround(kSeconds * job.method.rate));
@@ -206,4 +207,4 @@ Study movingStudy() {
       movingFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -11,7 +11,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 
 // Not a number where all points have the same x, or where a logarithm does not exist.
 double fittedExponent(const std::vector<PowerPoint>& points) {
@@ -62,7 +62,7 @@ double heldBytes() {
 // Memory is what the program holds after the run less what it held before: bricks, joints, plan and
 // factor.
 std::vector<Row> growSheet(const ScalingRun& settings) {
-  const Scene scene = sheetScene(settings.side, settings.planar);
+  const scene::Scene scene = sheetScene(settings.side, settings.planar);
   const double before = heldBytes();
   SteppedScene run(scene, settings.method);
   int steps = 0;
@@ -148,4 +148,4 @@ Study scalingStudy() {
           scalingFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

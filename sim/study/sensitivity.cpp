@@ -10,7 +10,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 constexpr int kRowsASecond = 12;
@@ -28,22 +28,22 @@ struct SensitivityCurve {
 };
 
 // The scene of a curve: the family's model with one value changed from the default.
-Scene sceneOf(const SensitivityCurve& curve) {
-  Scene scene = familyScene(curve.family);
+scene::Scene sceneOf(const SensitivityCurve& curve) {
+  scene::Scene scene = familyScene(curve.family);
   if (curve.family == "square-to-disk") scene.springs.springStiffness = kSpringStiffness;
   if (curve.parameter == "k_f") scene.springs.springStiffness = curve.value;
   if (curve.parameter == "mu_v") scene.springs.forceDamping = curve.value;
   if (curve.parameter == "thickness") {
     scene.brick.thickness = curve.value;
     // Without contacts a thickness would hardly matter.
-    scene.environment.contacts = ContactFilter::All;
+    scene.environment.contacts = scene::ContactFilter::All;
   }
   return scene;
 }
 
 // A row for each twelfth of a second.
 std::vector<Row> follow(const SensitivityCurve& curve) {
-  const Scene scene = sceneOf(curve);
+  const scene::Scene scene = sceneOf(curve);
   SteppedScene run(scene, curve.method);
   const int steps = static_cast<int>(curve.seconds * curve.method.rate);
   const int perRow = curve.method.rate / kRowsASecond;
@@ -54,7 +54,8 @@ std::vector<Row> follow(const SensitivityCurve& curve) {
     gap = std::max(gap, run.gap());
     const bool last = step == steps || run.seconds() > curve.budget || !run.isFinite();
     if (step % perRow != 0 && !last) continue;
-    const double error = targetError(*scene.model.target, run.bricks(), run.motion().poses);
+    const double error =
+        trajectory::targetError(*scene.model.target, run.bricks(), run.motion().poses);
     rows.push_back({curve.family, curve.parameter, cell(curve.value), toString(curve.method.engine),
                     cell(step / double(curve.method.rate)), cell(error), cell(gap),
                     cell(1e3 * run.seconds() * curve.method.rate / step)});
@@ -129,4 +130,4 @@ Study sensitivityStudy() {
           sensitivityFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

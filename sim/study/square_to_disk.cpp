@@ -16,7 +16,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 // A stiffer pull along straight lines locks this mechanism on its way.
@@ -31,17 +31,17 @@ struct State {
   double time = 0;
   double angle = 0;  // of tile 1 against tile 0, radians from 0
   double gap = 0;
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
 };
 
 // By how much tile 1 has turned against tile 0 since the start, radians from 0 to pi.
-double turnBetween(const std::vector<Tile>& start, const std::vector<Tile>& tiles) {
+double turnBetween(const std::vector<model::Tile>& start, const std::vector<model::Tile>& tiles) {
   const double turn = planarTurn(start[1], tiles[1]) - planarTurn(start[0], tiles[0]);
   return std::abs(std::remainder(turn, 2 * std::numbers::pi));
 }
 
 // States of one run, at equal steps of the angle.
-std::vector<State> deployed(const Scene& scene, const Method& method, double seconds) {
+std::vector<State> deployed(const scene::Scene& scene, const Method& method, double seconds) {
   SteppedScene run(scene, method);
   std::vector<State> states;
   const int steps = static_cast<int>(seconds * method.rate);
@@ -58,40 +58,41 @@ std::vector<State> deployed(const Scene& scene, const Method& method, double sec
 }
 
 /// The largest distance of a vertex from the mean of all.
-double radiusOf(const std::vector<Tile>& tiles) {
+double radiusOf(const std::vector<model::Tile>& tiles) {
   Vector3 mean = Vector3::Zero();
   double count = 0;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) mean += vertex;
     count += static_cast<double>(tile.vertices.size());
   }
   mean /= count;
   double radius = 0;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
   }
   return radius;
 }
 
 /// The tiles moved as one onto others.
-std::vector<Tile> fitted(std::vector<Tile> tiles, const std::vector<Tile>& onto) {
-  Model pair;
+std::vector<model::Tile> fitted(std::vector<model::Tile> tiles,
+                                const std::vector<model::Tile>& onto) {
+  model::Model pair;
   pair.tiles = std::move(tiles);
   pair.target = onto;
-  alignStartToTarget(pair);
+  model::alignStartToTarget(pair);
   return pair.tiles;
 }
 
 /// Follows the exact path from the middle of the run to both of its ends, and gives the tiles at
 /// each state's angle; none where the path could not be closed.
-std::map<const State*, std::vector<Tile>> exactTiles(const Scene& scene,
-                                                     const std::vector<State>& states) {
+std::map<const State*, std::vector<model::Tile>> exactTiles(const scene::Scene& scene,
+                                                            const std::vector<State>& states) {
   const ClosurePath path(scene.model.tiles, scene.model.joints);
   const auto middle = std::min_element(states.begin(), states.end(), [](auto& a, auto& b) {
     return std::abs(a.angle - std::numbers::pi / 2) < std::abs(b.angle - std::numbers::pi / 2);
   });
   const PlanarState open = path.stateOf(middle->tiles);
-  std::map<const State*, std::vector<Tile>> exact;
+  std::map<const State*, std::vector<model::Tile>> exact;
   const auto followTo = [&](PlanarState& state, const State& wanted) {
     // The run's own state says to which angle the path is followed, and nothing else.
     const PlanarState there = path.stateOf(wanted.tiles);
@@ -107,13 +108,13 @@ std::map<const State*, std::vector<Tile>> exactTiles(const Scene& scene,
 
 // Deploys with a method and compares each kept state with the exact path at its own angle.
 std::vector<Row> deployAndCompare(const Method& method, double seconds) {
-  Scene scene = familyScene("square-to-disk");
+  scene::Scene scene = familyScene("square-to-disk");
   scene.springs.springStiffness = kDiskStiffness;
   const std::vector<State> states = deployed(scene, method, seconds);
   const auto exact = exactTiles(scene, states);
   std::vector<Row> rows;
   for (const State& state : states) {
-    const std::vector<Tile>& wanted = exact.at(&state);
+    const std::vector<model::Tile>& wanted = exact.at(&state);
     const double radius = radiusOf(state.tiles);
     rows.push_back({toString(method.engine), cell(state.time), cell(state.angle / kDegree),
                     cell(radius), cell(std::abs(radius - radiusOf(wanted))),
@@ -177,4 +178,4 @@ Study squareToDiskStudy() {
           squareToDiskFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -10,18 +10,18 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/rest.h"
+#include "sim/engines/brick_world.h"
+#include "sim/engines/bullet_world.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
-#include "sim/world/brick_world.h"
-#include "sim/world/bullet_world.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 constexpr double kLost = 1e3;  // model sizes
 
 // The scene with the method's step, 1 / rate seconds, and its tolerance.
-Scene withRate(Scene scene, const Method& method) {
+scene::Scene withRate(scene::Scene scene, const Method& method) {
   scene.solver.timestep = 1.0 / method.rate;
   scene.solver.tolerance = method.tolerance;
   return scene;
@@ -29,39 +29,43 @@ Scene withRate(Scene scene, const Method& method) {
 
 }  // namespace
 
-SteppedScene::SteppedScene(const Scene& scene)
-    : SteppedScene(scene, makeBricks(scene.model.tiles, scene.brick),
-                   [](const Scene& asked, const std::vector<Brick>& bricks, const Poses& start) {
-                     return makeDynamics(asked, sceneNeeds(asked), bricks, start);
+SteppedScene::SteppedScene(const scene::Scene& scene)
+    : SteppedScene(scene, model::makeBricks(scene.model.tiles, scene.brick),
+                   [](const scene::Scene& asked, const std::vector<model::Brick>& bricks,
+                      const Poses& start) {
+                     return deploy::makeDynamics(asked, scene::sceneNeeds(asked), bricks, start);
                    }) {}
 
-SteppedScene::SteppedScene(const Scene& scene, const Method& method)
-    : SteppedScene(withRate(scene, method), makeBricks(scene.model.tiles, scene.brick),
+SteppedScene::SteppedScene(const scene::Scene& scene, const Method& method)
+    : SteppedScene(withRate(scene, method), model::makeBricks(scene.model.tiles, scene.brick),
                    dynamicsMaker(method)) {}
 
-SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
+SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<model::Brick> bricks,
                            const DynamicsMaker& makeSolver)
     : scene_(scene),
       bricks_(std::move(bricks)),
-      pivots_(makePivots(scene_.model.joints, bricks_)),
-      motion_{startPoses(scene_.model.tiles, bricks_), std::vector<Velocity>(bricks_.size())},
-      size_(modelSize(scene_.model)) {
+      pivots_(model::makePivots(scene_.model.joints, bricks_)),
+      motion_{model::startPoses(scene_.model.tiles, bricks_),
+              std::vector<Velocity>(bricks_.size())},
+      size_(model::modelSize(scene_.model)) {
   if (scene_.model.target) {
     springs_.emplace(bricks_, *scene_.model.target, scene_.model.pulledTiles, scene_.springs);
   }
-  loads_ = [this](const Poses& poses, std::vector<Load>& out) {
-    std::ranges::fill(out, Load{});
+  loads_ = [this](const Poses& poses, std::vector<model::Load>& out) {
+    std::ranges::fill(out, model::Load{});
     if (springs_) springs_->addLoads(poses, 1, out);
   };
-  timedLoads_ = [this](double, const Poses& poses, std::vector<Load>& out) { loads_(poses, out); };
+  timedLoads_ = [this](double, const Poses& poses, std::vector<model::Load>& out) {
+    loads_(poses, out);
+  };
   const double before = threadCpuSeconds();
   dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
   // Joints that do not close are made compliant, as in a run.
   if (!dynamics_->assemble(motion_.poses))
-    dynamics_->setJointStiffness(misfitStiffness(scene_, bricks_));
+    dynamics_->setJointStiffness(deploy::misfitStiffness(scene_, bricks_));
   setupSeconds_ = threadCpuSeconds() - before;
   // Without it a singular closed state, in which all pulls balance, might never be left.
-  motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
+  motion_.velocities = deploy::nudge(bricks_.size(), size_, scene_.solver.seed);
 }
 
 // One step of the scene's length. Only the solver's time is counted, not that of what looks at it.
@@ -82,7 +86,7 @@ bool SteppedScene::isFinite() const {
 
 // Motion, springs and weight, joules. Contacts and closed joints store none.
 double SteppedScene::energy() const {
-  double energy = kineticEnergy(bricks_, motion_);
+  double energy = trajectory::kineticEnergy(bricks_, motion_);
   if (springs_) energy += springs_->energy(motion_.poses, 1);
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     // Potential energy of gravity: -m g . x, with g the acceleration as a vector.
@@ -116,34 +120,39 @@ Stability watchStability(SteppedScene& run, int steps, double cpuSeconds) {
 namespace {
 
 // The engines that share BulletWorld differ in this alone. All others count as the usual sweeps.
-BulletMethod bulletMethod(Engine engine) {
-  if (engine == Engine::Nncg) return BulletMethod::Nncg;
-  if (engine == Engine::Dantzig) return BulletMethod::Dantzig;
-  return BulletMethod::SequentialImpulse;
+engines::BulletMethod bulletMethod(Engine engine) {
+  if (engine == Engine::Nncg) return engines::BulletMethod::Nncg;
+  if (engine == Engine::Dantzig) return engines::BulletMethod::Dantzig;
+  return engines::BulletMethod::SequentialImpulse;
 }
 
 // Null for an engine that this build lacks.
-std::unique_ptr<BrickWorld> makeWorld(const Method& method, const Scene& scene,
-                                      const std::vector<Brick>& bricks, const Poses& start) {
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  const Environment& environment = scene.environment;
+std::unique_ptr<engines::BrickWorld> makeWorld(const Method& method, const scene::Scene& scene,
+                                               const std::vector<model::Brick>& bricks,
+                                               const Poses& start) {
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const scene::Environment& environment = scene.environment;
   if (method.engine == Engine::MultiBody) {
-    return std::make_unique<MultiBodyWorld>(bricks, start, pivots, environment, method.iterations);
+    return std::make_unique<engines::MultiBodyWorld>(bricks, start, pivots, environment,
+                                                     method.iterations);
   }
   if (method.engine == Engine::Chipmunk) {
-    return makeChipmunkWorld(bricks, start, pivots, environment, method.iterations);
+    return engines::makeChipmunkWorld(bricks, start, pivots, environment, method.iterations);
   }
   if (method.engine == Engine::Box2d) {
-    return makeBox2dWorld(bricks, start, pivots, environment, method.iterations,
-                          // Box2D recommends 8 iterations for velocities and 3 for positions.
-                          std::max(1, 3 * method.iterations / 8));
+    return engines::makeBox2dWorld(
+        bricks, start, pivots, environment, method.iterations,
+        // Box2D recommends 8 iterations for velocities and 3 for positions.
+        std::max(1, 3 * method.iterations / 8));
   }
   if (method.engine == Engine::Mujoco) {
-    return makeMujocoWorld(bricks, start, pivots, environment, sceneNeeds(scene).planar.on);
+    return engines::makeMujocoWorld(bricks, start, pivots, environment,
+                                    scene::sceneNeeds(scene).planar.on);
   }
-  return std::make_unique<BulletWorld>(
+  return std::make_unique<engines::BulletWorld>(
       bricks, start, pivots, environment,
-      BulletSettings{bulletMethod(method.engine), method.iterations, method.jointCorrection});
+      engines::BulletSettings{bulletMethod(method.engine), method.iterations,
+                              method.jointCorrection});
 }
 
 }  // namespace
@@ -175,11 +184,11 @@ std::string toString(Engine engine) {
 bool isAvailable(Engine engine) {
   switch (engine) {
     case Engine::Chipmunk:
-      return !chipmunkVersion().empty();
+      return !engines::chipmunkVersion().empty();
     case Engine::Box2d:
-      return !box2dVersion().empty();
+      return !engines::box2dVersion().empty();
     case Engine::Mujoco:
-      return !mujocoVersion().empty();
+      return !engines::mujocoVersion().empty();
     default:
       return true;
   }
@@ -204,18 +213,20 @@ std::string toString(const Method& method) {
 
 // Ours takes the whole step as it is. Engines get their substeps from WorldDynamics.
 DynamicsMaker dynamicsMaker(const Method& method) {
-  return [method](const Scene& scene, const std::vector<Brick>& bricks,
-                  const Poses& start) -> std::unique_ptr<Dynamics> {
+  return [method](const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+                  const Poses& start) -> std::unique_ptr<deploy::Dynamics> {
     if (method.engine == Engine::Direct) {
-      auto direct = std::make_unique<DirectDynamics>(scene, sceneNeeds(scene), bricks, start);
+      auto direct =
+          std::make_unique<deploy::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks, start);
       if (method.tolerance > 0) {
         // The tolerance in tiles, the step where order drops to one, and the longest step.
-        direct->setTolerance({method.tolerance, SolverSettings{}.timestep, 1.0 / method.rate});
+        direct->setTolerance(
+            {method.tolerance, scene::SolverSettings{}.timestep, 1.0 / method.rate});
       }
       return direct;
     }
-    return std::make_unique<WorldDynamics>(makeWorld(method, scene, bricks, start), method.substeps,
-                                           bricks.size());
+    return std::make_unique<deploy::WorldDynamics>(makeWorld(method, scene, bricks, start),
+                                                   method.substeps, bricks.size());
   };
 }
 
@@ -223,12 +234,12 @@ DynamicsMaker dynamicsMaker(const Method& method) {
 // A family's model with default parameters as a scene, its start moved onto its target by the best
 // rigid motion, so that springs pull the tiles no farther than the deployment needs.
 
-Scene familyScene(const std::string& family) {
-  Scene scene;
-  scene.model = generateModel(familyNamed(family), {});
-  alignStartToTarget(scene.model);
-  scene.springs = paperSprings();
+scene::Scene familyScene(const std::string& family) {
+  scene::Scene scene;
+  scene.model = generate::generateModel(generate::familyNamed(family), {});
+  model::alignStartToTarget(scene.model);
+  scene.springs = scene::paperSprings();
   return scene;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -14,7 +14,7 @@
 #include "sim/scene/scene.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::study {
 
 // ------------------------------------------------------------------------------------------------
 // The solvers that studies compare.
@@ -56,8 +56,8 @@ Method bulletBaseline();
 std::string toString(const Method& method);
 
 /// Makes what advances a scene's bricks from their start.
-using DynamicsMaker = std::function<std::unique_ptr<Dynamics>(
-    const Scene&, const std::vector<Brick>& bricks, const Poses& start)>;
+using DynamicsMaker = std::function<std::unique_ptr<deploy::Dynamics>(
+    const scene::Scene&, const std::vector<model::Brick>& bricks, const Poses& start)>;
 
 /// The maker of a method's dynamics. Its engine must be available.
 /// The maker may be called often, also from several threads.
@@ -71,11 +71,12 @@ class SteppedScene {
  public:
   /// With the solver that the scene asks for.
   /// Throws what makeDynamics() and makeBricks() throw.
-  explicit SteppedScene(const Scene& scene);
+  explicit SteppedScene(const scene::Scene& scene);
   /// With another solver; its rate sets the timestep, or the longest of steps to its tolerance.
-  SteppedScene(const Scene& scene, const Method& method);
+  SteppedScene(const scene::Scene& scene, const Method& method);
   /// With another solver and bricks that are not as the scene's rule makes them.
-  SteppedScene(const Scene& scene, std::vector<Brick> bricks, const DynamicsMaker& makeSolver);
+  SteppedScene(const scene::Scene& scene, std::vector<model::Brick> bricks,
+               const DynamicsMaker& makeSolver);
   SteppedScene(const SteppedScene&) = delete;
   SteppedScene& operator=(const SteppedScene&) = delete;
 
@@ -83,9 +84,9 @@ class SteppedScene {
   void advance();
 
   /// One a tile.
-  const std::vector<Brick>& bricks() const { return bricks_; }
+  const std::vector<model::Brick>& bricks() const { return bricks_; }
   /// Of all joints.
-  const std::vector<Pivot>& pivots() const { return pivots_; }
+  const std::vector<model::Pivot>& pivots() const { return pivots_; }
   /// As it is now.
   const Motion& motion() const { return motion_; }
   /// What the direct solver's steps did so far.
@@ -95,25 +96,25 @@ class SteppedScene {
   /// CPU seconds that making the solver and closing the joints took.
   double setupSeconds() const { return setupSeconds_; }
   /// The largest joint gap, metres.
-  double gap() const { return jointGap(pivots_, motion_.poses).max; }
+  double gap() const { return trajectory::jointGap(pivots_, motion_.poses).max; }
   /// The diagonal of the start, metres.
   double size() const { return size_; }
   /// The bottoms of the bricks.
-  std::vector<Tile> tiles() const { return bottomTiles(bricks_, motion_.poses); }
+  std::vector<model::Tile> tiles() const { return model::bottomTiles(bricks_, motion_.poses); }
   /// Whether every brick is within a thousand model sizes of the origin.
   bool isFinite() const;
   /// Kinetic energy and that of springs and gravity, joules.
   double energy() const;
 
  private:
-  Scene scene_;
-  std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
+  scene::Scene scene_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
   Motion motion_;
-  std::optional<TargetSprings> springs_;
-  std::unique_ptr<Dynamics> dynamics_;
-  LoadSource loads_;
-  TimedLoads timedLoads_;
+  std::optional<deploy::TargetSprings> springs_;
+  std::unique_ptr<deploy::Dynamics> dynamics_;
+  mechanics::LoadSource loads_;
+  mechanics::TimedLoads timedLoads_;
   StepReport report_;
   double size_;
   double seconds_ = 0;
@@ -139,7 +140,7 @@ Stability watchStability(SteppedScene& run, int steps,
 
 /// The model of a family with its usual values, its start turned into the target's axes; no
 /// contacts.
-Scene familyScene(const std::string& family);
+scene::Scene familyScene(const std::string& family);
 
 // ------------------------------------------------------------------------------------------------
 // CPU times that scatter.
@@ -165,13 +166,13 @@ auto leastTimed(const Run& run, int most, double enough) {
 
 /// One hard case, as a scene that is stepped and judged.
 struct HardTrial {
-  std::string name;           ///< of the case, as tables have it
-  std::string tried;          ///< one phrase: what is hard
-  Scene scene;                ///< to be run
-  std::vector<Brick> bricks;  ///< empty: as the scene's rule makes them
-  int rate = 240;             ///< steps a simulated second
-  double seconds = 1;         ///< simulated
-  std::string errorMeaning;   ///< what `error` measures
+  std::string name;                  ///< of the case, as tables have it
+  std::string tried;                 ///< one phrase: what is hard
+  scene::Scene scene;                ///< to be run
+  std::vector<model::Brick> bricks;  ///< empty: as the scene's rule makes them
+  int rate = 240;                    ///< steps a simulated second
+  double seconds = 1;                ///< simulated
+  std::string errorMeaning;          ///< what `error` measures
   std::function<double(const SteppedScene&, double time)> error;  ///< metres
 };
 
@@ -188,4 +189,4 @@ struct Refusal {
 /// Inputs that no run can make sense of.
 std::vector<Refusal> refusals();
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -16,10 +16,10 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/world/brick_world.h"
-#include "sim/world/bullet_world.h"
+#include "sim/engines/brick_world.h"
+#include "sim/engines/bullet_world.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 /// The caption's parts under the names that they have in a file.
@@ -168,8 +168,9 @@ std::string engineVersions() {
   const auto named = [](const char* name, const std::string& version) {
     return fmt::format(", {} {}", name, version.empty() ? "absent" : version);
   };
-  return fmt::format("bullet {}{}{}{}", bulletVersion(), named("chipmunk", chipmunkVersion()),
-                     named("box2d", box2dVersion()), named("mujoco", mujocoVersion()));
+  return fmt::format(
+      "bullet {}{}{}{}", engines::bulletVersion(), named("chipmunk", engines::chipmunkVersion()),
+      named("box2d", engines::box2dVersion()), named("mujoco", engines::mujocoVersion()));
 }
 
 // What has to be the same for two tables to be comparable, and how to make the table again.
@@ -296,4 +297,4 @@ const Study& studyNamed(const std::string& name) {
                                fmt::join(names, ", ")));
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace kirireel {
+namespace kirireel::study {
 
 // ------------------------------------------------------------------------------------------------
 // A study's results: rows of cells under named columns, as CSV and back.
@@ -158,4 +158,4 @@ struct PowerPoint {
 /// different x.
 double fittedExponent(const std::vector<PowerPoint>& points);
 
-}  // namespace kirireel
+}  // namespace kirireel::study

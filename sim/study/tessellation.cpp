@@ -11,7 +11,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 constexpr int kTessellationSide = 4;
@@ -28,7 +28,7 @@ struct TessellationRun {
 
 // Rows of one run, a degree apart.
 std::vector<Row> openSheet(const TessellationRun& settings) {
-  Scene scene = sheetScene(kTessellationSide, settings.planar);
+  scene::Scene scene = sheetScene(kTessellationSide, settings.planar);
   scene.springs.springStiffness = scene.springs.torqueStiffness = kStiffness;
   SteppedScene run(scene, settings.method);
   std::vector<Row> rows;
@@ -124,4 +124,4 @@ Study tessellationStudy() {
           tessellationFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

@@ -16,7 +16,7 @@
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
-namespace kirireel {
+namespace kirireel::study {
 namespace {
 
 constexpr int kSide = 10;
@@ -33,7 +33,7 @@ constexpr int kMostRuns = 5;
 struct Job {
   Method method;
   bool planar = true;
-  JointFace face = JointFace::Both;
+  model::JointFace face = model::JointFace::Both;
   double seconds = 2;
   double budget = kBudget;
 };
@@ -75,7 +75,7 @@ Measured runOnce(const Job& job) {
 /// Where the sheet is by time, as ever shorter fixed steps have it.
 SheetWay referenceWay(double seconds) {
   const auto wayAt = [&](int rate) {
-    return runOnce({{Engine::Direct, rate}, true, JointFace::Both, seconds}).way;
+    return runOnce({{Engine::Direct, rate}, true, model::JointFace::Both, seconds}).way;
   };
   return limitOfSteps(wayAt(kFineRate), wayAt(2 * kFineRate), wayAt(4 * kFineRate));
 }
@@ -95,7 +95,7 @@ std::vector<Row> measure(const Job& job) {
       std::isnan(measured.gap) ? measured.gap : wayError(measured.way, referenceFor(job.seconds));
   const Method& method = job.method;
   return {{toString(method.engine), job.planar ? "plane" : "space",
-           cell(job.face == JointFace::Both && method.engine != Engine::Chipmunk ? 2 : 1),
+           cell(job.face == model::JointFace::Both && method.engine != Engine::Chipmunk ? 2 : 1),
            cell(method.rate), cell(method.substeps), cell(method.iterations),
            cell(method.jointCorrection), cell(method.tolerance), cell(measured.simulated),
            cell(1e3 * measured.cpuSeconds / measured.simulated), cell(measured.gap),
@@ -146,17 +146,17 @@ std::vector<Method> allMethods(bool planar, Extent extent) {
 std::vector<StudyCase> workPrecisionCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
-  const auto add = [&](const Method& method, bool planar, JointFace face) {
+  const auto add = [&](const Method& method, bool planar, model::JointFace face) {
     const Job job{method, planar, face, quick ? 1.0 : 2.0, quick ? kQuickBudget : kBudget};
     made.push_back({fmt::format("{} {} {}", toString(method), planar ? "plane" : "space",
-                                face == JointFace::Both ? "hinges" : "points"),
+                                face == model::JointFace::Both ? "hinges" : "points"),
                     [job] { return measure(job); }});
   };
   for (const bool planar : {true, false}) {
     for (const Method& method : allMethods(planar, extent)) {
       // In the plane, one point joint a hinge will do for Bullet, and costs it least.
       const bool one = planar && method.engine != Engine::Direct;
-      add(method, planar, one ? JointFace::Bottom : JointFace::Both);
+      add(method, planar, one ? model::JointFace::Bottom : model::JointFace::Both);
     }
   }
   return made;
@@ -285,4 +285,4 @@ Study workPrecisionStudy() {
           workPrecisionFindings};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::study

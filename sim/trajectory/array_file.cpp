@@ -40,7 +40,7 @@
 #error "this HDF5 serves one thread only, but trajectories and checkpoints have one each"
 #endif
 
-namespace kirireel {
+namespace kirireel::trajectory {
 namespace {
 
 // Large enough to compress well, small enough to fit HDF5's cache of 1 MiB for each array.
@@ -725,4 +725,4 @@ TextPlaces::Entries TextPlaces::entriesOf(std::uint64_t heap) {
   return entries;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

@@ -13,7 +13,7 @@
 
 #include "sim/base/files.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 /// The lengths of an array's dimensions, slowest first.
 using Shape = std::vector<std::size_t>;
@@ -139,4 +139,4 @@ class TextPlaces {
   std::map<std::uint64_t, Entries> heaps_;  // those that were asked for
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

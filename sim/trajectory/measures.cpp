@@ -16,7 +16,7 @@
 #include "sim/model/contact.h"
 #include "sim/model/isometry.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 namespace {
 
 /// The larger of two figures. What is no number stays: std::max would drop it.
@@ -26,7 +26,7 @@ double largerOf(double largest, double figure) {
 
 }  // namespace
 
-JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
+JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses) {
   JointGap gap;
   if (pivots.empty()) return gap;
   const std::vector<Matrix3> turns = rotationMatrices(poses);
@@ -34,7 +34,7 @@ JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
     const auto i = static_cast<std::size_t>(brick);
     return poses[i].position + turns[i] * point;
   };
-  for (const Pivot& pivot : pivots) {
+  for (const model::Pivot& pivot : pivots) {
     const Vector3 apart = placed(pivot.brickA, pivot.pointA) - placed(pivot.brickB, pivot.pointB);
     const double distance = std::abs(apart.norm() - pivot.distance);
     gap.max = largerOf(gap.max, distance);
@@ -44,7 +44,7 @@ JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
   return gap;
 }
 
-double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
+double targetError(const std::vector<model::Tile>& target, const std::vector<model::Brick>& bricks,
                    const Poses& poses) {
   double largest = 0;  // squared
   for (size_t i = 0; i < bricks.size(); ++i) {
@@ -57,7 +57,7 @@ double targetError(const std::vector<Tile>& target, const std::vector<Brick>& br
   return std::sqrt(largest);
 }
 
-double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion) {
+double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& motion) {
   double energy = 0;
   for (size_t i = 0; i < bricks.size(); ++i) {
     const Velocity& velocity = motion.velocities[i];
@@ -113,7 +113,7 @@ struct Prism {
 
 // A convex piece as a prism. The sides' normals follow from the edges and the brick's normal, so
 // that they are not kept.
-Prism prismOf(const Brick& brick, int number) {
+Prism prismOf(const model::Brick& brick, int number) {
   Prism prism{number, brick.bottom, {brick.normal}, brick.thickness};
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
@@ -129,10 +129,10 @@ Prism prismOf(const Brick& brick, int number) {
 
 // All pieces of all bricks, those of one brick one after the other: PlacedPrisms::of() relies on
 // it.
-std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
+std::vector<Prism> prismsOf(const std::vector<model::Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
-  for (const BrickPiece& piece : convexPieces(bricks)) {
+  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
     checkInterruption();
     prisms.push_back(prismOf(piece.shape, piece.brick));
   }
@@ -140,11 +140,11 @@ std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
 }
 
 /// The pieces of one brick of a joined pair, without the corners that both share.
-std::vector<Prism> cutPrismsOf(const Brick& brick, int number, const std::vector<int>& corners,
-                               double length) {
+std::vector<Prism> cutPrismsOf(const model::Brick& brick, int number,
+                               const std::vector<int>& corners, double length) {
   std::vector<Prism> prisms;
-  for (const BrickPiece& piece : convexPieces(brick, number)) {
-    prisms.push_back(prismOf(withoutCorners(piece, corners, length), number));
+  for (const model::BrickPiece& piece : model::convexPieces(brick, number)) {
+    prisms.push_back(prismOf(model::withoutCorners(piece, corners, length), number));
   }
   return prisms;
 }
@@ -390,13 +390,13 @@ struct JoinedPair {
 };
 
 // Pairs that share pivots, cut at their shared corners once: brick axes do not change.
-std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                                    double zone) {
+std::vector<JoinedPair> joinedPairs(const std::vector<model::Brick>& bricks,
+                                    std::span<const model::Pivot> pivots, double zone) {
   std::vector<JoinedPair> pairs;
-  for (const auto& [numbers, corners] : sharedCorners(pivots)) {
+  for (const auto& [numbers, corners] : model::sharedCorners(pivots)) {
     checkInterruption();
     const auto [a, b] = numbers;
-    const double length = cutLength(bricks[a], bricks[b], zone);
+    const double length = model::cutLength(bricks[a], bricks[b], zone);
     JoinedPair& pair =
         pairs.emplace_back(JoinedPair{a, b, cutPrismsOf(bricks[a], a, corners.ofA, length),
                                       cutPrismsOf(bricks[b], b, corners.ofB, length)});
@@ -435,11 +435,12 @@ struct Overlaps {
   bool areAll = true;
 };
 
-Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                               double zone, const Poses& poses, double least) {
+Overlaps overlapsOutsidePivots(const std::vector<model::Brick>& bricks,
+                               std::span<const model::Pivot> pivots, double zone,
+                               const Poses& poses, double least) {
   PlacedPrisms placed;
   placed.place(prismsOf(bricks), poses);
-  const auto joined = sharedCorners(pivots);
+  const auto joined = model::sharedCorners(pivots);
   Overlaps found;
   std::vector<PlacedPrism> cutA;
   std::vector<PlacedPrism> cutB;
@@ -448,7 +449,7 @@ Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const
     const auto corners = joined.find({a, b});
     if (corners == joined.end()) return pairDepth(placed[pieceA], placed[pieceB], least);
     if (corners->second.areOneTile) return least;
-    const double length = cutLength(bricks[a], bricks[b], zone);
+    const double length = model::cutLength(bricks[a], bricks[b], zone);
     std::vector<std::size_t> hints(placed.of(a).size() * placed.of(b).size(),
                                    std::numeric_limits<std::size_t>::max());
     placeAll(cutPrismsOf(bricks[a], a, corners->second.ofA, length), poses[a], cutA);
@@ -475,7 +476,7 @@ Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const
 
 }  // namespace
 
-Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses) {
+Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Poses& poses) {
   PlacedPrisms placed;
   placed.place(prismsOf(bricks), poses);
   Penetration deepest;
@@ -488,16 +489,16 @@ Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& po
   return deepest;
 }
 
-Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
-                                            std::span<const Pivot> pivots, double zone,
+Penetration deepestPenetrationOutsidePivots(const std::vector<model::Brick>& bricks,
+                                            std::span<const model::Pivot> pivots, double zone,
                                             const Poses& poses) {
   const std::vector<Penetration> all = penetrationsOutsidePivots(bricks, pivots, zone, poses, 0);
   return all.empty() ? Penetration{} : all.front();
 }
 
-std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
-                                                   std::span<const Pivot> pivots, double zone,
-                                                   const Poses& poses, double least) {
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Brick>& bricks,
+                                                   std::span<const model::Pivot> pivots,
+                                                   double zone, const Poses& poses, double least) {
   return overlapsOutsidePivots(bricks, pivots, zone, poses, least).pairs;
 }
 
@@ -561,8 +562,9 @@ struct PenetrationMeter::Internals {
 };
 
 // The start is looked at in full once, so that later states can be compared with it pair by pair.
-PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                                   double zone, const Poses& start, double least, bool countsJoined)
+PenetrationMeter::PenetrationMeter(const std::vector<model::Brick>& bricks,
+                                   std::span<const model::Pivot> pivots, double zone,
+                                   const Poses& start, double least, bool countsJoined)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.prisms = prismsOf(bricks);
@@ -631,8 +633,9 @@ struct TileFit {
   double bound = 0;               ///< of the largest residual of all fits, from below
 };
 
-TileFit fitWith(const std::vector<double>& weights, const Tile& tile, const Tile& target) {
-  const RigidMotion motion = bestRigidMotion(tile.vertices, target.vertices, weights);
+TileFit fitWith(const std::vector<double>& weights, const model::Tile& tile,
+                const model::Tile& target) {
+  const model::RigidMotion motion = model::bestRigidMotion(tile.vertices, target.vertices, weights);
   TileFit fit;
   double sum = 0;
   for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -644,11 +647,11 @@ TileFit fitWith(const std::vector<double>& weights, const Tile& tile, const Tile
   return fit;
 }
 
-std::vector<double> evenWeights(const Tile& tile) {
+std::vector<double> evenWeights(const model::Tile& tile) {
   return std::vector<double>(tile.vertices.size(), 1.0 / static_cast<double>(tile.vertices.size()));
 }
 
-double rounding(const Tile& target) {
+double rounding(const model::Tile& target) {
   double reach = 0;
   for (const Vector3& vertex : target.vertices) reach = std::max(reach, vertex.norm());
   return kResidualRounding * reach;
@@ -656,7 +659,7 @@ double rounding(const Tile& target) {
 
 /// The best bound of one tile, or of what was known if no bound of this tile exceeds that. `fits`
 /// counts the fits that were made.
-double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
+double boundOf(const model::Tile& tile, const model::Tile& target, double known, long& fits) {
   std::vector<double> weights = evenWeights(tile);
   double bound = known;
   double nearest = std::numeric_limits<double>::infinity();
@@ -681,7 +684,7 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
 
 }  // namespace
 
-double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target) {
+double rigidBound(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& target) {
   std::vector<TileFit> fits;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     checkInterruption();
@@ -700,4 +703,4 @@ double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& targe
   return bound;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

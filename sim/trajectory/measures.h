@@ -10,7 +10,7 @@
 #include "sim/model/brick.h"
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 /// Distances between the two sides of pivots, metres.
 struct JointGap {
@@ -20,16 +20,16 @@ struct JointGap {
 
 /// Gaps of all pivots at the given poses; zeros when there are none.
 /// A pose that is no number makes the largest gap no number.
-JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses);
+JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses);
 
 /// The largest distance of any bottom vertex from its target, metres; 0 for no tiles.
-double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
+double targetError(const std::vector<model::Tile>& target, const std::vector<model::Brick>& bricks,
                    const Poses& poses);
 
 /// A true lower bound of the target error of rigid tiles, metres: the largest of the tiles' own
 /// minimax errors, each tile moved by itself (never mirrored) so that its farthest vertex is as
 /// near as can be. See measures.cpp. 0 for no tiles.
-double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target);
+double rigidBound(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& target);
 
 /// Two bricks that overlap.
 struct Penetration {
@@ -48,19 +48,19 @@ constexpr long mostPairs(std::size_t bricks) {
 /// products of edges): exact for convex tiles and independent of the contact detection in use. Of
 /// the first mostPairs() near pairs; likewise below.
 /// Costs a sort of all bricks and a few dozen axes for each pair of bricks near each other.
-Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
+Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Poses& poses);
 
 /// The same with joined bricks meeting without the corners that they share, and parts of one tile
 /// not at all: what contacts hold apart. `zone` as in cutLength.
-Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
-                                            std::span<const Pivot> pivots, double zone,
+Penetration deepestPenetrationOutsidePivots(const std::vector<model::Brick>& bricks,
+                                            std::span<const model::Pivot> pivots, double zone,
                                             const Poses& poses);
 
 /// All pairs that overlap by more than `least` metres in this sense, the deepest first; the smaller
 /// brick number is brickA.
-std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
-                                                   std::span<const Pivot> pivots, double zone,
-                                                   const Poses& poses, double least);
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Brick>& bricks,
+                                                   std::span<const model::Pivot> pivots,
+                                                   double zone, const Poses& poses, double least);
 
 /// Depths of overlaps in a state, or the largest of several states. Metres, from 0.
 struct PenetrationDepths {
@@ -82,8 +82,8 @@ class PenetrationMeter {
   /// less count as none there. Bricks must outlive this.
   /// `zone`: see cutLength(), `pivots`: which bricks are joined, where. `countsJoined`: whether
   /// joined bricks count. Costs a look at all near pairs of the start.
-  PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
-                   const Poses& start, double least, bool countsJoined = true);
+  PenetrationMeter(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
+                   double zone, const Poses& start, double least, bool countsJoined = true);
   ~PenetrationMeter();
   PenetrationMeter(const PenetrationMeter&) = delete;
   PenetrationMeter& operator=(const PenetrationMeter&) = delete;
@@ -102,6 +102,6 @@ class PenetrationMeter {
 };
 
 /// Kinetic energy of all bricks, joules.
-double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion);
+double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& motion);
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

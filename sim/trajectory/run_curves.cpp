@@ -19,7 +19,7 @@
 #include "sim/model/convex_parts.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -89,8 +89,8 @@ std::vector<CurveGroup> emptyGroups() {
 }
 
 /// The kinetic energy of the way from one sample to a later one.
-double kineticEnergyBetween(const std::vector<Brick>& bricks, const Sample& from, const Sample& at,
-                            const Sample& to) {
+double kineticEnergyBetween(const std::vector<model::Brick>& bricks, const Sample& from,
+                            const Sample& at, const Sample& to) {
   const double seconds = to.time - from.time;
   if (seconds <= 0) return 0;
   Motion motion{at.poses, {}};
@@ -122,7 +122,7 @@ class ShapeMeter final : public SampleMeter {
   }
 
   std::vector<double> measure(const Sample& sample) override {
-    const std::vector<Tile> tiles = bottomTiles(subject_.bricks, sample.poses);
+    const std::vector<model::Tile> tiles = model::bottomTiles(subject_.bricks, sample.poses);
     const Vector3 sides = boxSides(tiles);
     const HullSize hull = hullSize(tiles);
     const double covered = coveredArea(tiles).value_or(kNone);
@@ -194,7 +194,7 @@ std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics, d
   return values;
 }
 
-std::vector<Curve> emptyJointCurves(const Model& model, bool haveForces) {
+std::vector<Curve> emptyJointCurves(const model::Model& model, bool haveForces) {
   std::vector<Curve> curves;
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const std::string number = std::to_string(model.fileOrder.countsFrom + static_cast<int>(j));
@@ -301,25 +301,25 @@ constexpr double kLeastStrain = 1e-3;
 
 /// The corners of the convex outline seen along z. (outlineCorners() in model.h keeps every vertex
 /// on it too.)
-std::vector<Eigen::Vector2d> outlineSeenAlongZ(const std::vector<Tile>& tiles) {
+std::vector<Eigen::Vector2d> outlineSeenAlongZ(const std::vector<model::Tile>& tiles) {
   std::vector<Eigen::Vector2d> points;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) points.emplace_back(vertex.head<2>());
   }
-  return convexOutline(std::move(points));
+  return model::convexOutline(std::move(points));
 }
 
 }  // namespace
 
-Vector3 boxSides(const std::vector<Tile>& tiles) {
+Vector3 boxSides(const std::vector<model::Tile>& tiles) {
   Eigen::AlignedBox3d box;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) box.extend(vertex);
   }
   return box.isEmpty() ? Vector3(Vector3::Zero()) : box.sizes();
 }
 
-HullSize hullSize(const std::vector<Tile>& tiles) {
+HullSize hullSize(const std::vector<model::Tile>& tiles) {
   const std::vector<Eigen::Vector2d> corners = outlineSeenAlongZ(tiles);
   HullSize size;
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -332,10 +332,10 @@ HullSize hullSize(const std::vector<Tile>& tiles) {
   return size;
 }
 
-std::optional<double> coveredArea(const std::vector<Tile>& tiles) {
-  if (!liesFlat(tiles, kFlatOfBox * boxSides(tiles).norm())) return std::nullopt;
+std::optional<double> coveredArea(const std::vector<model::Tile>& tiles) {
+  if (!model::liesFlat(tiles, kFlatOfBox * boxSides(tiles).norm())) return std::nullopt;
   double area = 0;
-  for (const Tile& tile : tiles) area += tileArea(tile);
+  for (const model::Tile& tile : tiles) area += model::tileArea(tile);
   return area;
 }
 
@@ -348,10 +348,10 @@ std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& s
   return -strains.y() / strains.x();
 }
 
-std::vector<double> openingAngles(const std::vector<Joint>& joints, const Poses& poses) {
+std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const Poses& poses) {
   std::vector<double> angles;
   angles.reserve(joints.size());
-  for (const Joint& joint : joints) {
+  for (const model::Joint& joint : joints) {
     angles.push_back(
         turnBetween(poses[joint.a.tile].rotation, poses[joint.b.tile].rotation).norm());
   }
@@ -363,8 +363,8 @@ std::vector<double> openingAngles(const std::vector<Joint>& joints, const Poses&
 // counts for both of them as it is; energies are shared by halves, so that the sum over all bricks
 // is the sum over all springs.
 
-std::vector<double> brickTargetErrors(const std::vector<Tile>& target,
-                                      const std::vector<Brick>& bricks, const Poses& poses) {
+std::vector<double> brickTargetErrors(const std::vector<model::Tile>& target,
+                                      const std::vector<model::Brick>& bricks, const Poses& poses) {
   std::vector<double> errors(bricks.size(), 0);
   for (std::size_t brick = 0; brick < bricks.size(); ++brick) {
     for (std::size_t k = 0; k < bricks[brick].bottom.size(); ++k) {
@@ -392,9 +392,9 @@ std::vector<double> brickRotations(const Poses& start, const Poses& poses) {
   return angles;
 }
 
-std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses) {
+std::vector<double> brickJointGaps(std::span<const model::Pivot> pivots, const Poses& poses) {
   std::vector<double> gaps(poses.size(), 0);
-  for (const Pivot& pivot : pivots) {
+  for (const model::Pivot& pivot : pivots) {
     const double gap =
         (poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB)).norm();
     for (const int brick : {pivot.brickA, pivot.brickB}) gaps[brick] = std::max(gaps[brick], gap);
@@ -402,11 +402,11 @@ std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& p
   return gaps;
 }
 
-std::vector<double> brickMoments(const PairForces& forces, const Poses& poses) {
+std::vector<double> brickMoments(const model::PairForces& forces, const Poses& poses) {
   std::vector<double> largest(poses.size(), 0);
-  const std::vector<HingeSpring>& springs = hingeSpringsOf(forces);
+  const std::vector<model::HingeSpring>& springs = model::hingeSpringsOf(forces);
   const std::vector<std::array<double, 2>> moments =
-      endMoments(springs, ligamentsOf(forces), poses);
+      model::endMoments(springs, model::ligamentsOf(forces), poses);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto [onA, onB] = moments[s];
     double& a = largest[springs[s].hinge.brickA];
@@ -417,9 +417,9 @@ std::vector<double> brickMoments(const PairForces& forces, const Poses& poses) {
   return largest;
 }
 
-std::vector<double> brickElasticEnergies(const PairForces& forces, const Poses& poses) {
+std::vector<double> brickElasticEnergies(const model::PairForces& forces, const Poses& poses) {
   std::vector<double> energies(poses.size(), 0);
-  for (const std::shared_ptr<const PairForce>& force : forces) {
+  for (const std::shared_ptr<const model::PairForce>& force : forces) {
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const auto [brickA, brickB] = force->bricks(pair);
       const double half = 0.5 * force->energy(pair, poses);
@@ -430,4 +430,4 @@ std::vector<double> brickElasticEnergies(const PairForces& forces, const Poses& 
   return energies;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

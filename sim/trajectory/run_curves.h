@@ -13,7 +13,7 @@
 #include "sim/model/model.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 /// One quantity by time.
 struct Curve {
@@ -84,7 +84,7 @@ RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times);
 // What a sheet measures as a whole in one state: sizes, areas, openings.
 
 /// Sides of the box around all vertices, along x, y and z, metres.
-Vector3 boxSides(const std::vector<Tile>& tiles);
+Vector3 boxSides(const std::vector<model::Tile>& tiles);
 
 /// The convex outline of all vertices seen along z.
 struct HullSize {
@@ -94,11 +94,11 @@ struct HullSize {
 
 /// Of one or more tiles.
 /// O(n log n) in the vertices. A sheet that is seen from its edge has the area 0.
-HullSize hullSize(const std::vector<Tile>& tiles);
+HullSize hullSize(const std::vector<model::Tile>& tiles);
 
 /// The tiles' area, square metres, where all of them lie in one horizontal plane (to 1e-6 of the
 /// box); none in space, where they hide each other. What tiles overlap counts for each of them.
-std::optional<double> coveredArea(const std::vector<Tile>& tiles);
+std::optional<double> coveredArea(const std::vector<model::Tile>& tiles);
 
 /// Poisson's ratio from one state to another, of logarithmic (Hencky) strains of the box's sides:
 ///   -log(y / y0) / log(x / x0),
@@ -109,15 +109,15 @@ std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& s
 /// For each joint the angle by which its tiles are turned against each other since the start, when
 /// all rotations are identities: how far it is open. Radians, 0 to pi.
 /// `poses` has one pose a tile. In the order of the joints; links and fixed joints count too.
-std::vector<double> openingAngles(const std::vector<Joint>& joints, const Poses& poses);
+std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const Poses& poses);
 
 // ------------------------------------------------------------------------------------------------
 // Measures of each brick by itself, for colours and tables.
 
 /// For each brick the largest distance of its bottom vertices from their targets, metres.
 /// `target` has one tile a brick, vertex by vertex.
-std::vector<double> brickTargetErrors(const std::vector<Tile>& target,
-                                      const std::vector<Brick>& bricks, const Poses& poses);
+std::vector<double> brickTargetErrors(const std::vector<model::Tile>& target,
+                                      const std::vector<model::Brick>& bricks, const Poses& poses);
 
 /// For each brick the distance of its centre of mass from where it started, metres.
 std::vector<double> brickDisplacements(const Poses& start, const Poses& poses);
@@ -126,14 +126,14 @@ std::vector<double> brickDisplacements(const Poses& start, const Poses& poses);
 std::vector<double> brickRotations(const Poses& start, const Poses& poses);
 
 /// For each brick the largest gap of its pivots, metres; 0 for a brick without joints.
-std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses);
+std::vector<double> brickJointGaps(std::span<const model::Pivot> pivots, const Poses& poses);
 
 /// For each brick the largest moment on it of what joins it at its hinges, in size, N m; 0 without
 /// any. See endMoments().
-std::vector<double> brickMoments(const PairForces& forces, const Poses& poses);
+std::vector<double> brickMoments(const model::PairForces& forces, const Poses& poses);
 
 /// For each brick what forces between it and others store, joules: each of their two bricks counts
 /// one half, so that all bricks together hold what all of them do.
-std::vector<double> brickElasticEnergies(const PairForces& forces, const Poses& poses);
+std::vector<double> brickElasticEnergies(const model::PairForces& forces, const Poses& poses);
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

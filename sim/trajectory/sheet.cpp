@@ -22,7 +22,7 @@
 #include "sim/model/convex_parts.h"
 #include "sim/trajectory/measures.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 namespace {
 
 // Planes whose normals differ by less than this sine are compared as one plane.
@@ -122,12 +122,12 @@ double depthOf(const PlacedTile& a, const PlacedTile& b, double tolerance) {
   return depthInPlane(a, b);
 }
 
-std::vector<PlacedTile> convexPartsOf(const std::vector<Tile>& tiles) {
+std::vector<PlacedTile> convexPartsOf(const std::vector<model::Tile>& tiles) {
   std::vector<PlacedTile> placed;
   for (int i = 0; i < std::ssize(tiles); ++i) {
     const std::vector<Vector3>& vertices = tiles[std::size_t(i)].vertices;
-    const Vector3 normal = tileNormal(tiles[std::size_t(i)]);
-    for (const PolygonPart& part : convexParts(vertices, normal)) {
+    const Vector3 normal = model::tileNormal(tiles[std::size_t(i)]);
+    for (const model::PolygonPart& part : model::convexParts(vertices, normal)) {
       PlacedTile& entry = placed.emplace_back(PlacedTile{i, {}, normal, {}});
       for (const int corner : part) {
         entry.vertices.push_back(vertices[std::size_t(corner)]);
@@ -141,7 +141,7 @@ std::vector<PlacedTile> convexPartsOf(const std::vector<Tile>& tiles) {
 }  // namespace
 
 // Sweep along x, then each pair's depth.
-std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tolerance) {
+std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance) {
   const std::vector<PlacedTile> placed = convexPartsOf(tiles);
   // In order of their left sides, a tile can only meet those that start before it ends.
   std::vector<int> order(placed.size());
@@ -171,10 +171,11 @@ std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tol
   return found;
 }
 
-double largestJointGap(const std::vector<Joint>& joints, const std::vector<Tile>& tiles) {
+double largestJointGap(const std::vector<model::Joint>& joints,
+                       const std::vector<model::Tile>& tiles) {
   double largest = 0;
-  for (const Joint& joint : joints) {
-    if (joint.kind != JointKind::Pivot) continue;
+  for (const model::Joint& joint : joints) {
+    if (joint.kind != model::JointKind::Pivot) continue;
     const Vector3& a = tiles[std::size_t(joint.a.tile)].vertices[std::size_t(joint.a.vertex)];
     const Vector3& b = tiles[std::size_t(joint.b.tile)].vertices[std::size_t(joint.b.vertex)];
     largest = std::max(largest, (a - b).norm());
@@ -182,7 +183,8 @@ double largestJointGap(const std::vector<Joint>& joints, const std::vector<Tile>
   return largest;
 }
 
-double largestShapeChange(const std::vector<Tile>& start, const std::vector<Tile>& target) {
+double largestShapeChange(const std::vector<model::Tile>& start,
+                          const std::vector<model::Tile>& target) {
   double largest = 0;
   for (std::size_t i = 0; i < start.size(); ++i) {
     const std::vector<Vector3>& before = start[i].vertices;
@@ -197,10 +199,10 @@ double largestShapeChange(const std::vector<Tile>& start, const std::vector<Tile
   return largest;
 }
 
-double largestUnevenness(const std::vector<Tile>& tiles) {
+double largestUnevenness(const std::vector<model::Tile>& tiles) {
   double largest = 0;
-  for (const Tile& tile : tiles) {
-    const Vector3 normal = tileNormal(tile);
+  for (const model::Tile& tile : tiles) {
+    const Vector3 normal = model::tileNormal(tile);
     Vector3 middle = Vector3::Zero();
     for (const Vector3& vertex : tile.vertices) middle += vertex;
     middle /= static_cast<double>(tile.vertices.size());
@@ -211,10 +213,10 @@ double largestUnevenness(const std::vector<Tile>& tiles) {
   return largest;
 }
 
-double leastCornerSine(const std::vector<Tile>& tiles) {
+double leastCornerSine(const std::vector<model::Tile>& tiles) {
   double least = 1;
-  for (const Tile& tile : tiles) {
-    const Vector3 normal = tileNormal(tile);
+  for (const model::Tile& tile : tiles) {
+    const Vector3 normal = model::tileNormal(tile);
     const std::size_t count = tile.vertices.size();
     for (std::size_t k = 0; k < count; ++k) {
       const Vector3 before = tile.vertices[k] - tile.vertices[(k + count - 1) % count];
@@ -260,14 +262,14 @@ constexpr int kMostUnknowns = 60'000;
 /// Writes the equations of joints, one after the other.
 class JointJacobian {
  public:
-  JointJacobian(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+  JointJacobian(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                 double thickness)
-      : state_(state), planar_(freedom == Freedom::Plane), size_(tileSize(model)) {
-    for (const Tile& tile : state) {
-      centres_.push_back(tileCentroid(tile));
-      rises_.push_back(thickness * tileNormal(tile));
+      : state_(state), planar_(freedom == Freedom::Plane), size_(model::tileSize(model)) {
+    for (const model::Tile& tile : state) {
+      centres_.push_back(model::tileCentroid(tile));
+      rises_.push_back(thickness * model::tileNormal(tile));
     }
-    for (const Joint& joint : model.joints) addJoint(joint);
+    for (const model::Joint& joint : model.joints) addJoint(joint);
   }
 
   int unknowns() const { return (planar_ ? 3 : 6) * static_cast<int>(state_.size()); }
@@ -279,35 +281,35 @@ class JointJacobian {
   }
 
  private:
-  Vector3 place(const Corner& corner, bool top) const {
+  Vector3 place(const model::Corner& corner, bool top) const {
     const Vector3& bottom = state_[corner.tile].vertices[corner.vertex];
     return top ? Vector3(bottom + rises_[corner.tile]) : bottom;
   }
 
   // The rows of one joint, by its kind and face.
-  void addJoint(const Joint& joint) {
-    if (joint.kind == JointKind::Link) {
+  void addJoint(const model::Joint& joint) {
+    if (joint.kind == model::JointKind::Link) {
       // The distance of two points changes along their connection alone.
       const Vector3 along = (place(joint.a, false) - place(joint.b, false)).normalized();
       addDirection(joint, place(joint.a, false), place(joint.b, false), along);
       return;
     }
-    if (joint.kind == JointKind::Fixed) return addFixed(joint);
-    const bool both = joint.face == JointFace::Both;
-    if (joint.face != JointFace::Top) addPivot(joint, false);
+    if (joint.kind == model::JointKind::Fixed) return addFixed(joint);
+    const bool both = joint.face == model::JointFace::Both;
+    if (joint.face != model::JointFace::Top) addPivot(joint, false);
     // In the plane the upper pivot of a hinge says nothing more.
-    if (joint.face == JointFace::Top || (both && !planar_)) addPivot(joint, true);
+    if (joint.face == model::JointFace::Top || (both && !planar_)) addPivot(joint, true);
   }
 
   // One row for each axis.
-  void addPivot(const Joint& joint, bool top) {
+  void addPivot(const model::Joint& joint, bool top) {
     for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
       addDirection(joint, place(joint.a, top), place(joint.b, top), Vector3::Unit(axis));
     }
   }
 
   /// The relative motion of the two tiles at one point, and their relative rotation.
-  void addFixed(const Joint& joint) {
+  void addFixed(const model::Joint& joint) {
     const Vector3 point = place(joint.a, false);
     for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
       addDirection(joint, point, point, Vector3::Unit(axis));
@@ -320,7 +322,7 @@ class JointJacobian {
   }
 
   /// direction . (velocity of point a - velocity of point b) = 0.
-  void addDirection(const Joint& joint, const Vector3& a, const Vector3& b,
+  void addDirection(const model::Joint& joint, const Vector3& a, const Vector3& b,
                     const Vector3& direction) {
     addPoint(joint.a.tile, a, direction);
     addPoint(joint.b.tile, b, -direction);
@@ -346,7 +348,7 @@ class JointJacobian {
       entries_.emplace_back(rows_, first + 3 + axis, moment[axis]);
   }
 
-  const std::vector<Tile>& state_;
+  const std::vector<model::Tile>& state_;
   bool planar_;
   double size_;
   std::vector<Vector3> centres_;
@@ -415,13 +417,13 @@ void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
 
 }  // namespace
 
-double zeroSingularValue(const Model& model) {
+double zeroSingularValue(const model::Model& model) {
   // A row's entries change by about a digit over a tile, and a sheet has more than one row.
   constexpr double kDigits = 10;
-  return model.rounding > 0 ? kDigits * model.rounding / tileSize(model) : 0;
+  return model.rounding > 0 ? kDigits * model.rounding / model::tileSize(model) : 0;
 }
 
-Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness) {
   const JointJacobian equations(model, state, freedom, thickness);
   const Sparse jacobian = equations.matrix();
@@ -440,4 +442,4 @@ Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom fr
   return result;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

@@ -5,7 +5,7 @@
 
 #include "sim/model/model.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 /// Two tiles that lie in each other.
 struct TileOverlap {
@@ -18,21 +18,23 @@ struct TileOverlap {
 /// All pairs that overlap by more than the tolerance in metres, the deepest first; of the first
 /// mostPairs() near pairs where there are more.
 /// Tiles need an area. Costs a sort, and the edges of both for each pair whose boxes meet.
-std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tolerance);
+std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance);
 
 /// The largest distance between the two corners of a pivot, metres; 0 for none.
 /// Of links and fixed joints nothing is said.
-double largestJointGap(const std::vector<Joint>& joints, const std::vector<Tile>& tiles);
+double largestJointGap(const std::vector<model::Joint>& joints,
+                       const std::vector<model::Tile>& tiles);
 
 /// The largest difference of any distance between two vertices of one tile, metres.
 /// O(n^2) for a tile of n vertices.
-double largestShapeChange(const std::vector<Tile>& start, const std::vector<Tile>& target);
+double largestShapeChange(const std::vector<model::Tile>& start,
+                          const std::vector<model::Tile>& target);
 
 /// The largest distance of a vertex from its tile's plane, metres.
-double largestUnevenness(const std::vector<Tile>& tiles);
+double largestUnevenness(const std::vector<model::Tile>& tiles);
 
 /// The least sine of the angle by which any tile turns at a corner: above 0 when all are convex.
-double leastCornerSine(const std::vector<Tile>& tiles);
+double leastCornerSine(const std::vector<model::Tile>& tiles);
 
 // ------------------------------------------------------------------------------------------------
 // How many ways a sheet of rigid tiles can move, from the rank of its joints' Jacobian.
@@ -58,7 +60,7 @@ enum class Freedom {
 
 /// The singular value up to which rounding of the model's coordinates explains one that should be
 /// zero: ten times the last digit, in tiles.
-double zeroSingularValue(const Model& model);
+double zeroSingularValue(const model::Model& model);
 
 /// The mobility of the model's joints with its tiles in the given state, for bricks of this
 /// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
@@ -68,7 +70,7 @@ double zeroSingularValue(const Model& model);
 /// known to powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not counted:
 /// that takes minutes. For rank and freedom of links, fixed joints and pivots alike. Throws
 /// Interrupted where a scope asks for it.
-Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness);
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

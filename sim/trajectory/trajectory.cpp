@@ -2,7 +2,7 @@
 
 #include "sim/scene/scene_parts.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 void Sample::transfer(StateTape& tape) {
   tape.transfer(time, poses, jointGap, targetError, penetration, pinned, steps);
@@ -15,16 +15,16 @@ void Sample::transfer(StateTape& tape) {
 }
 
 // Bricks are made from the scene's tiles as the run makes them.
-Subject subjectOf(const Scene& scene) {
-  std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  PairForces pairForces = tiesOf(scene, bricks).pairForces;
+Subject subjectOf(const scene::Scene& scene) {
+  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  model::PairForces pairForces = scene::tiesOf(scene, bricks).pairForces;
   return {.model = scene.model,
           .brickRule = scene.brick,
           .bricks = std::move(bricks),
           .ground = scene.environment.ground,
-          .obstacles = obstacleFaces(scene.environment.obstacles),
+          .obstacles = scene::obstacleFaces(scene.environment.obstacles),
           .pairForces = std::move(pairForces),
           .settings = {}};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

@@ -13,7 +13,7 @@
 #include "sim/model/pair_force.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 /// What was measured at the end of one step of a run, and what the step took. Lengths in metres.
 struct StepRecord {
@@ -132,13 +132,13 @@ struct Event {
 /// What a trajectory shows: all that stays the same from the first sample to the last, and enough
 /// to make pictures and meshes again without the scene.
 struct Subject {
-  Model model;                   ///< as it was simulated, aligned to its target
-  BrickRule brickRule;           ///< how tiles became bricks
-  std::vector<Brick> bricks;     ///< one a tile
-  std::optional<Ground> ground;  ///< absent when the scene had none
-  std::vector<Tile> obstacles;   ///< the faces of what stays where it is, world axes
-  PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
-  std::string settings;          ///< of the run, as JSON; may be empty
+  model::Model model;                   ///< as it was simulated, aligned to its target
+  model::BrickRule brickRule;           ///< how tiles became bricks
+  std::vector<model::Brick> bricks;     ///< one a tile
+  std::optional<scene::Ground> ground;  ///< absent when the scene had none
+  std::vector<model::Tile> obstacles;   ///< the faces of what stays where it is, world axes
+  model::PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
+  std::string settings;                 ///< of the run, as JSON; may be empty
 };
 
 /// What is known once a run is over.
@@ -154,6 +154,6 @@ struct Trajectory : Subject, TrajectoryEnd {
 };
 
 /// What a trajectory of the scene shows, its settings left empty.
-Subject subjectOf(const Scene& scene);
+Subject subjectOf(const scene::Scene& scene);
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

@@ -18,7 +18,7 @@
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/array_file.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 // Quaternions are kept as w, x, y, z; Eigen's own order is x, y, z, w.
 void SampleTable::append(const Sample& sample) {
@@ -95,34 +95,35 @@ void append(std::vector<double>& numbers, const Vector3& vector) {
 }
 
 // x, y and z of all vertices one after the other, tile by tile.
-std::vector<double> flatten(const std::vector<Tile>& tiles) {
+std::vector<double> flatten(const std::vector<model::Tile>& tiles) {
   std::vector<double> numbers;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) append(numbers, vertex);
   }
   return numbers;
 }
 
 /// One field of all bricks, point by point.
-std::vector<double> flatten(const std::vector<Brick>& bricks, std::vector<Vector3> Brick::*field) {
+std::vector<double> flatten(const std::vector<model::Brick>& bricks,
+                            std::vector<Vector3> model::Brick::*field) {
   std::vector<double> numbers;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     for (const Vector3& point : brick.*field) append(numbers, point);
   }
   return numbers;
 }
 
-std::vector<double> flatten(const std::vector<Brick>& bricks, double Brick::*field) {
+std::vector<double> flatten(const std::vector<model::Brick>& bricks, double model::Brick::*field) {
   std::vector<double> numbers;
-  for (const Brick& brick : bricks) numbers.push_back(brick.*field);
+  for (const model::Brick& brick : bricks) numbers.push_back(brick.*field);
   return numbers;
 }
 
 // Nine numbers a brick, kg m^2, about its centre of mass in its own axes.
-std::vector<double> inertias(const std::vector<Brick>& bricks) {
+std::vector<double> inertias(const std::vector<model::Brick>& bricks) {
   std::vector<double> numbers;
   // Symmetric: rows and columns are alike.
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     numbers.insert(numbers.end(), brick.inertia.data(), brick.inertia.data() + 9);
   }
   return numbers;
@@ -139,10 +140,10 @@ void writePoints(ArrayWriter& file, const std::string& name, const std::vector<d
   writeArray(file, name, numbers, {numbers.size() / 3, 3}, "m");
 }
 
-void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
+void writeJoints(ArrayWriter& file, const std::vector<model::Joint>& joints) {
   std::vector<int> rows;
   std::vector<double> apart;
-  for (const Joint& joint : joints) {
+  for (const model::Joint& joint : joints) {
     rows.insert(rows.end(), {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
                              static_cast<int>(joint.face), static_cast<int>(joint.kind)});
     append(apart, joint.apart);
@@ -161,14 +162,14 @@ void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
 }
 
 // How many vertices each tile has: what splits the flat list of vertices into tiles again.
-std::vector<int> sizesOf(const std::vector<Tile>& tiles) {
+std::vector<int> sizesOf(const std::vector<model::Tile>& tiles) {
   std::vector<int> sizes;
-  for (const Tile& tile : tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
+  for (const model::Tile& tile : tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
   return sizes;
 }
 
 /// The tiles whose vertices the model's file has the other way round.
-std::vector<int> reversedTiles(const FileOrder& order) {
+std::vector<int> reversedTiles(const model::FileOrder& order) {
   std::vector<int> tiles;
   for (std::size_t i = 0; i < order.isReversed.size(); ++i) {
     if (order.isReversed[i]) tiles.push_back(static_cast<int>(i));
@@ -177,7 +178,7 @@ std::vector<int> reversedTiles(const FileOrder& order) {
 }
 
 // What the reader needs to make the model again, its file's order included.
-void writeModel(ArrayWriter& file, const Model& model) {
+void writeModel(ArrayWriter& file, const model::Model& model) {
   file.addGroup("model");
   file.setAttribute("model", "name", model.name);
   file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
@@ -196,26 +197,27 @@ void writeModel(ArrayWriter& file, const Model& model) {
   }
 }
 
-void writeBricks(ArrayWriter& file, const std::vector<Brick>& bricks, const BrickRule& rule) {
+void writeBricks(ArrayWriter& file, const std::vector<model::Brick>& bricks,
+                 const model::BrickRule& rule) {
   file.addGroup("bricks");
   file.setAttribute("bricks", "rule_thickness", rule.thickness);
   file.setAttribute("bricks", "rule_mass",
-                    std::string(rule.mass == MassRule::Unit ? "unit" : "prism"));
+                    std::string(rule.mass == model::MassRule::Unit ? "unit" : "prism"));
   file.setAttribute("bricks", "rule_density", rule.density);
   const std::size_t count = bricks.size();
-  writePoints(file, "bricks/bottom", flatten(bricks, &Brick::bottom));
-  writePoints(file, "bricks/top", flatten(bricks, &Brick::top));
+  writePoints(file, "bricks/bottom", flatten(bricks, &model::Brick::bottom));
+  writePoints(file, "bricks/top", flatten(bricks, &model::Brick::top));
   std::vector<double> normals;
-  for (const Brick& brick : bricks) append(normals, brick.normal);
+  for (const model::Brick& brick : bricks) append(normals, brick.normal);
   writeArray(file, "bricks/normal", normals, {count, 3}, "1");
-  writeArray(file, "bricks/thickness", flatten(bricks, &Brick::thickness), {count}, "m");
-  writeArray(file, "bricks/volume", flatten(bricks, &Brick::volume), {count}, "m^3");
-  writeArray(file, "bricks/mass", flatten(bricks, &Brick::mass), {count}, "kg");
+  writeArray(file, "bricks/thickness", flatten(bricks, &model::Brick::thickness), {count}, "m");
+  writeArray(file, "bricks/volume", flatten(bricks, &model::Brick::volume), {count}, "m^3");
+  writeArray(file, "bricks/mass", flatten(bricks, &model::Brick::mass), {count}, "kg");
   writeArray(file, "bricks/inertia", inertias(bricks), {count, 3, 3}, "kg m^2");
 }
 
 // Faces in the world's axes, metres. A run without obstacles has no such group.
-void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
+void writeObstacles(ArrayWriter& file, const std::vector<model::Tile>& faces) {
   if (faces.empty()) return;
   file.addGroup("obstacles");
   file.write("obstacles/face_sizes", std::span<const int>(sizesOf(faces)), {faces.size()});
@@ -223,7 +225,7 @@ void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
 }
 
 /// Each kind is a group: the bricks of each pair, and the columns that the kind has.
-void writePairForce(ArrayWriter& file, const PairForce& force) {
+void writePairForce(ArrayWriter& file, const model::PairForce& force) {
   const std::string group = force.name().group;
   const std::size_t count = force.size();
   std::vector<int> bricks;
@@ -233,7 +235,7 @@ void writePairForce(ArrayWriter& file, const PairForce& force) {
   }
   file.addGroup(group);
   file.write(group + "/bricks", std::span<const int>(bricks), {count, 2});
-  for (const PairColumn& column : force.columns()) {
+  for (const model::PairColumn& column : force.columns()) {
     const std::string name = group + "/" + column.name;
     const Shape shape = column.width == 1 ? Shape{count} : Shape{count, column.width};
     if (column.isWhole) {
@@ -363,7 +365,7 @@ void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics
     file.append(channel.name, {&(mechanics.energies.*channel.field), 1});
   if (jointCount > 0) {
     std::vector<double> forces;
-    for (const Vector3& force : mechanics.jointForces) kirireel::append(forces, force);
+    for (const Vector3& force : mechanics.jointForces) trajectory::append(forces, force);
     file.append(layout::kJointForces, forces);
     const std::vector<double> marks(mechanics.isIndeterminate.begin(),
                                     mechanics.isIndeterminate.end());
@@ -381,7 +383,7 @@ void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics
   file.append(layout::kHoldTiles, tiles);
   for (const layout::HoldChannel& channel : layout::kHolds) {
     std::vector<double> entries;
-    for (const Hold& hold : mechanics.holds) kirireel::append(entries, hold.*channel.field);
+    for (const Hold& hold : mechanics.holds) trajectory::append(entries, hold.*channel.field);
     file.append(channel.name, entries);
   }
 }
@@ -412,7 +414,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
     file.setAttribute("ground", "friction", subject.ground->friction);
   }
   writeObstacles(file, subject.obstacles);
-  for (const std::shared_ptr<const PairForce>& force : subject.pairForces) {
+  for (const std::shared_ptr<const model::PairForce>& force : subject.pairForces) {
     writePairForce(file, *force);
   }
   addSeries(file, "time", {}, "s");
@@ -492,7 +494,7 @@ using layout::kStepColumns;
 
 /// Farther away no brick is drawn or meshed, metres. Runs end at a thousand model sizes, and models
 /// reach as far as kMaxCoordinate.
-constexpr double kFarthest = 1e4 * kMaxCoordinate;
+constexpr double kFarthest = 1e4 * model::kMaxCoordinate;
 
 /// Reads what a trajectory shows; every claim of the file is checked before it is used.
 class SubjectReader {
@@ -509,13 +511,13 @@ class SubjectReader {
     subject.model = readModel();
     readBricks(subject);
     if (file_.has("ground")) {
-      subject.ground = Ground{file_.numberAttribute("ground", "height"),
-                              file_.numberAttribute("ground", "friction")};
+      subject.ground = scene::Ground{file_.numberAttribute("ground", "height"),
+                                     file_.numberAttribute("ground", "friction")};
     }
     if (file_.has("obstacles")) {
       subject.obstacles = tiles("obstacles/vertices", readSizes("obstacles/face_sizes"));
     }
-    for (const PairForceKind& kind : pairForceKinds()) {
+    for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       if (!file_.has(kind.name.group)) continue;
       subject.pairForces.add(kind.read(PairGroup(*this, kind.name.group, subject.model)));
     }
@@ -581,15 +583,16 @@ class SubjectReader {
     return tiles;
   }
 
-  std::vector<Tile> tiles(const std::string& name, const std::vector<std::size_t>& sizes) const {
-    std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles(const std::string& name,
+                                 const std::vector<std::size_t>& sizes) const {
+    std::vector<model::Tile> tiles;
     for (std::vector<Vector3>& points : pointsOfTiles(name, sizes))
       tiles.push_back({std::move(points)});
     return tiles;
   }
 
   // A corner that exists.
-  Corner corner(int tile, int vertex) const {
+  model::Corner corner(int tile, int vertex) const {
     const bool exists = tile >= 0 && static_cast<std::size_t>(tile) < sizes_.size() &&
                         vertex >= 0 &&
                         static_cast<std::size_t>(vertex) < sizes_[static_cast<std::size_t>(tile)];
@@ -610,19 +613,19 @@ class SubjectReader {
   }
 
   // Rows of six whole numbers, and the vectors of links and fixed joints.
-  std::vector<Joint> readJoints() const {
+  std::vector<model::Joint> readJoints() const {
     const std::vector<int> rows = file_.integers("model/joints");
     const std::size_t count = rows.size() / layout::kJointColumns;
     if (rows.size() != layout::kJointColumns * count) {
       file_.refuse(fmt::format("model/joints does not have {} columns", layout::kJointColumns));
     }
     const std::vector<double> apart = numbers("model/joint_apart", {count, 3});
-    std::vector<Joint> joints;
+    std::vector<model::Joint> joints;
     for (std::size_t k = 0; k < count; ++k) {
       const int* row = &rows[layout::kJointColumns * k];
       joints.push_back({corner(row[0], row[1]), corner(row[2], row[3]),
-                        static_cast<JointFace>(within(row[4], 1, 3, "face")),
-                        static_cast<JointKind>(within(row[5], 0, 2, "kind")),
+                        static_cast<model::JointFace>(within(row[4], 1, 3, "face")),
+                        static_cast<model::JointKind>(within(row[5], 0, 2, "kind")),
                         Vector3(&apart[3 * k])});
     }
     if (!file_.has("model/joints_within_tiles")) return joints;
@@ -643,9 +646,9 @@ class SubjectReader {
   }
 
   /// A group of pairs.
-  class PairGroup : public PairReader {
+  class PairGroup : public model::PairReader {
    public:
-    PairGroup(const SubjectReader& reader, std::string group, const Model& model)
+    PairGroup(const SubjectReader& reader, std::string group, const model::Model& model)
         : reader_(reader), group_(std::move(group)), joints_(model.joints.size()) {}
 
     std::vector<std::pair<int, int>> bricks() const override {
@@ -684,8 +687,8 @@ class SubjectReader {
     std::size_t joints_;
   };
 
-  FileOrder readFileOrder() const {
-    FileOrder order;
+  model::FileOrder readFileOrder() const {
+    model::FileOrder order;
     if (file_.hasAttribute("model", "counts_from")) {
       order.countsFrom = file_.numberAttribute("model", "counts_from") == 1 ? 1 : 0;
     }
@@ -695,8 +698,8 @@ class SubjectReader {
     return order;
   }
 
-  Model readModel() const {
-    Model model;
+  model::Model readModel() const {
+    model::Model model;
     model.name = file_.textAttribute("model", "name");
     model.tiles = tiles("model/vertices", sizes_);
     if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
@@ -708,15 +711,15 @@ class SubjectReader {
     return model;
   }
 
-  BrickRule readBrickRule() const {
-    BrickRule rule;
+  model::BrickRule readBrickRule() const {
+    model::BrickRule rule;
     rule.thickness = file_.numberAttribute("bricks", "rule_thickness");
     rule.density = file_.numberAttribute("bricks", "rule_density");
     const std::string mass = file_.textAttribute("bricks", "rule_mass");
     if (mass != "unit" && mass != "prism") {
       file_.refuse(fmt::format("the attribute rule_mass is \"{}\" instead of unit or prism", mass));
     }
-    rule.mass = mass == "unit" ? MassRule::Unit : MassRule::Prism;
+    rule.mass = mass == "unit" ? model::MassRule::Unit : model::MassRule::Prism;
     return rule;
   }
 
@@ -733,21 +736,21 @@ class SubjectReader {
     const std::vector<double> masses = numbers("bricks/mass", {count});
     const std::vector<double> inertia = numbers("bricks/inertia", {count, 3, 3});
     for (std::size_t i = 0; i < count; ++i) {
-      Brick brick{bottoms[i], tops[i],   Vector3(&normals[3 * i]), thicknesses[i],
-                  volumes[i], masses[i], Matrix3(&inertia[9 * i])};
+      model::Brick brick{bottoms[i], tops[i],   Vector3(&normals[3 * i]), thicknesses[i],
+                         volumes[i], masses[i], Matrix3(&inertia[9 * i])};
       if (std::abs(brick.normal.norm() - 1) > kUnitTolerance) {
         file_.refuse(
             fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
       }
       requireSolid(brick, i);
       // Convex parts follow from the outline, so that no file needs to store them.
-      brick.parts = partsOfBottom(brick.bottom, brick.normal);
+      brick.parts = model::partsOfBottom(brick.bottom, brick.normal);
       subject.bricks.push_back(std::move(brick));
     }
   }
 
   /// A solid brick has its top above its bottom all over, and its bottom goes round the normal.
-  void requireSolid(const Brick& brick, std::size_t number) const {
+  void requireSolid(const model::Brick& brick, std::size_t number) const {
     for (const auto& [value, name] : {std::pair{brick.thickness, "thickness"},
                                       {brick.volume, "volume"},
                                       {brick.mass, "mass"}}) {
@@ -1064,4 +1067,4 @@ Trajectory readTrajectory(const std::filesystem::path& path) {
   return trajectory;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

@@ -77,7 +77,7 @@
 #include "sim/model/hinge.h"
 #include "sim/trajectory/trajectory.h"
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 /// What is measured of each sample beside what it has.
 struct Channel {
@@ -168,9 +168,9 @@ Trajectory readTrajectory(const std::filesystem::path& path);
 /// Writes a whole trajectory. Throws OutputError.
 void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path);
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory
 
-namespace kirireel::layout {
+namespace kirireel::trajectory::layout {
 
 // ------------------------------------------------------------------------------------------------
 // The names in trajectory.h5 that its writer and its reader share.
@@ -249,9 +249,9 @@ inline constexpr std::array kHolds = {HoldChannel{"holds/force", &Hold::force, "
                                       HoldChannel{"holds/moment", &Hold::moment, "N m"},
                                       HoldChannel{"holds/point", &Hold::point, "m"}};
 
-}  // namespace kirireel::layout
+}  // namespace kirireel::trajectory::layout
 
-namespace kirireel {
+namespace kirireel::trajectory {
 
 // ------------------------------------------------------------------------------------------------
 // The samples of a run as arrays, one behind the other: what programs that work on arrays look at
@@ -302,4 +302,4 @@ class SampleTable {
 /// All samples of a trajectory. Throws InputError as the reader does.
 SampleTable readSamples(const TrajectoryReader& run);
 
-}  // namespace kirireel
+}  // namespace kirireel::trajectory

@@ -13,14 +13,15 @@ void printGapTable(const std::vector<NamedScene>& models) {
              "unconv");
   for (const auto& [name, scene] : models) {
     const double start = threadCpuSeconds();
-    const DeploymentResult result = deploy(
-        scene, 1.0 / 60, [&](const Sample&) { return threadCpuSeconds() - start < kRunBudget; });
-    const Accuracy& accuracy = result.accuracy;
+    const deploy::DeploymentResult result = deploy::deploy(
+        scene, 1.0 / 60,
+        [&](const trajectory::Sample&) { return threadCpuSeconds() - start < kRunBudget; });
+    const deploy::Accuracy& accuracy = result.accuracy;
     const double steps = 240 * result.trajectory.samples.back().time;
     fmt::print("{:<28}{:>6}{:>10.1e}{:>12}{:>10.2e}{:>10.1e}{:>10.1e}{:>10.3f}{:>9}{:>9}{:>9}\n",
-               name, scene.model.tiles.size(), accuracy.jointGapMax / modelSize(scene.model),
-               toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidBound,
-               accuracy.penetrationMax / tileSize(scene.model),
+               name, scene.model.tiles.size(), accuracy.jointGapMax / model::modelSize(scene.model),
+               deploy::toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidBound,
+               accuracy.penetrationMax / model::tileSize(scene.model),
                1e3 * result.cost.cpuSeconds / steps, result.cost.took.steps,
                result.cost.took.halved, result.cost.took.unconverged);
     std::fflush(stdout);
@@ -35,7 +36,7 @@ void printTessellationTable() {
     for (const int side : {4, 10, 20, 40}) {
       // Weak springs take their time near the singular start, strong ones arrive.
       for (const double stiffness : {0.1, 100.0}) {
-        Scene scene = sheetScene(side, planar, SolverKind::Direct);
+        scene::Scene scene = sheetScene(side, planar, scene::SolverKind::Direct);
         scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
         const MotionError error = motionError(scene, side, side == 40 ? 1 : 3);
         fmt::print("{:<16}{:>6}{:>12.1e}{:>12}{:>12.1e}{:>12.1e}{:>10.4f}\n",

@@ -18,16 +18,17 @@ struct BareVertex {
 
 /// The triangles of a geometry's faces and outlines.
 std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
-  PictureGeometry geometry;
-  GeometryBuilder(sheet.bricks, {}).draw({sheet.poses, {}, {}, {}, {}}, sheet.camera, geometry);
-  const Eigen::Matrix4d clip = clipFromWorld(sheet.camera, kSize.aspect());
+  picture::PictureGeometry geometry;
+  picture::GeometryBuilder(sheet.bricks, {})
+      .draw({sheet.poses, {}, {}, {}, {}}, sheet.camera, geometry);
+  const Eigen::Matrix4d clip = picture::clipFromWorld(sheet.camera, kSize.aspect());
   std::vector<BareVertex> vertices;
-  const auto add = [&](const Vector3& point, Colour colour) {
+  const auto add = [&](const Vector3& point, picture::Colour colour) {
     const Eigen::Vector4f place = (clip * point.homogeneous()).cast<float>();
     vertices.push_back({{place.x(), place.y(), place.z(), place.w()},
                         {colour.red, colour.green, colour.blue, colour.alpha}});
   };
-  for (const Facet& facet : geometry.solid) {
+  for (const picture::Facet& facet : geometry.solid) {
     const auto outer = geometry.corners(facet), inner = geometry.inner(facet);
     for (std::size_t k = 2; k < inner.size(); ++k) {
       for (const std::size_t corner : {std::size_t{0}, k - 1, k}) add(inner[corner], facet.colour);
@@ -78,23 +79,25 @@ struct Target {
   GLuint depth = 0;
 
   Target(int width, int height) {
-    glGenFramebuffers(1, &framebuffer);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glGenTextures(1, &texture);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-    glGenRenderbuffers(1, &depth);
-    glBindRenderbuffer(GL_RENDERBUFFER, depth);
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width, height);
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
+    picture::glGenFramebuffers(1, &framebuffer);
+    picture::glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    picture::glGenTextures(1, &texture);
+    picture::glBindTexture(GL_TEXTURE_2D, texture);
+    picture::glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                          nullptr);
+    picture::glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    picture::glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    picture::glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture,
+                                    0);
+    picture::glGenRenderbuffers(1, &depth);
+    picture::glBindRenderbuffer(GL_RENDERBUFFER, depth);
+    picture::glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width, height);
+    picture::glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
   }
 
   void drawInto(int width, int height) const {
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    glViewport(0, 0, width, height);
+    picture::glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    picture::glViewport(0, 0, width, height);
   }
 };
 
@@ -108,41 +111,43 @@ struct BareLoop::Parts {
         mean(kMeanVertex, kMeanFragment),
         count(static_cast<GLsizei>(vertices.size())),
         pixels(std::size_t{4} * kSize.width * kSize.height) {
-    glGenVertexArrays(1, &array);
-    glGenBuffers(1, &buffer);
-    glBindVertexArray(array);
-    glBindBuffer(GL_ARRAY_BUFFER, buffer);
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(BareVertex)),
-                 vertices.data(), GL_STATIC_DRAW);
-    glEnableVertexAttribArray(0);
-    glEnableVertexAttribArray(1);
-    glVertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(BareVertex), nullptr);
-    glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(BareVertex),
-                          reinterpret_cast<const void*>(offsetof(BareVertex, colour)));
-    glDepthFunc(GL_LESS);
-    glClearColor(1, 1, 1, 1);
+    picture::glGenVertexArrays(1, &array);
+    picture::glGenBuffers(1, &buffer);
+    picture::glBindVertexArray(array);
+    picture::glBindBuffer(GL_ARRAY_BUFFER, buffer);
+    picture::glBufferData(GL_ARRAY_BUFFER,
+                          static_cast<GLsizeiptr>(vertices.size() * sizeof(BareVertex)),
+                          vertices.data(), GL_STATIC_DRAW);
+    picture::glEnableVertexAttribArray(0);
+    picture::glEnableVertexAttribArray(1);
+    picture::glVertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(BareVertex), nullptr);
+    picture::glVertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(BareVertex),
+                                   reinterpret_cast<const void*>(offsetof(BareVertex, colour)));
+    picture::glDepthFunc(GL_LESS);
+    picture::glClearColor(1, 1, 1, 1);
   }
 
   void frame() {
     samples.drawInto(kSize.width * 2, kSize.height * 3);
-    glEnable(GL_DEPTH_TEST);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    picture::glEnable(GL_DEPTH_TEST);
+    picture::glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     draw.use();
-    glBindVertexArray(array);
-    glDrawArrays(GL_TRIANGLES, 0, count);
+    picture::glBindVertexArray(array);
+    picture::glDrawArrays(GL_TRIANGLES, 0, count);
     means.drawInto(kSize.width, kSize.height);
-    glDisable(GL_DEPTH_TEST);
+    picture::glDisable(GL_DEPTH_TEST);
     mean.use();
-    glBindTexture(GL_TEXTURE_2D, samples.texture);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    glReadPixels(0, 0, kSize.width, kSize.height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    picture::glBindTexture(GL_TEXTURE_2D, samples.texture);
+    picture::glDrawArrays(GL_TRIANGLES, 0, 3);
+    picture::glReadPixels(0, 0, kSize.width, kSize.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                          pixels.data());
   }
 
-  Context context;
+  picture::Context context;
   Target samples;
   Target means;
-  Program draw;
-  Program mean;
+  picture::Program draw;
+  picture::Program mean;
   GLsizei count;
   std::vector<std::uint8_t> pixels;
   GLuint array = 0;
@@ -150,16 +155,16 @@ struct BareLoop::Parts {
 };
 
 PaintedSheet::PaintedSheet(int side) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
-  BrickRule rule;
+  model::BrickRule rule;
   rule.thickness = 0.1;
-  const std::vector<Tile> tiles = tessellationTiles(shape, 0.8);
-  bricks = makeBricks(tiles, rule);
-  poses = startPoses(tiles, bricks);
-  CameraFit fit;
+  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, 0.8);
+  bricks = model::makeBricks(tiles, rule);
+  poses = model::startPoses(tiles, bricks);
+  picture::CameraFit fit;
   fit.aspect = kSize.aspect();
-  camera = fitCamera(brickCorners(bricks, poses), fit);
+  camera = picture::fitCamera(picture::brickCorners(bricks, poses), fit);
 }
 
 BareLoop::BareLoop(const PaintedSheet& sheet)

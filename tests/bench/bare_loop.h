@@ -12,13 +12,13 @@
 namespace kirireel::bench {
 
 /// Of every picture of this benchmark, pixels.
-inline constexpr FrameSize kSize = {1280, 720};
+inline constexpr picture::FrameSize kSize = {1280, 720};
 
 /// Half-open squares, seen from a corner.
 struct PaintedSheet {
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses poses;
-  Camera camera;
+  picture::Camera camera;
 
   explicit PaintedSheet(int side);
 };

@@ -14,7 +14,7 @@ inline constexpr double kRunBudget = 60;
 
 struct NamedScene {
   std::string name;
-  Scene scene;
+  scene::Scene scene;
 };
 
 /// All model folders directly inside `folder`, by name, with the settings that their authors give
@@ -24,11 +24,12 @@ std::vector<NamedScene> modelScenes(const std::filesystem::path& folder);
 
 /// A square sheet that opens from 0 to 90 degrees, without contacts. Joints on both faces are
 /// hinges, two point joints each to Bullet; on the bottom alone they are one.
-Scene sheetScene(int side, bool planar, SolverKind kind, JointFace face = JointFace::Both);
+scene::Scene sheetScene(int side, bool planar, scene::SolverKind kind,
+                        model::JointFace face = model::JointFace::Both);
 
 /// CPU milliseconds a step: `steps` of the direct solver, or of Bullet until half a second of CPU
 /// is used.
-double millisecondsPerStep(const Scene& scene, int steps);
+double millisecondsPerStep(const scene::Scene& scene, int steps);
 
 /// What a sheet's deployment misses of the exact motion at the same opening angle.
 struct MotionError {
@@ -40,6 +41,6 @@ struct MotionError {
 };
 
 /// Deploys with the scene's timestep, every step sampled.
-MotionError motionError(const Scene& scene, int side, double seconds);
+MotionError motionError(const scene::Scene& scene, int side, double seconds);
 
 }  // namespace kirireel::bench

@@ -16,11 +16,11 @@ struct ContactRun {
   StepReport report;
 };
 
-ContactRun runContacts(Scene scene, SolverKind kind, double seconds) {
+ContactRun runContacts(scene::Scene scene, scene::SolverKind kind, double seconds) {
   scene.solver.kind = kind;
-  SteppedScene run(scene);
-  PenetrationMeter growth(run.bricks(), run.pivots(), scene.environment.pivotZone,
-                          run.motion().poses, 0);
+  study::SteppedScene run(scene);
+  trajectory::PenetrationMeter growth(run.bricks(), run.pivots(), scene.environment.pivotZone,
+                                      run.motion().poses, 0);
   ContactRun result;
   const int steps = static_cast<int>(std::lround(seconds / scene.solver.timestep));
   int done = 0;
@@ -29,18 +29,18 @@ ContactRun runContacts(Scene scene, SolverKind kind, double seconds) {
     ++done;
     result.gap = std::max(result.gap, run.gap());
     if (done % 4 != 0) continue;
-    const double depth = deepestPenetration(run.bricks(), run.motion().poses).depth;
+    const double depth = trajectory::deepestPenetration(run.bricks(), run.motion().poses).depth;
     result.penetration = std::max(result.penetration, depth);
     result.grown = std::max(result.grown, growth.at(run.motion().poses).grown);
   }
   result.milliseconds = 1e3 * run.seconds() / done;
   result.simulated = done * scene.solver.timestep;
-  result.penetration /= tileSize(scene.model);
-  result.grown /= tileSize(scene.model);
-  result.gap /= modelSize(scene.model);
+  result.penetration /= model::tileSize(scene.model);
+  result.grown /= model::tileSize(scene.model);
+  result.gap /= model::modelSize(scene.model);
   result.report = run.report();
   if (scene.model.target) {
-    result.error = targetError(*scene.model.target, run.bricks(), run.motion().poses);
+    result.error = trajectory::targetError(*scene.model.target, run.bricks(), run.motion().poses);
   }
   return result;
 }
@@ -56,8 +56,8 @@ void printContactTable(const std::vector<NamedScene>& models) {
              "model", "to s", "ms", "bullet", "ratio", "pen", "bullet", "pen*", "bullet", "gap",
              "bullet", "error", "bullet", "halved", "unconv");
   for (const auto& [name, scene] : models) {
-    const ContactRun direct = runContacts(scene, SolverKind::Direct, 2);
-    const ContactRun bullet = runContacts(scene, SolverKind::Bullet, 2);
+    const ContactRun direct = runContacts(scene, scene::SolverKind::Direct, 2);
+    const ContactRun bullet = runContacts(scene, scene::SolverKind::Bullet, 2);
     fmt::print("{:<20}{:>6.2f}{:>9.3f}{:>9.2f}{:>7.1f}", name, direct.simulated,
                direct.milliseconds, bullet.milliseconds, bullet.milliseconds / direct.milliseconds);
     fmt::print("{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.1e}{:>9.2e}{:>9.2e}{:>8}{:>8}\n",

@@ -49,10 +49,11 @@ constexpr double kFar = 1.05;      // of the least error found
 constexpr double kArrived = 1e-6;  // error in tiles
 constexpr double kBack = 0.1;      // cosine of two moves that are opposed, but for rounding
 
-const std::map<std::string, ContactFilter> kFilters = {{"auto", ContactFilter::Auto},
-                                                       {"none", ContactFilter::None},
-                                                       {"unjoined", ContactFilter::Unjoined},
-                                                       {"all", ContactFilter::All}};
+const std::map<std::string, scene::ContactFilter> kFilters = {
+    {"auto", scene::ContactFilter::Auto},
+    {"none", scene::ContactFilter::None},
+    {"unjoined", scene::ContactFilter::Unjoined},
+    {"all", scene::ContactFilter::All}};
 
 std::vector<fs::path> modelsIn(const fs::path& folder) {
   if (fs::exists(folder / "vertices.txt") || fs::is_regular_file(folder)) return {folder};
@@ -66,48 +67,51 @@ std::vector<fs::path> modelsIn(const fs::path& folder) {
 }
 
 /// The length of the run's motion over the one of the tiles' own motions to where it ends.
-double windingOf(const Scene& scene, const Trajectory& trajectory) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Sample>& samples = trajectory.samples;
+double windingOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<trajectory::Sample>& samples = trajectory.samples;
   double length = 0;
   for (std::size_t k = 1; k < samples.size(); ++k) {
-    length += pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
+    length += deploy::pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
   }
   if (length == 0) return 1;
-  return length / pathDistance(bricks, samples.front().poses, samples.back().poses);
+  return length / deploy::pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
 /// In how many ways the tiles can move at a part of the run, beyond moves of the whole.
-int freedomsAt(const Scene& scene, const Trajectory& trajectory, double part) {
+int freedomsAt(const scene::Scene& scene, const trajectory::Trajectory& trajectory, double part) {
   const auto last = static_cast<double>(trajectory.samples.size() - 1);
-  const Sample& middle = trajectory.samples[static_cast<std::size_t>(std::lround(part * last))];
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  std::vector<Tile> tiles = scene.model.tiles;
+  const trajectory::Sample& middle =
+      trajectory.samples[static_cast<std::size_t>(std::lround(part * last))];
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  std::vector<model::Tile> tiles = scene.model.tiles;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
       tiles[i].vertices[k] = middle.poses[i].apply(bricks[i].bottom[k]);
     }
   }
-  const Freedom freedom = sceneNeeds(scene).planar.on ? Freedom::Plane : Freedom::Space;
-  return mobility(scene.model, tiles, freedom, scene.brick.thickness).freedoms;
+  const trajectory::Freedom freedom =
+      scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
+  return trajectory::mobility(scene.model, tiles, freedom, scene.brick.thickness).freedoms;
 }
 
 /// The most of a quarter, half and three quarters of the run.
-int freedomsOf(const Scene& scene, const Trajectory& trajectory) {
+int freedomsOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
   return std::max({freedomsAt(scene, trajectory, 0.25), freedomsAt(scene, trajectory, 0.5),
                    freedomsAt(scene, trajectory, 0.75)});
 }
 
-std::vector<Poses> statesOf(const Trajectory& trajectory) {
+std::vector<Poses> statesOf(const trajectory::Trajectory& trajectory) {
   std::vector<Poses> states;
-  for (const Sample& sample : trajectory.samples) states.push_back(sample.poses);
+  for (const trajectory::Sample& sample : trajectory.samples) states.push_back(sample.poses);
   return states;
 }
 
 /// How deep bricks may overlap on another path beyond the start, metres: as on the run, or than
 /// counts as clear.
-double mostGrownOf(const Scene& scene, const DeploymentResult& result) {
-  return std::max(kClearShare * tileSize(scene.model), result.accuracy.penetrationGrownMax);
+double mostGrownOf(const scene::Scene& scene, const deploy::DeploymentResult& result) {
+  return std::max(deploy::kClearShare * model::tileSize(scene.model),
+                  result.accuracy.penetrationGrownMax);
 }
 
 /// What a row shows, and what it misses.
@@ -124,11 +128,11 @@ struct Row {
 /// How much longer than its tiles' own motions a run is; of a long one also how many ways there
 /// are in which its tiles can move, and to what part of its length the string method shortens it. A
 /// mechanism whose tiles must move apart to turn has no path as short as the tiles' own motions.
-void addWinding(const Scene& scene, const DeploymentResult& result, Row& row) {
-  const Trajectory& trajectory = result.trajectory;
+void addWinding(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+  const trajectory::Trajectory& trajectory = result.trajectory;
   const double winding = windingOf(scene, trajectory);
   row.add(fmt::format("winding {:5.2f}", winding));
-  if (winding <= kDetour) return;
+  if (winding <= deploy::kDetour) return;
   const double least = leastLength(scene, statesOf(trajectory), mostGrownOf(scene, result));
   row.add(fmt::format("freedom {} shortened {:.2f}", freedomsOf(scene, trajectory), least));
   row.require(least * kLong >= 1, "long");
@@ -136,13 +140,13 @@ void addWinding(const Scene& scene, const DeploymentResult& result, Row& row) {
 
 /// Whether two moves from sample to sample, one after the other, are opposed: at an angle whose
 /// cosine is clearly below 0.
-bool turnsBack(const Scene& scene, const Trajectory& trajectory) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Sample>& samples = trajectory.samples;
+bool turnsBack(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<trajectory::Sample>& samples = trajectory.samples;
   for (std::size_t k = 2; k < samples.size(); ++k) {
-    const double first = pathDistance(bricks, samples[k - 2].poses, samples[k - 1].poses);
-    const double second = pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
-    const double both = pathDistance(bricks, samples[k - 2].poses, samples[k].poses);
+    const double first = deploy::pathDistance(bricks, samples[k - 2].poses, samples[k - 1].poses);
+    const double second = deploy::pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
+    const double both = deploy::pathDistance(bricks, samples[k - 2].poses, samples[k].poses);
     if (both * both < first * first + second * second - 2 * kBack * first * second) return true;
   }
   return false;
@@ -158,14 +162,14 @@ double extentOf(const Poses& poses) {
 }
 
 /// Where a run ended: its target error, or how much a sheet without a target has extended.
-void addEnd(const Scene& scene, const DeploymentResult& result, Row& row) {
-  const std::vector<Sample>& samples = result.trajectory.samples;
+void addEnd(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+  const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
   if (!scene.model.target) {
     row.add(fmt::format("extended {:.9f}",
                         extentOf(samples.back().poses) / extentOf(samples.front().poses)));
     return;
   }
-  const double tile = tileSize(scene.model);
+  const double tile = model::tileSize(scene.model);
   const double error = result.accuracy.targetErrorEnd, least = result.assembledError;
   row.add(fmt::format("error {:8.1e} least {:8.1e}", error / tile, least / tile));
   if (!result.blocking.empty())
@@ -176,8 +180,8 @@ void addEnd(const Scene& scene, const DeploymentResult& result, Row& row) {
 
 /// How far joints opened; where they did, also the least opening that the string method finds from
 /// the run's own states and from the tiles' own motions, and the ratio of the two.
-void addGap(const Scene& scene, const DeploymentResult& result, Row& row) {
-  const double tile = tileSize(scene.model);
+void addGap(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+  const double tile = model::tileSize(scene.model);
   const double opening = std::max(result.accuracy.jointGapMax, result.accuracy.jointOpeningMax);
   row.add(fmt::format("gap {:8.1e}", opening / tile));
   if (opening <= kClosed * tile) return;
@@ -191,12 +195,12 @@ void addGap(const Scene& scene, const DeploymentResult& result, Row& row) {
 }
 
 /// How far the run is from the symmetries of its model at most, metres, with how many there are.
-std::string asymmetryOf(const Scene& scene, const Trajectory& trajectory) {
-  const std::vector<Symmetry> group = symmetriesOf(scene.model);
-  const double tile = tileSize(scene.model);
+std::string asymmetryOf(const scene::Scene& scene, const trajectory::Trajectory& trajectory) {
+  const std::vector<model::Symmetry> group = model::symmetriesOf(scene.model);
+  const double tile = model::tileSize(scene.model);
   double farthest = 0;
-  for (const Sample& sample : trajectory.samples) {
-    farthest = std::max(farthest, asymmetry(sample.poses, group, tile));
+  for (const trajectory::Sample& sample : trajectory.samples) {
+    farthest = std::max(farthest, model::asymmetry(sample.poses, group, tile));
   }
   return fmt::format("{:8.1e} of {:>2}", farthest / tile, group.size());
 }
@@ -222,22 +226,22 @@ struct Tally {
   }
 };
 
-void addOverlap(const Scene& scene, const DeploymentResult& result, Row& row) {
-  const double tile = tileSize(scene.model);
+void addOverlap(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+  const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
   row.add(fmt::format("overlap {:8.1e}", grown / tile));
   const bool isSaid = std::ranges::any_of(result.warnings, [](const std::string& warning) {
     return warning.find("bricks pass") != std::string::npos ||
            warning.find("into each other") != std::string::npos;
   });
-  row.require(grown <= kClearShare * tile || isSaid, "overlap");
+  row.require(grown <= deploy::kClearShare * tile || isSaid, "overlap");
 }
 
-void printRow(const std::string& name, Scene scene, Tally& tally) {
-  if (scene.model.target) alignStartToTarget(scene.model);
-  fillFromModel(scene);
-  const DeploymentResult result = deploy(scene, 1.0 / 30, nullptr);
-  const bool isWalked = result.path.kind == PathKind::Continuation;
+void printRow(const std::string& name, scene::Scene scene, Tally& tally) {
+  if (scene.model.target) model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 30, nullptr);
+  const bool isWalked = result.path.kind == scene::PathKind::Continuation;
   Row row;
   addEnd(scene, result, row);
   addOverlap(scene, result, row);
@@ -248,21 +252,21 @@ void printRow(const std::string& name, Scene scene, Tally& tally) {
   fmt::print(
       "{:<12} {:<30} {:>4} {:<11} {:<12}{} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
       row.missed.empty() ? "holds" : fmt::format("{}", fmt::join(row.missed, ",")), name,
-      scene.model.tiles.size(), toString(result.outcome), isWalked ? "continuation" : "dynamic",
-      row.words, asymmetryOf(scene, result.trajectory), result.needs.contacts.on ? "on " : "off",
-      result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
-      isWalked ? result.needs.contacts.reason : result.pathReason);
+      scene.model.tiles.size(), deploy::toString(result.outcome),
+      isWalked ? "continuation" : "dynamic", row.words, asymmetryOf(scene, result.trajectory),
+      result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
+      result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 
-void deployAll(const std::vector<std::string>& folders, Scene scene) {
+void deployAll(const std::vector<std::string>& folders, scene::Scene scene) {
   Tally tally;
   for (const std::string& folder : folders) {
     for (const fs::path& path : modelsIn(folder)) {
       const std::string name = path.filename().string();
       try {
         std::vector<std::string> warnings;
-        scene.model = readModel(path, std::nullopt, warnings);
+        scene.model = model::readModel(path, std::nullopt, warnings);
         printRow(name, scene, tally);
       } catch (const std::exception& error) {
         fmt::print("{:<30} {}\n", name, error.what());
@@ -272,15 +276,15 @@ void deployAll(const std::vector<std::string>& folders, Scene scene) {
   tally.print();
 }
 
-void deployDrawn(DrawnModels models, int first, int count, const Scene& scene) {
+void deployDrawn(DrawnModels models, int first, int count, const scene::Scene& scene) {
   Tally tally;
   for (int i = 0; i < first + count; ++i) {
     DrawnModel drawn = models.next();
     if (i < first) continue;
-    Scene member = scene;
+    scene::Scene member = scene;
     member.model = std::move(drawn.model);
     if (member.brick.thickness == 0) {
-      member.brick.thickness = drawn.thickness * tileSize(member.model);
+      member.brick.thickness = drawn.thickness * model::tileSize(member.model);
     }
     printRow(fmt::format("{} {} thick={:.2g}", i, drawn.name, drawn.thickness), std::move(member),
              tally);
@@ -294,7 +298,7 @@ void deployDrawn(DrawnModels models, int first, int count, const Scene& scene) {
 int main(int count, char** arguments) {
   CLI::App program{"Deploys models as a default run does"};
   std::vector<std::string> folders = {std::string(KIRIREEL_SOURCE_DIR) + "/data"};
-  kirireel::Scene scene = kirireel::openScene();
+  kirireel::scene::Scene scene = kirireel::scene::openScene();
   std::string contacts = "auto";
   unsigned seed = 0;
   int first = 0, members = 40;

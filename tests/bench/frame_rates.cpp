@@ -23,8 +23,9 @@ namespace {
 constexpr double kRates[] = {1, 7, 24, 25, 30, 50, 240};
 
 /// Everything that must be the same, as numbers.
-std::vector<double> figuresOf(const Scene& scene, double rate, DeploymentResult& result) {
-  result = deploy(scene, 1 / rate, nullptr);
+std::vector<double> figuresOf(const scene::Scene& scene, double rate,
+                              deploy::DeploymentResult& result) {
+  result = deploy::deploy(scene, 1 / rate, nullptr);
   StateTape tape;
   double guideStiffness = result.path.guideStiffness.value_or(0);
   tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
@@ -35,16 +36,17 @@ std::vector<double> figuresOf(const Scene& scene, double rate, DeploymentResult&
 }
 
 /// Returns whether all runs agree.
-bool compareRates(const std::string& name, const Scene& scene, const char* contacts) {
-  DeploymentResult usual;
+bool compareRates(const std::string& name, const scene::Scene& scene, const char* contacts) {
+  deploy::DeploymentResult usual;
   const std::vector<double> figures = figuresOf(scene, 60, usual);
   std::string differing;
   for (const double rate : kRates) {
-    DeploymentResult result;
+    deploy::DeploymentResult result;
     if (figuresOf(scene, rate, result) != figures) differing += fmt::format(" {:g}", rate);
   }
-  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts, toString(usual.outcome),
-             usual.cost.took.steps, differing.empty() ? "same" : "differs at" + differing);
+  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts,
+             deploy::toString(usual.outcome), usual.cost.took.steps,
+             differing.empty() ? "same" : "differs at" + differing);
   std::fflush(stdout);
   return differing.empty();
 }
@@ -59,14 +61,16 @@ std::vector<std::filesystem::path> modelsIn(const std::filesystem::path& folder)
   return models;
 }
 
-int compareModels(const std::filesystem::path& folder, Scene scene) {
+int compareModels(const std::filesystem::path& folder, scene::Scene scene) {
   bool same = true;
-  const std::pair<const char*, ContactFilter> filters[] = {
-      {"auto", ContactFilter::Auto}, {"none", ContactFilter::None}, {"all", ContactFilter::All}};
+  const std::pair<const char*, scene::ContactFilter> filters[] = {
+      {"auto", scene::ContactFilter::Auto},
+      {"none", scene::ContactFilter::None},
+      {"all", scene::ContactFilter::All}};
   for (const std::filesystem::path& path : modelsIn(folder)) {
     std::vector<std::string> warnings;
-    scene.model = readModel(path, std::nullopt, warnings);
-    alignStartToTarget(scene.model);
+    scene.model = model::readModel(path, std::nullopt, warnings);
+    model::alignStartToTarget(scene.model);
     for (const auto& [name, filter] : filters) {
       scene.environment.contacts = filter;
       same = compareRates(path.filename().string(), scene, name) && same;
@@ -81,13 +85,13 @@ int compareModels(const std::filesystem::path& folder, Scene scene) {
 int main(int count, char** arguments) {
   CLI::App program{"Runs every model of a folder at eight sample rates and compares the runs"};
   std::string folder = KIRIREEL_SOURCE_DIR "/data";
-  kirireel::Scene scene = kirireel::openScene();
+  kirireel::scene::Scene scene = kirireel::scene::openScene();
   bool isDynamic = false;
   program.add_option("models", folder, "a model, or a folder of models");
   program.add_option("--search", scene.path.searchTime, "seconds of a reference core");
   program.add_flag("--dynamic", isDynamic, "springs that move masses, instead of the default path");
   CLI11_PARSE(program, count, arguments);
-  if (isDynamic) scene.path.kind = kirireel::PathKind::Dynamic;
+  if (isDynamic) scene.path.kind = kirireel::scene::PathKind::Dynamic;
   try {
     return kirireel::compareModels(folder, scene);
   } catch (const kirireel::Error& error) {

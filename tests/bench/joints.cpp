@@ -22,8 +22,8 @@ std::vector<NamedScene> scenesIn(const std::string& models) {
 /// One sheet that may move in space, and the published models that are here.
 std::vector<NamedScene> stabilityScenes(const std::vector<NamedScene>& models) {
   std::vector<NamedScene> scenes{
-      {"sheet 4 x 4", sheetScene(4, true, SolverKind::Direct)},
-      {"sheet 4 x 4 in space", sheetScene(4, false, SolverKind::Direct)}};
+      {"sheet 4 x 4", sheetScene(4, true, scene::SolverKind::Direct)},
+      {"sheet 4 x 4 in space", sheetScene(4, false, scene::SolverKind::Direct)}};
   for (const NamedScene& model : models) {
     if (model.name == "square2disk" || model.name == "partialSphere") scenes.push_back(model);
   }

@@ -24,22 +24,22 @@ struct Figures {
   double sampleGap = 0;  ///< in any sample, likewise
 };
 
-Figures figuresOf(const TrajectoryReader& run) {
-  const std::vector<Brick>& bricks = run.subject().bricks;
-  const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, bricks);
-  const double tile = tileSize(run.subject().model);
+Figures figuresOf(const trajectory::TrajectoryReader& run) {
+  const std::vector<model::Brick>& bricks = run.subject().bricks;
+  const std::vector<model::Pivot> pivots = model::makePivots(run.subject().model.joints, bricks);
+  const double tile = model::tileSize(run.subject().model);
   Figures figures;
   for (std::size_t i = 0; i < run.times().size(); ++i) {
     figures.sampleGap =
-        std::max(figures.sampleGap, jointGap(pivots, run.sample(i).poses).max / tile);
+        std::max(figures.sampleGap, trajectory::jointGap(pivots, run.sample(i).poses).max / tile);
   }
-  Replay states(run);
+  record::Replay states(run);
   std::vector<double> way = {0};
   Poses before;
-  for (const FrameMoment& moment : videoMoments(motionOf(run), {})) {
+  for (const record::FrameMoment& moment : record::videoMoments(record::motionOf(run), {})) {
     Poses poses = states.at(moment.time).poses;
-    figures.gap = std::max(figures.gap, jointGap(pivots, poses).max / tile);
-    if (!before.empty()) way.push_back(way.back() + pathDistance(bricks, before, poses));
+    figures.gap = std::max(figures.gap, trajectory::jointGap(pivots, poses).max / tile);
+    if (!before.empty()) way.push_back(way.back() + deploy::pathDistance(bricks, before, poses));
     before = std::move(poses);
   }
   if (way.size() <= 2 * kRampFrames) return figures;
@@ -55,7 +55,7 @@ Figures figuresOf(const TrajectoryReader& run) {
 }
 
 void print(const char* file) {
-  const TrajectoryReader run(file);
+  const trajectory::TrajectoryReader run(file);
   const Figures figures = figuresOf(run);
   fmt::print("{:26} tenths {:5.2f} to {:5.2f}%, gap {:.1e} tiles in frames, {:.1e} in samples\n",
              run.subject().model.name, 100 * figures.least, 100 * figures.most, figures.gap,

@@ -14,25 +14,25 @@ constexpr int kFinestRate = 1920;
 
 /// What a run passes through, and what it costs.
 struct Path {
-  std::vector<std::vector<Tile>> tiles;  // one entry a sample
-  double milliseconds = 0;               // CPU, a simulated second
+  std::vector<std::vector<model::Tile>> tiles;  // one entry a sample
+  double milliseconds = 0;                      // CPU, a simulated second
 };
 
-Path followPath(Scene scene, int rate) {
+Path followPath(scene::Scene scene, int rate) {
   scene.solver.timestep = 1.0 / rate;
-  SteppedScene run(scene);
+  study::SteppedScene run(scene);
   Path path;
   const int steps = static_cast<int>(kSeconds * rate);
   for (int step = 1; step <= steps; ++step) {
     run.advance();
     if (step % (rate / kSamplesASecond) != 0) continue;
-    path.tiles.push_back(bottomTiles(run.bricks(), run.motion().poses));
+    path.tiles.push_back(model::bottomTiles(run.bricks(), run.motion().poses));
   }
   path.milliseconds = 1e3 * run.seconds() / kSeconds;
   return path;
 }
 
-double farthestApart(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+double farthestApart(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b) {
   double farthest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = 0; k < a[i].vertices.size(); ++k) {
@@ -44,7 +44,7 @@ double farthestApart(const std::vector<Tile>& a, const std::vector<Tile>& b) {
 
 void printPathRows(const NamedScene& named) {
   const Path finest = followPath(named.scene, kFinestRate);
-  const double tile = tileSize(named.scene.model);
+  const double tile = model::tileSize(named.scene.model);
   for (const int rate : {960, 480, 240, 120, 60, 30}) {
     const Path path = followPath(named.scene, rate);
     double largest = 0;
@@ -67,7 +67,7 @@ void printPathTable(const std::vector<NamedScene>& models) {
       kSeconds, kFinestRate);
   fmt::print("{:<24}{:>8}{:>14}{:>12}{:>16}\n", "model", "step", "on the way", "at the end",
              "CPU ms / s");
-  printPathRows({"sheet 10 x 10", sheetScene(10, true, SolverKind::Direct)});
+  printPathRows({"sheet 10 x 10", sheetScene(10, true, scene::SolverKind::Direct)});
   for (const NamedScene& model : models) {
     if (model.name == "square2disk" || model.name == "cylinder") printPathRows(model);
   }

@@ -57,12 +57,12 @@ double leastCost(int frames, const std::function<void()>& frame) {
 }
 
 /// Opens so slowly that it is still on its way after `frames` frames.
-Scene slowScene(int frames) {
-  Scene scene;
-  scene.model = makeTessellation({.columns = kSide, .rows = kSide});
+scene::Scene slowScene(int frames) {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({.columns = kSide, .rows = kSide});
   scene.brick.thickness = 0.1;
   scene.springs.forceDamping = 1e4;
-  scene.path.kind = PathKind::Straight;
+  scene.path.kind = scene::PathKind::Straight;
   scene.stop.settleTime = 1e6;
   scene.stop.duration = (frames - 1.0) / kRate;
   return scene;
@@ -71,15 +71,17 @@ Scene slowScene(int frames) {
 /// A video's time on the wall against that of its slowest stage alone and all its CPU on the cores
 /// that there are (see taskset).
 void printVideo(int frames, const fs::path& folder) {
-  const ProgressObserver proceed = [](const Progress&) { return Interruption{}; };
-  RecordSettings settings;
+  const record::ProgressObserver proceed = [](const record::Progress&) {
+    return record::Interruption{};
+  };
+  record::RecordSettings settings;
   settings.folder = folder / "run";
   settings.size = kSize;
   settings.video = settings.snapshots = settings.meshes = false;
   settings.length = static_cast<double>(frames) / kRate;
   settings.hold = 0;
-  settings.look.camera.view = kIsometricView;
-  record(slowScene(frames), settings, proceed);
+  settings.look.camera.view = picture::kIsometricView;
+  record::record(slowScene(frames), settings, proceed);
   settings.video = true;
   settings.folder = folder / "video";
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -87,9 +89,10 @@ void printVideo(int frames, const fs::path& folder) {
   std::string line;
   for (int round = 0; round < 3; ++round) {
     const double start = cpuSeconds(RUSAGE_SELF);
-    const PictureReport report = render(folder / "run" / "trajectory.h5", settings, proceed);
+    const record::PictureReport report =
+        record::render(folder / "run" / "trajectory.h5", settings, proceed);
     const double total = cpuSeconds(RUSAGE_SELF) - start;
-    const RecordCost& cost = report.recordCost;
+    const record::RecordCost& cost = report.recordCost;
     const double slowest =
         std::max(cost.cpuSecondsRender / settings.painters(), cost.cpuSecondsEncode);
     const double ratio = cost.wallSeconds / std::max(slowest, total / cores);
@@ -107,10 +110,10 @@ void printVideo(int frames, const fs::path& folder) {
 /// Returns the painter's CPU milliseconds a frame without ambient occlusion.
 double printPainting(const PaintedSheet& sheet) {
   constexpr int kFrames = 10;
-  Style plain;
+  picture::Style plain;
   plain.occlusion = 0;
-  const auto costIn = [&](const Style& style) {
-    Painter painter(kSize, sheet.bricks, style, Smoothness::Film);
+  const auto costIn = [&](const picture::Style& style) {
+    picture::Painter painter(kSize, sheet.bricks, style, picture::Smoothness::Film);
     return leastCost(kFrames, [&] { painter.paint(sheet.poses, sheet.camera); });
   };
   const double painted = costIn(plain), occluded = costIn({});
@@ -124,7 +127,7 @@ double printPainting(const PaintedSheet& sheet) {
 }
 
 /// The same pictures into our encoder and, raw, into FFmpeg's own program with the same settings.
-void printEncoding(int frames, const PaintedSheet& sheet, Painter& painter,
+void printEncoding(int frames, const PaintedSheet& sheet, picture::Painter& painter,
                    const fs::path& folder) {
   const std::string command = fmt::format(
       "ffmpeg -v error -y -f rawvideo -pix_fmt rgba -s {}x{} -r {} -i - -vf '{}' -c:v libx264 "
@@ -133,18 +136,18 @@ void printEncoding(int frames, const PaintedSheet& sheet, Painter& painter,
       kSize.width, kSize.height, kRate, kPeerColours, (folder / "peer.mp4").string());
   const double childrenBefore = cpuSeconds(RUSAGE_CHILDREN);
   std::FILE* pipe = ::popen(command.c_str(), "w");
-  VideoWriter writer(folder / "ours.mp4", {.size = kSize, .framesPerSecond = kRate});
+  picture::VideoWriter writer(folder / "ours.mp4", {.size = kSize, .framesPerSecond = kRate});
   double ours = 0;
   Poses poses = sheet.poses;
   for (int k = 0; k < frames; ++k) {
     for (Pose& pose : poses) pose.position *= 1.0005;
-    const Frame frame = painter.paint(poses, sheet.camera);
+    const picture::Frame frame = painter.paint(poses, sheet.camera);
     std::fwrite(frame.pixels.data(), 1, frame.pixels.size(), pipe);
-    const CpuTimer timer(ours);
+    const record::CpuTimer timer(ours);
     writer.write(frame);
   }
   {
-    const CpuTimer timer(ours);
+    const record::CpuTimer timer(ours);
     writer.finish();
   }
   ::pclose(pipe);
@@ -184,9 +187,9 @@ void run(int frames) {
   fmt::print("{} bricks, {} x {}, 4 samples a pixel, the bare loop 6\n", kSide * kSide, kSize.width,
              kSize.height);
   printVideoAside(frames, folder);
-  setRasterThreads(0);
+  picture::setRasterThreads(0);
   const PaintedSheet sheet(kSide);
-  Painter painter(kSize, sheet.bricks, {}, Smoothness::Film);
+  picture::Painter painter(kSize, sheet.bricks, {}, picture::Smoothness::Film);
   const double painted = printPainting(sheet);
   printEncoding(frames, sheet, painter, folder);
   printPeer(painted);

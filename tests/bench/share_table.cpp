@@ -25,12 +25,14 @@ double microseconds(const Call& call) {
 
 template <int D>
 void printShares(int side) {
-  const Scene scene = sheetScene(side, D == 3, SolverKind::Direct);
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const Motion motion{startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())};
-  const TargetSprings springs(bricks, *scene.model.target, {}, scene.springs);
-  StepSystem<D> system(bricks, makePivots(scene.model.joints, bricks), tileSize(scene.model));
-  std::vector<Load> loads(bricks.size());
+  const scene::Scene scene = sheetScene(side, D == 3, scene::SolverKind::Direct);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const Motion motion{model::startPoses(scene.model.tiles, bricks),
+                      std::vector<Velocity>(bricks.size())};
+  const deploy::TargetSprings springs(bricks, *scene.model.target, {}, scene.springs);
+  mechanics::StepSystem<D> system(bricks, model::makePivots(scene.model.joints, bricks),
+                                  model::tileSize(scene.model));
+  std::vector<model::Load> loads(bricks.size());
   const double load = microseconds([&] {
     for (std::size_t i = 0; i < bricks.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), motion.poses[i], 1);

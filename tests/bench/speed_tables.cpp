@@ -9,14 +9,17 @@ namespace {
 
 /// Returns the direct solver's milliseconds a step.
 double printSpeedRow(int side, bool planar) {
-  const double direct = millisecondsPerStep(sheetScene(side, planar, SolverKind::Direct), 240);
-  const double bullet = millisecondsPerStep(sheetScene(side, planar, SolverKind::Bullet), 240);
+  const double direct =
+      millisecondsPerStep(sheetScene(side, planar, scene::SolverKind::Direct), 240);
+  const double bullet =
+      millisecondsPerStep(sheetScene(side, planar, scene::SolverKind::Bullet), 240);
   fmt::print("{:<16}{:>12.4f}{:>12.3f}{:>10.1f}",
              fmt::format("{0} x {0} {1}", side, planar ? "planar" : "space"), direct, bullet,
              bullet / direct);
   if (planar) {
     // In the plane, one point joint a hinge would do for Bullet too.
-    const Scene points = sheetScene(side, planar, SolverKind::Bullet, JointFace::Bottom);
+    const scene::Scene points =
+        sheetScene(side, planar, scene::SolverKind::Bullet, model::JointFace::Bottom);
     const double fewer = millisecondsPerStep(points, 240);
     fmt::print("{:>18.3f}{:>10.1f}", fewer, fewer / direct);
   }
@@ -53,9 +56,9 @@ void printLargestStepTable() {
              "CPU ms / s", "ratio", "kept");
   for (const bool planar : {true, false}) {
     const double bullet =
-        240 * millisecondsPerStep(sheetScene(kSide, planar, SolverKind::Bullet), 240);
+        240 * millisecondsPerStep(sheetScene(kSide, planar, scene::SolverKind::Bullet), 240);
     for (const int rate : {240, 120, 60, 30, 20, 15, 10, 5}) {
-      Scene scene = sheetScene(kSide, planar, SolverKind::Direct);
+      scene::Scene scene = sheetScene(kSide, planar, scene::SolverKind::Direct);
       scene.solver.timestep = 1.0 / rate;
       const MotionError error = motionError(scene, kSide, 3);
       const double cost = rate * millisecondsPerStep(scene, 3 * rate);
@@ -69,8 +72,8 @@ void printLargestStepTable() {
 }
 
 void printLargeSheetTable() {
-  Scene scene = sheetScene(100, true, SolverKind::Direct);
-  SteppedScene run(scene);
+  scene::Scene scene = sheetScene(100, true, scene::SolverKind::Direct);
+  study::SteppedScene run(scene);
   double start = 0;
   for (int step = 0; step < 60; ++step) {
     if (step == 20) start = run.seconds();

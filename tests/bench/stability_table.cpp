@@ -25,7 +25,7 @@ struct Worst {
   int unconverged = 0;
   std::string where;  // the energy grew most
 
-  void add(const Stability& result, bool isCut, const std::string& combination) {
+  void add(const study::Stability& result, bool isCut, const std::string& combination) {
     ++runs;
     cut += isCut ? 1 : 0;
     diverged += result.finite ? 0 : 1;
@@ -38,7 +38,7 @@ struct Worst {
   }
 };
 
-Worst worstAtStep(Scene scene, double rate) {
+Worst worstAtStep(scene::Scene scene, double rate) {
   scene.solver.timestep = 1 / rate;
   Worst worst;
   for (const double stiffness : kStiffnesses) {
@@ -48,8 +48,8 @@ Worst worstAtStep(Scene scene, double rate) {
         scene.springs.forceDamping = damping;
         scene.brick.thickness = thickness;
         const int steps = static_cast<int>(std::lround(kSeconds * rate));
-        SteppedScene run(scene);
-        const Stability result = watchStability(run, steps, kMostCpuSeconds);
+        study::SteppedScene run(scene);
+        const study::Stability result = study::watchStability(run, steps, kMostCpuSeconds);
         worst.add(result, result.finite && result.steps < steps,
                   fmt::format("k_f {}, mu_v {}, thickness {}", stiffness, damping, thickness));
       }
@@ -66,7 +66,8 @@ void printStabilityTable(const std::vector<NamedScene>& models, bool contacts) {
   fmt::print("{:<24}{:>8}{:>5}{:>10}{:>7}{:>11}{:>10}{:>8}  {}\n", "model", "step", "cut",
              "diverged", "grew", "growth", "gap/size", "unconv", "largest growth at");
   for (NamedScene named : models) {
-    named.scene.environment.contacts = contacts ? ContactFilter::All : ContactFilter::None;
+    named.scene.environment.contacts =
+        contacts ? scene::ContactFilter::All : scene::ContactFilter::None;
     for (const double rate : kStepRates) {
       const Worst worst = worstAtStep(named.scene, rate);
       fmt::print("{:<24}{:>8}{:>5}{:>10}{:>7}{:>11.1e}{:>10.1e}{:>8}  {}\n", named.name,

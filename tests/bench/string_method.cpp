@@ -50,16 +50,16 @@ using Vector = Eigen::VectorXd;
 
 class String {
  public:
-  String(const Scene& scene, const std::vector<Poses>& guide, double mostGrown)
+  String(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown)
       : mostGrown_(mostGrown),
-        bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(makePivots(scene.model.joints, bricks_)),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
         meter_(bricks_, pivots_, scene.environment.pivotZone, guide.front(), 0),
-        isPlanar_(sceneNeeds(scene).planar.on),
-        tile_(tileSize(scene.model)),
-        group_(symmetriesOf(scene.model)) {
-    if (isPlanar_) std::erase_if(pivots_, [](const Pivot& pivot) { return pivot.isUpper; });
-    for (const Brick& brick : bricks_) {
+        isPlanar_(scene::sceneNeeds(scene).planar.on),
+        tile_(model::tileSize(scene.model)),
+        group_(model::symmetriesOf(scene.model)) {
+    if (isPlanar_) std::erase_if(pivots_, [](const model::Pivot& pivot) { return pivot.isUpper; });
+    for (const model::Brick& brick : bricks_) {
       double sum = 0;
       for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
       radii_.push_back(std::sqrt(sum / static_cast<double>(brick.bottom.size())));
@@ -102,9 +102,9 @@ class String {
 
  private:
   void keepSymmetries() {
-    std::erase_if(group_, [&](const Symmetry& symmetry) {
+    std::erase_if(group_, [&](const model::Symmetry& symmetry) {
       return std::ranges::any_of(images_, [&](const Poses& image) {
-        return asymmetry(image, {&symmetry, 1}, tile_) > kAsymmetric * tile_;
+        return model::asymmetry(image, {&symmetry, 1}, tile_) > kAsymmetric * tile_;
       });
     });
   }
@@ -112,7 +112,7 @@ class String {
   double length() const {
     double sum = 0;
     for (std::size_t k = 1; k < images_.size(); ++k) {
-      sum += pathDistance(bricks_, images_[k - 1], images_[k]);
+      sum += deploy::pathDistance(bricks_, images_[k - 1], images_[k]);
     }
     return sum;
   }
@@ -137,7 +137,8 @@ class String {
 
   double gapOf(const Poses& poses) const {
     double largest = 0;
-    for (const Pivot& pivot : pivots_) largest = std::max(largest, pivotGap(pivot, poses));
+    for (const model::Pivot& pivot : pivots_)
+      largest = std::max(largest, model::pivotGap(pivot, poses));
     return largest;
   }
 
@@ -145,7 +146,7 @@ class String {
   void spreadEvenly() {
     std::vector<double> lengths = {0};
     for (std::size_t k = 1; k < images_.size(); ++k) {
-      lengths.push_back(lengths.back() + pathDistance(bricks_, images_[k - 1], images_[k]));
+      lengths.push_back(lengths.back() + deploy::pathDistance(bricks_, images_[k - 1], images_[k]));
     }
     std::vector<Poses> even = {images_.front()};
     std::size_t next = 1;
@@ -220,7 +221,7 @@ class String {
     Joints joints{Vector(rows), {rows, freedoms() * static_cast<int>(poses.size())}};
     std::vector<Eigen::Triplet<double>> slopes;
     for (std::size_t j = 0; j < pivots_.size(); ++j) {
-      const Pivot& pivot = pivots_[j];
+      const model::Pivot& pivot = pivots_[j];
       const Pose& a = poses[static_cast<std::size_t>(pivot.brickA)];
       const Pose& b = poses[static_cast<std::size_t>(pivot.brickB)];
       const int row = 3 * static_cast<int>(j);
@@ -265,7 +266,7 @@ class String {
     const Vector opened = joints.jacobian * wanted + joints.gaps;
     const Vector closing = solved(joints.jacobian.transpose() * joints.jacobian, kZero,
                                   joints.jacobian.transpose() * opened);
-    return symmetricMean(clearlyMoved(poses, wanted - closing), group_);
+    return model::symmetricMean(clearlyMoved(poses, wanted - closing), group_);
   }
 
   /// The solution of (matrix + damping) x = right.
@@ -277,23 +278,23 @@ class String {
   }
 
   double mostGrown_;  // metres
-  std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
-  PenetrationMeter meter_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  trajectory::PenetrationMeter meter_;
   bool isPlanar_;
   std::vector<double> radii_;  // of gyration, metres
   std::vector<Poses> images_;
-  double tile_;                  // metres
-  std::vector<Symmetry> group_;  // of the model, then of all images
+  double tile_;                         // metres
+  std::vector<model::Symmetry> group_;  // of the model, then of all images
 };
 
 }  // namespace
 
-double leastOpening(const Scene& scene, const std::vector<Poses>& guide, double mostGrown) {
+double leastOpening(const scene::Scene& scene, const std::vector<Poses>& guide, double mostGrown) {
   return String(scene, guide, mostGrown).relax();
 }
 
-double leastLength(const Scene& scene, const std::vector<Poses>& path, double mostGrown) {
+double leastLength(const scene::Scene& scene, const std::vector<Poses>& path, double mostGrown) {
   return String(scene, path, mostGrown).shorten();
 }
 

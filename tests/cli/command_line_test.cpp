@@ -13,13 +13,13 @@ namespace {
 using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
-RecordOrder recordOrder(const Words& words) {
-  return std::get<RecordOrder>(parseCommandLine(words));
+cli::RecordOrder recordOrder(const Words& words) {
+  return std::get<cli::RecordOrder>(cli::parseCommandLine(words));
 }
 
 std::string messageOf(const Words& words) {
   try {
-    parseCommandLine(words);
+    cli::parseCommandLine(words);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -27,7 +27,7 @@ std::string messageOf(const Words& words) {
 }
 
 std::string page(const Words& words) {
-  return std::get<PrintOrder>(parseCommandLine(words)).text;
+  return std::get<cli::PrintOrder>(cli::parseCommandLine(words)).text;
 }
 
 TEST(CommandLine, HelpTellsTheExitCodes) {
@@ -41,72 +41,72 @@ TEST(CommandLine, HelpTellsTheExitCodes) {
 }
 
 TEST(CommandLine, RecordNeedsOnlyAModel) {
-  const RecordOrder order = recordOrder({"record", "data/fan"});
+  const cli::RecordOrder order = recordOrder({"record", "data/fan"});
   EXPECT_EQ(order.model, "data/fan");
   EXPECT_TRUE(order.settings.video && order.settings.snapshots && order.settings.meshes);
   EXPECT_FALSE(order.printJson);
-  EXPECT_EQ(order.settings.size, (FrameSize{1280, 720}));
+  EXPECT_EQ(order.settings.size, (picture::FrameSize{1280, 720}));
   EXPECT_EQ(order.settings.framesPerSecond, 60);
   EXPECT_FALSE(order.scene.springs.springStiffness);
-  EXPECT_EQ(order.scene.solver.kind, SolverKind::Direct);
+  EXPECT_EQ(order.scene.solver.kind, scene::SolverKind::Direct);
 }
 
 TEST(CommandLine, SimulatePaintsNothing) {
-  const RecordSettings settings = recordOrder({"simulate", "fan"}).settings;
+  const record::RecordSettings settings = recordOrder({"simulate", "fan"}).settings;
   EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes || settings.frames);
   EXPECT_THAT(messageOf({"simulate", "fan", "--size", "10x10"}),
               HasSubstr("error: unknown option --size"));
 }
 
 TEST(CommandLine, ReadsEveryPhysicalOption) {
-  const Scene scene = recordOrder({"record",
-                                   "fan",
-                                   "--thickness",
-                                   "0.1",
-                                   "--mass",
-                                   "prism",
-                                   "--density",
-                                   "500",
-                                   "--spring-stiffness",
-                                   "25",
-                                   "--torque-stiffness",
-                                   "30",
-                                   "--force-damping",
-                                   "20",
-                                   "--torque-damping",
-                                   "3",
-                                   "--no-adaptive",
-                                   "--gravity",
-                                   "-9.81",
-                                   "--ground",
-                                   "--contacts",
-                                   "none",
-                                   "--brick-friction",
-                                   "0.2",
-                                   "--linear-damping",
-                                   "0.1",
-                                   "--angular-damping",
-                                   "0.2",
-                                   "--duration",
-                                   "3",
-                                   "--solver",
-                                   "bullet",
-                                   "--timestep",
-                                   "0.01",
-                                   "--substeps",
-                                   "7",
-                                   "--iterations",
-                                   "9",
-                                   "--planar",
-                                   "off",
-                                   "--seed",
-                                   "42",
-                                   "--search",
-                                   "5",
-                                   "--no-align"})
-                          .scene;
+  const scene::Scene scene = recordOrder({"record",
+                                          "fan",
+                                          "--thickness",
+                                          "0.1",
+                                          "--mass",
+                                          "prism",
+                                          "--density",
+                                          "500",
+                                          "--spring-stiffness",
+                                          "25",
+                                          "--torque-stiffness",
+                                          "30",
+                                          "--force-damping",
+                                          "20",
+                                          "--torque-damping",
+                                          "3",
+                                          "--no-adaptive",
+                                          "--gravity",
+                                          "-9.81",
+                                          "--ground",
+                                          "--contacts",
+                                          "none",
+                                          "--brick-friction",
+                                          "0.2",
+                                          "--linear-damping",
+                                          "0.1",
+                                          "--angular-damping",
+                                          "0.2",
+                                          "--duration",
+                                          "3",
+                                          "--solver",
+                                          "bullet",
+                                          "--timestep",
+                                          "0.01",
+                                          "--substeps",
+                                          "7",
+                                          "--iterations",
+                                          "9",
+                                          "--planar",
+                                          "off",
+                                          "--seed",
+                                          "42",
+                                          "--search",
+                                          "5",
+                                          "--no-align"})
+                                 .scene;
   EXPECT_EQ(scene.brick.thickness, 0.1);
-  EXPECT_EQ(scene.brick.mass, MassRule::Prism);
+  EXPECT_EQ(scene.brick.mass, model::MassRule::Prism);
   EXPECT_EQ(scene.brick.density, 500);
   EXPECT_EQ(scene.springs.springStiffness, 25);
   EXPECT_EQ(scene.springs.torqueStiffness, 30);
@@ -116,12 +116,12 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.environment.gravity, Vector3(0, 0, -9.81));
   ASSERT_TRUE(scene.environment.ground);
   EXPECT_EQ(scene.environment.ground->friction, 0.5);
-  EXPECT_EQ(scene.environment.contacts, ContactFilter::None);
+  EXPECT_EQ(scene.environment.contacts, scene::ContactFilter::None);
   EXPECT_EQ(scene.environment.brickFriction, 0.2);
   EXPECT_EQ(scene.environment.linearDamping, 0.1);
   EXPECT_EQ(scene.environment.angularDamping, 0.2);
   EXPECT_EQ(scene.stop.duration, 3);
-  EXPECT_EQ(scene.solver.kind, SolverKind::Bullet);
+  EXPECT_EQ(scene.solver.kind, scene::SolverKind::Bullet);
   EXPECT_EQ(scene.solver.timestep, 0.01);
   EXPECT_EQ(scene.solver.substeps, 7);
   EXPECT_EQ(scene.solver.iterations, 9);
@@ -132,25 +132,25 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
 }
 
 TEST(CommandLine, SpringsFollowFromTheModelUnlessSpelledAsPyKirigamiDoes) {
-  const TargetSpringSettings own = recordOrder({"record", "fan"}).scene.springs;
+  const scene::TargetSpringSettings own = recordOrder({"record", "fan"}).scene.springs;
   EXPECT_FALSE(own.springStiffness || own.torqueStiffness || own.forceDamping || own.torqueDamping);
   const auto peerSprings = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"record", "--model", "fan"});
     return recordOrder(more).scene.springs;
   };
-  const TargetSpringSettings peer = peerSprings({"--spring_stiffness", "25"});
+  const scene::TargetSpringSettings peer = peerSprings({"--spring_stiffness", "25"});
   EXPECT_EQ(peer.springStiffness, 25);
   EXPECT_EQ(peer.torqueStiffness, 100);
   EXPECT_EQ(peer.forceDamping, 50);
   EXPECT_EQ(peer.torqueDamping, 2);
-  const TargetSpringSettings mixed = peerSprings({"--spring-frequency", "2"});
+  const scene::TargetSpringSettings mixed = peerSprings({"--spring-frequency", "2"});
   EXPECT_EQ(mixed.frequency, 2);
   EXPECT_FALSE(mixed.springStiffness || mixed.torqueStiffness);
   EXPECT_EQ(mixed.forceDamping, 50);
 }
 
 TEST(CommandLine, ReadsEveryPictureOption) {
-  const RecordSettings settings =
+  const record::RecordSettings settings =
       recordOrder({"record",         "fan",         "--out",      "here",
                    "--size",         "640x360",     "--fps",      "30",
                    "--grid",         "2x4",         "--view",     "top",
@@ -160,57 +160,58 @@ TEST(CommandLine, ReadsEveryPictureOption) {
                    "--gl",           "egl"})
           .settings;
   EXPECT_EQ(settings.folder, "here");
-  EXPECT_EQ(settings.size, (FrameSize{640, 360}));
+  EXPECT_EQ(settings.size, (picture::FrameSize{640, 360}));
   EXPECT_EQ(settings.framesPerSecond, 30);
-  EXPECT_EQ(settings.grid, (GridShape{2, 4}));
-  EXPECT_EQ(settings.look.camera.view, kTopView);
-  EXPECT_EQ(settings.spacing, SnapshotSpacing::Time);
+  EXPECT_EQ(settings.grid, (picture::GridShape{2, 4}));
+  EXPECT_EQ(settings.look.camera.view, picture::kTopView);
+  EXPECT_EQ(settings.spacing, record::SnapshotSpacing::Time);
   EXPECT_TRUE(settings.captions->angle && settings.captions->gap);
   EXPECT_FALSE(settings.captions->time || settings.captions->error);
   EXPECT_TRUE(settings.scaleBar);
   EXPECT_EQ(settings.dotsPerInch, 300);
   EXPECT_TRUE(settings.svg);
-  EXPECT_EQ(settings.graphics, GraphicsLibrary::Egl);
+  EXPECT_EQ(settings.graphics, picture::GraphicsLibrary::Egl);
   EXPECT_TRUE(settings.frames);
   EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes);
 }
 
 TEST(CommandLine, ReadsEveryOptionOfTheLook) {
-  const Look look =
+  const picture::Look look =
       recordOrder({"record", "fan", "--theme", "dark", "--colour", "rotation", "--colour-map",
                    "cividis", "--colour-most", "90", "--brick-colour", "#102030", "--ground-look",
                    "shadow", "--transparent", "--no-outlines", "--mark-joints", "--target-lines"})
           .settings.look;
-  EXPECT_EQ(look.theme, Theme::Dark);
-  EXPECT_EQ(look.colouring, Colouring::Rotation);
-  EXPECT_EQ(look.map, ColourMap::Cividis);
+  EXPECT_EQ(look.theme, picture::Theme::Dark);
+  EXPECT_EQ(look.colouring, picture::Colouring::Rotation);
+  EXPECT_EQ(look.map, picture::ColourMap::Cividis);
   EXPECT_EQ(look.colourMost, 90);
-  EXPECT_EQ(look.brickColour, (Colour{16, 32, 48}));
-  EXPECT_EQ(look.ground, GroundLook::Shadow);
+  EXPECT_EQ(look.brickColour, (picture::Colour{16, 32, 48}));
+  EXPECT_EQ(look.ground, picture::GroundLook::Shadow);
   EXPECT_TRUE(look.transparent && look.jointMarks && look.targetLines);
   EXPECT_FALSE(look.outlines);
 }
 
 TEST(CommandLine, ReadsEveryOptionOfTheCamera) {
-  const Look look =
+  const picture::Look look =
       recordOrder({"record", "fan", "--yaw", "30", "--projection", "parallel", "--zoom", "2",
                    "--margin", "0.1", "--distance", "7", "--fit", "ends", "--orbit", "180",
                    "--camera-keys", "0:50:-35:1,2.5:90:-20:1.5"})
           .settings.look;
-  EXPECT_EQ(look.camera.view, viewFromYawPitch(30 * M_PI / 180, -35 * M_PI / 180));
+  EXPECT_EQ(look.camera.view, picture::viewFromYawPitch(30 * M_PI / 180, -35 * M_PI / 180));
   EXPECT_EQ(look.camera.orthographic, true);
   EXPECT_EQ(look.camera.zoom, 2);
   EXPECT_EQ(look.camera.margin, 0.1);
   EXPECT_EQ(look.camera.distance, 7);
-  EXPECT_EQ(look.fit, FitScope::Ends);
+  EXPECT_EQ(look.fit, picture::FitScope::Ends);
   EXPECT_EQ(look.camera.orbit, M_PI);
-  const CameraKey last{2.5, viewFromYawPitch(90 * M_PI / 180, -20 * M_PI / 180), 1.5};
+  const picture::CameraKey last{2.5, picture::viewFromYawPitch(90 * M_PI / 180, -20 * M_PI / 180),
+                                1.5};
   ASSERT_EQ(look.camera.keys.size(), 2U);
   EXPECT_EQ(look.camera.keys[1], last);
 }
 
 TEST(CommandLine, TakesPyKirigamisCommand) {
-  const RecordOrder peer =
+  const cli::RecordOrder peer =
       recordOrder({"record", "--model", "square2disk", "--ground_plane", "--brick_thickness", "0.1",
                    "--gravity", "-200", "--force_damping", "20", "--headless", "--no_collision"});
   EXPECT_EQ(peer.model, "square2disk");
@@ -218,7 +219,7 @@ TEST(CommandLine, TakesPyKirigamisCommand) {
   EXPECT_EQ(peer.scene.brick.thickness, 0.1);
   EXPECT_EQ(peer.scene.environment.gravity.z(), -200);
   EXPECT_EQ(peer.scene.springs.forceDamping, 20);
-  EXPECT_EQ(peer.scene.environment.contacts, ContactFilter::Unjoined);
+  EXPECT_EQ(peer.scene.environment.contacts, scene::ContactFilter::Unjoined);
 }
 
 TEST(CommandLine, LastOfTwoWins) {
@@ -237,7 +238,7 @@ TEST(CommandLine, GroundFrictionImpliesGround) {
 }
 
 TEST(CommandLine, GeneratesFamilies) {
-  const GenerateOrder order = std::get<GenerateOrder>(parseCommandLine(
+  const cli::GenerateOrder order = std::get<cli::GenerateOrder>(cli::parseCommandLine(
       {"generate", "tessellation", "here", "--columns", "3", "--rows", "2", "--length", "2",
        "--width", "0.5", "--start-angle", "30", "--target-angle", "120", "--face", "bottom"}));
   EXPECT_EQ(order.family, "tessellation");
@@ -248,22 +249,23 @@ TEST(CommandLine, GeneratesFamilies) {
                                                          {"width", 0.5},
                                                          {"start-angle", 30},
                                                          {"target-angle", 120}}));
-  EXPECT_EQ(order.face, JointFace::Bottom);
-  const GenerateOrder cap = std::get<GenerateOrder>(parseCommandLine({"generate", "cap", "there"}));
+  EXPECT_EQ(order.face, model::JointFace::Bottom);
+  const cli::GenerateOrder cap =
+      std::get<cli::GenerateOrder>(cli::parseCommandLine({"generate", "cap", "there"}));
   EXPECT_EQ(cap.family, "cap");
   EXPECT_TRUE(cap.values.empty());
   EXPECT_FALSE(cap.face);
 }
 
 TEST(CommandLine, InspectsAndConverts) {
-  const InspectOrder inspect = std::get<InspectOrder>(
-      parseCommandLine({"inspect", "fan", "--json", "--picture", "a.png", "--thickness", "0.1"}));
+  const cli::InspectOrder inspect = std::get<cli::InspectOrder>(cli::parseCommandLine(
+      {"inspect", "fan", "--json", "--picture", "a.png", "--thickness", "0.1"}));
   EXPECT_EQ(inspect.model, "fan");
   EXPECT_EQ(inspect.picture, "a.png");
   EXPECT_TRUE(inspect.printJson);
   EXPECT_EQ(inspect.scene.brick.thickness, 0.1);
-  const ConvertOrder convert =
-      std::get<ConvertOrder>(parseCommandLine({"convert", "fan", "fan.fold", "--target", "open"}));
+  const cli::ConvertOrder convert = std::get<cli::ConvertOrder>(
+      cli::parseCommandLine({"convert", "fan", "fan.fold", "--target", "open"}));
   EXPECT_EQ(convert.input, "fan");
   EXPECT_EQ(convert.output, "fan.fold");
   EXPECT_EQ(convert.target, "open");
@@ -274,13 +276,13 @@ TEST(CommandLine, InspectsAndConverts) {
 TEST(CommandLine, ChoosesFacesOfJoints) {
   const auto facesOf = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"record", "fan"});
-    return std::get<RecordOrder>(parseCommandLine(arguments)).faces;
+    return std::get<cli::RecordOrder>(cli::parseCommandLine(arguments)).faces;
   };
   EXPECT_FALSE(facesOf({}));
   EXPECT_FALSE(facesOf({"--faces", "model"}));
-  EXPECT_EQ(facesOf({"--faces", "fold"}), FaceRule::Fold);
-  EXPECT_EQ(facesOf({"--faces", "pykirigami"}), FaceRule::PyKirigami);
-  EXPECT_EQ(facesOf({"--auto_detect_connections"}), FaceRule::PyKirigami);
+  EXPECT_EQ(facesOf({"--faces", "fold"}), model::FaceRule::Fold);
+  EXPECT_EQ(facesOf({"--faces", "pykirigami"}), model::FaceRule::PyKirigami);
+  EXPECT_EQ(facesOf({"--auto_detect_connections"}), model::FaceRule::PyKirigami);
 }
 
 TEST(CommandLine, UnknownOptionSuggestsTheNearest) {
@@ -337,8 +339,8 @@ TEST(CommandLine, VersionNamesTheLibraries) {
 }
 
 TEST(CommandLine, RenderTakesSeveralRunsIntoAFolderOfTheirOwn) {
-  const auto order = std::get<RenderOrder>(
-      parseCommandLine({"render", "out/fan/trajectory.h5", "out/cap/trajectory.h5", "--out", "x"}));
+  const auto order = std::get<cli::RenderOrder>(cli::parseCommandLine(
+      {"render", "out/fan/trajectory.h5", "out/cap/trajectory.h5", "--out", "x"}));
   EXPECT_EQ(order.trajectories.size(), 2);
   EXPECT_THAT(messageOf({"render", "a.h5", "b.h5"}),
               HasSubstr("error: a figure of several runs belongs to none of their folders; give "
@@ -346,18 +348,18 @@ TEST(CommandLine, RenderTakesSeveralRunsIntoAFolderOfTheirOwn) {
 }
 
 TEST(CommandLine, RenderTakesPictureAndVideoOptions) {
-  const auto order = std::get<RenderOrder>(
-      parseCommandLine({"render", "out/fan/trajectory.h5", "--format", "webm", "--fps", "25",
-                        "--speed", "0.5", "--hold", "1", "--crf", "30", "--view", "iso"}));
+  const auto order = std::get<cli::RenderOrder>(
+      cli::parseCommandLine({"render", "out/fan/trajectory.h5", "--format", "webm", "--fps", "25",
+                             "--speed", "0.5", "--hold", "1", "--crf", "30", "--view", "iso"}));
   EXPECT_EQ(order.trajectories.front(), "out/fan/trajectory.h5");
   EXPECT_EQ(order.settings.videoFile, "deployment.webm");
   EXPECT_EQ(order.settings.framesPerSecond, 25);
   EXPECT_EQ(order.settings.speed, 0.5);
-  EXPECT_EQ(order.settings.pace, Pace::Real);
+  EXPECT_EQ(order.settings.pace, record::Pace::Real);
   EXPECT_EQ(order.settings.hold, 1);
   EXPECT_EQ(order.settings.crf, 30);
-  EXPECT_THROW(parseCommandLine({"render"}), InputError);
-  EXPECT_THROW(parseCommandLine({"render", "x.h5", "--video", "there/talk.webm"}), InputError);
+  EXPECT_THROW(cli::parseCommandLine({"render"}), InputError);
+  EXPECT_THROW(cli::parseCommandLine({"render", "x.h5", "--video", "there/talk.webm"}), InputError);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace {
 std::string refusal(std::vector<std::string> options) {
   options.insert(options.begin(), {"record", "fan"});
   try {
-    parseCommandLine(options);
+    cli::parseCommandLine(options);
   } catch (const InputError& error) {
     return error.what();
   }

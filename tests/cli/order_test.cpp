@@ -23,30 +23,31 @@ struct Sample {
 };
 
 /// What makes a setting mean something, as its conditions say: "--solver direct".
-Words neededFor(const Setting& setting) {
+Words neededFor(const scene::Setting& setting) {
   Words words;
-  for (const Condition& condition : setting.conditions) {
-    if (condition.isWithout || condition.holds(openScene())) continue;
-    for (const std::string_view word : split(condition.needed, ' ')) words.emplace_back(word);
+  for (const scene::Condition& condition : setting.conditions) {
+    if (condition.isWithout || condition.holds(scene::openScene())) continue;
+    for (const std::string_view word : scene::split(condition.needed, ' '))
+      words.emplace_back(word);
   }
   return words;
 }
 
 /// The sample of a number, of words or of a switch: the first two values that it accepts and that
 /// are not its default.
-Sample sampleOf(const Setting& setting) {
+Sample sampleOf(const scene::Setting& setting) {
   Sample sample{setting.option(), {}, neededFor(setting)};
   if (setting.isSwitch) return sample;
   const Words values =
       setting.words.empty() ? Words{"0.5", "3", "0.25", "7", "0.001", "1000"} : setting.words;
   for (const std::string& value : values) {
-    Scene scene = openScene();
+    scene::Scene scene = scene::openScene();
     try {
       setting.read(scene, {setting.key, value});
     } catch (const InputError&) {
       continue;
     }
-    if (setting.write(scene) == setting.write(openScene())) continue;
+    if (setting.write(scene) == setting.write(scene::openScene())) continue;
     sample.values.push_back(value);
     if (sample.values.size() == 2) break;
   }
@@ -186,8 +187,8 @@ const std::vector<Sample>& chosenSamples() {
 const std::vector<Sample>& samples() {
   static const std::vector<Sample> all = [] {
     std::vector<Sample> made = chosenSamples();
-    for (const SettingGroup& group : sceneSettings()) {
-      for (const Setting& setting : group.settings) {
+    for (const scene::SettingGroup& group : scene::sceneSettings()) {
+      for (const scene::Setting& setting : group.settings) {
         const auto isKnown = [&](const Sample& one) { return one.option == setting.option(); };
         if (std::ranges::none_of(chosenSamples(), isKnown)) made.push_back(sampleOf(setting));
       }
@@ -203,10 +204,10 @@ const std::set<std::string> kDecideNothing = {"--help",   "--out",     "--resume
                                               "--page",   "--scene",   "--gl",     "--quadratic",
                                               "--strict", "--painters"};
 
-RecordOrder orderOf(const Words& options) {
+cli::RecordOrder orderOf(const Words& options) {
   Words words = {"record", "model"};
   words.insert(words.end(), options.begin(), options.end());
-  return std::get<RecordOrder>(parseCommandLine(words));
+  return std::get<cli::RecordOrder>(cli::parseCommandLine(words));
 }
 
 std::string termsOf(const Words& options) {
@@ -221,7 +222,8 @@ Words given(const Sample& sample, std::size_t value) {
 }
 
 TEST(Orders, HaveASampleOfEveryOption) {
-  const std::string help = std::get<PrintOrder>(parseCommandLine({"record", "--help"})).text;
+  const std::string help =
+      std::get<cli::PrintOrder>(cli::parseCommandLine({"record", "--help"})).text;
   const std::regex pattern("\n  (?:-h,)?(--[a-z-]+)");
   std::set<std::string> known = kDecideNothing;
   for (const Sample& sample : samples()) known.insert(sample.option);
@@ -250,11 +252,13 @@ TEST(Orders, HaveGravityAndDensityInTheUnitOfTheModel) {
                  "--density", "1000",
                  "--unit",    "mm"};
   std::vector<std::string> warnings;
-  const Scene small = prepareOrder(std::get<RecordOrder>(parseCommandLine(words)), warnings).scene;
+  const scene::Scene small =
+      cli::prepareOrder(std::get<cli::RecordOrder>(cli::parseCommandLine(words)), warnings).scene;
   EXPECT_DOUBLE_EQ(small.environment.gravity.z(), -9810);
   EXPECT_DOUBLE_EQ(small.brick.density, 1e-6);
   words.back() = "m";
-  const Scene usual = prepareOrder(std::get<RecordOrder>(parseCommandLine(words)), warnings).scene;
+  const scene::Scene usual =
+      cli::prepareOrder(std::get<cli::RecordOrder>(cli::parseCommandLine(words)), warnings).scene;
   EXPECT_EQ(usual.environment.gravity.z(), -9.81);
   EXPECT_EQ(usual.brick.density, 1000);
 }
@@ -273,9 +277,9 @@ TEST(Orders, AreMadeAgainFromTheirSettings) {
   for (const Sample& sample : samples()) {
     const std::size_t values = std::max<std::size_t>(1, sample.values.size());
     for (std::size_t k = 0; k < values; ++k) {
-      const OrderText text = orderOf(given(sample, k)).text;
+      const cli::OrderText text = orderOf(given(sample, k)).text;
       std::ofstream(folder / "scene.toml", std::ios::binary) << text.scene;
-      const OrderText again = orderOf({"--scene", (folder / "scene.toml").string()}).text;
+      const cli::OrderText again = orderOf({"--scene", (folder / "scene.toml").string()}).text;
       EXPECT_EQ(again.terms, text.terms) << sample.option;
       EXPECT_EQ(again.scene, text.scene) << sample.option;
     }
@@ -334,7 +338,7 @@ TEST(OrderFingerprints, GoByWhatFilesHoldNotWhereTheyStand) {
   const InputFile vertices{"m/vertices.txt", "aa"};
   const InputFile pulled{"m/pull.txt", "bb"};
   const auto print = [](const std::vector<InputFile>& files, const std::string& folder) {
-    return orderFingerprint("", {"m", files}, {folder});
+    return cli::orderFingerprint("", {"m", files}, {folder});
   };
   const std::string plain = print({vertices, pulled}, "m");
   EXPECT_EQ(print({{"./m/vertices.txt", "aa"}, {"./m/pull.txt", "bb"}}, "./m"), plain);

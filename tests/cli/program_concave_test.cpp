@@ -24,25 +24,25 @@ constexpr double kThickness = 0.05;
 
 /// The star's radius is 1 and its first tip is the L's corner (3, 1); `angle` is from there to its
 /// centre.
-std::array<Tile, 2> layout(double angle) {
+std::array<model::Tile, 2> layout(double angle) {
   return {test::lShape(),
           test::starShape(4, 1, 0.45, 3 + std::cos(angle), 1 + std::sin(angle), angle + kPi)};
 }
 
-std::string textOf(const std::array<Tile, 2>& tiles) {
+std::string textOf(const std::array<model::Tile, 2>& tiles) {
   std::string text;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& v : tile.vertices) text += fmt::format("{} {} {} ", v.x(), v.y(), v.z());
     text += "\n";
   }
   return text;
 }
 
-std::array<Tile, 2> tilesIn(const std::filesystem::path& file) {
-  std::array<Tile, 2> tiles;
+std::array<model::Tile, 2> tilesIn(const std::filesystem::path& file) {
+  std::array<model::Tile, 2> tiles;
   std::istringstream lines(readText(file));
   std::string line;
-  for (Tile& tile : tiles) {
+  for (model::Tile& tile : tiles) {
     std::getline(lines, line);
     std::istringstream numbers(line);
     for (Vector3 v; numbers >> v.x() >> v.y() >> v.z();) tile.vertices.push_back(v);
@@ -74,7 +74,7 @@ double volumeIn(const std::filesystem::path& file) {
 }
 
 /// Pixels of one half of a picture without a background that show something.
-int paintedIn(const Frame& picture, int half) {
+int paintedIn(const picture::Frame& picture, int half) {
   int painted = 0;
   const int width = picture.size.width / 2;
   for (int y = 0; y < picture.size.height; ++y) {
@@ -116,7 +116,7 @@ TEST_F(ConcaveTiles, DeployArePaintedAndExported) {
   const auto accuracy = nlohmann::json::parse(readText(run() / "summary.json"))["accuracy"];
   EXPECT_LT(accuracy["target_error_end"], 1e-9);
 
-  const double area = tileArea(layout(0)[0]) + tileArea(layout(0)[1]);
+  const double area = model::tileArea(layout(0)[0]) + model::tileArea(layout(0)[1]);
   for (const char* name : {"initial.obj", "final.obj"}) {
     EXPECT_NEAR(volumeIn(run() / name), area * kThickness, 1e-12) << name;
   }
@@ -124,7 +124,7 @@ TEST_F(ConcaveTiles, DeployArePaintedAndExported) {
     EXPECT_NE(readText(run() / name), "") << name;
   }
 
-  const Frame picture = readPng(run() / "snapshots.png");
+  const picture::Frame picture = picture::readPng(run() / "snapshots.png");
   const int start = paintedIn(picture, 0);
   EXPECT_GT(start, 3000);
   EXPECT_NEAR(paintedIn(picture, 1), start, 0.02 * start);
@@ -139,7 +139,7 @@ TEST_F(ConcaveTiles, TouchWhereTheirSidesMeet) {
   const Vector3 joint = arm.vertices[2];
   const double gap = test::distanceToSegment(star.vertices[6], arm.vertices[3], joint);
   EXPECT_LT(gap, 1e-9);
-  const Vector3 axis = tileCentroid(star) - joint;
+  const Vector3 axis = model::tileCentroid(star) - joint;
   const Vector3 along = joint - arm.vertices[3];
   EXPECT_NEAR(std::atan2(test::cross2(along, axis), along.dot(axis)), 0.75 * kPi, 1e-9);
 }

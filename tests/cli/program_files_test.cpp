@@ -31,9 +31,9 @@ struct Writing {
 class Files : public testing::Test {
  protected:
   /// The start of a family as sheet_vertices.txt and its list of joints.
-  void write(const Model& model, const Writing& how) {
+  void write(const model::Model& model, const Writing& how) {
     std::string vertices, joints;
-    for (const Tile& tile : model.tiles) {
+    for (const model::Tile& tile : model.tiles) {
       const int count = static_cast<int>(tile.vertices.size());
       for (int k = 0; k < count; ++k) {
         const Vector3& v = tile.vertices[how.isClockwise ? count - 1 - k : k];
@@ -42,11 +42,11 @@ class Files : public testing::Test {
       }
       vertices += "\n";
     }
-    const auto number = [&](const Corner& corner) {
+    const auto number = [&](const model::Corner& corner) {
       const int count = static_cast<int>(model.tiles[corner.tile].vertices.size());
       return 1 + (how.isClockwise ? count - 1 - corner.vertex : corner.vertex);
     };
-    for (const Joint& joint : model.joints) {
+    for (const model::Joint& joint : model.joints) {
       joints += fmt::format("{} {} {} {}\n", joint.a.tile + 1, number(joint.a), joint.b.tile + 1,
                             number(joint.b));
     }
@@ -77,17 +77,17 @@ class Files : public testing::Test {
   nlohmann::json summary_;
 };
 
-Model family(const std::string& name, const std::map<std::string, double>& given = {}) {
-  return generateModel(familyNamed(name), given);
+model::Model family(const std::string& name, const std::map<std::string, double>& given = {}) {
+  return generate::generateModel(generate::familyNamed(name), given);
 }
 
-Model openSquares() {
+model::Model openSquares() {
   return family("tessellation", {{"columns", 3}, {"rows", 3}, {"start-angle", 40}});
 }
 
 TEST_F(Files, ConcaveTilesDeploy) {
   for (const char* name : {"stars", "crosses", "islamic", "trefoils"}) {
-    writeModelFolder(family(name), scratch_ / name);
+    model::writeModelFolder(family(name), scratch_ / name);
     EXPECT_EQ(simulate(name).exitCode, 0) << name;
     EXPECT_TRUE(summary_["at_target"].get<bool>()) << name;
   }
@@ -108,7 +108,7 @@ TEST_F(Files, ListsOfJointsHaveManyNames) {
 
 TEST_F(Files, HullsFeedTheBoundary) {
   // The four outer corners of the sheet, in the numbers of its clockwise file.
-  const Model model = openSquares();
+  const model::Model model = openSquares();
   write(model, {.isClockwise = true, .joints = "expansion_constraints"});
   EXPECT_EQ(simulate("sheet_vertices.txt", {"--actuation", "boundary", "--duration", "1"}).exitCode,
             0);
@@ -158,7 +158,7 @@ TEST_F(Files, TilesAreNamedAsTheFileCountsThem) {
 
 // Four quads that no closed way leads to their target: joints open by 1.7e-2 m at least.
 TEST_F(Files, DesignsWithoutFreedomArriveAndSayByHowMuchJointsOpen) {
-  writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
+  model::writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
   const ProgramEnd end = simulate("nonrigid");
   EXPECT_EQ(end.exitCode, 0);
   EXPECT_THAT(end.out, HasSubstr("with compliant joints, which open by up to"));
@@ -177,15 +177,15 @@ TEST_F(Files, LongChainsRestAtFullExtension) {
 
 // Flush quads that bend into a cap, with four decimals as published: exact joints wedge.
 TEST_F(Files, WedgedQuadsInSpaceArrive) {
-  Model cap = family("cap", {{"half-size", 3}});
-  for (std::vector<Tile>* tiles : {&cap.tiles, &*cap.target}) {
-    for (Tile& tile : *tiles) {
+  model::Model cap = family("cap", {{"half-size", 3}});
+  for (std::vector<model::Tile>* tiles : {&cap.tiles, &*cap.target}) {
+    for (model::Tile& tile : *tiles) {
       for (Vector3& v : tile.vertices) {
         for (double& x : v) x = std::stod(fmt::format("{:.4f}", x));
       }
     }
   }
-  writeModelFolder(cap, scratch_ / "cap");
+  model::writeModelFolder(cap, scratch_ / "cap");
   EXPECT_EQ(simulate("cap").exitCode, 0);
   EXPECT_TRUE(summary_["at_target"].get<bool>());
   // Measured: 1.9e-4 and 1e-5 m.
@@ -194,8 +194,8 @@ TEST_F(Files, WedgedQuadsInSpaceArrive) {
 }
 
 TEST_F(Files, RepeatedJointsCountOnceAndStrictRefuses) {
-  const Model model = openSquares();
-  const Joint& joint = model.joints[0];
+  const model::Model model = openSquares();
+  const model::Joint& joint = model.joints[0];
   write(model, {.more = fmt::format("{} {} {} {}\n", joint.b.tile + 1, joint.b.vertex + 1,
                                     joint.a.tile + 1, joint.a.vertex + 1)});
   const ProgramEnd end = simulate("sheet_vertices.txt");
@@ -206,8 +206,8 @@ TEST_F(Files, RepeatedJointsCountOnceAndStrictRefuses) {
 
 TEST_F(Files, OneDigitApartStaysAJoint) {
   // Three decimals on a sheet 200 wide; a corner of the middle tile is off by the last of them.
-  Model model = openSquares();
-  for (Tile& tile : model.tiles) {
+  model::Model model = openSquares();
+  for (model::Tile& tile : model.tiles) {
     for (Vector3& v : tile.vertices) v = (v * 60 * 1000).array().round().matrix() / 60000;
   }
   model.tiles[4].vertices[0].x() += 0.001 / 60;
@@ -225,8 +225,8 @@ TEST_F(Files, ClockwiseTilesComeBackInTheirOwnOrder) {
   EXPECT_EQ(end.exitCode, 0);
   EXPECT_THAT(end.err, HasSubstr("mended: 9 of 9 tiles run clockwise seen from above"));
   std::istringstream starts(readText(scratch_ / "sheet_vertices.txt"));
-  for (const Tile& tile : readTileFile(scratch_ / "out/final_vertices.txt")) {
-    EXPECT_LT(tileNormal(tile).z(), 0);
+  for (const model::Tile& tile : model::readTileFile(scratch_ / "out/final_vertices.txt")) {
+    EXPECT_LT(model::tileNormal(tile).z(), 0);
     std::vector<Vector3> corners;
     for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
       Vector3& corner = corners.emplace_back(Vector3::Zero());
@@ -245,27 +245,27 @@ TEST_F(Files, MixedAndShuffledFilesMapBackByIndex) {
   std::mt19937 random(11);
   for (int round = 0; round < 6; ++round) {
     // A folder of tiles in another order, some of them clockwise, with their target.
-    Model model = family(round % 2 == 0 ? "stars" : "quads");
+    model::Model model = family(round % 2 == 0 ? "stars" : "quads");
     std::vector<int> place(model.tiles.size());
     for (std::size_t i = 0; i < place.size(); ++i) place[i] = static_cast<int>(i);
     std::shuffle(place.begin(), place.end(), random);
-    Model mixed = model;
+    model::Model mixed = model;
     for (std::size_t i = 0; i < place.size(); ++i) {
       mixed.tiles[place[i]] = model.tiles[i];
       (*mixed.target)[place[i]] = (*model.target)[i];
     }
-    for (Joint& joint : mixed.joints) {
+    for (model::Joint& joint : mixed.joints) {
       joint.a.tile = place[joint.a.tile];
       joint.b.tile = place[joint.b.tile];
     }
     for (std::size_t i = 0; i < place.size(); ++i) {
       mixed.fileOrder.isReversed.push_back(random() % 2 == 0);
     }
-    mixed = inFileOrder(mixed);
+    mixed = model::inFileOrder(mixed);
     const std::string name = fmt::format("mixed{}", round);
-    writeModelFolder(mixed, scratch_ / name);
+    model::writeModelFolder(mixed, scratch_ / name);
     EXPECT_EQ(simulate(name).exitCode, 0);
-    const std::vector<Tile> end = readTileFile(scratch_ / "out/final_vertices.txt");
+    const std::vector<model::Tile> end = model::readTileFile(scratch_ / "out/final_vertices.txt");
     ASSERT_EQ(end.size(), mixed.tiles.size());
     for (std::size_t i = 0; i < end.size(); ++i) {
       ASSERT_EQ(end[i].vertices.size(), mixed.tiles[i].vertices.size());
@@ -301,7 +301,7 @@ TEST_F(Files, PixelsAreAsGoodAsMetres) {
 }
 
 TEST_F(Files, PatternsDeployAgain) {
-  writeModelFolder(family("stars"), scratch_ / "stars");
+  model::writeModelFolder(family("stars"), scratch_ / "stars");
   ASSERT_EQ(simulate("stars", {"--export", "svg,dxf"}).exitCode, 0);
   for (const char* pattern : {"cut_pattern.svg", "cut_pattern.dxf"}) {
     std::filesystem::copy_file(scratch_ / "out" / pattern, scratch_ / pattern);

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 struct Simulated {
   ProgramEnd end;
   nlohmann::json summary;
-  Trajectory run;
+  trajectory::Trajectory run;
 };
 
 class Scenes : public testing::Test {
@@ -28,7 +28,7 @@ class Scenes : public testing::Test {
     Simulated done{runKirireel(arguments), {}, {}};
     EXPECT_THAT(done.end.exitCode, testing::AnyOf(0, kEndedShort)) << done.end.err;
     done.summary = nlohmann::json::parse(readText(scratch_ / "out/summary.json"));
-    done.run = readTrajectory(scratch_ / "out/trajectory.h5");
+    done.run = trajectory::readTrajectory(scratch_ / "out/trajectory.h5");
     return done;
   }
 
@@ -46,20 +46,20 @@ class Scenes : public testing::Test {
     writeText(scratch_ / "half.toml", "[[timeline]]\nprogress = 0.5\nquit = true\n");
     simulate(model, {"--scene", (scratch_ / "half.toml").string()});
     std::filesystem::copy(scratch_ / "out/final_vertices.txt", scratch_ / "half.txt");
-    const Trajectory direct = simulate(model, {}).run;
+    const trajectory::Trajectory direct = simulate(model, {}).run;
     const Simulated chain =
         simulate(model, {"--duration", "60", "--target", (scratch_ / "half.txt").string(),
                          "--target", (model / "target.txt").string()});
     EXPECT_EQ(chain.summary["outcome"], "settled");
-    return targetError(bottomTiles(direct.bricks, direct.samples.back().poses), chain.run.bricks,
-                       chain.run.samples.back().poses);
+    return trajectory::targetError(model::bottomTiles(direct.bricks, direct.samples.back().poses),
+                                   chain.run.bricks, chain.run.samples.back().poses);
   }
 
   ScratchFolder scratch_;
 };
 
 /// How far the most tilted brick leans out of the start's plane, radians.
-double largestTilt(const Sample& sample) {
+double largestTilt(const trajectory::Sample& sample) {
   double largest = 0;
   for (const Pose& pose : sample.poses) {
     largest = std::max(largest, 2 * std::hypot(pose.rotation.x(), pose.rotation.y()));
@@ -74,7 +74,7 @@ TEST_F(Scenes, PauseAndPinReachesTheDisk) {
   EXPECT_LT(accuracy["target_error_end"], 1e-3);                // measured 9.4e-10
   EXPECT_LT(accuracy["penetration_outside_pivots_max"], 5e-5);  // measured 1.5e-5
   std::vector<std::string> events;
-  for (const Event& event : done.run.events) events.push_back(event.text);
+  for (const trajectory::Event& event : done.run.events) events.push_back(event.text);
   ASSERT_EQ(events.size(), 6u);
   EXPECT_THAT(events[1], HasSubstr("pin tiles 0, 4, 20, 24"));
   EXPECT_THAT(events[4], HasSubstr("unpin"));
@@ -86,8 +86,8 @@ TEST_F(Scenes, AHandOpensTheFan) {
   // The open fan is singular: it comes to rest ever more slowly. Measured 3.8e-5.
   EXPECT_LT(done.summary["accuracy"]["target_error_end"], 1e-4);
   // The hand alone moves the corner tile while the pinned one stays.
-  const Sample& dragged = done.run.samples[120];  // as it lets go
-  const Sample& start = done.run.samples.front();
+  const trajectory::Sample& dragged = done.run.samples[120];  // as it lets go
+  const trajectory::Sample& start = done.run.samples.front();
   const Vector3 hand(2.5, 5, 0.01);
   EXPECT_LT((dragged.poses[35].position - hand).norm(),
             0.5 * (start.poses[35].position - hand).norm());  // measured 0.47
@@ -104,7 +104,8 @@ TEST_F(Scenes, ASheetThatLocksInItsPlaneDeploysThroughSpace) {
   EXPECT_LT(space.summary["accuracy"]["target_error_end"], 1e-9);                // measured 2e-12
   EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 1e-4);  // measured 8.7e-6
   double largest = 0;
-  for (const Sample& sample : space.run.samples) largest = std::max(largest, largestTilt(sample));
+  for (const trajectory::Sample& sample : space.run.samples)
+    largest = std::max(largest, largestTilt(sample));
   EXPECT_GT(largest, 0.2);                                 // measured 0.31: 18 degrees
   EXPECT_LT(largestTilt(space.run.samples.back()), 1e-9);  // measured 7e-15
 }

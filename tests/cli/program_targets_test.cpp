@@ -18,8 +18,8 @@ using ::testing::Not;
 
 class Targets : public testing::Test {
  protected:
-  ProgramEnd simulate(const Model& model, std::vector<std::string> options) {
-    writeModelFolder(model, scratch_ / "model");
+  ProgramEnd simulate(const model::Model& model, std::vector<std::string> options) {
+    model::writeModelFolder(model, scratch_ / "model");
     options.insert(options.begin(), {"simulate", (scratch_ / "model").string(), "--out",
                                      (scratch_ / "out").string()});
     const ProgramEnd end = runKirireel(options);
@@ -32,7 +32,7 @@ class Targets : public testing::Test {
 };
 
 TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
-  Model model = makeTessellation({});
+  model::Model model = model::makeTessellation({});
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
   }
@@ -49,8 +49,8 @@ TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
 }
 
 TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
-  Model model = makeTessellation({});
-  for (Tile& tile : model.tiles) {
+  model::Model model = model::makeTessellation({});
+  for (model::Tile& tile : model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 1;
   }
   const ProgramEnd moved = simulate(model, {"--duration", "0.1"});
@@ -64,7 +64,7 @@ TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
 
 TEST_F(Targets, PinnedTilesAreWhatAStartIsMovedBy) {
   // By all tiles together the pinned one would stand 45 degrees off its target, for good.
-  const ProgramEnd end = simulate(makeTessellation({}), {"--pin", "0"});
+  const ProgramEnd end = simulate(model::makeTessellation({}), {"--pin", "0"});
   EXPECT_EQ(end.exitCode, 0) << end.out;
   EXPECT_EQ(summary_["outcome"], "settled");
   EXPECT_LT(summary_["accuracy"]["target_error_end"].get<double>(), 1e-6);  // measured

@@ -71,7 +71,7 @@ TEST_F(Verify, SaysWhatIsWrong) {
 void falsify(const std::filesystem::path& file, const std::string& from, const std::string& to) {
   std::string text = readText(file);
   text.replace(text.find(from), from.size(), to);
-  writeText(file, sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
+  writeText(file, exports::sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
 }
 
 using Json = nlohmann::ordered_json;
@@ -103,8 +103,8 @@ TEST_F(Verify, FindsEachFigureThatIsFalsified) {
     } else {
       figure = value == 0 ? 1e-3 : value.get<double>() * 1.000001;
     }
-    writeText(file, sealed(falsified.dump(2) + "\n"));
-    EXPECT_FALSE(verifyRun(folder()).complaints.empty()) << pointer;
+    writeText(file, exports::sealed(falsified.dump(2) + "\n"));
+    EXPECT_FALSE(record::verifyRun(folder()).complaints.empty()) << pointer;
     ++figures;
   }
   writeText(file, whole);
@@ -123,21 +123,21 @@ TEST_F(Verify, ComputesTheFiguresAgain) {
 }
 
 /// Writes another trajectory into a run's folder, whose summary notes the new file.
-void exchangeTrajectory(const std::filesystem::path& folder, const Trajectory& run) {
+void exchangeTrajectory(const std::filesystem::path& folder, const trajectory::Trajectory& run) {
   const std::filesystem::path file = folder / "trajectory.h5";
-  const std::string hash = digestOf(folder, "trajectory.h5").sha256;
+  const std::string hash = exports::digestOf(folder, "trajectory.h5").sha256;
   const std::string size = "\"trajectory.h5\": {\n      \"bytes\": ";
   const std::string bytes = std::to_string(readText(file).size());
-  writeTrajectory(run, file);
+  trajectory::writeTrajectory(run, file);
   falsify(folder / "summary.json", size + bytes, size + std::to_string(readText(file).size()));
-  falsify(folder / "summary.json", hash, digestOf(folder, "trajectory.h5").sha256);
+  falsify(folder / "summary.json", hash, exports::digestOf(folder, "trajectory.h5").sha256);
 }
 
 TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
   const std::filesystem::path file = folder() / "trajectory.h5";
   const std::string whole = readText(file);
   const std::string summary = readText(folder() / "summary.json");
-  Trajectory run = readTrajectory(file);
+  trajectory::Trajectory run = trajectory::readTrajectory(file);
   run.samples[2].penetration += 1;
   exchangeTrajectory(folder(), run);
   EXPECT_THAT(verify().out, HasSubstr("trajectory.h5: penetration at 0.2 s is 1"));
@@ -159,21 +159,21 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
   ASSERT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(end.out, HasSubstr("springs at 4 hinges and 4 ligaments: "));
-  ASSERT_TRUE(verifyRun(run).complaints.empty());
-  const Trajectory whole = readTrajectory(run + "/trajectory.h5");
-  Trajectory other = whole;
-  std::vector<Ligament> ligaments = ligamentsOf(whole.pairForces);
+  ASSERT_TRUE(record::verifyRun(run).complaints.empty());
+  const trajectory::Trajectory whole = trajectory::readTrajectory(run + "/trajectory.h5");
+  trajectory::Trajectory other = whole;
+  std::vector<model::Ligament> ligaments = model::ligamentsOf(whole.pairForces);
   ligaments[2].shearStiffness *= 1.001;
-  other.pairForces = test::pairForces(hingeSpringsOf(whole.pairForces), ligaments);
+  other.pairForces = test::pairForces(model::hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
-  EXPECT_THAT(verifyRun(run).complaints, Contains(HasSubstr("elasticity.energy_end is ")));
+  EXPECT_THAT(record::verifyRun(run).complaints, Contains(HasSubstr("elasticity.energy_end is ")));
   ligaments.pop_back();
-  other.pairForces = test::pairForces(hingeSpringsOf(whole.pairForces), ligaments);
+  other.pairForces = test::pairForces(model::hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
-  EXPECT_THAT(verifyRun(run).complaints,
+  EXPECT_THAT(record::verifyRun(run).complaints,
               Contains(HasSubstr("elasticity.ligaments is 4, yet the poses give 3")));
   exchangeTrajectory(run, whole);
-  EXPECT_TRUE(verifyRun(run).complaints.empty());
+  EXPECT_TRUE(record::verifyRun(run).complaints.empty());
 }
 
 // Tiles that bend under their weight: what their diagonals hold is in the summary, and verify finds

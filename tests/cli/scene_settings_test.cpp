@@ -13,11 +13,11 @@ using ::testing::HasSubstr;
 
 class SceneSettingsTest : public testing::Test {
  protected:
-  RecordOrder parse(const std::string& scene, const std::vector<std::string>& more = {}) {
+  cli::RecordOrder parse(const std::string& scene, const std::vector<std::string>& more = {}) {
     std::ofstream(folder_ / "scene.toml") << scene;
     std::vector<std::string> arguments = {"record", folder_.path().string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return std::get<RecordOrder>(parseCommandLine(arguments));
+    return std::get<cli::RecordOrder>(cli::parseCommandLine(arguments));
   }
 
   std::string refusal(const std::string& scene) {
@@ -34,7 +34,7 @@ class SceneSettingsTest : public testing::Test {
 };
 
 TEST_F(SceneSettingsTest, KeysAreOptions) {
-  const RecordOrder order = parse(
+  const cli::RecordOrder order = parse(
       "[model]\nthickness = 0.1\npin = [0, 3]\nlink = [[0, 1, 2, 3]]\n"
       "[environment]\ngravity = [0, 0, -10]\nground = true\ncontacts = \"all\"\n"
       "[actuation]\nactuation = \"expansion\"\nspring_stiffness = 25\nno_adaptive = true\n"
@@ -44,8 +44,8 @@ TEST_F(SceneSettingsTest, KeysAreOptions) {
   EXPECT_EQ(order.request.parts.links.front(), (std::array<int, 4>{0, 1, 2, 3}));
   EXPECT_EQ(order.scene.environment.gravity, Vector3(0, 0, -10));
   EXPECT_TRUE(order.scene.environment.ground.has_value());
-  EXPECT_EQ(order.scene.environment.contacts, ContactFilter::All);
-  EXPECT_EQ(order.scene.actuation.drive, Drive::Expansion);
+  EXPECT_EQ(order.scene.environment.contacts, scene::ContactFilter::All);
+  EXPECT_EQ(order.scene.actuation.drive, scene::Drive::Expansion);
   EXPECT_EQ(order.scene.springs.springStiffness, 25);
   EXPECT_FALSE(order.scene.springs.adaptive);
   EXPECT_EQ(order.scene.solver.seed, 7u);
@@ -54,7 +54,7 @@ TEST_F(SceneSettingsTest, KeysAreOptions) {
 }
 
 TEST_F(SceneSettingsTest, HoldWhatVideosAreLike) {
-  const RecordOrder order =
+  const cli::RecordOrder order =
       parse("[recording]\nvideo = \"run.webm\"\ntitle = \"Fan\"\nhold = 1.5\n");
   EXPECT_EQ(order.settings.videoFile, "run.webm");
   EXPECT_EQ(order.settings.title, "Fan");
@@ -62,16 +62,16 @@ TEST_F(SceneSettingsTest, HoldWhatVideosAreLike) {
 }
 
 TEST_F(SceneSettingsTest, TheCommandLineCountsMore) {
-  const RecordOrder order = parse("[actuation]\nspring_stiffness = 25\nforce_damping = 20\n",
-                                  {"--spring_stiffness", "50"});
+  const cli::RecordOrder order = parse("[actuation]\nspring_stiffness = 25\nforce_damping = 20\n",
+                                       {"--spring_stiffness", "50"});
   EXPECT_EQ(order.scene.springs.springStiffness, 50);
   EXPECT_EQ(order.scene.springs.forceDamping, 20);
 }
 
 TEST_F(SceneSettingsTest, AnotherFileTakesThePlaceOfTheModelsOwn) {
   std::ofstream(folder_ / "other.toml") << "[stop]\nduration = 5\n";
-  const RecordOrder order = parse("[stop]\nduration = 3\n[solver]\nseed = 9\n",
-                                  {"--scene", (folder_ / "other.toml").string()});
+  const cli::RecordOrder order = parse("[stop]\nduration = 3\n[solver]\nseed = 9\n",
+                                       {"--scene", (folder_ / "other.toml").string()});
   EXPECT_EQ(order.scene.stop.duration, 5);
   EXPECT_EQ(order.scene.solver.seed, 1u);
 }

@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::place("sheet.dxf", fuzz::inputText(bytes, size));
   fuzz::read([] {
     std::vector<std::string> warnings;
-    fuzz::requireSound(readModel(fuzz::folder() / "sheet.dxf", std::nullopt, warnings));
+    fuzz::requireSound(model::readModel(fuzz::folder() / "sheet.dxf", std::nullopt, warnings));
   });
   return 0;
 }

@@ -63,14 +63,14 @@ void requireMessage(const std::string& message) {
   std::abort();
 }
 
-bool hasCorner(const std::vector<Tile>& tiles, const Corner& corner) {
+bool hasCorner(const std::vector<model::Tile>& tiles, const model::Corner& corner) {
   return corner.tile >= 0 && corner.tile < std::ssize(tiles) && corner.vertex >= 0 &&
          corner.vertex < std::ssize(tiles[corner.tile].vertices);
 }
 
-void requireTiles(const std::vector<Tile>& tiles) {
+void requireTiles(const std::vector<model::Tile>& tiles) {
   require(!tiles.empty(), "a model without tiles");
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     require(tile.vertices.size() >= 3, "a tile without an inside");
     for (const Vector3& vertex : tile.vertices) {
       require(vertex.allFinite(), "a vertex at infinity");
@@ -78,12 +78,14 @@ void requireTiles(const std::vector<Tile>& tiles) {
   }
 }
 
-void requireJoint(const Joint& joint, const std::vector<Tile>& tiles) {
+void requireJoint(const model::Joint& joint, const std::vector<model::Tile>& tiles) {
   require(hasCorner(tiles, joint.a) && hasCorner(tiles, joint.b), "a joint of no corner");
   require(joint.a.tile != joint.b.tile, "a tile joined to itself");
-  require(joint.face >= JointFace::Bottom && joint.face <= JointFace::Both, "a face of no name");
-  require(joint.kind >= JointKind::Pivot && joint.kind <= JointKind::Fixed, "a kind of no name");
-  require(joint.kind != JointKind::Link || joint.apart.norm() > 0, "a link without length");
+  require(joint.face >= model::JointFace::Bottom && joint.face <= model::JointFace::Both,
+          "a face of no name");
+  require(joint.kind >= model::JointKind::Pivot && joint.kind <= model::JointKind::Fixed,
+          "a kind of no name");
+  require(joint.kind != model::JointKind::Link || joint.apart.norm() > 0, "a link without length");
 }
 
 }  // namespace
@@ -133,17 +135,17 @@ void read(const std::function<void()>& reader) {
   std::abort();
 }
 
-void requireSound(const Model& model) {
+void requireSound(const model::Model& model) {
   requireTiles(model.tiles);
   if (model.target) {
     requireTiles(*model.target);
     require(model.target->size() == model.tiles.size(), "a target of another size");
   }
-  for (const Joint& joint : model.joints) requireJoint(joint, model.tiles);
+  for (const model::Joint& joint : model.joints) requireJoint(joint, model.tiles);
   for (const int tile : model.pulledTiles.value_or(std::vector<int>())) {
     require(hasCorner(model.tiles, {tile, 0}), "a pull at no tile");
   }
-  for (const Corner& corner : model.hull.value_or(std::vector<Corner>())) {
+  for (const model::Corner& corner : model.hull.value_or(std::vector<model::Corner>())) {
     require(hasCorner(model.tiles, corner), "a hull of no corner");
   }
 }

@@ -38,6 +38,6 @@ void read(const std::function<void()>& reader);
 
 /// Ends the process unless a model that was read has all that others rely on: tiles that enclose
 /// something, and joints, targets, pulled tiles and a hull that name what is there.
-void requireSound(const Model& model);
+void requireSound(const model::Model& model);
 
 }  // namespace kirireel::fuzz

@@ -11,7 +11,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::placeParts(kFiles, fuzz::inputText(bytes, size));
   fuzz::read([] {
     std::vector<std::string> warnings;
-    fuzz::requireSound(readModel(fuzz::folder() / kFiles[0], std::nullopt, warnings));
+    fuzz::requireSound(model::readModel(fuzz::folder() / kFiles[0], std::nullopt, warnings));
   });
   return 0;
 }

@@ -6,6 +6,6 @@ using namespace kirireel;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::place("scene.toml", fuzz::inputText(bytes, size));
-  fuzz::read([] { readSceneFile(fuzz::folder() / "scene.toml"); });
+  fuzz::read([] { scene::readSceneFile(fuzz::folder() / "scene.toml"); });
   return 0;
 }

@@ -11,22 +11,23 @@ namespace {
 
 /// The trajectory that the summary is compared with: a sheet of four tiles at rest.
 bool writeRun() {
-  Scene scene;
-  TessellationShape shape;
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
-  scene.model = makeTessellation(shape);
-  Trajectory run{subjectOf(scene)};
+  scene.model = model::makeTessellation(shape);
+  trajectory::Trajectory run{trajectory::subjectOf(scene)};
   for (const double time : {0.0, 0.5}) {
-    run.samples.push_back({.time = time, .poses = startPoses(scene.model.tiles, run.bricks)});
+    run.samples.push_back(
+        {.time = time, .poses = model::startPoses(scene.model.tiles, run.bricks)});
   }
-  writeTrajectory(run, fuzz::folder() / "trajectory.h5");
+  trajectory::writeTrajectory(run, fuzz::folder() / "trajectory.h5");
   return true;
 }
 
 void readSummary(const std::string& text) {
   fuzz::place("summary.json", text);
-  fuzz::read([] { verifyRun(fuzz::folder()); });
-  fuzz::read([] { findFinishedRun(fuzz::folder(), "order"); });
+  fuzz::read([] { record::verifyRun(fuzz::folder()); });
+  fuzz::read([] { record::findFinishedRun(fuzz::folder(), "order"); });
 }
 
 }  // namespace
@@ -36,6 +37,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const std::string text(fuzz::inputText(bytes, size));
   readSummary(text);
   constexpr std::size_t kEnd = 3;  // "\n}\n", which the seal goes before
-  if (once && size >= kEnd) readSummary(sealed(text));
+  if (once && size >= kEnd) readSummary(exports::sealed(text));
   return 0;
 }

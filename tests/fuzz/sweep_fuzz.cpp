@@ -7,7 +7,7 @@ using namespace kirireel;
 int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::place("sweep.toml", fuzz::inputText(bytes, size));
   fuzz::read([] {
-    const SweepPlan plan = readSweepFile(fuzz::folder() / "sweep.toml").plan;
+    const record::SweepPlan plan = record::readSweepFile(fuzz::folder() / "sweep.toml").plan;
     plan.run(0);
     plan.run(plan.size() - 1);
   });

@@ -12,7 +12,7 @@ extern "C" const char* __lsan_default_suppressions() {
 int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   fuzz::place("trajectory.h5", fuzz::inputText(bytes, size));
   fuzz::read([] {
-    const TrajectoryReader run(fuzz::folder() / "trajectory.h5");
+    const trajectory::TrajectoryReader run(fuzz::folder() / "trajectory.h5");
     fuzz::requireSound(run.subject().model);
     run.sample(0);
     run.sample(run.times().size() - 1);

@@ -8,18 +8,20 @@
 namespace kirireel::test {
 namespace {
 
-BrickRule thick(double thickness) {
-  BrickRule rule;
+model::BrickRule thick(double thickness) {
+  model::BrickRule rule;
   rule.thickness = thickness;
   return rule;
 }
 
 /// Rotates bricks about z as the exact motion of a tessellation does.
-GoldenScene openingScene(const std::string& name, const TessellationShape& shape, double angle) {
-  const BrickRule rule = thick(0.15);
-  GoldenScene scene{name, makeContent(makeTessellation(shape), rule, std::nullopt), {}};
-  const std::vector<Tile> tiles = tessellationTiles(shape, angle);
-  scene.poses = startPoses(tiles, makeBricks(tiles, rule));
+GoldenScene openingScene(const std::string& name, const model::TessellationShape& shape,
+                         double angle) {
+  const model::BrickRule rule = thick(0.15);
+  GoldenScene scene{
+      name, picture::makeContent(model::makeTessellation(shape), rule, std::nullopt), {}};
+  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
+  scene.poses = model::startPoses(tiles, model::makeBricks(tiles, rule));
   for (std::size_t k = 0; k < scene.poses.size(); ++k) {
     // How far the tile's first side has turned since the start.
     const Vector3 now = tiles[k].vertices[1] - tiles[k].vertices[0];
@@ -27,7 +29,7 @@ GoldenScene openingScene(const std::string& name, const TessellationShape& shape
     const double turn = std::atan2(now.y(), now.x()) - std::atan2(start.y(), start.x());
     scene.poses[k].rotation = rotationFromVector(Vector3(0, 0, turn));
   }
-  keepInSight(scene.content, scene.poses);
+  picture::keepInSight(scene.content, scene.poses);
   return scene;
 }
 
@@ -42,8 +44,8 @@ GoldenScene brickScene(const std::string& name, const SampleBricks& sample, cons
   }
   Poses target = sample.poses;
   for (Pose& pose : target) pose.position *= 1.15;
-  scene.content.target = bottomTiles(sample.bricks, target);
-  keepInSight(scene.content, sample.poses);
+  scene.content.target = model::bottomTiles(sample.bricks, target);
+  picture::keepInSight(scene.content, sample.poses);
   return scene;
 }
 
@@ -60,7 +62,7 @@ GoldenScene turnedScene(const std::string& name, double share) {
 /// turned.
 template <typename Surface>
 GoldenScene bentScene(const std::string& name, const Surface& surface) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int k = 0; k < 48; ++k) tiles.push_back(rectangleTile(k % 8 - 4, k / 8 - 3, 1, 1));
   SampleBricks sample = sampleBricks(tiles, 0.12);
   const Poses flat = sample.poses;
@@ -78,15 +80,17 @@ Pose onCap(double x, double y) {
   return {turn * Vector3(0, 0, 5), turn};
 }
 
-Look coloured(Colouring colouring, ColourMap map = ColourMap::Viridis) {
-  Look look;
+picture::Look coloured(picture::Colouring colouring,
+                       picture::ColourMap map = picture::ColourMap::Viridis) {
+  picture::Look look;
   look.colouring = colouring;
   look.map = map;
   return look;
 }
 
-Look seen(const ViewAngles& view, std::optional<bool> orthographic = std::nullopt) {
-  Look look;
+picture::Look seen(const picture::ViewAngles& view,
+                   std::optional<bool> orthographic = std::nullopt) {
+  picture::Look look;
   look.camera.view = view;
   look.camera.orthographic = orthographic;
   return look;
@@ -94,8 +98,8 @@ Look seen(const ViewAngles& view, std::optional<bool> orthographic = std::nullop
 
 /// A look with one field changed.
 template <typename Value>
-Look with(Value Look::*field, Value value) {
-  Look look;
+picture::Look with(Value picture::Look::*field, Value value) {
+  picture::Look look;
   look.*field = value;
   return look;
 }
@@ -103,7 +107,7 @@ Look with(Value Look::*field, Value value) {
 }  // namespace
 
 std::vector<GoldenScene> goldenScenes() {
-  TessellationShape rectangles;
+  model::TessellationShape rectangles;
   rectangles.columns = 6;
   rectangles.rows = 4;
   rectangles.length = 1.5;
@@ -119,29 +123,32 @@ std::vector<GoldenScene> goldenScenes() {
 }
 
 std::vector<GoldenLook> goldenLooks() {
-  Look moving;
+  picture::Look moving;
   moving.camera.orbit = 2;
   moving.camera.zoom = 1.3;
-  return {{"plain", {}, {}},
-          {"dark", with(&Look::theme, Theme::Dark), {}},
-          {"transparent", with(&Look::transparent, true), {}},
-          {"plate", with(&Look::ground, GroundLook::Plate), {}},
-          {"shadow", with(&Look::ground, GroundLook::Shadow), {}},
-          {"without outlines", with(&Look::outlines, false), {}},
-          {"brick colour", with(&Look::brickColour, std::optional(Colour{190, 120, 150})), {}},
-          {"pinned", {}, {0, 5}},
-          {"joints", with(&Look::jointMarks, true), {}},
-          {"target lines", with(&Look::targetLines, true), {}},
-          {"shape", coloured(Colouring::Shape), {}},
-          {"state", coloured(Colouring::State), {}},
-          {"error", coloured(Colouring::TargetError), {}},
-          {"displacement", coloured(Colouring::Displacement, ColourMap::Cividis), {}},
-          {"rotation", coloured(Colouring::Rotation), {}},
-          {"gap", coloured(Colouring::JointGap), {}},
-          {"top", seen(kTopView), {}},
-          {"parallel", seen(kIsometricView, true), {}},
-          {"yaw and pitch", seen(viewFromYawPitch(0.9, -0.4)), {}},
-          {"orbit", moving, {}}};
+  return {
+      {"plain", {}, {}},
+      {"dark", with(&picture::Look::theme, picture::Theme::Dark), {}},
+      {"transparent", with(&picture::Look::transparent, true), {}},
+      {"plate", with(&picture::Look::ground, picture::GroundLook::Plate), {}},
+      {"shadow", with(&picture::Look::ground, picture::GroundLook::Shadow), {}},
+      {"without outlines", with(&picture::Look::outlines, false), {}},
+      {"brick colour",
+       with(&picture::Look::brickColour, std::optional(picture::Colour{190, 120, 150})),
+       {}},
+      {"pinned", {}, {0, 5}},
+      {"joints", with(&picture::Look::jointMarks, true), {}},
+      {"target lines", with(&picture::Look::targetLines, true), {}},
+      {"shape", coloured(picture::Colouring::Shape), {}},
+      {"state", coloured(picture::Colouring::State), {}},
+      {"error", coloured(picture::Colouring::TargetError), {}},
+      {"displacement", coloured(picture::Colouring::Displacement, picture::ColourMap::Cividis), {}},
+      {"rotation", coloured(picture::Colouring::Rotation), {}},
+      {"gap", coloured(picture::Colouring::JointGap), {}},
+      {"top", seen(picture::kTopView), {}},
+      {"parallel", seen(picture::kIsometricView, true), {}},
+      {"yaw and pitch", seen(picture::viewFromYawPitch(0.9, -0.4)), {}},
+      {"orbit", moving, {}}};
 }
 
 }  // namespace kirireel::test

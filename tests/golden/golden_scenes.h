@@ -11,7 +11,7 @@ namespace kirireel::test {
 /// A state in the middle of a motion.
 struct GoldenScene {
   std::string name;  ///< of its sheet in tests/golden
-  PictureContent content;
+  picture::PictureContent content;
   Poses poses;
 };
 
@@ -22,7 +22,7 @@ std::vector<GoldenScene> goldenScenes();
 /// One way to show a scene.
 struct GoldenLook {
   std::string name;
-  Look look;
+  picture::Look look;
   std::vector<int> pinned;
 };
 

@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr FrameSize kCell = {240, 180};
-constexpr GridShape kSheet = {4, 5};
+constexpr picture::FrameSize kCell = {240, 180};
+constexpr picture::GridShape kSheet = {4, 5};
 
 /// On the machine that made them the pictures are equal byte by byte. Elsewhere borders may fall on
 /// other samples and letters come from another FreeType: in each cell of a sheet, the mean
@@ -39,16 +39,16 @@ struct Part {
   int left = 0, upper = 0, right = 0, lower = 0;
 };
 
-Part whole(const Frame& frame) {
+Part whole(const picture::Frame& frame) {
   return {"picture", 0, 0, frame.size.width, frame.size.height};
 }
 
-bool alike(const Frame& a, const Frame& b, const Part& part) {
+bool alike(const picture::Frame& a, const picture::Frame& b, const Part& part) {
   const double pixels = static_cast<double>(part.right - part.left) * (part.lower - part.upper);
   double mean = 0, share = 0;
   for (int y = part.upper; y < part.lower; ++y) {
     for (int x = part.left; x < part.right; ++x) {
-      const Colour p = a.at(x, y), q = b.at(x, y);
+      const picture::Colour p = a.at(x, y), q = b.at(x, y);
       const int levels[] = {std::abs(p.red - q.red), std::abs(p.green - q.green),
                             std::abs(p.blue - q.blue), std::abs(p.alpha - q.alpha)};
       mean += (levels[0] + levels[1] + levels[2] + levels[3]) / (4 * pixels);
@@ -62,26 +62,27 @@ bool alike(const Frame& a, const Frame& b, const Part& part) {
 
 /// Compares with the picture in the repository, or takes its place when told to update. A picture
 /// that differs is left beside the test's other files.
-void expectGolden(const Frame& frame, const std::string& file, const std::vector<Part>& parts) {
+void expectGolden(const picture::Frame& frame, const std::string& file,
+                  const std::vector<Part>& parts) {
   const fs::path golden = inRepository(file);
   const char* wish = std::getenv("KIRIREEL_GOLDEN");
   if (wish != nullptr && std::string(wish) == "update") {
-    writePng(frame, golden, {.compressionLevel = 9});
+    picture::writePng(frame, golden, {.compressionLevel = 9});
     return;
   }
-  const Frame expected = readPng(golden);
+  const picture::Frame expected = picture::readPng(golden);
   bool same = expected.size == frame.size;
   if (same) {
     for (const Part& part : parts) same &= alike(expected, frame, part);
   }
   if (same) return;
   const fs::path left = fs::path(testing::TempDir()) / golden.filename();
-  writePng(frame, left);
+  picture::writePng(frame, left);
   ADD_FAILURE() << "compare " << left << " with " << golden;
 }
 
-GridPicture picture(const test::GoldenScene& scene, const test::GoldenLook& look) {
-  StatePainter painter(kCell, look.look, scene.content, {.colours = true});
+picture::GridPicture picture(const test::GoldenScene& scene, const test::GoldenLook& look) {
+  picture::StatePainter painter(kCell, look.look, scene.content, {.colours = true});
   return {painter.paint({0.5, scene.poses, look.pinned, 0.5}), look.name};
 }
 
@@ -89,8 +90,8 @@ class GoldenSheet : public testing::TestWithParam<int> {};
 
 TEST_P(GoldenSheet, ShowsEveryLookAsBefore) {
   const test::GoldenScene scene = test::goldenScenes()[GetParam()];
-  const GridLayout layout = layOutGrid(kCell, kSheet);
-  std::vector<GridPicture> pictures;
+  const picture::GridLayout layout = picture::layOutGrid(kCell, kSheet);
+  std::vector<picture::GridPicture> pictures;
   std::vector<Part> parts;
   for (const test::GoldenLook& look : test::goldenLooks()) {
     const int cell = static_cast<int>(pictures.size());
@@ -99,7 +100,8 @@ TEST_P(GoldenSheet, ShowsEveryLookAsBefore) {
     parts.push_back({look.name, left, upper, left + kCell.width, upper + kCell.height});
     pictures.push_back(picture(scene, look));
   }
-  expectGolden(composeGrid(pictures, kSheet), "tests/golden/" + scene.name + ".png", parts);
+  expectGolden(picture::composeGrid(pictures, kSheet), "tests/golden/" + scene.name + ".png",
+               parts);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, GoldenSheet, testing::Range(0, 6));
@@ -107,21 +109,21 @@ INSTANTIATE_TEST_SUITE_P(Scenes, GoldenSheet, testing::Range(0, 6));
 /// The pictures on the front page are what the program makes.
 TEST(ReadmePictures, AreWhatTheProgramMakes) {
   const test::TemporaryFolder folder;
-  Scene scene;
+  scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model = readModelFolder(inRepository("data/tessellation_4x4"), warnings);
-  alignStartToTarget(scene.model);
-  RecordSettings settings;
+  scene.model = model::readModelFolder(inRepository("data/tessellation_4x4"), warnings);
+  model::alignStartToTarget(scene.model);
+  record::RecordSettings settings;
   settings.folder = folder.path();
   settings.size = {640, 480};
   settings.grid = {1, 4};
-  settings.look.camera.view = kObliqueView;
-  settings.look.ground = GroundLook::Shadow;
+  settings.look.camera.view = picture::kObliqueView;
+  settings.look.ground = picture::GroundLook::Shadow;
   settings.video = settings.meshes = false;
   scene.brick.thickness = 0.12;
-  scene.path.kind = PathKind::Auto;
-  record(scene, settings, [](const Progress&) { return Interruption{}; });
-  const Frame frame = readPng(folder / "snapshots.png");
+  scene.path.kind = scene::PathKind::Auto;
+  record::record(scene, settings, [](const record::Progress&) { return record::Interruption{}; });
+  const picture::Frame frame = picture::readPng(folder / "snapshots.png");
   expectGolden(frame, "data/pictures/tessellation_4x4.png", {whole(frame)});
 }
 

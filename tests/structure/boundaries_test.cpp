@@ -92,16 +92,20 @@ TEST(Boundaries, SimulationNeverIncludesRendering) {
   EXPECT_THAT(uses("sim/", "render/.*"), IsEmpty());
 }
 
-TEST(Boundaries, OnlyTheWorldIncludesBullet) {
+TEST(Boundaries, OnlyContactsAndEnginesIncludeBullet) {
   for (const std::string& user : usersOf(kBullet)) {
-    EXPECT_TRUE(user.starts_with("sim/world/")) << user;
+    EXPECT_TRUE(user.starts_with("sim/contacts/") || user.starts_with("sim/engines/")) << user;
   }
   EXPECT_FALSE(usersOf(kBullet).empty());
 }
 
-TEST(Boundaries, MechanicsAndMeasuresDoNotKnowTheWorld) {
-  EXPECT_THAT(uses("sim/mechanics/", "sim/world/.*"), IsEmpty());
-  EXPECT_THAT(uses("sim/trajectory/", "sim/world/.*"), IsEmpty());
+TEST(Boundaries, MechanicsAndMeasuresDoNotKnowWhatFindsContacts) {
+  EXPECT_THAT(uses("sim/mechanics/", "sim/(contacts|engines)/.*"), IsEmpty());
+  EXPECT_THAT(uses("sim/trajectory/", "sim/(contacts|engines)/.*"), IsEmpty());
+}
+
+TEST(Boundaries, ContactsDoNotKnowTheEngines) {
+  EXPECT_THAT(uses("sim/contacts/", "sim/engines/.*"), IsEmpty());
 }
 
 TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
@@ -462,6 +466,32 @@ TEST(Boundaries, ClassesHaveFewFields) {
     }
   }
   EXPECT_EQ(most, kMost);  // otherwise they were not counted, or fewer would do
+}
+
+/// The namespace of a module's folder.
+std::string namespaceOf(const std::string& path) {
+  const std::string module = *std::next(fs::path(path).begin());
+  if (module == "base") return "kirireel";
+  // `export` is a word of C++.
+  return "kirireel::" + (module == "export" ? "exports" : module);
+}
+
+TEST(Boundaries, EachModuleHasItsNamespace) {
+  int count = 0;
+  for (const SourceFile& file : sources()) {
+    if (std::ranges::distance(fs::path(file.path)) < 3) continue;  // sim.h, render.h
+    const std::string own = namespaceOf(file.path);
+    for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
+      const bool isOutermost = block.kind == Block::Namespace && block.scope == "::";
+      if (!isOutermost || block.name.empty()) continue;
+      ++count;
+      // CLI's types are announced in headers.
+      const bool isWithin = block.name.starts_with(own + "::");
+      EXPECT_TRUE(block.name == own || isWithin || block.name == "CLI")
+          << file.path << ": " << block.name;
+    }
+  }
+  EXPECT_GT(count, 200);
 }
 
 TEST(Boundaries, TypesAreDefinedOnce) {

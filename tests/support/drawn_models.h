@@ -16,7 +16,7 @@ namespace kirireel {
 
 /// A member of a family, and how it is made again.
 struct DrawnModel {
-  Model model;
+  model::Model model;
   double thickness = 0;  ///< of its bricks, in tiles: 0.002 to 0.1
   std::string name;      ///< e.g. "cylinder rows=3 width=0.71"
 };
@@ -28,17 +28,17 @@ class DrawnModels {
   DrawnModels(unsigned seed, std::size_t mostTiles) : random_(seed), mostTiles_(mostTiles) {}
 
   DrawnModel next() {
-    const Family& family = families()[drawn_++ % families().size()];
+    const generate::Family& family = generate::families()[drawn_++ % generate::families().size()];
     for (;;) {
       std::map<std::string, double> values;
       std::string name = family.name;
-      for (const FamilyParameter& parameter : family.parameters) {
+      for (const generate::FamilyParameter& parameter : family.parameters) {
         const double value = draw(parameter);
         values[parameter.name] = value;
         name += fmt::format(" {}={:.3g}", parameter.name, value);
       }
       try {
-        Model model = generateModel(family, values);
+        model::Model model = generate::generateModel(family, values);
         const double thickness = 0.002 * std::pow(50, share());
         if (model.tiles.size() <= mostTiles_) return {std::move(model), thickness, name};
       } catch (const InputError&) {
@@ -51,7 +51,7 @@ class DrawnModels {
   /// From 0 to 1. Standard distributions differ from library to library, this does not.
   double share() { return random_() / 4294967296.0; }
 
-  double draw(const FamilyParameter& parameter) {
+  double draw(const generate::FamilyParameter& parameter) {
     if (parameter.name == "seed") return 1 + std::floor(1e6 * share());
     // Half of the sheets are closed at their start.
     if (parameter.name == "start-angle" && share() < 0.5) return parameter.usual;
@@ -62,7 +62,7 @@ class DrawnModels {
     return low * std::pow(high / low, share());
   }
 
-  double drawAngle(const FamilyParameter& parameter) {
+  double drawAngle(const generate::FamilyParameter& parameter) {
     const double value = parameter.least + (parameter.most - parameter.least) * share();
     return std::round(10 * value) / 10;
   }

@@ -10,22 +10,22 @@
 namespace kirireel::test {
 
 struct Layout {
-  std::vector<Brick> bricks;
-  std::vector<Joint> joints;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Joint> joints;
   Poses poses;
 };
 
-inline Layout layoutOf(const std::vector<Tile>& tiles, const std::vector<Joint>& joints,
-                       double thickness = 0.02) {
+inline Layout layoutOf(const std::vector<model::Tile>& tiles,
+                       const std::vector<model::Joint>& joints, double thickness = 0.02) {
   Layout layout;
-  layout.bricks = makeBricks(tiles, {.thickness = thickness});
+  layout.bricks = model::makeBricks(tiles, {.thickness = thickness});
   layout.joints = joints;
-  layout.poses = startPoses(tiles, layout.bricks);
+  layout.poses = model::startPoses(tiles, layout.bricks);
   return layout;
 }
 
-inline TessellationShape squares(int columns, int rows, double angle) {
-  TessellationShape shape;
+inline model::TessellationShape squares(int columns, int rows, double angle) {
+  model::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
   shape.startAngle = angle;
@@ -34,13 +34,13 @@ inline TessellationShape squares(int columns, int rows, double angle) {
 
 /// Four squares in a ring of hinges: one degree of freedom.
 inline Layout hingedSquares(double angle = 0.7) {
-  const Model model = makeTessellation(squares(2, 2, angle));
+  const model::Model model = model::makeTessellation(squares(2, 2, angle));
   return layoutOf(model.tiles, model.joints);
 }
 
 /// A triangle, a square and a pentagon of radius 1, side by side, not joined.
 inline Layout polygons() {
-  std::vector<Tile> tiles(3);
+  std::vector<model::Tile> tiles(3);
   for (int k = 0; k < 3; ++k) {
     for (int corner = 0; corner < 3 + k; ++corner) {
       const double angle = 2 * std::numbers::pi * corner / (3 + k);

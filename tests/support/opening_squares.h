@@ -8,17 +8,17 @@
 namespace kirireel::test {
 
 /// Four hinged squares that open from 0 to 1 radian in a second, eleven samples.
-inline Trajectory openingSquares() {
-  Trajectory run;
-  run.model = makeTessellation(squares(2, 2, 0));
-  run.bricks = makeBricks(run.model.tiles, run.brickRule);
+inline trajectory::Trajectory openingSquares() {
+  trajectory::Trajectory run;
+  run.model = model::makeTessellation(squares(2, 2, 0));
+  run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
   for (int k = 0; k <= 10; ++k) {
-    const std::vector<Tile> tiles = tessellationTiles(squares(2, 2, 0), 0.1 * k);
-    Sample sample;
+    const std::vector<model::Tile> tiles = model::tessellationTiles(squares(2, 2, 0), 0.1 * k);
+    trajectory::Sample sample;
     sample.time = 0.1 * k;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
       Pose pose;
-      pose.position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
+      pose.position = model::tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
       // Tiles 0 and 3 are even.
       const double turn = (t == 0 || t == 3 ? -0.05 : 0.05) * k;
       pose.rotation = rotationFromVector({0, 0, turn});

@@ -11,11 +11,11 @@
 namespace kirireel::test {
 
 /// Springs at hinges and ligaments as a scene has them.
-inline PairForces pairForces(std::vector<HingeSpring> springs,
-                             std::vector<Ligament> ligaments = {}) {
-  PairForces forces;
-  forces.add(std::make_shared<HingeSprings>(std::move(springs)));
-  forces.add(std::make_shared<Ligaments>(std::move(ligaments)));
+inline model::PairForces pairForces(std::vector<model::HingeSpring> springs,
+                                    std::vector<model::Ligament> ligaments = {}) {
+  model::PairForces forces;
+  forces.add(std::make_shared<model::HingeSprings>(std::move(springs)));
+  forces.add(std::make_shared<model::Ligaments>(std::move(ligaments)));
   return forces;
 }
 

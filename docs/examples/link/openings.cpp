@@ -7,12 +7,14 @@
 
 namespace {
 
+using namespace kirireel;  // each of its modules has a namespace of its own
+
 /// The width of the sheet along x, metres.
-double width(const std::vector<kirireel::Tile>& tiles) {
+double width(const std::vector<model::Tile>& tiles) {
   double least = 1e300;
   double most = -1e300;
-  for (const kirireel::Tile& tile : tiles) {
-    for (const kirireel::Vector3& vertex : tile.vertices) {
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) {
       least = std::min(least, vertex.x());
       most = std::max(most, vertex.x());
     }
@@ -21,18 +23,18 @@ double width(const std::vector<kirireel::Tile>& tiles) {
 }
 
 void openSheet(const char* picture) {
-  kirireel::Scene scene;
-  scene.model = kirireel::generateModel(kirireel::familyNamed("tessellation"), {{"columns", 6}});
+  scene::Scene scene;
+  scene.model = generate::generateModel(generate::familyNamed("tessellation"), {{"columns", 6}});
   scene.brick.thickness = 0.02;
-  const kirireel::DeploymentResult run = kirireel::deploy(scene, 1.0 / 60, {});
-  const kirireel::Poses& end = run.trajectory.samples.back().poses;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, {});
+  const Poses& end = run.trajectory.samples.back().poses;
   std::printf("%s: %zu samples, %.3f m wide at the start, %.3f m at the end\n",
-              kirireel::toString(run.outcome).c_str(), run.trajectory.samples.size(),
-              width(scene.model.tiles), width(kirireel::bottomTiles(run.trajectory.bricks, end)));
+              deploy::toString(run.outcome).c_str(), run.trajectory.samples.size(),
+              width(scene.model.tiles), width(model::bottomTiles(run.trajectory.bricks, end)));
 
-  const kirireel::FrameSize size{640, 480};
-  kirireel::StatePainter painter(size, {}, kirireel::makeContent(scene.model, scene.brick, {}));
-  kirireel::writePng(painter.paint({0, end, {}}), picture);
+  const picture::FrameSize size{640, 480};
+  picture::StatePainter painter(size, {}, picture::makeContent(scene.model, scene.brick, {}));
+  picture::writePng(painter.paint({0, end, {}}), picture);
 }
 
 }  // namespace

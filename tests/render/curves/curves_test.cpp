@@ -22,7 +22,7 @@ using ::testing::StartsWith;
 constexpr double kNone = NAN;
 
 /// Three samples of four groups; one of them has no values.
-RunCurves someCurves() {
+trajectory::RunCurves someCurves() {
   return {
       {0, 0.5, 1},
       {{"Size", "m", false, {{"width", "width_m", {1, 1.5, 2}}, {"depth", "depth_m", {0, 0, 0}}}},
@@ -31,16 +31,16 @@ RunCurves someCurves() {
        {"Joint gap", "m", true, {{"gap", "joint_gap_m", {0, 1e-13, 0.1}}}}}};
 }
 
-PlotAbscissa byTime() {
+record::PlotAbscissa byTime() {
   return {"simulated time, s", {0, 0.5, 1}};
 }
 
-std::string plotted(PageFormat format) {
-  return plotCurves(someCurves(), byTime(), format, {.width = 180, .dotsPerInch = 100});
+std::string plotted(picture::PageFormat format) {
+  return record::plotCurves(someCurves(), byTime(), format, {.width = 180, .dotsPerInch = 100});
 }
 
 TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
-  EXPECT_EQ(curvesTable(someCurves(), {0, 0.1, 1}),
+  EXPECT_EQ(record::curvesTable(someCurves(), {0, 0.1, 1}),
             "time_s,progress,width_m,depth_m,poissons_ratio,target_error_m,joint_gap_m\n"
             "0,0,1,0,,,0\n"
             "0.5,0.1,1.5,0,-1,,1e-13\n"
@@ -48,7 +48,7 @@ TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
 }
 
 TEST(CurvesPlot, NamesWhatItShowsAndNothingElse) {
-  const std::string svg = plotted(PageFormat::Svg);
+  const std::string svg = plotted(picture::PageFormat::Svg);
   for (const char* text : {">Size, m<", ">width<", ">depth<", ">Poisson's ratio<", ">Joint gap, m<",
                            ">simulated time, s<", ">1e-13<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
@@ -58,17 +58,18 @@ TEST(CurvesPlot, NamesWhatItShowsAndNothingElse) {
 }
 
 TEST(CurvesPlot, HasTheSameBytesEachTime) {
-  for (const PageFormat format : {PageFormat::Svg, PageFormat::Pdf, PageFormat::Png}) {
+  for (const picture::PageFormat format :
+       {picture::PageFormat::Svg, picture::PageFormat::Pdf, picture::PageFormat::Png}) {
     EXPECT_EQ(plotted(format), plotted(format));
   }
 }
 
 TEST(CurvesPlot, IsAsWideAsItIsToBe) {
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "curves.png", plotted(PageFormat::Png));
-  const Frame frame = readPng(folder / "curves.png");
+  writeTextFile(folder / "curves.png", plotted(picture::PageFormat::Png));
+  const picture::Frame frame = picture::readPng(folder / "curves.png");
   EXPECT_EQ(frame.size.width, 709);  // 180 mm at 100 dots an inch
-  EXPECT_EQ(frame.at(0, 0), (Colour{255, 255, 255}));
+  EXPECT_EQ(frame.at(0, 0), (picture::Colour{255, 255, 255}));
   int blue = 0;
   for (int y = 0; y < frame.size.height; ++y) {
     for (int x = 0; x < frame.size.width; ++x)
@@ -78,9 +79,9 @@ TEST(CurvesPlot, IsAsWideAsItIsToBe) {
 }
 
 TEST(CurvesPlot, SaysThatThereIsNothing) {
-  RunCurves curves = someCurves();
+  trajectory::RunCurves curves = someCurves();
   curves.groups = {curves.groups[2]};
-  EXPECT_THROW(plotCurves(curves, byTime(), PageFormat::Svg, {}), InputError);
+  EXPECT_THROW(record::plotCurves(curves, byTime(), picture::PageFormat::Svg, {}), InputError);
 }
 
 TEST(CurvesPlot, HasTextInItsPdf) {
@@ -88,7 +89,7 @@ TEST(CurvesPlot, HasTextInItsPdf) {
     GTEST_SKIP() << "no pdftotext here; scripts/setup --with-tools installs poppler-utils";
   }
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "curves.pdf", plotted(PageFormat::Pdf));
+  writeTextFile(folder / "curves.pdf", plotted(picture::PageFormat::Pdf));
   const std::string text = test::outputOf("pdftotext " + (folder / "curves.pdf").string() + " -");
   EXPECT_THAT(text, HasSubstr("Size, m"));
   EXPECT_THAT(text, HasSubstr("simulated time, s"));

@@ -18,8 +18,8 @@ using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 
 /// Four hinged squares that open, and two events.
-Trajectory opening() {
-  Trajectory run = test::openingSquares();
+trajectory::Trajectory opening() {
+  trajectory::Trajectory run = test::openingSquares();
   run.events = {{0.31, "ground off"}, {0.72, "pinned tile 3"}};
   return run;
 }
@@ -28,13 +28,14 @@ Trajectory opening() {
 class Export : public testing::Test {
  protected:
   Export() {
-    writeTrajectory(opening(), folder_ / "trajectory.h5");
-    reader_ = std::make_unique<TrajectoryReader>(folder_ / "trajectory.h5");
+    trajectory::writeTrajectory(opening(), folder_ / "trajectory.h5");
+    reader_ = std::make_unique<trajectory::TrajectoryReader>(folder_ / "trajectory.h5");
   }
 
   std::vector<std::size_t> states(const std::vector<std::string>& names) const {
     std::vector<std::size_t> samples;
-    for (const ChosenState& state : chooseStates(*reader_, names)) samples.push_back(state.sample);
+    for (const exports::ChosenState& state : exports::chooseStates(*reader_, names))
+      samples.push_back(state.sample);
     return samples;
   }
 
@@ -59,7 +60,7 @@ class Export : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  std::unique_ptr<TrajectoryReader> reader_;
+  std::unique_ptr<trajectory::TrajectoryReader> reader_;
 };
 
 TEST_F(Export, FindsStatesBySharesTimesAnglesAndEvents) {
@@ -99,41 +100,41 @@ TEST_F(Export, RefusesStatesWhoseFilesWouldClash) {
 
 TEST_F(Export, NamesFilesByTheStatesAskedFor) {
   std::vector<std::string> labels;
-  for (const ChosenState& state :
-       chooseStates(*reader_, {"initial", "25%", "10deg", "0.5s", "event:pinned tile", "final"})) {
+  for (const exports::ChosenState& state : exports::chooseStates(
+           *reader_, {"initial", "25%", "10deg", "0.5s", "event:pinned tile", "final"})) {
     labels.push_back(state.label);
   }
   EXPECT_THAT(labels,
               ElementsAre("initial", "25pct", "10deg", "0.5s", "event_pinned_tile", "final"));
-  EXPECT_EQ(chooseStates(*reader_, {"all"})[7].label, "0007");
+  EXPECT_EQ(exports::chooseStates(*reader_, {"all"})[7].label, "0007");
 }
 
 TEST_F(Export, WritesJobsThatFollowTheDeployment) {
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.formats = {"inp"};
   settings.elements.perEdge = 2;
-  settings.decks.drive = {DriveChoice::Some, {0}};
+  settings.decks.drive = {exports::DriveChoice::Some, {0}};
   settings.decks.buckling = true;
   settings.states = {"initial", "final"};
-  const std::vector<std::string> names = exportStates(*reader_, settings, out());
-  for (const std::string& name : names) EXPECT_TRUE(isExported(name, settings)) << name;
+  const std::vector<std::string> names = exports::exportStates(*reader_, settings, out());
+  for (const std::string& name : names) EXPECT_TRUE(exports::isExported(name, settings)) << name;
   EXPECT_THAT(filesOut(), ElementsAre("contents.json", "state_final_buckle.inp",
                                       "state_final_job.inp", "state_final_mesh.inp",
                                       "state_initial_buckle.inp", "state_initial_drive.inp",
                                       "state_initial_job.inp", "state_initial_mesh.inp"));
   EXPECT_THAT(test::bytesOf(out() / "state_initial_drive.inp"), HasSubstr("*AMPLITUDE, NAME=A"));
   settings.states = {"final"};
-  EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
+  EXPECT_THROW(exports::exportStates(*reader_, settings, out()), InputError);
 }
 
 TEST_F(Export, MapsTheFirstStateToTheOthers) {
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.formats = {"inp"};
   settings.elements.perEdge = 2;
   settings.decks.stateMap = true;
   settings.decks.periodic = true;
-  const std::vector<std::string> names = exportStates(*reader_, settings, out());
-  for (const std::string& name : names) EXPECT_TRUE(isExported(name, settings)) << name;
+  const std::vector<std::string> names = exports::exportStates(*reader_, settings, out());
+  for (const std::string& name : names) EXPECT_TRUE(exports::isExported(name, settings)) << name;
   EXPECT_THAT(filesOut(), ElementsAre("contents.json", "state_final_job.inp", "state_final_map.inp",
                                       "state_final_mesh.inp", "state_final_periodic.inp",
                                       "state_initial_job.inp", "state_initial_mesh.inp",
@@ -142,7 +143,7 @@ TEST_F(Export, MapsTheFirstStateToTheOthers) {
               HasSubstr("INPUT=state_initial_mesh.inp"));
   const auto refused = [&] {
     try {
-      exportStates(*reader_, settings, out());
+      exports::exportStates(*reader_, settings, out());
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -150,17 +151,17 @@ TEST_F(Export, MapsTheFirstStateToTheOthers) {
   };
   settings.states = {"final"};
   EXPECT_THAT(refused(), HasSubstr("choose several, as --states initial,final"));
-  settings.elements.joints = JointStyle::Neck;
+  settings.elements.joints = exports::JointStyle::Neck;
   EXPECT_THAT(refused(), HasSubstr("a sheet with necks is the start alone"));
 }
 
 TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.formats = {"inp"};
-  settings.decks.drive = {DriveChoice::All, {}};
+  settings.decks.drive = {exports::DriveChoice::All, {}};
   settings.states = {"initial"};
-  for (const std::string& name : exportStates(*reader_, settings, out())) {
-    EXPECT_TRUE(isExported(name, settings)) << name;
+  for (const std::string& name : exports::exportStates(*reader_, settings, out())) {
+    EXPECT_TRUE(exports::isExported(name, settings)) << name;
   }
   EXPECT_THAT(filesOut(), ElementsAre("contents.json", "state_initial_drive.inp",
                                       "state_initial_drive_mesh.inp", "state_initial_job.inp",
@@ -171,10 +172,10 @@ TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
 }
 
 TEST_F(Export, WritesEveryFormat) {
-  ExportSettings settings;
-  settings.formats = exportFormatNames();
+  exports::ExportSettings settings;
+  settings.formats = exports::exportFormatNames();
   settings.states = {"50%"};
-  const std::vector<std::string> names = exportStates(*reader_, settings, out());
+  const std::vector<std::string> names = exports::exportStates(*reader_, settings, out());
   // Other formats may come; these have had their names for long.
   EXPECT_THAT(
       filesOut(),
@@ -185,8 +186,8 @@ TEST_F(Export, WritesEveryFormat) {
   EXPECT_EQ(names.size() + 1, filesOut().size());
   for (const std::string& name : names) {
     EXPECT_GT(std::filesystem::file_size(out() / name), 0U);
-    EXPECT_TRUE(isExported(name, settings)) << name;
-    EXPECT_FALSE(isExported(name, {})) << name;
+    EXPECT_TRUE(exports::isExported(name, settings)) << name;
+    EXPECT_FALSE(exports::isExported(name, {})) << name;
   }
   EXPECT_THAT(test::bytesOf(out() / "state_50pct_job.inp"),
               HasSubstr("INPUT=state_50pct_mesh.inp"));
@@ -194,41 +195,42 @@ TEST_F(Export, WritesEveryFormat) {
 }
 
 TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.formats = {"inp", "stl"};
   settings.states = {"final", "30deg", "all"};
   for (const char* name : {"state_final.stl", "state_30deg_job.inp", "state_0123_mesh.inp"}) {
-    EXPECT_TRUE(isExported(name, settings)) << name;
+    EXPECT_TRUE(exports::isExported(name, settings)) << name;
   }
   for (const char* name : {"state_initial.stl", "state_31deg.stl", "state_123.stl",
                            "state_final_drive.inp", "state_final_buckle.inp", "sheet_job.inp"}) {
-    EXPECT_FALSE(isExported(name, settings)) << name;
+    EXPECT_FALSE(exports::isExported(name, settings)) << name;
   }
-  settings.elements.joints = JointStyle::Neck;
-  EXPECT_TRUE(isExported("sheet_job.inp", settings));
-  EXPECT_TRUE(isExported("state_final.stl", settings));
-  EXPECT_FALSE(isExported("state_final_job.inp", settings));
+  settings.elements.joints = exports::JointStyle::Neck;
+  EXPECT_TRUE(exports::isExported("sheet_job.inp", settings));
+  EXPECT_TRUE(exports::isExported("state_final.stl", settings));
+  EXPECT_FALSE(exports::isExported("state_final_job.inp", settings));
 }
 
 TEST_F(Export, LeavesNothingOfASetThatFails) {
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.formats = {"obj", "svg"};
   settings.hingeWidth = 2;  // wider than a tile, found after the meshes are written
-  EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
+  EXPECT_THROW(exports::exportStates(*reader_, settings, out()), InputError);
   EXPECT_THAT(filesOut(), ElementsAre());
 }
 
 TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
-  const auto warnings = [](int side, const ExportSettings& settings) {
-    Trajectory run;
-    run.model = makeTessellation(test::squares(side, side, 0.5));
-    run.bricks = makeBricks(run.model.tiles, run.brickRule);
-    run.samples.push_back({.time = 0, .poses = startPoses(run.model.tiles, run.bricks)});
+  const auto warnings = [](int side, const exports::ExportSettings& settings) {
+    trajectory::Trajectory run;
+    run.model = model::makeTessellation(test::squares(side, side, 0.5));
+    run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
+    run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
     const TemporaryFolder folder;
-    writeTrajectory(run, folder / "trajectory.h5");
-    return exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings);
+    trajectory::writeTrajectory(run, folder / "trajectory.h5");
+    return exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"),
+                                   settings);
   };
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.states = {"initial"};
   settings.formats = {"msh"};
   EXPECT_THAT(warnings(21, settings), ElementsAre());
@@ -240,34 +242,37 @@ TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
 }
 
 TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
-  Scene scene;
-  scene.model = makeTessellation(test::squares(2, 2, 0.5));
+  scene::Scene scene;
+  scene.model = model::makeTessellation(test::squares(2, 2, 0.5));
   scene.brick.thickness = 0.02;
-  scene.hinges.neck = HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
   scene.hinges.areLigaments = true;
-  Trajectory run{subjectOf(scene)};
-  run.samples.push_back({.time = 0, .poses = startPoses(run.model.tiles, run.bricks)});
+  trajectory::Trajectory run{trajectory::subjectOf(scene)};
+  run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
   const TemporaryFolder folder;
-  writeTrajectory(run, folder / "trajectory.h5");
-  ExportSettings settings;
+  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  exports::ExportSettings settings;
   settings.states = {"initial"};
   settings.formats = {"inp"};
-  settings.elements.joints = JointStyle::Patch;
+  settings.elements.joints = exports::JointStyle::Patch;
   const std::string warning =
       "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
       "--joints neck has the start with its necks";
-  EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings),
-              ElementsAre(warning));
+  EXPECT_THAT(
+      exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"), settings),
+      ElementsAre(warning));
   run.pairForces = {};
-  writeTrajectory(run, folder / "trajectory.h5");
-  EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings), ElementsAre());
+  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  EXPECT_THAT(
+      exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"), settings),
+      ElementsAre());
 }
 
 TEST_F(Export, RefusesAFormatGivenTwice) {
-  ExportSettings settings;
+  exports::ExportSettings settings;
   settings.formats = {"obj", "ply", "obj"};
   try {
-    exportStates(*reader_, settings, out());
+    exports::exportStates(*reader_, settings, out());
     ADD_FAILURE() << "nothing was thrown";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),

@@ -139,70 +139,76 @@ class Judge {
 };
 
 /// All decks and jobs on a mesh whose tiles stand like this.
-void judgeAll(Judge& judge, const ElementMesh& mesh, const Poses& poses,
-              DeckSettings settings = {}) {
-  const DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
-  settings.solver = Solver::Abaqus;
-  settings.drive = {DriveChoice::All, {}};
-  judge.read(meshDeck(mesh, settings, origin));
-  for (const DeckJob& job :
-       {staticJob(mesh, settings, origin, "x_mesh.inp"),
-        bucklingJob(mesh, settings, origin, "x_mesh.inp"),
-        driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {poses, poses}})}) {
+void judgeAll(Judge& judge, const exports::ElementMesh& mesh, const Poses& poses,
+              exports::DeckSettings settings = {}) {
+  const exports::DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+  settings.solver = exports::Solver::Abaqus;
+  settings.drive = {exports::DriveChoice::All, {}};
+  judge.read(exports::meshDeck(mesh, settings, origin));
+  for (const exports::DeckJob& job :
+       {exports::staticJob(mesh, settings, origin, "x_mesh.inp"),
+        exports::bucklingJob(mesh, settings, origin, "x_mesh.inp"),
+        exports::driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {poses, poses}})}) {
     judge.read(job.sets);
     judge.read(job.text);
   }
 }
 
 /// Those of squares on hinges with these elements.
-void judge(Judge& judge, const ElementRule& rule, JointFace face = JointFace::Both) {
-  Model model = makeTessellation(test::squares(2, 2, 0.7));
-  for (Joint& joint : model.joints) joint.face = face;
+void judge(Judge& judge, const exports::ElementRule& rule,
+           model::JointFace face = model::JointFace::Both) {
+  model::Model model = model::makeTessellation(test::squares(2, 2, 0.7));
+  for (model::Joint& joint : model.joints) joint.face = face;
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
-  judgeAll(judge, makeElementMesh(layout.bricks, layout.joints, layout.poses, rule), layout.poses);
+  judgeAll(judge, exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule),
+           layout.poses);
 }
 
 TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
   Judge abaqus;
-  const Model model = makeTessellation(test::squares(2, 2, 0));
+  const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
   const Poses poses = test::layoutOf(model.tiles, model.joints).poses;
-  for (const ElementFamily family :
-       {ElementFamily::Solid, ElementFamily::Shell, ElementFamily::Plane}) {
+  for (const exports::ElementFamily family :
+       {exports::ElementFamily::Solid, exports::ElementFamily::Shell,
+        exports::ElementFamily::Plane}) {
     for (const bool isQuadratic : {true, false}) {
-      const ElementRule rule{.perEdge = 2,
-                             .quadratic = isQuadratic,
-                             .joints = JointStyle::Neck,
-                             .family = family,
-                             .neck = {.width = 0.05, .length = 0.1}};
-      judgeAll(abaqus, makeNeckMesh(model, 0.02, rule), poses);
+      const exports::ElementRule rule{.perEdge = 2,
+                                      .quadratic = isQuadratic,
+                                      .joints = exports::JointStyle::Neck,
+                                      .family = family,
+                                      .neck = {.width = 0.05, .length = 0.1}};
+      judgeAll(abaqus, exports::makeNeckMesh(model, 0.02, rule), poses);
     }
   }
 }
 
 TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
   Judge abaqus;
-  for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
+  for (const exports::JointStyle style :
+       {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
     judge(abaqus, {.perEdge = 4, .joints = style});
     judge(abaqus, {.perEdge = 4, .quadratic = false, .joints = style});
   }
-  judge(abaqus, {.family = ElementFamily::Shell});
-  judge(abaqus, {.quadratic = false, .family = ElementFamily::Shell}, JointFace::Top);
+  judge(abaqus, {.family = exports::ElementFamily::Shell});
+  judge(abaqus, {.quadratic = false, .family = exports::ElementFamily::Shell},
+        model::JointFace::Top);
   const test::Layout layout = test::hingedSquares();
-  ElementMesh patched = makeElementMesh(layout.bricks, layout.joints, layout.poses,
-                                        {.perEdge = 4, .joints = JointStyle::Patch});
+  exports::ElementMesh patched =
+      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                               {.perEdge = 4, .joints = exports::JointStyle::Patch});
   patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1}};
   judgeAll(abaqus, patched, layout.poses);
-  const ElementMesh shared =
-      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
-  DeckSettings settings;
+  const exports::ElementMesh shared =
+      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
+  exports::DeckSettings settings;
   settings.contactFriction = 0.3;
   settings.periodic = true;
   judgeAll(abaqus, shared, layout.poses, settings);
-  settings.solver = Solver::Abaqus;
-  const DeckOrigin origin;
-  abaqus.read(periodicJob(shared, settings, origin, "x_mesh.inp").text);
-  abaqus.read(stateMapJob(shared, shared, settings, origin, "x_mesh.inp").text);
+  settings.solver = exports::Solver::Abaqus;
+  const exports::DeckOrigin origin;
+  abaqus.read(exports::periodicJob(shared, settings, origin, "x_mesh.inp").text);
+  abaqus.read(exports::stateMapJob(shared, shared, settings, origin, "x_mesh.inp").text);
   // Nothing stands in the table that no deck has.
   EXPECT_EQ(abaqus.unused(), std::vector<std::string>());
 }

@@ -31,15 +31,15 @@ double cpuSeconds(const std::filesystem::path& folder, const std::string& comman
   return least;
 }
 
-ElementMesh sheetOf(const ElementRule& rule) {
-  const Model model = makeTessellation(test::squares(100, 100, 0.3));
+exports::ElementMesh sheetOf(const exports::ElementRule& rule) {
+  const model::Model model = model::makeTessellation(test::squares(100, 100, 0.3));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
-  return makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+  return exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
 }
 
 /// The same elements as if they were of one tile without faces.
-ElementMesh inOneGroup(ElementMesh mesh) {
-  TileElements all;
+exports::ElementMesh inOneGroup(exports::ElementMesh mesh) {
+  exports::TileElements all;
   all.elementCount = static_cast<int>(mesh.elements.size());
   all.nodes.resize(mesh.nodes.size());
   std::iota(all.nodes.begin(), all.nodes.end(), 0);
@@ -50,10 +50,10 @@ ElementMesh inOneGroup(ElementMesh mesh) {
 
 TEST(BigSheets, AreReadByGmshAsFastAsOneGroup) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
-  const ElementMesh mesh = sheetOf({});
+  const exports::ElementMesh mesh = sheetOf({});
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "sheet.msh", gmshMesh(mesh));
-  writeTextFile(folder / "one.msh", gmshMesh(inOneGroup(mesh)));
+  writeTextFile(folder / "sheet.msh", exports::gmshMesh(mesh));
+  writeTextFile(folder / "one.msh", exports::gmshMesh(inOneGroup(mesh)));
   const double own = cpuSeconds(folder.path(), "gmsh sheet.msh -parse_and_exit");
   const double one = cpuSeconds(folder.path(), "gmsh one.msh -parse_and_exit");
   EXPECT_THAT(test::bytesOf(folder / "log"), testing::HasSubstr("Done reading"));
@@ -79,9 +79,9 @@ std::string withoutSets(const std::string& deck) {
 
 TEST(BigSheets, AreReadByCalculixAsFastAsWithoutSets) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  const ElementMesh mesh = sheetOf({.perEdge = 1, .through = 1, .quadratic = false});
-  const DeckJob job = staticJob(mesh, {}, kOrigin, "x_mesh.inp");
-  const std::string deck = meshDeck(mesh, {}, kOrigin) + job.sets;
+  const exports::ElementMesh mesh = sheetOf({.perEdge = 1, .through = 1, .quadratic = false});
+  const exports::DeckJob job = exports::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
+  const std::string deck = exports::meshDeck(mesh, {}, kOrigin) + job.sets;
   const test::TemporaryFolder folder;
   writeTextFile(folder / "job.inp", job.text);
   writeTextFile(folder / "x_mesh.inp", deck);

@@ -31,19 +31,19 @@ class CalculixJobs : public testing::Test {
   }
 };
 
-Tile square(double x, double y) {
-  return Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
+model::Tile square(double x, double y) {
+  return model::Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
 }
 
 std::string setOf(const std::string& name, const std::vector<int>& nodes) {
   std::string text;
-  appendNodeSet(text, name, nodes);
+  exports::appendNodeSet(text, name, nodes);
   return text;
 }
 
 /// The nodes that follow no others, all of them or those of a tile.
-std::vector<int> leaders(const ElementMesh& mesh, int tile = -1) {
-  const std::vector<bool> follows = followers(mesh);
+std::vector<int> leaders(const exports::ElementMesh& mesh, int tile = -1) {
+  const std::vector<bool> follows = exports::followers(mesh);
   std::vector<int> nodes;
   for (int k = 0; k < static_cast<int>(mesh.nodes.size()); ++k) {
     const bool isMeant = tile < 0 || std::ranges::binary_search(mesh.tiles[tile].nodes, k);
@@ -58,16 +58,18 @@ class SpringHinge {
  public:
   /// The spring rests where the upper square has turned by so much.
   explicit SpringHinge(double rest)
-      : layout_(test::layoutOf({square(0, 0), square(1, 1)}, {{{0, 2}, {1, 0}, JointFace::Both}})),
-        mesh_(makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
-                              {.perEdge = 4, .joints = JointStyle::Patch})) {
-    const Hinge hinge =
-        findHinges(layout_.bricks, makePivots(layout_.joints, layout_.bricks), true).hinges.at(0);
+      : layout_(test::layoutOf({square(0, 0), square(1, 1)},
+                               {{{0, 2}, {1, 0}, model::JointFace::Both}})),
+        mesh_(exports::makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
+                                       {.perEdge = 4, .joints = exports::JointStyle::Patch})) {
+    const model::Hinge hinge =
+        model::findHinges(layout_.bricks, model::makePivots(layout_.joints, layout_.bricks), true)
+            .hinges.at(0);
     // Angles grow as tile 1 turns against tile 0, or tile 0 against tile 1.
     const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.z();
-    const double start = hingeAngle(hinge, layout_.poses);
-    const std::vector<HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
-    EXPECT_EQ(addHingeSprings(mesh_, springs, layout_.poses), 0);
+    const double start = model::hingeAngle(hinge, layout_.poses);
+    const std::vector<model::HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
+    EXPECT_EQ(exports::addHingeSprings(mesh_, springs, layout_.poses), 0);
   }
 
   /// The corner at (2, 1), through the thickness.
@@ -76,7 +78,8 @@ class SpringHinge {
   /// A job with these loads besides the spring's.
   JobEnd run(const std::string& step, const std::string& load) const {
     std::string moments = "*CLOAD\n";
-    PatchDeck(mesh_, Solver::Calculix).appendMoments(moments, DeckUnit::Model);
+    exports::PatchDeck(mesh_, exports::Solver::Calculix)
+        .appendMoments(moments, exports::DeckUnit::Model);
     if (moments == "*CLOAD\n") moments.clear();
     std::string job = test::ownJob(
         setOf("HELD", leaders(mesh_, 0)) + setOf("FLAT", leaders(mesh_)) +
@@ -85,14 +88,14 @@ class SpringHinge {
         "DRIVEN, FREQUENCY=1000, TOTALS=ONLY\nRF\n*NODE PRINT, FREQUENCY=1000, NSET=DRIVEN");
     const std::string plain = "*STEP\n*STATIC\n";
     job.replace(job.find(plain), plain.size(), step);
-    const JobEnd end = test::run(meshDeck(mesh_, {}, kOrigin), job);
+    const JobEnd end = test::run(exports::meshDeck(mesh_, {}, kOrigin), job);
     EXPECT_THAT(end.log, HasSubstr("Job finished"));
     return end;
   }
 
  private:
   Layout layout_;
-  ElementMesh mesh_;
+  exports::ElementMesh mesh_;
 };
 
 TEST_F(CalculixJobs, SpringsTurnTilesByMomentOverStiffness) {
@@ -138,15 +141,15 @@ std::pair<Vector3, Vector3> contactForces(const std::string& data) {
 TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   // Side by side, joined at (1, 0): 100 N on (2, 1) press the right square on the left one.
   const Layout layout =
-      test::layoutOf({square(0, 0), square(1, 0)}, {{{0, 1}, {1, 0}, JointFace::Both}});
-  const ElementMesh mesh =
-      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 8, .through = 1});
-  const std::vector<ContactPair> pairs = contactPairs(mesh);
+      test::layoutOf({square(0, 0), square(1, 0)}, {{{0, 1}, {1, 0}, model::JointFace::Both}});
+  const exports::ElementMesh mesh = exports::makeElementMesh(
+      layout.bricks, layout.joints, layout.poses, {.perEdge = 8, .through = 1});
+  const std::vector<exports::ContactPair> pairs = exports::contactPairs(mesh);
   ASSERT_EQ(pairs.size(), 2U);
-  DeckSettings settings;
+  exports::DeckSettings settings;
   settings.contactFriction = 0;
   std::string cards;
-  appendContactCards(cards, pairs.size(), settings, 0.02);
+  exports::appendContactCards(cards, pairs.size(), settings, 0.02);
   const std::vector<int>& loaded = mesh.tiles[1].edges[2];
   std::string load = "*CLOAD\n";
   for (const int node : loaded) {
@@ -158,7 +161,7 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   std::string job =
       test::ownJob(setOf("FLAT", leaders(mesh)), "XMIN, 1, 3\nFLAT, 3, 3\n", load, "XMAX");
   job.insert(job.find("*BOUNDARY"), cards);
-  const JobEnd end = test::run(meshDeck(mesh, settings, kOrigin), job);
+  const JobEnd end = test::run(exports::meshDeck(mesh, settings, kOrigin), job);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const auto [force, moment] = contactForces(end.data);
   // About (1, 0): 100 N times 1 m, whatever the pressure's distribution.
@@ -172,11 +175,11 @@ struct Strained {
   double energy = 0;  ///< joules
 };
 
-Strained runPeriodic(const ElementMesh& mesh) {
-  DeckSettings settings;
+Strained runPeriodic(const exports::ElementMesh& mesh) {
+  exports::DeckSettings settings;
   settings.periodic = true;
-  const DeckJob job = periodicJob(mesh, settings, kOrigin, "x_mesh.inp");
-  const JobEnd end = test::run(meshDeck(mesh, settings, kOrigin), job.text);
+  const exports::DeckJob job = exports::periodicJob(mesh, settings, kOrigin, "x_mesh.inp");
+  const JobEnd end = test::run(exports::meshDeck(mesh, settings, kOrigin), job.text);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const std::size_t energy = end.data.find("total internal energy");
   if (energy == std::string::npos) return {};
@@ -186,7 +189,7 @@ Strained runPeriodic(const ElementMesh& mesh) {
 
 TEST_F(CalculixJobs, APeriodicSheetIsStrainedUniformly) {
   const Layout layout = test::layoutOf({square(0, 0)}, {});
-  const Strained found = runPeriodic(makeElementMesh(layout.bricks, {}, layout.poses, {}));
+  const Strained found = runPeriodic(exports::makeElementMesh(layout.bricks, {}, layout.poses, {}));
   ASSERT_EQ(found.moved.size(), 2U);
   // Strained by 1e-3: E times that on a side of 1 m x 0.02 m; it narrows by Poisson's ratio.
   EXPECT_NEAR(found.moved[0].x(), 1e-3, 1e-12);
@@ -196,10 +199,10 @@ TEST_F(CalculixJobs, APeriodicSheetIsStrainedUniformly) {
 
 TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
   // Poisson's ratio is -1: as many squares across as along widen by what they lengthen.
-  const Model model = makeTessellation(test::squares(4, 4, 0.7));
+  const model::Model model = model::makeTessellation(test::squares(4, 4, 0.7));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
-  const Strained found = runPeriodic(
-      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 2, .through = 1}));
+  const Strained found = runPeriodic(exports::makeElementMesh(
+      layout.bricks, layout.joints, layout.poses, {.perEdge = 2, .through = 1}));
   ASSERT_EQ(found.moved.size(), 2U);
   EXPECT_GT(found.moved[0].x(), 1e-3);
   EXPECT_NEAR(found.moved[1].y() / found.moved[0].x(), 1, 1e-6);
@@ -207,22 +210,25 @@ TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
 }
 
 TEST_F(CalculixJobs, StateMapsLeadToTheLaterStateWithoutStress) {
-  const Model first = makeTessellation(test::squares(2, 2, 0));
+  const model::Model first = model::makeTessellation(test::squares(2, 2, 0));
   const Layout layout = test::layoutOf(first.tiles, first.joints);
-  const std::vector<Tile> opened = tessellationTiles(test::squares(2, 2, 0), 0.8);
+  const std::vector<model::Tile> opened = model::tessellationTiles(test::squares(2, 2, 0), 0.8);
   Poses poses = layout.poses;
   for (std::size_t t = 0; t < poses.size(); ++t) {
     const bool isEven = (t / 2 + t % 2) % 2 == 0;
     poses[t].rotation = rotationFromVector({0, 0, isEven ? -0.4 : 0.4});
-    poses[t].position = tileCentroid(opened[t]) + Vector3(0, 0, 0.01);
+    poses[t].position = model::tileCentroid(opened[t]) + Vector3(0, 0, 0.01);
   }
-  for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
-    const ElementRule rule{.perEdge = 4, .through = 1, .joints = style};
-    const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
-    const ElementMesh later = makeElementMesh(layout.bricks, layout.joints, poses, rule);
-    DeckJob job = stateMapJob(mesh, later, {}, kOrigin, "x_mesh.inp");
+  for (const exports::JointStyle style :
+       {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
+    const exports::ElementRule rule{.perEdge = 4, .through = 1, .joints = style};
+    const exports::ElementMesh mesh =
+        exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+    const exports::ElementMesh later =
+        exports::makeElementMesh(layout.bricks, layout.joints, poses, rule);
+    exports::DeckJob job = exports::stateMapJob(mesh, later, {}, kOrigin, "x_mesh.inp");
     job.text.insert(job.text.find("*END STEP"), "*EL PRINT, ELSET=EALL\nS\n");
-    const JobEnd end = test::run(meshDeck(mesh, {}, kOrigin), job.text);
+    const JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job.text);
     EXPECT_THAT(end.log, HasSubstr("Job finished"));
     const std::vector<Vector3> moved = displacements(end.data.substr(0, end.data.find("stresses")));
     ASSERT_GE(moved.size(), mesh.nodes.size());

@@ -38,17 +38,18 @@ std::string printing(std::string job) {
   return job.insert(job.find("*NODE PRINT"), "*NODE PRINT, NSET=NALL\nU\n");
 }
 
-class JobTemplate : public testing::TestWithParam<ElementRule> {
+class JobTemplate : public testing::TestWithParam<exports::ElementRule> {
  protected:
   void SetUp() override {
     if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   }
 };
 
-void expectToRun(const Layout& layout, const ElementRule& rule) {
-  const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
-  const DeckJob job = staticJob(mesh, {}, kOrigin, "x_mesh.inp");
-  const JobEnd end = run(meshDeck(mesh, {}, kOrigin) + job.sets, printing(job.text));
+void expectToRun(const Layout& layout, const exports::ElementRule& rule) {
+  const exports::ElementMesh mesh =
+      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+  const exports::DeckJob job = exports::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
+  const JobEnd end = run(exports::meshDeck(mesh, {}, kOrigin) + job.sets, printing(job.text));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   EXPECT_THAT(end.log, Not(HasSubstr("WARNING")));
   EXPECT_THAT(end.log, Not(HasSubstr("ERROR")));
@@ -68,35 +69,36 @@ void expectToRun(const Layout& layout, const ElementRule& rule) {
 }
 
 TEST_P(JobTemplate, RunsAsItIs) {
-  const Model open = makeTessellation(test::squares(3, 2, 0.9));
+  const model::Model open = model::makeTessellation(test::squares(3, 2, 0.9));
   expectToRun(test::layoutOf(open.tiles, open.joints), GetParam());
   expectToRun(test::polygons(), GetParam());
 }
 
-INSTANTIATE_TEST_SUITE_P(Deck, JobTemplate,
-                         testing::Values(ElementRule{2, 1}, ElementRule{4, 1, false},
-                                         ElementRule{.family = ElementFamily::Shell},
-                                         ElementRule{.quadratic = false,
-                                                     .family = ElementFamily::Shell},
-                                         ElementRule{2, 1, true, JointStyle::Equation},
-                                         ElementRule{4, 1, false, JointStyle::Patch, 0.26},
-                                         ElementRule{4, 1, true, JointStyle::Patch}));
+INSTANTIATE_TEST_SUITE_P(
+    Deck, JobTemplate,
+    testing::Values(exports::ElementRule{2, 1}, exports::ElementRule{4, 1, false},
+                    exports::ElementRule{.family = exports::ElementFamily::Shell},
+                    exports::ElementRule{.quadratic = false,
+                                         .family = exports::ElementFamily::Shell},
+                    exports::ElementRule{2, 1, true, exports::JointStyle::Equation},
+                    exports::ElementRule{4, 1, false, exports::JointStyle::Patch, 0.26},
+                    exports::ElementRule{4, 1, true, exports::JointStyle::Patch}));
 
 /// A tile of the given length and width, 0.02 or as thick as said.
 Layout strip(double length, double width, double thickness) {
-  return test::layoutOf({Tile{{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}}, {},
-                        thickness);
+  return test::layoutOf(
+      {model::Tile{{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}}, {}, thickness);
 }
 
 /// The deflection of a cantilever 10 x 1 x 0.5 with 1 kN spread over its end, as a part of that of
 /// a beam, F l^3 / (3 E I).
-double cantilever(const ElementRule& rule) {
+double cantilever(const exports::ElementRule& rule) {
   const Layout layout = strip(10, 1, 0.5);
-  const ElementMesh mesh = makeElementMesh(layout.bricks, {}, layout.poses, rule);
+  const exports::ElementMesh mesh = exports::makeElementMesh(layout.bricks, {}, layout.poses, rule);
   std::size_t atEnd = 0;
   for (const Vector3& node : mesh.nodes) atEnd += node.x() > 10 - 1e-9 ? 1 : 0;
   const JobEnd end = run(
-      meshDeck(mesh, {}, kOrigin),
+      exports::meshDeck(mesh, {}, kOrigin),
       ownJob("", "XMIN, 1, 3\n", fmt::format("*CLOAD\nXMAX, 3, {}\n", -1000.0 / atEnd), "XMAX"));
   const double beam = 1000 * 1000 / (3 * 1e9 * 1 * 0.125 / 12);
   return -displacements(end.data).at(0).z() / beam;
@@ -116,21 +118,21 @@ TEST(Bending, OfACantileverIsThatOfABeam) {
 /// as a part of c q a^4 / D. `isHeld` tells which nodes are held by which axes.
 double plate(double coefficient, const std::string& held) {
   const Layout layout = strip(1, 1, 0.02);
-  const ElementMesh mesh = makeElementMesh(layout.bricks, {}, layout.poses, {});
+  const exports::ElementMesh mesh = exports::makeElementMesh(layout.bricks, {}, layout.poses, {});
   std::vector<int> corners;
   for (const auto& edge : mesh.tiles[0].edges) corners.push_back(edge.front());
   std::string sets;
-  appendNodeSet(sets, "CORNER", corners);
+  exports::appendNodeSet(sets, "CORNER", corners);
   for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
     const Vector3 offset = mesh.nodes[k] - Vector3(0.5, 0.5, 0);
-    if (offset.norm() < 1e-9) appendNodeSet(sets, "MIDDLE", {static_cast<int>(k)});
+    if (offset.norm() < 1e-9) exports::appendNodeSet(sets, "MIDDLE", {static_cast<int>(k)});
   }
   std::string boundary = held;
   if (held == "CORNER, 3, 3\n") {
     boundary += fmt::format("{}, 1, 2\n{}, 2, 2\n", corners[0] + 1, corners[1] + 1);
   }
   const JobEnd end =
-      run(meshDeck(mesh, {}, kOrigin),
+      run(exports::meshDeck(mesh, {}, kOrigin),
           ownJob(sets, boundary, "*DLOAD\nEALL, GRAV, 9.81, 0., 0., -1.\n", "MIDDLE"));
   const double stiffness = 1e9 * 8e-6 / (12 * (1 - 0.09));
   return -displacements(end.data).at(0).z() / (coefficient * 1000 * 9.81 * 0.02 / stiffness);
@@ -146,12 +148,13 @@ TEST(Bending, OfPlatesIsThatOfKirchhoff) {
 }
 
 /// A job on shells of 0.02 m.
-JobEnd runShells(const ElementMesh& mesh, const std::string& sets, const std::string& boundary,
-                 const std::string& load, const std::string& printed, double thickness = 0.02) {
+JobEnd runShells(const exports::ElementMesh& mesh, const std::string& sets,
+                 const std::string& boundary, const std::string& load, const std::string& printed,
+                 double thickness = 0.02) {
   std::string job = ownJob(sets, boundary, load, printed);
   const std::string section = "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n";
   std::string shells;
-  for (const ShellOffset& own : shellOffsets(mesh)) {
+  for (const exports::ShellOffset& own : exports::shellOffsets(mesh)) {
     shells += fmt::format("*SHELL SECTION, ELSET={}, MATERIAL=SHEET, OFFSET={}\n{}\n", own.set,
                           own.offset, thickness);
   }
@@ -159,11 +162,11 @@ JobEnd runShells(const ElementMesh& mesh, const std::string& sets, const std::st
     shells = fmt::format("*SHELL SECTION, ELSET=EALL, MATERIAL=SHEET\n{}\n", thickness);
   }
   job.replace(job.find(section), section.size(), shells);
-  return run(meshDeck(mesh, {}, kOrigin), job);
+  return run(exports::meshDeck(mesh, {}, kOrigin), job);
 }
 
 /// The same of shells: the largest deflection is that of the middle.
-double shellPlate(const ElementMesh& mesh, double coefficient, bool isClamped) {
+double shellPlate(const exports::ElementMesh& mesh, double coefficient, bool isClamped) {
   std::string boundary = "XMIN, 1, 6\nXMAX, 1, 6\nYMIN, 1, 6\nYMAX, 1, 6\n";
   if (!isClamped) {
     boundary.clear();
@@ -186,8 +189,8 @@ double shellPlate(const ElementMesh& mesh, double coefficient, bool isClamped) {
 TEST(Bending, OfShellsIsThatOfKirchhoff) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   const Layout layout = strip(1, 1, 0.02);
-  const ElementMesh mesh =
-      makeElementMesh(layout.bricks, {}, layout.poses, {.family = ElementFamily::Shell});
+  const exports::ElementMesh mesh = exports::makeElementMesh(
+      layout.bricks, {}, layout.poses, {.family = exports::ElementFamily::Shell});
   EXPECT_NEAR(shellPlate(mesh, 0.0255, false), 1, 0.02);  // measured: 1.013
   // CalculiX clamps the edges of its expanded shells too stiffly along one element, which is why
   // these are shorter there: 0.954 with elements of one size. Measured: 0.987.
@@ -198,11 +201,12 @@ TEST(Bending, OfShellsByGmshIsThatOfKirchhoff) {
   for (const char* program : {"ccx", "gmsh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
   }
-  Model model;
-  model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
-  const ElementMesh mesh = makeNeckMesh(
-      model, 0.02,
-      {.joints = JointStyle::Neck, .family = ElementFamily::Shell, .neck = {.width = 0.1}});
+  model::Model model;
+  model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  const exports::ElementMesh mesh = exports::makeNeckMesh(model, 0.02,
+                                                          {.joints = exports::JointStyle::Neck,
+                                                           .family = exports::ElementFamily::Shell,
+                                                           .neck = {.width = 0.1}});
   EXPECT_NEAR(shellPlate(mesh, 0.0255, false), 1, 0.02);   // measured: 1.012
   EXPECT_NEAR(shellPlate(mesh, 0.001265, true), 1, 0.02);  // measured: 0.992, by one size 0.959
 }
@@ -210,8 +214,8 @@ TEST(Bending, OfShellsByGmshIsThatOfKirchhoff) {
 TEST(Bending, OfACantileverOfShellsIsThatOfABeam) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   const Layout layout = strip(10, 1, 0.5);
-  const ElementMesh mesh =
-      makeElementMesh(layout.bricks, {}, layout.poses, {.family = ElementFamily::Shell});
+  const exports::ElementMesh mesh = exports::makeElementMesh(
+      layout.bricks, {}, layout.poses, {.family = exports::ElementFamily::Shell});
   std::size_t atEnd = 0;
   for (const Vector3& node : mesh.nodes) atEnd += node.x() > 10 - 1e-9 ? 1 : 0;
   const JobEnd end = runShells(mesh, "", "XMIN, 1, 6\n",
@@ -223,19 +227,19 @@ TEST(Bending, OfACantileverOfShellsIsThatOfABeam) {
 TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   // A roof of 45 degrees whose two halves are joined on their lower face; 100 N on its ridge.
-  const Layout layout =
-      test::layoutOf({Tile{{{0, 0, 0}, {1, 0, 1}, {1, 1, 1}, {0, 1, 0}}},
-                      Tile{{{1, 0, 1}, {2, 0, 0}, {2, 1, 0}, {1, 1, 1}}}},
-                     {{{0, 1}, {1, 0}, JointFace::Bottom}, {{0, 2}, {1, 3}, JointFace::Bottom}});
-  const ElementMesh mesh =
-      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.family = ElementFamily::Shell});
+  const Layout layout = test::layoutOf(
+      {model::Tile{{{0, 0, 0}, {1, 0, 1}, {1, 1, 1}, {0, 1, 0}}},
+       model::Tile{{{1, 0, 1}, {2, 0, 0}, {2, 1, 0}, {1, 1, 1}}}},
+      {{{0, 1}, {1, 0}, model::JointFace::Bottom}, {{0, 2}, {1, 3}, model::JointFace::Bottom}});
+  const exports::ElementMesh mesh = exports::makeElementMesh(
+      layout.bricks, layout.joints, layout.poses, {.family = exports::ElementFamily::Shell});
   ASSERT_EQ(mesh.clusters.size(), 2U);
-  ASSERT_EQ(shellOffsets(mesh).size(), 1U);
-  EXPECT_EQ(shellOffsets(mesh)[0].offset, -0.5);
+  ASSERT_EQ(exports::shellOffsets(mesh).size(), 1U);
+  EXPECT_EQ(exports::shellOffsets(mesh)[0].offset, -0.5);
   std::string sets;
   const auto corner = [&](int tile, int vertex) { return mesh.tiles[tile].edges[vertex].front(); };
-  appendNodeSet(sets, "FEET", {corner(0, 0), corner(0, 3), corner(1, 1), corner(1, 2)});
-  appendNodeSet(sets, "FOOT", {corner(0, 0), corner(0, 3)});
+  exports::appendNodeSet(sets, "FEET", {corner(0, 0), corner(0, 3), corner(1, 1), corner(1, 2)});
+  exports::appendNodeSet(sets, "FOOT", {corner(0, 0), corner(0, 3)});
   const JobEnd end = runShells(
       mesh, sets, "FEET, 1, 3\n",
       fmt::format("*CLOAD\n{}, 3, -50.\n{}, 3, -50.\n", corner(0, 1) + 1, corner(0, 2) + 1),
@@ -250,7 +254,7 @@ TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
 /// as it is: the analytic linkage.
 Vector3 linkage(double from, double to) {
   const auto between = [](double angle) {
-    const std::vector<Tile> tiles = tessellationTiles(test::squares(2, 2, 0), angle);
+    const std::vector<model::Tile> tiles = model::tessellationTiles(test::squares(2, 2, 0), angle);
     const Vector3 across = tiles[3].vertices[0] - tiles[0].vertices[0];
     // Tile 0 is even: turned by half the angle, backwards.
     return Quaternion(Eigen::AngleAxisd(angle / 2, Vector3::UnitZ())) * across;
@@ -265,21 +269,21 @@ std::string drivenJob(int node, double y) {
       "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n*BOUNDARY\nTILE_00000_N, 1, 3\n"
       "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1.\n*BOUNDARY\n{}, 2, 2, {}\n"
       "*NODE PRINT, NSET=TILE_00003_BOT\nU\n*END STEP\n",
-      node, deckNumber(y));
+      node, exports::deckNumber(y));
 }
 
-class HingeMechanism : public testing::TestWithParam<JointStyle> {};
+class HingeMechanism : public testing::TestWithParam<exports::JointStyle> {};
 
 TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   const double start = 0.7;
   const Layout layout = test::hingedSquares(start);
-  const ElementMesh mesh =
-      makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1, false, GetParam()});
+  const exports::ElementMesh mesh = exports::makeElementMesh(
+      layout.bricks, layout.joints, layout.poses, {2, 1, false, GetParam()});
   const Vector3 wanted = linkage(start, 1.1);
   // A node of tile 3 that follows no other: the middle of its bottom.
   const int driven = mesh.tiles[3].bottom[4] + 1;
-  const JobEnd end = run(meshDeck(mesh, {}, kOrigin), drivenJob(driven, wanted.y()));
+  const JobEnd end = run(exports::meshDeck(mesh, {}, kOrigin), drivenJob(driven, wanted.y()));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const std::vector<Vector3> moved = displacements(end.data);
   ASSERT_GE(moved.size(), 9U);
@@ -290,17 +294,17 @@ TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
 }
 
 /// How squares in rows of so many turn from one opening angle by 0.4 rad, in a second.
-TileHistory openingOf(int rowLength, const Layout& layout, double start) {
-  TileHistory history;
+exports::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
+  exports::TileHistory history;
   for (int k = 0; k <= 20; ++k) {
     const double turn = 0.02 * k;
-    const std::vector<Tile> tiles =
-        tessellationTiles(test::squares(rowLength, rowLength, 0), start + turn);
+    const std::vector<model::Tile> tiles =
+        model::tessellationTiles(test::squares(rowLength, rowLength, 0), start + turn);
     Poses poses = layout.poses;
     for (std::size_t t = 0; t < poses.size(); ++t) {
       const bool isEven = (t / rowLength + t % rowLength) % 2 == 0;
       poses[t].rotation = rotationFromVector({0, 0, (isEven ? -0.5 : 0.5) * turn});
-      poses[t].position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
+      poses[t].position = model::tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
     }
     history.times.push_back(0.05 * k);
     history.poses.push_back(poses);
@@ -313,16 +317,17 @@ TEST(Drive, EndsWhereTheLinkageDoes) {
   // Two tiles at opposite corners move as the linkage does; all others have to follow.
   const double start = 0.7;
   for (const int rowLength : {2, 4}) {
-    const Model model = makeTessellation(test::squares(rowLength, rowLength, start));
+    const model::Model model = model::makeTessellation(test::squares(rowLength, rowLength, start));
     const Layout layout = test::layoutOf(model.tiles, model.joints);
-    const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
-    const TileHistory history = openingOf(rowLength, layout, start);
-    DeckSettings settings;
-    settings.drive = {DriveChoice::Some, {0, rowLength * rowLength - 1}};
-    DeckJob job = driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
+    const exports::ElementMesh mesh =
+        exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+    const exports::TileHistory history = openingOf(rowLength, layout, start);
+    exports::DeckSettings settings;
+    settings.drive = {exports::DriveChoice::Some, {0, rowLength * rowLength - 1}};
+    exports::DeckJob job = exports::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
     job.text.insert(job.text.find("*END STEP"),
                     "*NODE PRINT, NSET=TILE_00001_BOT, FREQUENCY=10000\nU\n");
-    const JobEnd end = run(meshDeck(mesh, settings, kOrigin) + job.sets, job.text);
+    const JobEnd end = run(exports::meshDeck(mesh, settings, kOrigin) + job.sets, job.text);
     EXPECT_THAT(end.log, HasSubstr("Job finished"));
     const std::vector<Vector3> moved =
         displacements(end.data.substr(end.data.rfind("for set TILE_00001_BOT")));
@@ -340,12 +345,13 @@ TEST(Drive, FindsDisplacementsThatHoldTilesInEveryTurn) {
   // A tile that turns by a right angle about an axis in its plane leaves the direction in which
   // three of its nodes were held at first.
   const Layout layout = test::hingedSquares();
-  const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+  const exports::ElementMesh mesh =
+      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
   std::vector<Quaternion> turns;
   for (int k = 0; k <= 90; ++k) {
     turns.push_back(rotationFromVector({k * std::numbers::pi / 180, 0, 0}));
   }
-  for (const auto& own : tileDisplacements(mesh, {0, 1, 2, 3}, std::vector(4, turns))) {
+  for (const auto& own : exports::tileDisplacements(mesh, {0, 1, 2, 3}, std::vector(4, turns))) {
     double least = 1;
     for (const Quaternion& turn : turns) {
       Eigen::MatrixXd rows(own.size(), 6);
@@ -364,21 +370,21 @@ TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
   }
   // Four squares on necks ten times as long as wide open by 0.26 rad, 15 degrees.
-  const Model model = makeTessellation(test::squares(2, 2, 0));
+  const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
-  const ElementRule rule{.perEdge = 1,
-                         .joints = JointStyle::Neck,
-                         .family = ElementFamily::Plane,
-                         .neck = {.width = 0.02, .length = 0.2}};
-  const ElementMesh mesh = makeNeckMesh(model, 0.02, rule);
-  TileHistory history = openingOf(2, layout, 0);
+  const exports::ElementRule rule{.perEdge = 1,
+                                  .joints = exports::JointStyle::Neck,
+                                  .family = exports::ElementFamily::Plane,
+                                  .neck = {.width = 0.02, .length = 0.2}};
+  const exports::ElementMesh mesh = exports::makeNeckMesh(model, 0.02, rule);
+  exports::TileHistory history = openingOf(2, layout, 0);
   history.times.resize(14);
   history.poses.resize(14);
-  DeckSettings settings;
-  settings.drive = {DriveChoice::Edge, {}};
+  exports::DeckSettings settings;
+  settings.drive = {exports::DriveChoice::Edge, {}};
   const test::TemporaryFolder folder;
-  const DeckJob job = driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
-  writeTextFile(folder / "x_mesh.inp", meshDeck(mesh, settings, kOrigin) + job.sets);
+  const exports::DeckJob job = exports::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
+  writeTextFile(folder / "x_mesh.inp", exports::meshDeck(mesh, settings, kOrigin) + job.sets);
   writeTextFile(folder / "x_drive.inp", job.text);
   const std::string curve = test::outputOf(fmt::format(
       "cd '{}' && OMP_NUM_THREADS=1 ccx -i x_drive > log && '{}/scripts/force-curve' x_drive",
@@ -393,7 +399,8 @@ TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Deck, HingeMechanism,
-                         testing::Values(JointStyle::Shared, JointStyle::Equation));
+                         testing::Values(exports::JointStyle::Shared,
+                                         exports::JointStyle::Equation));
 
 }  // namespace
 }  // namespace kirireel

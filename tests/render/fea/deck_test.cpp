@@ -31,29 +31,30 @@ Layout turned(Layout layout) {
   return layout;
 }
 
-ElementMesh meshOf(const Layout& layout, const ElementRule& rule = {}) {
-  return makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+exports::ElementMesh meshOf(const Layout& layout, const exports::ElementRule& rule = {}) {
+  return exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
 }
 
-const DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+const exports::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
 
-std::string textOf(const ElementMesh& mesh, const DeckSettings& settings = {}) {
-  return meshDeck(mesh, settings, kOrigin);
+std::string textOf(const exports::ElementMesh& mesh, const exports::DeckSettings& settings = {}) {
+  return exports::meshDeck(mesh, settings, kOrigin);
 }
 
-Deck deckOf(const Layout& layout, const ElementRule& rule = {}, const DeckSettings& settings = {}) {
+Deck deckOf(const Layout& layout, const exports::ElementRule& rule = {},
+            const exports::DeckSettings& settings = {}) {
   return test::readDeck(textOf(meshOf(layout, rule), settings));
 }
 
 TEST(Deck, NumbersFitAndReadBack) {
   for (const double value : {1.0, -0.1, 1.0 / 3, -2.0 / 3e5, 123456.789, -9.87654321e-15}) {
-    const std::string text = deckNumber(value);
+    const std::string text = exports::deckNumber(value);
     EXPECT_LE(text.size(), 20U);
     // Measured: 3.6e-15; numbers with an exponent lose up to three digits.
     EXPECT_NEAR(std::strtod(text.c_str(), nullptr) / value, 1, 1e-13) << text;
   }
-  EXPECT_EQ(deckNumber(0.1 + 0.2), "0.30000000000000004");
-  EXPECT_EQ(deckNumber(-1e-300), "0.");
+  EXPECT_EQ(exports::deckNumber(0.1 + 0.2), "0.30000000000000004");
+  EXPECT_EQ(exports::deckNumber(-1e-300), "0.");
 }
 
 TEST(Deck, KeepsTheLimitsOfItsReaders) {
@@ -67,7 +68,8 @@ TEST(Deck, KeepsTheLimitsOfItsReaders) {
 
 TEST(Deck, HasTheVolumeOfEveryBrick) {
   for (const Layout& layout : {turned(test::hingedSquares()), turned(test::polygons())}) {
-    for (const ElementRule& rule : {ElementRule{1, 1}, {2, 1, false}, {3, 2}, {4, 3, false}}) {
+    for (const exports::ElementRule& rule :
+         {exports::ElementRule{1, 1}, {2, 1, false}, {3, 2}, {4, 3, false}}) {
       const Deck deck = deckOf(layout, rule);
       for (std::size_t t = 0; t < layout.bricks.size(); ++t) {
         const std::string name = "TILE_0000" + std::to_string(t);
@@ -98,7 +100,8 @@ TEST(Deck, DividesTilesOfAnyNumberOfSidesIntoHexahedra) {
 }
 
 TEST(Deck, DividesEdgesByTheirLengths) {
-  const Layout strip = test::layoutOf({Tile{{{0, 0, 0}, {10, 0, 0}, {10, 1, 0}, {0, 1, 0}}}}, {});
+  const Layout strip =
+      test::layoutOf({model::Tile{{{0, 0, 0}, {10, 0, 0}, {10, 1, 0}, {0, 1, 0}}}}, {});
   EXPECT_EQ(deckOf(strip, {.through = 1, .size = 0.5}).elements.size(), 20U * 2U);
   EXPECT_EQ(deckOf(strip, {.through = 1, .size = 0.51}).elements.size(), 20U * 2U);
   EXPECT_EQ(deckOf(strip).elements.size(), 8U * 8U * 2U);
@@ -126,14 +129,14 @@ TEST(Deck, SharesNodesAtHinges) {
 }
 
 TEST(Deck, SharesTheNodesOfOneFaceAlone) {
-  for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
+  for (const model::JointFace face : {model::JointFace::Bottom, model::JointFace::Top}) {
     Layout layout = test::hingedSquares();
-    for (Joint& joint : layout.joints) joint.face = face;
+    for (model::Joint& joint : layout.joints) joint.face = face;
     const Deck deck = deckOf(layout, {2, 1, false});
     EXPECT_EQ(deck.nodes.size(), 4U * 18U - 4U);
     const int node = deck.nodeSets.at("JOINT_00000_A").at(0);
     const auto& onFace =
-        deck.nodeSets.at(face == JointFace::Bottom ? "TILE_00000_BOT" : "TILE_00000_TOP");
+        deck.nodeSets.at(face == model::JointFace::Bottom ? "TILE_00000_BOT" : "TILE_00000_TOP");
     EXPECT_TRUE(std::ranges::binary_search(onFace, node));
   }
 }
@@ -144,7 +147,7 @@ TEST(Deck, SaysHowFarCornersWereApart) {
   EXPECT_THAT(textOf(meshOf(layout)), HasSubstr("holds together: 0.00"));
   EXPECT_NEAR(meshOf(layout).largestGap, 0.001, 1e-15);  // measured: 8.7e-19
   // Equations keep corners where they are.
-  const Deck tied = deckOf(layout, {2, 1, false, JointStyle::Equation});
+  const Deck tied = deckOf(layout, {2, 1, false, exports::JointStyle::Equation});
   EXPECT_EQ(tied.nodes.size(), 4U * 18U);
   EXPECT_EQ(tied.equations.size(), 4U * 2U * 3U);
   for (const std::vector<double>& row : tied.equations) {
@@ -157,7 +160,7 @@ TEST(Deck, SaysHowFarCornersWereApart) {
 
 TEST(Deck, LetsOneNodeLeadACluster) {
   // Three tiles that meet at one corner, joined in a row.
-  std::vector<Tile> tiles(3);
+  std::vector<model::Tile> tiles(3);
   for (int t = 0; t < 3; ++t) {
     const double turn = 2.0 * t;
     for (const double angle : {0.0, 1.5}) {
@@ -166,14 +169,14 @@ TEST(Deck, LetsOneNodeLeadACluster) {
     tiles[t].vertices.emplace_back(0, 0, 0);
   }
   const Layout layout = test::layoutOf(tiles, {{{2, 2}, {1, 2}}, {{1, 2}, {0, 2}}});
-  const ElementMesh mesh = meshOf(layout, {2, 1, false, JointStyle::Equation});
+  const exports::ElementMesh mesh = meshOf(layout, {2, 1, false, exports::JointStyle::Equation});
   ASSERT_EQ(mesh.clusters.size(), 1U);
   EXPECT_EQ(mesh.clusters[0].nodes.size(), 3U);
   EXPECT_EQ(mesh.clusters[0].nodes[0], mesh.tiles[0].edges[2][0]);
   EXPECT_EQ(test::readDeck(textOf(mesh)).equations.size(), 6U);
 }
 
-constexpr ElementRule kPatches{4, 1, false, JointStyle::Patch, 0.26};
+constexpr exports::ElementRule kPatches{4, 1, false, exports::JointStyle::Patch, 0.26};
 
 TEST(Deck, TiesPatchesToReferenceNodes) {
   const Deck deck = deckOf(test::hingedSquares(), kPatches);
@@ -189,8 +192,8 @@ TEST(Deck, TiesPatchesToReferenceNodes) {
 }
 
 TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
-  const ElementMesh mesh = meshOf(test::hingedSquares(), kPatches);
-  const std::string text = textOf(mesh, {.solver = Solver::Abaqus});
+  const exports::ElementMesh mesh = meshOf(test::hingedSquares(), kPatches);
+  const std::string text = textOf(mesh, {.solver = exports::Solver::Abaqus});
   const Deck deck = test::readDeck(text);
   std::map<int, int> uses;
   for (const auto& [set, node] : deck.rigidBodies) ++uses[node];
@@ -202,24 +205,26 @@ TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
 }
 
 TEST(Deck, FindsRadiusAndElementsOfPatchesByItself) {
-  const ElementMesh mesh = meshOf(test::hingedSquares(), {.joints = JointStyle::Patch});
+  const exports::ElementMesh mesh =
+      meshOf(test::hingedSquares(), {.joints = exports::JointStyle::Patch});
   EXPECT_DOUBLE_EQ(mesh.rule.patchRadius, 0.25);  // of edges 1 m long
-  for (const NodeCluster& cluster : mesh.clusters) {
+  for (const exports::NodeCluster& cluster : mesh.clusters) {
     for (const auto& patch : cluster.patches) EXPECT_GE(patch.size(), 3U);
   }
   // A radius of a hundredth of an edge needs 50 quadratic elements along it.
-  const ElementMesh small = meshOf(
-      test::hingedSquares(), {.through = 1, .joints = JointStyle::Patch, .patchRadius = 0.01});
+  const exports::ElementMesh small =
+      meshOf(test::hingedSquares(),
+             {.through = 1, .joints = exports::JointStyle::Patch, .patchRadius = 0.01});
   EXPECT_EQ(small.tiles[0].layerCount, 50 * 50);
 }
 
 TEST(Deck, LeavesOutSetsThatAreNotWanted) {
   const Layout layout = test::hingedSquares();
-  const Deck none = deckOf(layout, {}, {.sets = SetChoice::None});
+  const Deck none = deckOf(layout, {}, {.sets = exports::SetChoice::None});
   EXPECT_THAT(none.elementSets, testing::SizeIs(1));
   EXPECT_FALSE(none.nodeSets.contains("JOINT_00000_A"));
   EXPECT_TRUE(none.nodeSets.contains("XMIN"));
-  const Deck joints = deckOf(layout, {}, {.sets = SetChoice::Joints});
+  const Deck joints = deckOf(layout, {}, {.sets = exports::SetChoice::Joints});
   EXPECT_TRUE(joints.nodeSets.contains("JOINT_00000_A"));
   EXPECT_TRUE(joints.surfaces.empty());
 }
@@ -242,11 +247,12 @@ TEST(Deck, NamesTheEndsOfTheSheet) {
 
 TEST(Deck, WritesMillimetresToo) {
   const Layout layout = test::hingedSquares();
-  const ElementMesh mesh = meshOf(layout);
-  const DeckSettings settings{.material = {2e9, 0.3, 1200}, .unit = DeckUnit::MillimetresNewtons};
+  const exports::ElementMesh mesh = meshOf(layout);
+  const exports::DeckSettings settings{.material = {2e9, 0.3, 1200},
+                                       .unit = exports::DeckUnit::MillimetresNewtons};
   const Deck deck = test::readDeck(textOf(mesh, settings));
   EXPECT_LT((deck.nodes.at(1) - 1000 * mesh.nodes[0]).norm(), 1e-9);
-  const DeckJob parts = staticJob(mesh, settings, kOrigin, "a_mesh.inp");
+  const exports::DeckJob parts = exports::staticJob(mesh, settings, kOrigin, "a_mesh.inp");
   const std::string job = parts.sets + parts.text;
   EXPECT_THAT(job, HasSubstr("*ELASTIC\n2000, 0.3\n*DENSITY\n1.2e-09\n"));
   EXPECT_THAT(job, HasSubstr("mm, N, t, s, MPa"));
@@ -289,63 +295,70 @@ TEST(Deck, NamesTheSidesOfTilesByTheirEdges) {
 }
 
 TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
-  const ElementMesh mesh = meshOf(test::hingedSquares());
+  const exports::ElementMesh mesh = meshOf(test::hingedSquares());
   EXPECT_THAT(textOf(mesh), HasSubstr("** Model squares, state final, at 0.5 s.\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("bricks 0.02 m thick.\n** Run: a run\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("overlap of two bricks in this state: 0. m.\n"));
   EXPECT_THAT(textOf(mesh), Not(HasSubstr("WARNING: bricks overlap")));
-  DeckOrigin overlapping = kOrigin;
+  exports::DeckOrigin overlapping = kOrigin;
   overlapping.overlap = 0.01;
-  EXPECT_THAT(meshDeck(mesh, {}, overlapping),
+  EXPECT_THAT(exports::meshDeck(mesh, {}, overlapping),
               HasSubstr("WARNING: bricks overlap by 0.5 of their thickness"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: joints are ideal hinges"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: forces through a single node"));
-  const std::string job = staticJob(mesh, {}, kOrigin, "a_mesh.inp").text;
+  const std::string job = exports::staticJob(mesh, {}, kOrigin, "a_mesh.inp").text;
   EXPECT_THAT(job, testing::StartsWith("*HEADING\nsquares, state final, pulled at both ends"));
   EXPECT_THAT(job, HasSubstr("*INCLUDE, INPUT=a_mesh.inp\n"));
   EXPECT_THAT(job, Not(HasSubstr("*EQUATION")));
   EXPECT_THAT(job, HasSubstr("*NODE FILE\nU, RF\n*EL FILE\nS, E\n"));
-  EXPECT_THAT(staticJob(mesh, {.solver = Solver::Abaqus}, kOrigin, "").text,
+  EXPECT_THAT(exports::staticJob(mesh, {.solver = exports::Solver::Abaqus}, kOrigin, "").text,
               HasSubstr("*ELEMENT OUTPUT\nS, E, MISES\n"));
-  const ElementMesh tied = meshOf(test::hingedSquares(), {.joints = JointStyle::Equation});
-  EXPECT_THAT(staticJob(tied, {}, kOrigin, "").text,
+  const exports::ElementMesh tied =
+      meshOf(test::hingedSquares(), {.joints = exports::JointStyle::Equation});
+  EXPECT_THAT(exports::staticJob(tied, {}, kOrigin, "").text,
               HasSubstr("WARNING: nodes that follow in *EQUATION"));
 }
 
 /// How many motions of rigid tiles strain nothing, by another method: the first-order mobility
 /// (sim/trajectory/sheet.h), and the six of the whole.
 std::size_t freeMotions(const Layout& layout, double thickness) {
-  Model model;
+  model::Model model;
   model.joints = layout.joints;
-  model.tiles = bottomTiles(layout.bricks, layout.poses);
-  return 6 + mobility(model, model.tiles, Freedom::Space, thickness).freedoms;
+  model.tiles = model::bottomTiles(layout.bricks, layout.poses);
+  return 6 +
+         trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, thickness).freedoms;
 }
 
 TEST(Supports, AreSixAndOneForEachMechanism) {
   // Four squares on hinges: one mechanism in the plane. On ball joints of one face a square can
   // also tilt.
-  for (const JointFace face : {JointFace::Both, JointFace::Bottom}) {
+  for (const model::JointFace face : {model::JointFace::Both, model::JointFace::Bottom}) {
     Layout layout = test::hingedSquares();
-    for (Joint& joint : layout.joints) joint.face = face;
-    for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
-      const ElementMesh mesh = meshOf(layout, {.joints = style});
-      EXPECT_EQ(leastSupports(mesh).size(), freeMotions(layout, 0.02));
-      const std::vector<bool> follows = followers(mesh);
-      for (const NodeDisplacement& held : leastSupports(mesh)) EXPECT_FALSE(follows[held.node]);
+    for (model::Joint& joint : layout.joints) joint.face = face;
+    for (const exports::JointStyle style :
+         {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
+      const exports::ElementMesh mesh = meshOf(layout, {.joints = style});
+      EXPECT_EQ(exports::leastSupports(mesh).size(), freeMotions(layout, 0.02));
+      const std::vector<bool> follows = exports::followers(mesh);
+      for (const exports::NodeDisplacement& held : exports::leastSupports(mesh))
+        EXPECT_FALSE(follows[held.node]);
     }
   }
-  EXPECT_EQ(leastSupports(meshOf(test::polygons())).size(), 3U * 6U);  // nothing joins them
+  EXPECT_EQ(exports::leastSupports(meshOf(test::polygons())).size(),
+            3U * 6U);  // nothing joins them
 }
 
 TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
   for (const double thickness : {0.02, 0.002}) {
     for (const auto& [rows, columns] : {std::pair{2, 2}, {5, 5}, {2, 30}}) {
-      const Model model = makeTessellation(test::squares(rows, columns, 0.7));
+      const model::Model model = model::makeTessellation(test::squares(rows, columns, 0.7));
       Layout layout = test::layoutOf(model.tiles, model.joints, thickness);
       const std::size_t known = freeMotions(layout, thickness);
-      const ElementRule rule{.perEdge = 2, .through = 1, .joints = JointStyle::Equation};
+      const exports::ElementRule rule{
+          .perEdge = 2, .through = 1, .joints = exports::JointStyle::Equation};
       const auto supports = [&] {
-        return leastSupports(makeElementMesh(layout.bricks, layout.joints, layout.poses, rule));
+        return exports::leastSupports(
+            exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule));
       };
       EXPECT_EQ(supports().size(), known) << rows << 'x' << columns << ' ' << thickness;
       // Corners a millionth of a tile apart, each by a different step.
@@ -363,26 +376,26 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
   for (const auto& entry : std::filesystem::directory_iterator(KIRIREEL_SOURCE_DIR "/data")) {
     if (!std::filesystem::exists(entry.path() / "vertices.txt")) continue;
     std::vector<std::string> notes;
-    const Model model = readModel(entry.path(), std::nullopt, notes);
-    std::vector<std::vector<Tile>> tried = {model.tiles};
+    const model::Model model = model::readModel(entry.path(), std::nullopt, notes);
+    std::vector<std::vector<model::Tile>> tried = {model.tiles};
     if (model.target) tried.push_back(*model.target);
-    for (const std::vector<Tile>& tiles : tried) {
+    for (const std::vector<model::Tile>& tiles : tried) {
       const Layout layout = test::layoutOf(tiles, model.joints);
-      const ElementMesh mesh =
-          meshOf(layout, {.perEdge = 2, .through = 1, .joints = JointStyle::Equation});
+      const exports::ElementMesh mesh =
+          meshOf(layout, {.perEdge = 2, .through = 1, .joints = exports::JointStyle::Equation});
       if (mesh.largestGap > 1e-9) continue;  // torn: not a state of the sheet
       ++states;
-      EXPECT_EQ(leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
+      EXPECT_EQ(exports::leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
     }
   }
   EXPECT_GE(states, 30);
 }
 
 TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
-  ElementMesh mesh = meshOf(test::hingedSquares());
+  exports::ElementMesh mesh = meshOf(test::hingedSquares());
   const auto refusal = [&](const std::vector<int>& tiles) -> std::string {
     try {
-      drivenTiles(mesh, {DriveChoice::Some, tiles});
+      exports::drivenTiles(mesh, {exports::DriveChoice::Some, tiles});
     } catch (const InputError& error) {
       return error.what();
     }
@@ -392,7 +405,8 @@ TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
   EXPECT_EQ(refusal({4}), "error: --drive names tile 4, but the model has tiles 0 to 3");
   mesh.rule.countsFrom = 1;
   EXPECT_EQ(refusal({0}), "error: --drive names tile 0, but the model has tiles 1 to 4");
-  EXPECT_EQ(drivenTiles(mesh, {DriveChoice::Some, {4, 1}}), (std::vector<int>{0, 3}));
+  EXPECT_EQ(exports::drivenTiles(mesh, {exports::DriveChoice::Some, {4, 1}}),
+            (std::vector<int>{0, 3}));
   mesh.rule.countsFrom = 0;
   EXPECT_EQ(refusal({2, 0, 2}),
             "error: --drive names tile 2 twice, which would prescribe its displacements twice; "
@@ -411,48 +425,51 @@ std::string refusalOf(const Work& work) {
 }
 
 TEST(Contact, PairsTheFlanksBesideEachJoint) {
-  const ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
+  const exports::ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
   // Four joints with a gap on either side of each; the inner gap's flanks meet at two joints each.
-  const std::vector<ContactPair> pairs = contactPairs(mesh);
+  const std::vector<exports::ContactPair> pairs = exports::contactPairs(mesh);
   EXPECT_EQ(pairs.size(), 8U);
-  for (const ContactPair& pair : pairs) {
+  for (const exports::ContactPair& pair : pairs) {
     EXPECT_GE(pair.a.size(), 2U);  // of four, those at joints left out
     EXPECT_LE(pair.a.size(), 3U);
   }
 }
 
 TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
-  const auto refusal = [](const ElementRule& rule) {
-    return refusalOf([&] { contactPairs(meshOf(test::hingedSquares(), rule)); });
+  const auto refusal = [](const exports::ElementRule& rule) {
+    return refusalOf([&] { exports::contactPairs(meshOf(test::hingedSquares(), rule)); });
   };
-  EXPECT_THAT(refusal({.family = ElementFamily::Shell}),
+  EXPECT_THAT(refusal({.family = exports::ElementFamily::Shell}),
               HasSubstr("leave out --deck-contacts, or --shells and --joints neck"));
   EXPECT_THAT(refusal({.perEdge = 1, .through = 1, .quadratic = false}),
               HasSubstr("use at least 3 elements per edge"));
 }
 
 TEST(Periodic, SaysWhichSheetsRepeat) {
-  const auto refusal = [](const Layout& layout, const ElementRule& rule) {
-    return refusalOf([&] { periodicity(meshOf(layout, rule)); });
+  const auto refusal = [](const Layout& layout, const exports::ElementRule& rule) {
+    return refusalOf([&] { exports::periodicity(meshOf(layout, rule)); });
   };
   EXPECT_EQ(refusal(test::hingedSquares(), {}), "accepted");
-  EXPECT_THAT(refusal(test::hingedSquares(), {.family = ElementFamily::Shell}),
+  EXPECT_THAT(refusal(test::hingedSquares(), {.family = exports::ElementFamily::Shell}),
               HasSubstr("leave out --shells"));
-  const Layout triangle = test::layoutOf({Tile{{{0, 0, 0}, {1, 0.2, 0}, {0.3, 0.8, 0}}}}, {});
+  const Layout triangle =
+      test::layoutOf({model::Tile{{{0, 0, 0}, {1, 0.2, 0}, {0.3, 0.8, 0}}}}, {});
   EXPECT_THAT(refusal(triangle, {}),
               HasSubstr("choose a state or a number of tiles in which the sheet repeats"));
 }
 
 TEST(Periodic, FollowsNoNodeThatFollows) {
-  const Layout layout = test::layoutOf({Tile{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}}}, {});
-  const ElementMesh mesh = meshOf(layout, {.perEdge = 2, .through = 1, .quadratic = false});
-  const Periodicity found = periodicity(mesh);
+  const Layout layout =
+      test::layoutOf({model::Tile{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}}}, {});
+  const exports::ElementMesh mesh =
+      meshOf(layout, {.perEdge = 2, .through = 1, .quadratic = false});
+  const exports::Periodicity found = exports::periodicity(mesh);
   EXPECT_EQ(found.period, (std::array<double, 2>{2, 1}));
   // Two levels of five nodes of nine: three at XMAX and three at YMAX, one of them both.
   ASSERT_EQ(found.ties.size(), 10U);
   int both = 0;
-  for (const PeriodicTie& tie : found.ties) {
-    for (const PeriodicTie& other : found.ties) EXPECT_NE(tie.leader, other.node);
+  for (const exports::PeriodicTie& tie : found.ties) {
+    for (const exports::PeriodicTie& other : found.ties) EXPECT_NE(tie.leader, other.node);
     const Vector3 offset = mesh.nodes[tie.node] - mesh.nodes[tie.leader];
     EXPECT_LT((offset - Vector3(2 * tie.times[0], tie.times[1], 0)).norm(), 1e-12);
     both += tie.times[0] * tie.times[1];
@@ -461,8 +478,9 @@ TEST(Periodic, FollowsNoNodeThatFollows) {
 }
 
 TEST(StateMap, MovesSolids) {
-  const ElementMesh mesh = meshOf(test::hingedSquares(), {.family = ElementFamily::Shell});
-  EXPECT_THAT(refusalOf([&] { stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
+  const exports::ElementMesh mesh =
+      meshOf(test::hingedSquares(), {.family = exports::ElementFamily::Shell});
+  EXPECT_THAT(refusalOf([&] { exports::stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
               HasSubstr("--state-map moves solids"));
 }
 

@@ -12,9 +12,9 @@ namespace {
 
 using test::Layout;
 
-std::string refusal(const Layout& layout, const ElementRule& rule = {}) {
+std::string refusal(const Layout& layout, const exports::ElementRule& rule = {}) {
   try {
-    makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+    exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -23,15 +23,15 @@ std::string refusal(const Layout& layout, const ElementRule& rule = {}) {
 
 /// One tile in the plane.
 Layout plane(const std::vector<Vector3>& vertices) {
-  return test::layoutOf({Tile{vertices}}, {});
+  return test::layoutOf({model::Tile{vertices}}, {});
 }
 
 TEST(ElementMesh, CornersAreTheBricksToTheLastBit) {
   Layout layout = test::polygons();
   for (Pose& pose : layout.poses) pose.rotation = rotationFromVector({0.3, -0.8, 1.7});
   for (const bool quadratic : {false, true}) {
-    const ElementMesh mesh = makeElementMesh(layout.bricks, {}, layout.poses,
-                                             {.perEdge = 3, .through = 3, .quadratic = quadratic});
+    const exports::ElementMesh mesh = exports::makeElementMesh(
+        layout.bricks, {}, layout.poses, {.perEdge = 3, .through = 3, .quadratic = quadratic});
     for (std::size_t t = 0; t < layout.bricks.size(); ++t) {
       for (std::size_t k = 0; k < layout.bricks[t].bottom.size(); ++k) {
         const std::vector<int>& edge = mesh.tiles[t].edges[k];
@@ -52,14 +52,14 @@ TEST(ElementMesh, DividesConcaveTiles) {
 
 TEST(ElementMesh, FansFourCornersOfWhichOneIsStraight) {
   const Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}});
-  const ElementMesh mesh =
-      makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 2, .through = 1});
+  const exports::ElementMesh mesh =
+      exports::makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 2, .through = 1});
   EXPECT_EQ(mesh.elements.size(), 4U * 3U);
 }
 
 TEST(ElementMesh, RefusesBricksTooThinForTheElements) {
   Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
-  layout = test::layoutOf({bottomTiles(layout.bricks, layout.poses)}, {}, 0.0009);
+  layout = test::layoutOf({model::bottomTiles(layout.bricks, layout.poses)}, {}, 0.0009);
   EXPECT_EQ(refusal(layout, {.perEdge = 2, .through = 1}),
             "error: tile 0 is too thin for its elements, 0.5 m long and 0.0009 m high; at most 500 "
             "times as long as high are allowed: use more elements per edge, fewer through the "
@@ -80,21 +80,22 @@ TEST(ElementMesh, RefusesImpossibleRules) {
             "error: elements of 0 m and patches of radius -1 m are not possible; give positive "
             "lengths");
   EXPECT_EQ(
-      refusal(layout, {.family = ElementFamily::Plane}),
+      refusal(layout, {.family = exports::ElementFamily::Plane}),
       "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
       "--neck-width, or leave --plane-stress out");
-  EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch, .family = ElementFamily::Shell}),
+  EXPECT_EQ(refusal(layout, {.joints = exports::JointStyle::Patch,
+                             .family = exports::ElementFamily::Shell}),
             "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
             "leave --joints out, or choose neck");
   test::Layout mixed = test::hingedSquares();
-  mixed.joints[0].face = JointFace::Top;
-  EXPECT_EQ(refusal(mixed, {.family = ElementFamily::Shell}),
+  mixed.joints[0].face = model::JointFace::Top;
+  EXPECT_EQ(refusal(mixed, {.family = exports::ElementFamily::Shell}),
             "error: tile 0 has joints on different faces, and a shell has nodes on one; leave "
             "--shells out");
 }
 
 TEST(ElementMesh, RefusesMoreElementsThanFit) {
-  const Model model = makeTessellation(test::squares(20, 20, 0));
+  const model::Model model = model::makeTessellation(test::squares(20, 20, 0));
   EXPECT_EQ(
       refusal(test::layoutOf(model.tiles, {}), {.perEdge = 64, .through = 3}),
       "error: 4915200 elements would be made, at most 4000000 are allowed; use fewer per edge "
@@ -103,19 +104,22 @@ TEST(ElementMesh, RefusesMoreElementsThanFit) {
 
 TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   const Layout layout = test::hingedSquares();
-  EXPECT_EQ(refusal(layout, {.perEdge = 4, .joints = JointStyle::Patch, .patchRadius = 0.1}),
-            "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
-            "use 5 elements per edge or a larger radius");
-  EXPECT_EQ(refusal(layout, {.perEdge = 5, .joints = JointStyle::Patch, .patchRadius = 0.1}),
-            "accepted");
-  EXPECT_EQ(refusal(layout, {.perEdge = 8, .joints = JointStyle::Patch, .patchRadius = 0.8}),
-            "error: joint patches of radius 0.8 m overlap on tile 0; choose one below 0.5 m, half "
-            "the distance of its nearest corners");
+  EXPECT_EQ(
+      refusal(layout, {.perEdge = 4, .joints = exports::JointStyle::Patch, .patchRadius = 0.1}),
+      "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
+      "use 5 elements per edge or a larger radius");
+  EXPECT_EQ(
+      refusal(layout, {.perEdge = 5, .joints = exports::JointStyle::Patch, .patchRadius = 0.1}),
+      "accepted");
+  EXPECT_EQ(
+      refusal(layout, {.perEdge = 8, .joints = exports::JointStyle::Patch, .patchRadius = 0.8}),
+      "error: joint patches of radius 0.8 m overlap on tile 0; choose one below 0.5 m, half "
+      "the distance of its nearest corners");
 }
 
 TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {
   Layout layout = test::hingedSquares();
-  layout.joints[2].kind = JointKind::Link;
+  layout.joints[2].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(layout),
             "error: joint 2 does not hold two corners together; a mesh can hold pivots alone");
   EXPECT_EQ(refusal(layout, {.countsFrom = 1}),

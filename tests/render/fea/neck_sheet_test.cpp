@@ -38,9 +38,11 @@ class NeckSheet : public testing::Test {
   }
 };
 
-ElementRule plane(const NeckShape& neck, int perEdge = 0) {
-  return {
-      .perEdge = perEdge, .joints = JointStyle::Neck, .family = ElementFamily::Plane, .neck = neck};
+exports::ElementRule plane(const exports::NeckShape& neck, int perEdge = 0) {
+  return {.perEdge = perEdge,
+          .joints = exports::JointStyle::Neck,
+          .family = exports::ElementFamily::Plane,
+          .neck = neck};
 }
 
 /// What sheet_stiffness.py says.
@@ -57,19 +59,19 @@ Judged judged(const std::string& words) {
   return found;
 }
 
-Judged judged(const char* what, const Model& model, const ElementRule& rule) {
+Judged judged(const char* what, const model::Model& model, const exports::ElementRule& rule) {
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
-  writeTextFile(file, meshDeck(makeNeckMesh(model, 0.02, rule), {}, kOrigin));
+  writeTextFile(file, exports::meshDeck(exports::makeNeckMesh(model, 0.02, rule), {}, kOrigin));
   return judged(fmt::format("{} '{}'", what, file.string()));
 }
 
 TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
-  const Model model = makeTessellation(test::squares(4, 4, 0));
+  const model::Model model = model::makeTessellation(test::squares(4, 4, 0));
   const test::TemporaryFolder folder;
   for (const double width : {0.05, 0.1, 0.2}) {
     const auto pattern = folder / "sheet.dxf";
-    writeTextFile(pattern, patternDxf(cutPattern(model, width)));
+    writeTextFile(pattern, exports::patternDxf(exports::cutPattern(model, width)));
     const Judged other = judged(fmt::format("pull '{}' {}", pattern.string(), width / 16));
     const Judged own = judged("pull", model, plane({.width = width}));
     EXPECT_EQ(other.pieces, 1);
@@ -81,7 +83,7 @@ TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
 }
 
 TEST_F(NeckSheet, ConvergesFromAbove) {
-  const Model model = makeTessellation(test::squares(4, 4, 0));
+  const model::Model model = model::makeTessellation(test::squares(4, 4, 0));
   const auto force = [&](int perEdge) {
     return judged("pull", model, plane({.width = 0.05}, perEdge)).stiffness;
   };
@@ -93,32 +95,33 @@ TEST_F(NeckSheet, ConvergesFromAbove) {
 }
 
 /// Two squares of 1 m side by side, joined at their lower corners.
-Model twoSquares() {
-  Model model;
-  model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
-                 Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
-  model.joints = {{{0, 1}, {1, 0}, JointFace::Both}};
+model::Model twoSquares() {
+  model::Model model;
+  model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                 model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
+  model.joints = {{{0, 1}, {1, 0}, model::JointFace::Both}};
   return model;
 }
 
 /// The neck's stiffness between tiles that do not give: one is held, the other turned by a small
 /// angle about the neck's middle, which is what pure bending does. From the strain energy.
-double betweenRigidTiles(const NeckShape& neck, double thickness) {
+double betweenRigidTiles(const exports::NeckShape& neck, double thickness) {
   const double angle = 1e-3;
-  const ElementMesh mesh = makeNeckMesh(twoSquares(), thickness, plane(neck));
+  const exports::ElementMesh mesh = exports::makeNeckMesh(twoSquares(), thickness, plane(neck));
   std::string held, turned;
   for (const int node : mesh.tiles[0].nodes) held += fmt::format("{}, 1, 2\n", node + 1);
   for (const int node : mesh.tiles[1].nodes) {
     const Vector3 arm = mesh.nodes[node] - Vector3(1, neck.width / 2, 0);
-    turned += fmt::format("{0}, 1, 1, {1}\n{0}, 2, 2, {2}\n", node + 1,
-                          deckNumber(-angle * arm.y()), deckNumber(angle * arm.x()));
+    turned +=
+        fmt::format("{0}, 1, 1, {1}\n{0}, 2, 2, {2}\n", node + 1,
+                    exports::deckNumber(-angle * arm.y()), exports::deckNumber(angle * arm.x()));
   }
   std::string job = test::ownJob("", held, "*BOUNDARY\n" + turned,
                                  "XMAX\nU\n*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n*NODE "
                                  "PRINT, NSET=XMAX");
   const std::string section = "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n";
-  job.insert(job.find(section) + section.size(), deckNumber(thickness) + "\n");
-  const test::JobEnd end = test::run(meshDeck(mesh, {}, kOrigin), job);
+  job.insert(job.find(section) + section.size(), exports::deckNumber(thickness) + "\n");
+  const test::JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job);
   const std::size_t place = end.data.find("total internal energy");
   if (place == std::string::npos) return 0;
   return 2 * std::strtod(end.data.c_str() + end.data.find('\n', place), nullptr) / (angle * angle);
@@ -141,14 +144,14 @@ TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
     const double other = judged(fmt::format("turn {} {} {}", width, length, width / 20)).stiffness;
     EXPECT_NEAR(own / other, 1, 0.005) << length;  // measured: 0.9985 to 0.9998
     // Between the table's rows and on them, with coarser elements. Measured: 1.0002 to 1.0013.
-    EXPECT_NEAR(own / neckStiffness(1e9, 0.002, width, length), 1, 0.005) << length;
+    EXPECT_NEAR(own / model::neckStiffness(1e9, 0.002, width, length), 1, 0.005) << length;
   }
 }
 
 /// The width by which a neck of so many widths' length seems longer than it is, in widths.
 double endsByDeck(double lengthInWidths) {
   const double youngs = 1e9, thickness = 0.002, width = 0.02;
-  const NeckShape neck{.width = width, .length = lengthInWidths * width};
+  const exports::NeckShape neck{.width = width, .length = lengthInWidths * width};
   const double stiffness = judged("turn", twoSquares(), plane(neck, 16)).stiffness;
   return youngs * thickness * width * width / (12 * stiffness) - lengthInWidths;
 }
@@ -168,9 +171,9 @@ void updateTable(const std::string& type, const std::string& lines) {
 }
 
 TEST_F(NeckSheet, TableIsThatOfDecks) {
-  std::vector<NeckRow> rows;
+  std::vector<model::NeckRow> rows;
   std::string lines;
-  for (const NeckRow& row : kNeckTable) {
+  for (const model::NeckRow& row : model::kNeckTable) {
     rows.push_back({row.length, endsByDeck(row.length)});
     lines += fmt::format("    {{{}, {:.3f}}},\n", row.length, rows.back().ends);
     if (isToUpdate()) continue;
@@ -183,13 +186,13 @@ TEST_F(NeckSheet, TableIsThatOfDecks) {
 
 /// A tile with an edge from (1, 0) to (1, 1) on its right and this angle at (1, 0), degrees, as the
 /// table has them: an isosceles triangle up to 60 degrees, else the regular polygon.
-Tile tableTile(double angle) {
+model::Tile tableTile(double angle) {
   constexpr double kDegree = std::numbers::pi / 180;
   if (angle <= 60) {
     return {{{1, 0, 0}, {1, 1, 0}, {1 - std::sin(angle * kDegree), std::cos(angle * kDegree), 0}}};
   }
   const int sides = static_cast<int>(std::lround(360 / (180 - angle)));
-  Tile tile{{{1, 0, 0}}};
+  model::Tile tile{{{1, 0, 0}}};
   for (int k = 1; k < sides; ++k) {
     const double direction = 90 * kDegree + (k - 1) * 2 * std::numbers::pi / sides;
     tile.vertices.push_back(tile.vertices.back() +
@@ -198,7 +201,7 @@ Tile tableTile(double angle) {
   return tile;
 }
 
-Tile rhombus(double angle) {
+model::Tile rhombus(double angle) {
   const double turn = angle * std::numbers::pi / 180;
   const Vector3 edge(-std::sin(turn), std::cos(turn), 0);
   const Vector3 corner(1, 0, 0), along(0, 1, 0);
@@ -207,12 +210,12 @@ Tile rhombus(double angle) {
 
 /// The left tile, and the mirror image of the right one, joined at (1, 0).
 struct NeckPair {
-  Model model;
-  std::array<NeckCorner, 2> corners;
+  model::Model model;
+  std::array<model::NeckCorner, 2> corners;
 };
 
-NeckPair pairOf(const Tile& left, const Tile& right) {
-  Tile mirrored{{right.vertices.front()}};
+NeckPair pairOf(const model::Tile& left, const model::Tile& right) {
+  model::Tile mirrored{{right.vertices.front()}};
   for (std::size_t k = right.vertices.size() - 1; k > 0; --k) {
     mirrored.vertices.push_back(right.vertices[k]);
   }
@@ -221,18 +224,20 @@ NeckPair pairOf(const Tile& left, const Tile& right) {
   pair.model.tiles = {left, mirrored};
   // Gmsh's mesh depends on where a tile begins, and the table keeps its digits with this.
   std::ranges::rotate(pair.model.tiles[0].vertices, std::prev(pair.model.tiles[0].vertices.end()));
-  pair.model.joints = {{{0, 1}, {1, 0}, JointFace::Both}};
-  const std::vector<Brick> bricks = makeBricks(pair.model.tiles, {.thickness = 0.002});
-  pair.corners = {neckCorner(bricks[0], 1), neckCorner(bricks[1], 0)};
+  pair.model.joints = {{{0, 1}, {1, 0}, model::JointFace::Both}};
+  const std::vector<model::Brick> bricks =
+      model::makeBricks(pair.model.tiles, {.thickness = 0.002});
+  pair.corners = {model::neckCorner(bricks[0], 1), model::neckCorner(bricks[1], 0)};
   return pair;
 }
 
 /// What neck_compliance.py says of the neck between two tiles.
-std::vector<double> neckByDeck(const Model& model, const NeckShape& neck,
+std::vector<double> neckByDeck(const model::Model& model, const exports::NeckShape& neck,
                                const std::string& moment = "") {
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
-  writeTextFile(file, meshDeck(makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
+  writeTextFile(
+      file, exports::meshDeck(exports::makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
   std::istringstream said(test::outputOf(fmt::format(
       "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/neck_compliance.py' '{}' {} {}",
       file.string(), neck.width, moment)));
@@ -240,13 +245,14 @@ std::vector<double> neckByDeck(const Model& model, const NeckShape& neck,
 }
 
 /// The same of one without a length.
-std::vector<double> cornerByDeck(const Model& model, double width, const std::string& moment = "") {
+std::vector<double> cornerByDeck(const model::Model& model, double width,
+                                 const std::string& moment = "") {
   return neckByDeck(model, {.width = width}, moment);
 }
 
 TEST_F(NeckSheet, TableOfCornersIsThatOfDecks) {
   std::string lines;
-  for (const CornerNeckRow& row : kCornerNeckTable) {
+  for (const model::CornerNeckRow& row : model::kCornerNeckTable) {
     const NeckPair pair = pairOf(tableTile(row.angle), tableTile(row.angle));
     const std::vector<double> found = cornerByDeck(pair.model, row.width * pair.corners[0].side);
     ASSERT_EQ(found.size(), 4U) << row.angle << " " << row.width;
@@ -268,7 +274,7 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
                      const std::string& what) {
   const std::vector<double> found = cornerByDeck(pair.model, width);
   ASSERT_EQ(found.size(), 4U) << what;
-  const CornerNeck neck = cornerNeck(1, 1, width, pair.corners);
+  const model::CornerNeck neck = model::cornerNeck(1, 1, width, pair.corners);
   EXPECT_NEAR(width * width / neck.bending / found[0], 1, misses[0]) << what;
   EXPECT_NEAR(neck.axis / width / found[1], 1, misses[1]) << what;
   EXPECT_NEAR(1 / neck.stretch / found[2], 1, misses[2]) << what;
@@ -276,16 +282,18 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
 }
 
 /// The numbers of N m/rad that a deck says of its necks.
-std::vector<double> saidStiffness(const std::vector<Tile>& tiles, const std::vector<Joint>& joints,
-                                  const NeckShape& neck) {
-  Model model;
+std::vector<double> saidStiffness(const std::vector<model::Tile>& tiles,
+                                  const std::vector<model::Joint>& joints,
+                                  const exports::NeckShape& neck) {
+  model::Model model;
   model.tiles = tiles;
   model.joints = joints;
-  DeckSettings settings;
+  exports::DeckSettings settings;
   settings.material.youngs = 1e9;
-  DeckOrigin origin = kOrigin;
+  exports::DeckOrigin origin = kOrigin;
   origin.thickness = 0.002;
-  const std::string deck = meshDeck(makeNeckMesh(model, 0.002, plane(neck, 16)), settings, origin);
+  const std::string deck =
+      exports::meshDeck(exports::makeNeckMesh(model, 0.002, plane(neck, 16)), settings, origin);
   const std::string words = "is a rotational spring of ";
   std::istringstream said(deck.substr(deck.find(words) + words.size(), 40));
   std::vector<double> found(1);
@@ -310,12 +318,12 @@ TEST_F(NeckSheet, DecksSayHowStiffTheirNecksAre) {
   const NeckPair triangles = pairOf(tableTile(60), tableTile(60));
   const auto slender =
       saidStiffness(triangles.model.tiles, triangles.model.joints, {.width = 0.02, .length = 0.1});
-  EXPECT_NEAR(slender.at(0), neckStiffness(1e9, 0.002, 0.02, 0.1, triangles.corners),
+  EXPECT_NEAR(slender.at(0), model::neckStiffness(1e9, 0.002, 0.02, 0.1, triangles.corners),
               1e-3 * slender.at(0));
   // A square, a triangle below it and another square to its right.
-  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
-  const Tile triangle{{{0, 0, 0}, {0.5, -std::sqrt(0.75), 0}, {1, 0, 0}}};
-  const Tile right{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}};
+  const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  const model::Tile triangle{{{0, 0, 0}, {0.5, -std::sqrt(0.75), 0}, {1, 0, 0}}};
+  const model::Tile right{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}};
   const std::vector<double> range = saidStiffness(
       {square, triangle, right}, {{{0, 0}, {1, 0}}, {{0, 2}, {2, 3}}}, {.width = width});
   ASSERT_EQ(range.size(), 2U);
@@ -338,7 +346,7 @@ TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAreAsDecksHaveThem) {
 // axis, stretch and shear.
 TEST_F(NeckSheet, CornersOfOtherAnglesAreAsDecksHaveThem) {
   const double width = 0.1;
-  const auto expect = [&](const Tile& left, const Tile& right, const Misses& misses,
+  const auto expect = [&](const model::Tile& left, const model::Tile& right, const Misses& misses,
                           const std::string& what) {
     expectAsItsDeck(pairOf(left, right), width, misses, what);
   };
@@ -354,15 +362,15 @@ TEST_F(NeckSheet, CornersOfOtherAnglesAreAsDecksHaveThem) {
 // Bending and axis of necks with a length.
 TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
   const double width = 0.05;
-  const auto expect = [&](const Tile& left, const Tile& right, double length, double miss,
-                          const std::string& what) {
+  const auto expect = [&](const model::Tile& left, const model::Tile& right, double length,
+                          double miss, const std::string& what) {
     const NeckPair pair = pairOf(left, right);
     const std::vector<double> found =
         neckByDeck(pair.model, {.width = width, .length = length * width});
     ASSERT_EQ(found.size(), 4U) << what;
-    const double bending = neckStiffness(1, 1, width, length * width, pair.corners);
+    const double bending = model::neckStiffness(1, 1, width, length * width, pair.corners);
     EXPECT_NEAR(width * width / bending / found[0], 1, miss) << what << " " << length;
-    const double axis = neckAxis(width, length * width, pair.corners) / width;
+    const double axis = model::neckAxis(width, length * width, pair.corners) / width;
     EXPECT_NEAR(std::abs(axis), found[1], 0.03) << what << " " << length;
   };
   // Measured with half as many elements: 0.9%, 0.6%, 1.0%, 1.5%, 0.5%, 0.4%, 2.0%; squares' ends
@@ -380,7 +388,7 @@ TEST_F(NeckSheet, NecksWithALengthAreAsDecksHaveThem) {
 TEST_F(NeckSheet, CornersStiffenAsTheyOpen) {
   const double width = 0.1;
   const NeckPair pair = pairOf(tableTile(90), tableTile(90));
-  const CornerNeck neck = cornerNeck(1e9, 0.002, width, pair.corners);
+  const model::CornerNeck neck = model::cornerNeck(1e9, 0.002, width, pair.corners);
   const std::vector<double> found = cornerByDeck(pair.model, width, "-400");
   ASSERT_EQ(found.size(), 20U);
   for (std::size_t k = 0; k < found.size(); k += 2) {

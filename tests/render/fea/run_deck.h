@@ -9,7 +9,7 @@
 
 namespace kirireel::test {
 
-inline const DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+inline const exports::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
 
 /// What ccx said and what it left in job.dat.
 struct JobEnd {

@@ -19,15 +19,15 @@ class LeftFilesTest : public testing::Test {
     fs::create_directory(folder_ / "frames");
     write(folder_ / "final.obj", "ours");
     write(folder_ / "frames/frame_00000.png", "ours too");
-    FileList files;
+    exports::FileList files;
     for (const char* name : {"final.obj", "frames/frame_00000.png"}) {
-      files[name] = digestOf(folder_.path(), name);
+      files[name] = exports::digestOf(folder_.path(), name);
     }
-    write(folder_ / "summary.json", contentsText(files));
+    write(folder_ / "summary.json", exports::contentsText(files));
   }
 
   bool isForeign(const std::string& name) const {
-    return LeftFiles(folder_.path()).isForeign(name);
+    return exports::LeftFiles(folder_.path()).isForeign(name);
   }
 
   test::TemporaryFolder folder_;
@@ -38,8 +38,8 @@ TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("summary.json"));
   EXPECT_FALSE(isForeign("final.ply"));  // not there
-  EXPECT_TRUE(LeftFiles(folder_.path()).stands("final.obj"));
-  EXPECT_FALSE(LeftFiles(folder_.path()).stands("final.ply"));
+  EXPECT_TRUE(exports::LeftFiles(folder_.path()).stands("final.obj"));
+  EXPECT_FALSE(exports::LeftFiles(folder_.path()).stands("final.ply"));
 }
 
 TEST_F(LeftFilesTest, TakeNothingElseForOurs) {
@@ -74,9 +74,9 @@ TEST_F(LeftFilesTest, AreNotSoughtThroughLinksToFolders) {
 
 TEST_F(LeftFilesTest, CountAsTheNewestRecordHasThem) {
   write(folder_ / "final.obj", "exported again");
-  FileList files;
-  files["final.obj"] = digestOf(folder_.path(), "final.obj");
-  write(folder_ / "contents.json", contentsText(files));
+  exports::FileList files;
+  files["final.obj"] = exports::digestOf(folder_.path(), "final.obj");
+  write(folder_ / "contents.json", exports::contentsText(files));
   EXPECT_FALSE(isForeign("final.obj"));
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("contents.json"));

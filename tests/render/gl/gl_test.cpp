@@ -40,7 +40,7 @@ TEST(ContextDeathTest, SaysWhatToDoWithoutOpenGl) {
   const auto makeContext = [] {
     // The driver then offers less than the version that is asked for.
     ::setenv("MESA_GL_VERSION_OVERRIDE", "2.1", 1);
-    std::fputs(messageOf([] { const Context context; }).c_str(), stderr);
+    std::fputs(messageOf([] { const picture::Context context; }).c_str(), stderr);
     std::exit(0);
   };
   EXPECT_EXIT(
@@ -51,15 +51,17 @@ TEST(ContextDeathTest, SaysWhatToDoWithoutOpenGl) {
 }
 
 TEST(GraphicsLibrary, IsOneThatTheProgramWasBuiltWith) {
-  const std::vector<GraphicsLibrary> built = builtGraphicsLibraries();
+  const std::vector<picture::GraphicsLibrary> built = picture::builtGraphicsLibraries();
   ASSERT_FALSE(built.empty());
   for (const auto& [library, message] :
-       {std::pair{GraphicsLibrary::Osmesa, "built without OSMesa; choose --gl egl, or install"},
-        std::pair{GraphicsLibrary::Egl, "built without EGL; choose --gl osmesa, or install"}}) {
+       {std::pair{picture::GraphicsLibrary::Osmesa,
+                  "built without OSMesa; choose --gl egl, or install"},
+        std::pair{picture::GraphicsLibrary::Egl,
+                  "built without EGL; choose --gl osmesa, or install"}}) {
     if (std::find(built.begin(), built.end(), library) != built.end()) continue;
     std::string text;
     try {
-      setGraphicsLibrary(library);
+      picture::setGraphicsLibrary(library);
     } catch (const InputError& error) {
       text = error.what();
     }
@@ -69,18 +71,19 @@ TEST(GraphicsLibrary, IsOneThatTheProgramWasBuiltWith) {
 
 TEST(Context, LeavesTheUsersNumberOfThreads) {
   ::setenv("LP_NUM_THREADS", "1", 1);
-  setRasterThreads(0);
+  picture::setRasterThreads(0);
   EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "1");
   ::unsetenv("LP_NUM_THREADS");
-  setRasterThreads(0);
+  picture::setRasterThreads(0);
   EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "0");
 }
 
 TEST(Program, ReportsTheCompilersWordsInOneLine) {
-  const Context context;
-  EXPECT_NO_THROW(Program(kVertexShader, kFragmentShader));
+  const picture::Context context;
+  EXPECT_NO_THROW(picture::Program(kVertexShader, kFragmentShader));
   const std::string message = messageOf([] {
-    const Program program(kVertexShader, "#version 330 core\nvoid main() { colour = 1.0; }\n");
+    const picture::Program program(kVertexShader,
+                                   "#version 330 core\nvoid main() { colour = 1.0; }\n");
   });
   EXPECT_THAT(message, StartsWith("error: the OpenGL driver refuses a shader ("));
   EXPECT_THAT(message, ::testing::HasSubstr("colour"));
@@ -89,9 +92,9 @@ TEST(Program, ReportsTheCompilersWordsInOneLine) {
 }
 
 TEST(Program, ReportsShadersThatDoNotFitTogether) {
-  const Context context;
+  const picture::Context context;
   const std::string message = messageOf([] {
-    const Program program(
+    const picture::Program program(
         "#version 330 core\nout vec2 shade;\nvoid main() { shade = vec2(0.0); gl_Position = "
         "vec4(0.0); }\n",
         "#version 330 core\nin vec4 shade;\nout vec4 colour;\nvoid main() { colour = shade; }\n");
@@ -100,8 +103,8 @@ TEST(Program, ReportsShadersThatDoNotFitTogether) {
 }
 
 TEST(Framebuffer, RefusesMoreThanTheDriverHas) {
-  const Context context;
-  const std::string message = messageOf([] { const Framebuffer buffer(20000, 10); });
+  const picture::Context context;
+  const std::string message = messageOf([] { const picture::Framebuffer buffer(20000, 10); });
   EXPECT_THAT(message, StartsWith("error: the OpenGL driver cannot draw 20000 x 10 samples"));
   EXPECT_THAT(message, EndsWith("choose a smaller picture with --size"));
 }

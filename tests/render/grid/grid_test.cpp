@@ -13,10 +13,11 @@
 namespace kirireel {
 namespace {
 
-std::vector<GridPicture> colouredPictures(int count, FrameSize size) {
-  std::vector<GridPicture> pictures;
+std::vector<picture::GridPicture> colouredPictures(int count, picture::FrameSize size) {
+  std::vector<picture::GridPicture> pictures;
   for (int k = 0; k < count; ++k) {
-    pictures.push_back({makeFrame(size, {static_cast<std::uint8_t>(10 * k), 100, 200}), "t"});
+    pictures.push_back(
+        {picture::makeFrame(size, {static_cast<std::uint8_t>(10 * k), 100, 200}), "t"});
   }
   return pictures;
 }
@@ -31,33 +32,33 @@ std::string messageOf(const std::function<void()>& action) {
 }
 
 TEST(GridLayout, HasGapsAndCaptionsInProportion) {
-  GridStyle style;
+  picture::GridStyle style;
   style.gap = 0.1;
   style.captionSize = 0.25;
-  const GridLayout layout = layOutGrid({160, 100}, {2, 3}, style);
+  const picture::GridLayout layout = picture::layOutGrid({160, 100}, {2, 3}, style);
   EXPECT_EQ(layout.gap, 10);
   EXPECT_EQ(layout.textSize, 25);
   EXPECT_EQ(layout.captionHeight, 40);
-  EXPECT_EQ(layout.sheet, (FrameSize{10 + 3 * 170, 10 + 2 * 150}));
+  EXPECT_EQ(layout.sheet, (picture::FrameSize{10 + 3 * 170, 10 + 2 * 150}));
   EXPECT_EQ(layout.left(2), 350);
   EXPECT_EQ(layout.upper(1), 160);
 }
 
 TEST(GridLayout, KeepsCaptionsLegibleUnderTinyPictures) {
-  EXPECT_EQ(layOutGrid({32, 18}, {1, 1}).textSize, 9);
+  EXPECT_EQ(picture::layOutGrid({32, 18}, {1, 1}).textSize, 9);
 }
 
 TEST(GridLayout, RefusesEmptyAndHugeShapes) {
   EXPECT_EQ(messageOf([] {
-              layOutGrid({10, 10}, {0, 3});
+              picture::layOutGrid({10, 10}, {0, 3});
             }),
             "error: a grid cannot have 0 x 3 cells; give at least one row and one column, for "
             "example --grid 3x3");
-  GridStyle style;
+  picture::GridStyle style;
   style.gap = 0;
   style.captionSize = 0;
   EXPECT_EQ(messageOf([&] {
-              layOutGrid({1280, 720}, {2, 1000000}, style);
+              picture::layOutGrid({1280, 720}, {2, 1000000}, style);
             }),
             "error: a grid of 2 x 1000000 pictures of 1280 x 720 pixels needs 1280000000 x 1468 "
             "pixels and may have 16384 a side; choose fewer or smaller pictures with --grid or "
@@ -65,29 +66,30 @@ TEST(GridLayout, RefusesEmptyAndHugeShapes) {
 }
 
 TEST(Grid, FillsRowsFromTheLeftAndLeavesTheRestBlank) {
-  const std::vector<GridPicture> pictures = colouredPictures(5, {60, 40});
-  const GridShape shape{2, 3};
-  const GridLayout layout = layOutGrid({60, 40}, shape);
-  const Frame sheet = composeGrid(pictures, shape);
+  const std::vector<picture::GridPicture> pictures = colouredPictures(5, {60, 40});
+  const picture::GridShape shape{2, 3};
+  const picture::GridLayout layout = picture::layOutGrid({60, 40}, shape);
+  const picture::Frame sheet = picture::composeGrid(pictures, shape);
   EXPECT_EQ(sheet.size, layout.sheet);
   for (int cell = 0; cell < 6; ++cell) {
     const int left = layout.left(cell % 3);
     const int upper = layout.upper(cell / 3);
-    const Colour expected = cell < 5 ? pictures[cell].frame.at(0, 0) : Colour{255, 255, 255};
+    const picture::Colour expected =
+        cell < 5 ? pictures[cell].frame.at(0, 0) : picture::Colour{255, 255, 255};
     EXPECT_EQ(sheet.at(left, upper), expected) << cell;
     EXPECT_EQ(sheet.at(left + 59, upper + 39), expected) << cell;
-    EXPECT_EQ(sheet.at(left - 1, upper), (Colour{255, 255, 255})) << cell;
-    EXPECT_EQ(sheet.at(left, upper + 40), (Colour{255, 255, 255})) << cell;
+    EXPECT_EQ(sheet.at(left - 1, upper), (picture::Colour{255, 255, 255})) << cell;
+    EXPECT_EQ(sheet.at(left, upper + 40), (picture::Colour{255, 255, 255})) << cell;
   }
 }
 
 TEST(Grid, CentresCaptionsInTheStripUnderThePicture) {
-  std::vector<GridPicture> pictures = colouredPictures(1, {300, 200});
+  std::vector<picture::GridPicture> pictures = colouredPictures(1, {300, 200});
   pictures[0].caption = "t = 1.25 s";
-  GridStyle style;
+  picture::GridStyle style;
   style.captionSize = 0.15;
-  const GridLayout layout = layOutGrid({300, 200}, {1, 1}, style);
-  const Frame sheet = composeGrid(pictures, {1, 1}, style);
+  const picture::GridLayout layout = picture::layOutGrid({300, 200}, {1, 1}, style);
+  const picture::Frame sheet = picture::composeGrid(pictures, {1, 1}, style);
   int first = sheet.size.width, last = -1, upper = sheet.size.height, lower = -1;
   for (int y = layout.upper(0) + 200; y < sheet.size.height; ++y) {
     for (int x = 0; x < sheet.size.width; ++x) {
@@ -105,64 +107,67 @@ TEST(Grid, CentresCaptionsInTheStripUnderThePicture) {
 
 TEST(Grid, RefusesPicturesThatDoNotFit) {
   EXPECT_EQ(messageOf([] {
-              composeGrid({}, {1, 1});
+              picture::composeGrid({}, {1, 1});
             }),
             "error: a grid needs at least one picture; give it some");
   EXPECT_EQ(messageOf([] {
-              composeGrid(colouredPictures(5, {9, 9}), {2, 2});
+              picture::composeGrid(colouredPictures(5, {9, 9}), {2, 2});
             }),
             "error: a grid of 2 x 2 has room for 4 pictures, not 5; change --grid");
-  std::vector<GridPicture> mixed = colouredPictures(2, {9, 9});
-  mixed[1].frame = makeFrame({9, 8}, {});
+  std::vector<picture::GridPicture> mixed = colouredPictures(2, {9, 9});
+  mixed[1].frame = picture::makeFrame({9, 8}, {});
   EXPECT_EQ(messageOf([&] {
-              composeGrid(mixed, {2, 2});
+              picture::composeGrid(mixed, {2, 2});
             }),
             "error: pictures of one grid must have one size, not 9 x 8 beside 9 x 9 pixels");
 }
 
 TEST(TrimAlike, KeepsWhatAnyPictureShows) {
-  const Colour white{255, 255, 255}, red{255, 0, 0};
-  std::vector<GridPicture> pictures(2, {makeFrame({400, 300}, white), ""});
+  const picture::Colour white{255, 255, 255}, red{255, 0, 0};
+  std::vector<picture::GridPicture> pictures(2, {picture::makeFrame({400, 300}, white), ""});
   pictures[0].frame.set(100, 80, red);
   pictures[1].frame.set(299, 279, red);
-  cutAlike(pictures, filledPart(pictures));
+  picture::cutAlike(pictures, picture::filledPart(pictures));
   // The marks span 200 x 200 pixels, with a margin of a twentieth of that on each side.
-  EXPECT_EQ(pictures[0].frame.size, (FrameSize{220, 220}));
-  EXPECT_EQ(pictures[1].frame.size, (FrameSize{220, 220}));
+  EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{220, 220}));
+  EXPECT_EQ(pictures[1].frame.size, (picture::FrameSize{220, 220}));
   EXPECT_EQ(pictures[0].frame.at(10, 10), red);
   EXPECT_EQ(pictures[1].frame.at(209, 209), red);
 }
 
 TEST(TrimAlike, LeavesRoomForCaptionsUnderNarrowModels) {
-  std::vector<GridPicture> pictures(1, {makeFrame({400, 300}, {255, 255, 255}), ""});
+  std::vector<picture::GridPicture> pictures(1,
+                                             {picture::makeFrame({400, 300}, {255, 255, 255}), ""});
   for (int y = 50; y < 250; ++y) pictures[0].frame.set(200, y, {0, 0, 0});
-  cutAlike(pictures, filledPart(pictures));
-  EXPECT_EQ(pictures[0].frame.size, (FrameSize{91, 220}));
-  EXPECT_EQ(pictures[0].frame.at(45, 10), (Colour{0, 0, 0}));
+  picture::cutAlike(pictures, picture::filledPart(pictures));
+  EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{91, 220}));
+  EXPECT_EQ(pictures[0].frame.at(45, 10), (picture::Colour{0, 0, 0}));
 }
 
 TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
-  std::vector<GridPicture> pictures(1, {makeFrame({40, 30}, {255, 255, 255}), ""});
-  cutAlike(pictures, filledPart(pictures));
-  EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
+  std::vector<picture::GridPicture> pictures(1,
+                                             {picture::makeFrame({40, 30}, {255, 255, 255}), ""});
+  picture::cutAlike(pictures, picture::filledPart(pictures));
+  EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{40, 30}));
   pictures[0].frame.set(39, 0, {});
   pictures[0].frame.set(0, 29, {});
-  cutAlike(pictures, filledPart(pictures));
-  EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
+  picture::cutAlike(pictures, picture::filledPart(pictures));
+  EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{40, 30}));
 }
 
 TEST(PictureBox, OfALargerPictureIsTheSamePart) {
-  const PictureBox part{10, 21, {100, 50}};
+  const picture::PictureBox part{10, 21, {100, 50}};
   EXPECT_EQ(part.scaled(2.5).left, 25);
   EXPECT_EQ(part.scaled(2.5).upper, 53);
-  EXPECT_EQ(part.scaled(2.5).size, (FrameSize{250, 125}));
+  EXPECT_EQ(part.scaled(2.5).size, (picture::FrameSize{250, 125}));
 }
 
 /// Notes what is drawn on it.
-class NotedSurface : public Surface {
+class NotedSurface : public picture::Surface {
  public:
-  void box(double, double, double, double, Colour) override {}
-  void text(const std::string& line, double left, double baseline, int em, Colour) override {
+  void box(double, double, double, double, picture::Colour) override {}
+  void text(const std::string& line, double left, double baseline, int em,
+            picture::Colour) override {
     lines.push_back(line);
     ems.push_back(em);
     places.emplace_back(left, baseline);
@@ -174,12 +179,12 @@ class NotedSurface : public Surface {
 };
 
 TEST(Grid, KeepsItsTextSizeAndWrapsCaptions) {
-  GridStyle style;
+  picture::GridStyle style;
   style.textSize = 20;
   const std::vector<std::string> captions = {"12.5%, t = 1.25 s, error 0.0012 m", "50%"};
-  const GridLayout layout = layOutGrid({220, 200}, {1, 2}, style, captions);
+  const picture::GridLayout layout = picture::layOutGrid({220, 200}, {1, 2}, style, captions);
   NotedSurface surface;
-  drawGridText(surface, layout, style, captions, 2);
+  picture::drawGridText(surface, layout, style, captions, 2);
   EXPECT_EQ(surface.lines,
             (std::vector<std::string>{"12.5%, t = 1.25 s,", "error 0.0012 m", "50%"}));
   for (const int em : surface.ems) EXPECT_EQ(em, 20);
@@ -187,11 +192,11 @@ TEST(Grid, KeepsItsTextSizeAndWrapsCaptions) {
 }
 
 TEST(Grid, LettersItsPanels) {
-  GridStyle style;
+  picture::GridStyle style;
   style.letters = true;
-  const GridLayout layout = layOutGrid({60, 40}, {10, 3}, style);
+  const picture::GridLayout layout = picture::layOutGrid({60, 40}, {10, 3}, style);
   NotedSurface surface;
-  drawGridText(surface, layout, style, std::vector<std::string>(28), 3);
+  picture::drawGridText(surface, layout, style, std::vector<std::string>(28), 3);
   EXPECT_EQ(surface.lines[0], "(a)");
   EXPECT_EQ(surface.lines[2 * 25], "(z)");
   EXPECT_EQ(surface.lines[2 * 27], "(ab)");
@@ -201,28 +206,28 @@ TEST(Grid, LettersItsPanels) {
 }
 
 TEST(Grid, SaysWhatItsColumnsAre) {
-  GridStyle style;
+  picture::GridStyle style;
   style.heads = {"flat", "Öffnung 45°"};
-  const GridLayout layout = layOutGrid({100, 60}, {2, 2}, style);
+  const picture::GridLayout layout = picture::layOutGrid({100, 60}, {2, 2}, style);
   NotedSurface surface;
-  drawGridText(surface, layout, style, std::vector<std::string>(4), 2);
+  picture::drawGridText(surface, layout, style, std::vector<std::string>(4), 2);
   ASSERT_GE(surface.lines.size(), 2);
   for (int column = 0; column < 2; ++column) {
     EXPECT_EQ(surface.lines[column], style.heads[column]);
     const auto& [left, baseline] = surface.places[column];
-    const int width = LabelWriter(surface.ems[column]).width(style.heads[column]);
+    const int width = picture::LabelWriter(surface.ems[column]).width(style.heads[column]);
     EXPECT_NEAR(left + width / 2.0, layout.left(column) + 50, 1);
     EXPECT_LT(baseline, layout.upper(0));
   }
-  EXPECT_EQ(layout.upper(1) - layout.upper(0),
-            layOutGrid({100, 60}, {2, 2}).upper(1) - layOutGrid({100, 60}, {2, 2}).upper(0));
+  EXPECT_EQ(layout.upper(1) - layout.upper(0), picture::layOutGrid({100, 60}, {2, 2}).upper(1) -
+                                                   picture::layOutGrid({100, 60}, {2, 2}).upper(0));
 }
 
 TEST(Grid, RefusesOtherNumbersOfHeads) {
-  GridStyle style;
+  picture::GridStyle style;
   style.heads = {"flat", "open"};
   try {
-    layOutGrid({100, 60}, {2, 3}, style);
+    picture::layOutGrid({100, 60}, {2, 3}, style);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -232,19 +237,20 @@ TEST(Grid, RefusesOtherNumbersOfHeads) {
 }
 
 TEST(Grid, LeadsFromPictureToPictureByArrows) {
-  GridStyle style;
+  picture::GridStyle style;
   style.arrows = true;
-  const GridLayout layout = layOutGrid({100, 60}, {2, 3}, style);
+  const picture::GridLayout layout = picture::layOutGrid({100, 60}, {2, 3}, style);
   NotedSurface surface;
   // Five pictures: two arrows in the first row, one in the second.
-  drawGridText(surface, layout, style, std::vector<std::string>(5), 3);
+  picture::drawGridText(surface, layout, style, std::vector<std::string>(5), 3);
   int arrows = 0;
   for (std::size_t k = 0; k < surface.lines.size(); ++k) {
-    if (surface.lines[k] != kArrow) continue;
+    if (surface.lines[k] != picture::kArrow) continue;
     const auto& [left, baseline] = surface.places[k];
     const int column = arrows % 2, row = arrows / 2;
     EXPECT_GE(left, layout.left(column) + 100);
-    EXPECT_LE(left + LabelWriter(surface.ems[k]).width(kArrow), layout.left(column + 1));
+    EXPECT_LE(left + picture::LabelWriter(surface.ems[k]).width(picture::kArrow),
+              layout.left(column + 1));
     EXPECT_GT(baseline, layout.upper(row));
     EXPECT_LT(baseline, layout.upper(row) + 60);
     ++arrows;
@@ -254,38 +260,40 @@ TEST(Grid, LeadsFromPictureToPictureByArrows) {
 }
 
 TEST(CaptionText, SaysTheChosenParts) {
-  const CaptionValues values{0.125, 1.25, M_PI / 4, 0.00123, 4.56e-13};
-  EXPECT_EQ(captionText({.progress = true}, values), "12.5%");
-  EXPECT_EQ(captionText({.time = true}, values), "t = 1.25 s");
-  EXPECT_EQ(captionText({true, true, true, true, true}, values),
+  const picture::CaptionValues values{0.125, 1.25, M_PI / 4, 0.00123, 4.56e-13};
+  EXPECT_EQ(picture::captionText({.progress = true}, values), "12.5%");
+  EXPECT_EQ(picture::captionText({.time = true}, values), "t = 1.25 s");
+  EXPECT_EQ(picture::captionText({true, true, true, true, true}, values),
             "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m, gap 4.6e-13 m");
-  EXPECT_EQ(captionText({.error = true, .gap = true}, {0, 0, 0, 2, 12}), "error 2.0 m, gap 12 m");
-  EXPECT_EQ(captionText({}, values), "");
-  EXPECT_EQ(captionText({.time = true, .error = true}, {}), "t = 0.00 s");
-  EXPECT_EQ(captionText({.progress = true}, {.progress = 1}), "100%");
-  EXPECT_EQ(captionText({.progress = true}, {.progress = 2 / 3.0}), "66.7%");
+  EXPECT_EQ(picture::captionText({.error = true, .gap = true}, {0, 0, 0, 2, 12}),
+            "error 2.0 m, gap 12 m");
+  EXPECT_EQ(picture::captionText({}, values), "");
+  EXPECT_EQ(picture::captionText({.time = true, .error = true}, {}), "t = 0.00 s");
+  EXPECT_EQ(picture::captionText({.progress = true}, {.progress = 1}), "100%");
+  EXPECT_EQ(picture::captionText({.progress = true}, {.progress = 2 / 3.0}), "66.7%");
 }
 
 TEST(Grid, ShrinksCaptionsThatAreTooWide) {
-  std::vector<GridPicture> pictures = colouredPictures(2, {220, 200});
-  for (GridPicture& picture : pictures) picture.caption = "t = 1.25 s, error 1.2e-03 m";
-  const GridLayout layout = layOutGrid({220, 200}, {1, 2});
-  const Frame sheet = composeGrid(pictures, {1, 2});
+  std::vector<picture::GridPicture> pictures = colouredPictures(2, {220, 200});
+  for (picture::GridPicture& picture : pictures) picture.caption = "t = 1.25 s, error 1.2e-03 m";
+  const picture::GridLayout layout = picture::layOutGrid({220, 200}, {1, 2});
+  const picture::Frame sheet = picture::composeGrid(pictures, {1, 2});
   // Nothing is written between the columns or beside them.
   for (int y = layout.upper(0) + 200; y < sheet.size.height; ++y) {
     for (int x = 0; x < layout.gap; ++x) {
-      ASSERT_EQ(sheet.at(x, y), GridStyle().background);
-      ASSERT_EQ(sheet.at(layout.left(1) - 1 - x, y), GridStyle().background);
+      ASSERT_EQ(sheet.at(x, y), picture::GridStyle().background);
+      ASSERT_EQ(sheet.at(layout.left(1) - 1 - x, y), picture::GridStyle().background);
     }
   }
 }
 
 TEST(Grid, DrawsABarOfTheTrueLengthBelowAllPictures) {
-  GridStyle style;
+  picture::GridStyle style;
   style.metresPerPixel = 0.013;
-  const GridLayout layout = layOutGrid({300, 200}, {1, 2}, style);
-  const Frame sheet = composeGrid(colouredPictures(2, {300, 200}), {1, 2}, style);
-  EXPECT_EQ(sheet.size.height, layOutGrid({300, 200}, {1, 2}).sheet.height + layout.scaleHeight);
+  const picture::GridLayout layout = picture::layOutGrid({300, 200}, {1, 2}, style);
+  const picture::Frame sheet = picture::composeGrid(colouredPictures(2, {300, 200}), {1, 2}, style);
+  EXPECT_EQ(sheet.size.height,
+            picture::layOutGrid({300, 200}, {1, 2}).sheet.height + layout.scaleHeight);
   // Half a picture's width is 1.95 m, so that the bar stands for 1 m.
   int longest = 0;
   for (int y = layout.upper(0) + 200 + layout.captionHeight; y < sheet.size.height; ++y) {
@@ -299,10 +307,10 @@ TEST(Grid, DrawsABarOfTheTrueLengthBelowAllPictures) {
 }
 
 TEST(Grid, DrawsTheScaleOfColoursBelowAllPictures) {
-  GridStyle style;
-  style.colourScale = ColourScale{ColourMap::Cividis, 0, 2, "displacement, m"};
-  const Frame sheet = composeGrid(colouredPictures(4, {300, 200}), {2, 2}, style);
-  const Colour bright = mapColour(ColourMap::Cividis, 1);
+  picture::GridStyle style;
+  style.colourScale = picture::ColourScale{picture::ColourMap::Cividis, 0, 2, "displacement, m"};
+  const picture::Frame sheet = picture::composeGrid(colouredPictures(4, {300, 200}), {2, 2}, style);
+  const picture::Colour bright = picture::mapColour(picture::ColourMap::Cividis, 1);
   int found = 0;
   for (int y = sheet.size.height - 40; y < sheet.size.height; ++y) {
     for (int x = 0; x < sheet.size.width; ++x) found += sheet.at(x, y) == bright ? 1 : 0;

@@ -11,11 +11,11 @@
 namespace kirireel {
 namespace {
 
-constexpr Colour kWhite{255, 255, 255};
-constexpr Colour kBlack{0, 0, 0};
+constexpr picture::Colour kWhite{255, 255, 255};
+constexpr picture::Colour kBlack{0, 0, 0};
 
 /// The box of all pixels that are not white.
-Eigen::AlignedBox2i inkBox(const Frame& frame) {
+Eigen::AlignedBox2i inkBox(const picture::Frame& frame) {
   Eigen::AlignedBox2i box;
   for (int y = 0; y < frame.size.height; ++y) {
     for (int x = 0; x < frame.size.width; ++x) {
@@ -26,8 +26,8 @@ Eigen::AlignedBox2i inkBox(const Frame& frame) {
 }
 
 TEST(LabelWriter, StandsOnItsBaselineWithinItsWidth) {
-  Frame frame = makeFrame({200, 60}, kWhite);
-  const LabelWriter writer(32);
+  picture::Frame frame = picture::makeFrame({200, 60}, kWhite);
+  const picture::LabelWriter writer(32);
   writer.draw(frame, "EHE", 20, 45, kBlack);
   const Eigen::AlignedBox2i box = inkBox(frame);
   EXPECT_EQ(box.max().y(), 44);  // the last row above the baseline
@@ -38,17 +38,17 @@ TEST(LabelWriter, StandsOnItsBaselineWithinItsWidth) {
 }
 
 TEST(LabelWriter, WidensWithTheText) {
-  const LabelWriter writer(20);
+  const picture::LabelWriter writer(20);
   EXPECT_EQ(writer.width(""), 0);
   EXPECT_NEAR(writer.width("mmmm"), 4 * writer.width("m"), 4);
-  EXPECT_NEAR(LabelWriter(40).width("t = 1.25 s"), 2 * writer.width("t = 1.25 s"), 5);
+  EXPECT_NEAR(picture::LabelWriter(40).width("t = 1.25 s"), 2 * writer.width("t = 1.25 s"), 5);
 }
 
 TEST(LabelWriter, ReadsUtf8) {
-  const LabelWriter writer(20);
+  const picture::LabelWriter writer(20);
   // In DejaVu Sans capital alpha looks like A, and a letter with an accent is as wide as without.
-  Frame greek = makeFrame({60, 40}, kWhite);
-  Frame latin = greek;
+  picture::Frame greek = picture::makeFrame({60, 40}, kWhite);
+  picture::Frame latin = greek;
   writer.draw(greek, "\u0391", 10, 30, kBlack);
   writer.draw(latin, "A", 10, 30, kBlack);
   EXPECT_EQ(greek.pixels, latin.pixels);
@@ -58,21 +58,21 @@ TEST(LabelWriter, ReadsUtf8) {
 }
 
 TEST(LabelWriter, KnowsWhichGlyphsItsFontLacks) {
-  const LabelWriter writer(20);
+  const picture::LabelWriter writer(20);
   EXPECT_FALSE(writer.missingGlyph(U"Caf\u00e9 30\u00b0 \u03b1\u03a9 \u00e4\u00f6\u00fc"));
   EXPECT_EQ(writer.missingGlyph(U"a\u4e2d\u6587"), U'\u4e2d');
   EXPECT_NO_THROW(writer.width("\xff"));  // not UTF-8: the font's box
 }
 
 TEST(LabelWriter, CutsTextAtTheFrame) {
-  Frame frame = makeFrame({30, 20}, kWhite);
-  EXPECT_NO_THROW(LabelWriter(40).draw(frame, "Wide text", -20, 25, kBlack));
+  picture::Frame frame = picture::makeFrame({30, 20}, kWhite);
+  EXPECT_NO_THROW(picture::LabelWriter(40).draw(frame, "Wide text", -20, 25, kBlack));
   EXPECT_FALSE(inkBox(frame).isEmpty());
 }
 
 TEST(LabelWriter, WritesOnATransparentPicture) {
-  Frame frame = makeFrame({60, 60}, {255, 255, 255, 0});
-  LabelWriter(50).draw(frame, "H", 5, 50, kBlack);
+  picture::Frame frame = picture::makeFrame({60, 60}, {255, 255, 255, 0});
+  picture::LabelWriter(50).draw(frame, "H", 5, 50, kBlack);
   const Eigen::AlignedBox2i box = inkBox(frame);
   const int middle = (box.min().y() + box.max().y()) / 2;
   EXPECT_EQ(frame.at(30 - 5, middle).alpha, 255);  // the bar of the H
@@ -82,7 +82,7 @@ TEST(LabelWriter, WritesOnATransparentPicture) {
 TEST(LabelWriter, SaysHowToGetAFont) {
   ::setenv("KIRIREEL_FONT", "/nowhere/font.ttf", 1);
   try {
-    const LabelWriter writer(20);
+    const picture::LabelWriter writer(20);
     ADD_FAILURE();
   } catch (const OutputError& error) {
     EXPECT_STREQ(error.what(),
@@ -93,15 +93,15 @@ TEST(LabelWriter, SaysHowToGetAFont) {
 }
 
 TEST(Font, IsFoundByItsFamily) {
-  setFont("dejavu sans");
-  EXPECT_EQ(findFont().filename(), "DejaVuSans.ttf");
-  EXPECT_EQ(fontFamily(), "DejaVu Sans");
-  setFont("");
+  picture::setFont("dejavu sans");
+  EXPECT_EQ(picture::findFont().filename(), "DejaVuSans.ttf");
+  EXPECT_EQ(picture::fontFamily(), "DejaVu Sans");
+  picture::setFont("");
 }
 
 TEST(Font, ThatIsMissingIsNamedWithTheNearest) {
   try {
-    setFont("No Such Font");
+    picture::setFont("No Such Font");
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),

@@ -9,11 +9,11 @@
 namespace kirireel {
 namespace {
 
-constexpr Colour kWhite = {255, 255, 255};
-constexpr Colour kBlack = {0, 0, 0};
+constexpr picture::Colour kWhite = {255, 255, 255};
+constexpr picture::Colour kBlack = {0, 0, 0};
 
 TEST(RoundLength, IsTheLongestOneTwoOrFive) {
-  const auto text = [](double longest) { return roundLength(longest).text; };
+  const auto text = [](double longest) { return picture::roundLength(longest).text; };
   EXPECT_EQ(text(1), "1 m");
   EXPECT_EQ(text(0.999), "0.5 m");
   EXPECT_EQ(text(4.99), "2 m");
@@ -22,44 +22,46 @@ TEST(RoundLength, IsTheLongestOneTwoOrFive) {
   EXPECT_EQ(text(7e-5), "50 um");
   EXPECT_EQ(text(6000), "5 km");
   for (double longest = 1e-6; longest < 1e5; longest *= 1.37) {
-    const double metres = roundLength(longest).metres;
+    const double metres = picture::roundLength(longest).metres;
     EXPECT_LE(metres, longest * (1 + 1e-8));
     EXPECT_GT(metres, 0.39 * longest);
   }
 }
 
 TEST(ScaleDrawer, DrawsABarOfTheExactLength) {
-  Frame frame = makeFrame({400, 60}, kWhite);
-  FrameSurface surface(frame);
-  ScaleDrawer(16, kBlack).drawScaleBar(surface, "", 123, 200, 30);
+  picture::Frame frame = picture::makeFrame({400, 60}, kWhite);
+  picture::FrameSurface surface(frame);
+  picture::ScaleDrawer(16, kBlack).drawScaleBar(surface, "", 123, 200, 30);
   int dark = 0;
   for (int x = 0; x < 400; ++x) dark += frame.at(x, 30) == kBlack;
   EXPECT_EQ(dark, 123);
 }
 
 TEST(ScaleDrawer, DrawsAllColoursOfAScaleInOrder) {
-  Frame frame = makeFrame({600, 40}, kWhite);
-  FrameSurface surface(frame);
+  picture::Frame frame = picture::makeFrame({600, 40}, kWhite);
+  picture::FrameSurface surface(frame);
   constexpr int kRow = 10;  // of the bar, which stands above its ticks
-  ColourScale scale;
+  picture::ColourScale scale;
   scale.title = "gap, m";
-  ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
+  picture::ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
   int x = 0;
-  while (frame.at(x, kRow) != mapColour(scale.map, 0)) ASSERT_LT(++x, 599);
+  while (frame.at(x, kRow) != picture::mapColour(scale.map, 0)) ASSERT_LT(++x, 599);
   int length = 0;
-  while (frame.at(x + length, kRow) != mapColour(scale.map, 1)) ASSERT_LT(x + ++length, 599);
+  while (frame.at(x + length, kRow) != picture::mapColour(scale.map, 1))
+    ASSERT_LT(x + ++length, 599);
   EXPECT_EQ(length, 14 * 14 - 1);
-  EXPECT_EQ(frame.at(x + length / 2, kRow), mapColour(scale.map, double(length / 2) / length));
+  EXPECT_EQ(frame.at(x + length / 2, kRow),
+            picture::mapColour(scale.map, double(length / 2) / length));
 }
 
 // The oracle is the place of each round value on the bar.
 TEST(ScaleDrawer, DrawsTicksAtRoundValues) {
-  Frame frame = makeFrame({600, 40}, kWhite);
-  FrameSurface surface(frame);
-  const ColourScale scale{ColourMap::Viridis, 0, 3.1, ""};
-  ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
+  picture::Frame frame = picture::makeFrame({600, 40}, kWhite);
+  picture::FrameSurface surface(frame);
+  const picture::ColourScale scale{picture::ColourMap::Viridis, 0, 3.1, ""};
+  picture::ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
   int left = 0;
-  while (frame.at(left, 10) != mapColour(scale.map, 0)) ASSERT_LT(++left, 599);
+  while (frame.at(left, 10) != picture::mapColour(scale.map, 0)) ASSERT_LT(++left, 599);
   std::vector<int> ticks;
   for (int x = 0; x < 600; ++x) {
     if (frame.at(x, 18) == kBlack) ticks.push_back(x - left);
@@ -73,10 +75,10 @@ TEST(ScaleDrawer, DrawsTicksAtRoundValues) {
 
 TEST(ScaleDrawer, DrawsALegendAsWideAsThereIsRoom) {
   for (const int width : {600, 150}) {
-    Frame frame = makeFrame({600, 40}, kWhite);
-    FrameSurface surface(frame);
-    const Colour red = {200, 10, 10}, green = {10, 150, 10};
-    ScaleDrawer(14, kBlack)
+    picture::Frame frame = picture::makeFrame({600, 40}, kWhite);
+    picture::FrameSurface surface(frame);
+    const picture::Colour red = {200, 10, 10}, green = {10, 150, 10};
+    picture::ScaleDrawer(14, kBlack)
         .drawLegend(surface, {{red, "36 triangles"}, {green, "48 hexagons"}}, 300, 20, width);
     int least = 600, most = 0, reds = 0, greens = 0;
     for (int x = 0; x < 600; ++x) {
@@ -96,11 +98,11 @@ TEST(ScaleDrawer, DrawsALegendAsWideAsThereIsRoom) {
 }
 
 TEST(ScaleDrawer, KeepsWithinANarrowPicture) {
-  Frame frame = makeFrame({200, 40}, kWhite);
-  FrameSurface surface(frame);
-  ColourScale scale;
+  picture::Frame frame = picture::makeFrame({200, 40}, kWhite);
+  picture::FrameSurface surface(frame);
+  picture::ColourScale scale;
   scale.title = "error, m";
-  ScaleDrawer(10, kBlack).drawColourBar(surface, scale, 100, 20, 200);
+  picture::ScaleDrawer(10, kBlack).drawColourBar(surface, scale, 100, 20, 200);
   for (int y = 0; y < 40; ++y) {
     EXPECT_EQ(frame.at(0, y), kWhite);
     EXPECT_EQ(frame.at(199, y), kWhite);
@@ -108,10 +110,10 @@ TEST(ScaleDrawer, KeepsWithinANarrowPicture) {
 }
 
 TEST(ColourScale, PlacesValues) {
-  const ColourScale scale{ColourMap::Viridis, 2, 6, ""};
-  EXPECT_EQ(shareOf(scale, 2), 0);
-  EXPECT_EQ(shareOf(scale, 5), 0.75);
-  EXPECT_EQ(shareOf({ColourMap::Viridis, 0, 0, ""}, 1), 0);
+  const picture::ColourScale scale{picture::ColourMap::Viridis, 2, 6, ""};
+  EXPECT_EQ(picture::shareOf(scale, 2), 0);
+  EXPECT_EQ(picture::shareOf(scale, 5), 0.75);
+  EXPECT_EQ(picture::shareOf({picture::ColourMap::Viridis, 0, 0, ""}, 1), 0);
 }
 
 }  // namespace

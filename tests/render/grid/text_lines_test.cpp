@@ -14,24 +14,25 @@ double bytes(const std::string& text) {
 }
 
 TEST(WrapText, BreaksAtSpacesWhereALineIsFull) {
-  EXPECT_THAT(wrapText("one two three", bytes, 7), ElementsAre("one two", "three"));
-  EXPECT_THAT(wrapText("one two three", bytes, 6), ElementsAre("one", "two", "three"));
-  EXPECT_THAT(wrapText("one two three", bytes, 100), ElementsAre("one two three"));
+  EXPECT_THAT(picture::wrapText("one two three", bytes, 7), ElementsAre("one two", "three"));
+  EXPECT_THAT(picture::wrapText("one two three", bytes, 6), ElementsAre("one", "two", "three"));
+  EXPECT_THAT(picture::wrapText("one two three", bytes, 100), ElementsAre("one two three"));
 }
 
 TEST(WrapText, BreaksAtEveryLineFeed) {
-  EXPECT_THAT(wrapText("one\ntwo three\n\nfour", bytes, 9),
+  EXPECT_THAT(picture::wrapText("one\ntwo three\n\nfour", bytes, 9),
               ElementsAre("one", "two three", "", "four"));
-  EXPECT_THAT(wrapText("", bytes, 9), ElementsAre(""));
+  EXPECT_THAT(picture::wrapText("", bytes, 9), ElementsAre(""));
 }
 
 TEST(WrapText, LeavesLongWordsWhole) {
-  EXPECT_THAT(wrapText("a Tessellierung b", bytes, 5), ElementsAre("a", "Tessellierung", "b"));
+  EXPECT_THAT(picture::wrapText("a Tessellierung b", bytes, 5),
+              ElementsAre("a", "Tessellierung", "b"));
 }
 
 TEST(WidestLine, IsTheWidthOfTheWidest) {
-  EXPECT_EQ(widestLine({"one", "three", ""}, bytes), 5);
-  EXPECT_EQ(widestLine({}, bytes), 0);
+  EXPECT_EQ(picture::widestLine({"one", "three", ""}, bytes), 5);
+  EXPECT_EQ(picture::widestLine({}, bytes), 0);
 }
 
 }  // namespace

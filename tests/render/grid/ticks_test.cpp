@@ -9,27 +9,28 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(Ticks, AreRoundAndWithinTheAxis) {
-  const Axis axis = makeAxis({0.13, 4.2, 2}, 5);
+  const picture::Axis axis = picture::makeAxis({0.13, 4.2, 2}, 5);
   EXPECT_THAT(axis.texts, ElementsAre("0", "1", "2", "3", "4"));
   EXPECT_LE(axis.low, 0.13);
   EXPECT_GE(axis.high, 4.2);
-  EXPECT_THAT(makeAxis({-0.02, 0.031}, 4).texts, ElementsAre("\u22120.02", "0.00", "0.02"));
+  EXPECT_THAT(picture::makeAxis({-0.02, 0.031}, 4).texts,
+              ElementsAre("\u22120.02", "0.00", "0.02"));
 }
 
 TEST(Ticks, ShowAConstantInTheMiddle) {
-  const Axis axis = makeAxis({-1, -1 + 1e-6}, 4);
+  const picture::Axis axis = picture::makeAxis({-1, -1 + 1e-6}, 4);
   EXPECT_NEAR(axis.shareOf(-1), 0.5, 1e-5);
   EXPECT_GE(axis.ticks.size(), 2U);
-  const Axis zero = makeAxis({0}, 4);
+  const picture::Axis zero = picture::makeAxis({0}, 4);
   EXPECT_EQ(zero.shareOf(0), 0.5);
 }
 
 TEST(Ticks, AreDecadesOnALogarithmicAxis) {
-  const Axis axis = makeLogarithmicAxis({0, 3e-13, 2e-6}, 4);
+  const picture::Axis axis = picture::makeLogarithmicAxis({0, 3e-13, 2e-6}, 4);
   EXPECT_THAT(axis.texts, ElementsAre("1e-13", "1e-11", "1e-9", "1e-7", "1e-5"));
   EXPECT_NEAR(axis.shareOf(axis.low), 0, 1e-12);
   EXPECT_NEAR(axis.shareOf(1e-5), 1, 1e-12);
-  EXPECT_EQ(makeLogarithmicAxis({0, 0}, 4).ticks.size(), 3U);
+  EXPECT_EQ(picture::makeLogarithmicAxis({0, 0}, 4).ticks.size(), 3U);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@ namespace kirireel {
 namespace {
 
 /// A square of side 2 around a middle, outward along the given axis.
-Tile squareFacing(const Vector3& normal, const Vector3& middle) {
+model::Tile squareFacing(const Vector3& normal, const Vector3& middle) {
   const Quaternion turn = Quaternion::FromTwoVectors(Vector3::UnitZ(), normal);
-  Tile tile;
+  model::Tile tile;
   for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
     tile.vertices.push_back(middle + turn * Vector3(x, y, 0));
   }
@@ -18,32 +18,32 @@ Tile squareFacing(const Vector3& normal, const Vector3& middle) {
 }
 
 TEST(LineOfSight, SeesThreeFacesOfACube) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
       const Vector3 normal = side * Vector3::Unit(axis);
       tiles.push_back(squareFacing(normal, normal));
     }
   }
-  const LineOfSight sight(tiles, Vector3(1, 1.5, 2).normalized());
+  const record::LineOfSight sight(tiles, Vector3(1, 1.5, 2).normalized());
   for (std::size_t k = 0; k < tiles.size(); ++k) {
-    EXPECT_EQ(sight.isClear(tileCentroid(tiles[k]), k), k % 2 == 1) << k;
+    EXPECT_EQ(sight.isClear(model::tileCentroid(tiles[k]), k), k % 2 == 1) << k;
   }
 }
 
 TEST(LineOfSight, NothingHidesTilesOfAFlatSheet) {
   // Side by side, and seen along their edges.
-  const std::vector<Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
-                                   squareFacing({0, 0, 1}, {2, 0, 0})};
+  const std::vector<model::Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
+                                          squareFacing({0, 0, 1}, {2, 0, 0})};
   for (const Vector3& eye : {Vector3(0, 0, 1), Vector3(0, 0.6, 0.8), Vector3(1, 0, 0)}) {
-    EXPECT_TRUE(LineOfSight(tiles, eye).isClear({0, 0, 0}, 0)) << eye.transpose();
+    EXPECT_TRUE(record::LineOfSight(tiles, eye).isClear({0, 0, 0}, 0)) << eye.transpose();
   }
 }
 
 TEST(LineOfSight, EndsAtTheBoundaryOfATile) {
-  const std::vector<Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
-                                   squareFacing({0, 0, -1}, {1, 0, 5})};
-  const LineOfSight sight(tiles, {0, 0, 1});
+  const std::vector<model::Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
+                                          squareFacing({0, 0, -1}, {1, 0, 5})};
+  const record::LineOfSight sight(tiles, {0, 0, 1});
   EXPECT_TRUE(sight.isClear({-0.01, 0, 0}, 0));
   EXPECT_FALSE(sight.isClear({0.01, 0, 0}, 0));
   EXPECT_TRUE(sight.isClear({1, 0, 5}, 1));  // the other is behind

@@ -16,7 +16,7 @@ using ::testing::IsEmpty;
 /// What bash offers for the words so far, the last one unfinished.
 std::string offered(const std::string& words) {
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "kirireel", bashCompletion(describeProgram()));
+  writeTextFile(folder / "kirireel", cli::bashCompletion(cli::describeProgram()));
   writeTextFile(folder / "vertices.txt", "");
   writeTextFile(folder / "ask", fmt::format("cd '{}'; source ./kirireel; COMP_WORDS=({}); "
                                             "COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _kirireel; "
@@ -58,17 +58,17 @@ void expectInOrder(const std::string& shell, const std::string& check, const std
 }
 
 TEST(ZshCompletion, IsInOrder) {
-  expectInOrder("zsh", "-n", zshCompletion(describeProgram()));
+  expectInOrder("zsh", "-n", cli::zshCompletion(cli::describeProgram()));
 }
 
 TEST(FishCompletion, IsInOrder) {
-  expectInOrder("fish", "--no-execute", fishCompletion(describeProgram()));
+  expectInOrder("fish", "--no-execute", cli::fishCompletion(cli::describeProgram()));
 }
 
 TEST(FishCompletion, OffersValues) {
   if (!hasProgram("fish")) GTEST_SKIP() << "install fish to ask its completion";
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "script", fishCompletion(describeProgram()));
+  writeTextFile(folder / "script", cli::fishCompletion(cli::describeProgram()));
   const std::string question = "complete -C \"kirireel record --mass \"";
   const std::string ask = fmt::format("(fish -c 'source {}; {}' | cut -f 1 | sort | paste -sd ' ')",
                                       (folder / "script").string(), question);

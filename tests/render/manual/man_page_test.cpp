@@ -14,8 +14,8 @@ using test::outputOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const std::vector<NamedText>& pages() {
-  static const std::vector<NamedText> all = manPages(describeProgram(), "1.2.3");
+const std::vector<cli::NamedText>& pages() {
+  static const std::vector<cli::NamedText> all = cli::manPages(cli::describeProgram(), "1.2.3");
   return all;
 }
 
@@ -33,7 +33,7 @@ TEST(ManPages, ThereIsOneForEachCommand) {
   std::vector<std::string> names;
   for (const auto& page : pages()) names.push_back(page.first);
   std::vector<std::string> expected = {"kirireel.1"};
-  for (const CommandDescription& command : describeProgram().commands) {
+  for (const cli::CommandDescription& command : cli::describeProgram().commands) {
     expected.push_back("kirireel-" + command.name + ".1");
   }
   EXPECT_EQ(names, expected);
@@ -51,9 +51,9 @@ TEST(ManPages, TroffHasNothingToSayAgainstThem) {
 
 TEST(ManPages, ShowEveryOptionWithItsHelp) {
   if (!hasProgram("groff")) GTEST_SKIP() << "install groff to show man pages";
-  const CommandDescription program = describeProgram();
+  const cli::CommandDescription program = cli::describeProgram();
   const std::string page = shown("kirireel-record.1");
-  for (const OptionDescription& option : commandNamed(program, "record").options) {
+  for (const cli::OptionDescription& option : cli::commandNamed(program, "record").options) {
     EXPECT_THAT(page, HasSubstr(option.names.back())) << option.key;
     EXPECT_THAT(page, HasSubstr(option.help.substr(0, 40))) << option.key;
   }
@@ -69,9 +69,9 @@ TEST(ManPages, ShowFamiliesAndExamples) {
 }
 
 TEST(ManPages, KeepLettersThatMeanSomethingToTroff) {
-  CommandDescription program{"name", "a \\ b", "  .so file\n  'quoted'", {}, {}, {}};
+  cli::CommandDescription program{"name", "a \\ b", "  .so file\n  'quoted'", {}, {}, {}};
   program.options.push_back({{"-x", "--x-y"}, "x_y", "", "Options", "", ".begins so", {}, true});
-  const std::string text = manPages(program, "1").front().second;
+  const std::string text = cli::manPages(program, "1").front().second;
   EXPECT_THAT(text, HasSubstr("name \\- a \\e b"));
   EXPECT_THAT(text, HasSubstr("\\fB\\-x\\fR, \\fB\\-\\-x\\-y\\fR"));
   EXPECT_THAT(text, HasSubstr("\n\\&.begins so"));

@@ -14,20 +14,20 @@ using nlohmann::json;
 
 /// A square tessellation that turns as it moves up.
 struct Turning {
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses start;
 
   explicit Turning(int side) {
-    TessellationShape shape;
+    model::TessellationShape shape;
     shape.columns = side;
     shape.rows = side;
-    const Model model = makeTessellation(shape);
-    bricks = makeBricks(model.tiles, BrickRule{});
-    start = startPoses(model.tiles, bricks);
+    const model::Model model = model::makeTessellation(shape);
+    bricks = model::makeBricks(model.tiles, model::BrickRule{});
+    start = model::startPoses(model.tiles, bricks);
   }
 
-  AnimationKey at(std::size_t k) const {
-    AnimationKey key{static_cast<double>(k) / 60, start};
+  exports::AnimationKey at(std::size_t k) const {
+    exports::AnimationKey key{static_cast<double>(k) / 60, start};
     for (std::size_t i = 0; i < start.size(); ++i) {
       const double angle = (i % 2 == 0 ? 0.07 : -0.07) * static_cast<double>(k);
       key.poses[i].rotation = rotationFromVector({0.2 * angle, 0, angle});
@@ -39,7 +39,7 @@ struct Turning {
   }
 
   std::string bytes(std::size_t keys) const {
-    return animationBytes(bricks, keys, [this](std::size_t k) { return at(k); });
+    return exports::animationBytes(bricks, keys, [this](std::size_t k) { return at(k); });
   }
 };
 
@@ -87,7 +87,7 @@ TEST(Animation, HoldsTheTrajectoryToFloatPrecision) {
     const bool isMove = channel["target"]["path"] == "translation";
     const std::vector<float> values = glb.values(sampler["output"], isMove ? 3 : 4);
     for (std::size_t k = 0; k < keys; ++k) {
-      const AnimationKey key = sheet.at(k);
+      const exports::AnimationKey key = sheet.at(k);
       EXPECT_FLOAT_EQ(times[k], static_cast<float>(key.time));
       if (isMove) {
         const Vector3 read(values[3 * k], values[3 * k + 1], values[3 * k + 2]);

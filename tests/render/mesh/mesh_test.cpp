@@ -150,7 +150,7 @@ std::vector<double> volumesOf(const Surface& surface) {
 }
 
 struct Layout {
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses poses;
 };
 
@@ -162,21 +162,21 @@ void turnInSpace(Poses& poses) {
 
 /// A hinged 2 x 2 tessellation, half open and turned in space.
 Layout hingedSquares() {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 2;
   shape.startAngle = 0.7;
-  const Model model = makeTessellation(shape);
+  const model::Model model = model::makeTessellation(shape);
   Layout layout;
-  layout.bricks = makeBricks(model.tiles, BrickRule{});
-  layout.poses = startPoses(model.tiles, layout.bricks);
+  layout.bricks = model::makeBricks(model.tiles, model::BrickRule{});
+  layout.poses = model::startPoses(model.tiles, layout.bricks);
   turnInSpace(layout.poses);
   return layout;
 }
 
 /// A triangle, a square and a pentagon.
 Layout polygons() {
-  std::vector<Tile> tiles(3);
+  std::vector<model::Tile> tiles(3);
   for (int k = 0; k < 3; ++k) {
     for (int corner = 0; corner < 3 + k; ++corner) {
       const double angle = 2 * 3.14159265358979323846 * corner / (3 + k);
@@ -184,14 +184,14 @@ Layout polygons() {
     }
   }
   Layout layout;
-  layout.bricks = makeBricks(tiles, BrickRule{});
-  layout.poses = startPoses(tiles, layout.bricks);
+  layout.bricks = model::makeBricks(tiles, model::BrickRule{});
+  layout.poses = model::startPoses(tiles, layout.bricks);
   return layout;
 }
 
 std::string written(const Layout& layout, const std::string& name) {
   const TemporaryFolder folder;
-  writeMesh(folder / name, layout.bricks, layout.poses);
+  exports::writeMesh(folder / name, layout.bricks, layout.poses);
   return bytesOf(folder / name);
 }
 
@@ -246,11 +246,11 @@ std::vector<std::filesystem::path> modelsIn(const std::filesystem::path& folder)
 void expectExactMeshes(const std::filesystem::path& folder, double volumeError) {
   SCOPED_TRACE(folder);
   std::vector<std::string> warnings;
-  const Model model = readModelFolder(folder, warnings);
-  for (const std::vector<Tile>& tiles : {model.tiles, model.target.value_or(model.tiles)}) {
+  const model::Model model = model::readModelFolder(folder, warnings);
+  for (const std::vector<model::Tile>& tiles : {model.tiles, model.target.value_or(model.tiles)}) {
     Layout layout;
-    layout.bricks = makeBricks(tiles, BrickRule{});
-    layout.poses = startPoses(tiles, layout.bricks);
+    layout.bricks = model::makeBricks(tiles, model::BrickRule{});
+    layout.poses = model::startPoses(tiles, layout.bricks);
     turnInSpace(layout.poses);
     expectExactBricks(readObj(written(layout, "state.obj")), layout, volumeError);
     expectExactBricks(readPly(written(layout, "state.ply")), layout, volumeError);
@@ -338,7 +338,7 @@ TEST(Mesh, IsReadBackByAssimp) {
   const Layout layout = hingedSquares();
   const TemporaryFolder folder;
   for (const auto& [name, meshes] : {std::pair{"state.obj", 4U}, std::pair{"state.ply", 1U}}) {
-    writeMesh(folder / name, layout.bricks, layout.poses);
+    exports::writeMesh(folder / name, layout.bricks, layout.poses);
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile((folder / name).string(), 0);
     ASSERT_NE(scene, nullptr) << importer.GetErrorString();
@@ -401,7 +401,7 @@ TEST(Mesh, SaysWhichEndingsItKnows) {
        {std::pair{"state.step", ".step"}, std::pair{"state", ""}, std::pair{"state.OBJ", ".OBJ"}}) {
     const std::filesystem::path path = folder / name;
     try {
-      writeMesh(path, layout.bricks, layout.poses);
+      exports::writeMesh(path, layout.bricks, layout.poses);
       ADD_FAILURE() << "nothing was thrown";
     } catch (const InputError& error) {
       EXPECT_EQ(error.what(), path.string() + ": error: \"" + ending +
@@ -417,7 +417,7 @@ TEST(Mesh, LeavesNothingWhereItCannotWrite) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "missing" / "state.obj";
   try {
-    writeMesh(path, layout.bricks, layout.poses);
+    exports::writeMesh(path, layout.bricks, layout.poses);
     ADD_FAILURE() << "nothing was thrown";
   } catch (const OutputError& error) {
     EXPECT_THAT(error.what(), HasSubstr(path.parent_path().string() + ": error: "));
@@ -430,7 +430,7 @@ TEST(Mesh, SaysThatAssimpCannot) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "empty.ply";
   try {
-    writeMesh(path, {}, {});
+    exports::writeMesh(path, {}, {});
     ADD_FAILURE() << "nothing was thrown";
   } catch (const OutputError& error) {
     EXPECT_EQ(error.what(), path.string() + ": error: assimp cannot make this mesh ()");

@@ -20,7 +20,7 @@ int numberAfter(const std::string& output, const std::string& label) {
 std::string judgement(const std::string& command, const std::string& name) {
   const test::Layout layout = test::hingedSquares();
   const test::TemporaryFolder folder;
-  writeMesh(folder / name, layout.bricks, layout.poses);
+  exports::writeMesh(folder / name, layout.bricks, layout.poses);
   return test::outputOf(command + " '" + (folder / name).string() + "'");
 }
 
@@ -48,11 +48,11 @@ TEST(MeshTools, GltfValidatorFindsNothingInTheAnimation) {
   if (test::outputOf(node + "console.log(1)\"").empty()) {
     GTEST_SKIP() << "install gltf-validator (npm install -g gltf-validator) to judge animations";
   }
-  const Model model = makeTessellation(test::squares(10, 10, 0.5));
+  const model::Model model = model::makeTessellation(test::squares(10, 10, 0.5));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
   const test::TemporaryFolder folder;
-  const std::string bytes = animationBytes(layout.bricks, 121, [&layout](std::size_t k) {
-    AnimationKey key{static_cast<double>(k) / 60, layout.poses};
+  const std::string bytes = exports::animationBytes(layout.bricks, 121, [&layout](std::size_t k) {
+    exports::AnimationKey key{static_cast<double>(k) / 60, layout.poses};
     for (Pose& pose : key.poses) pose.rotation = rotationFromVector({0.1, 0, 0.05 * double(k)});
     return key;
   });

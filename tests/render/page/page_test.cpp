@@ -1,4 +1,4 @@
-#include "render/page/page.h"
+#include "render/record/page.h"
 
 #include <regex>
 
@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/page/embedded_files.h"
 #include "render/picture/style.h"
+#include "render/record/embedded_files.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/lattice.h"
@@ -22,8 +22,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// Four hinged squares that open; the model's name is no HTML.
-Trajectory opening() {
-  Trajectory run = test::openingSquares();
+trajectory::Trajectory opening() {
+  trajectory::Trajectory run = test::openingSquares();
   run.model.name = "a <b> & \"c\"";
   run.events = {{1, "settled: all is open"}};
   run.findings = R"({"warnings": ["the <target> is torn"], "path": {"reason": "a straight pull"}})";
@@ -33,14 +33,14 @@ Trajectory opening() {
 class WebPage : public testing::Test {
  protected:
   WebPage() {
-    writeTrajectory(opening(), file_);
+    trajectory::writeTrajectory(opening(), file_);
     settings_.states.samples = 5;
   }
   void SetUp() override {
-    if (!canMakePages()) GTEST_SKIP() << "built without three.js";
+    if (!record::canMakePages()) GTEST_SKIP() << "built without three.js";
   }
 
-  std::string text() const { return pageText({file_}, settings_); }
+  std::string text() const { return record::pageText({file_}, settings_); }
 
   /// The data within a page.
   static Json dataOf(const std::string& page) {
@@ -51,7 +51,7 @@ class WebPage : public testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path file_ = folder_ / "trajectory.h5";
-  WebPageSettings settings_;
+  record::WebPageSettings settings_;
 };
 
 TEST_F(WebPage, AsksForNothingBesideItself) {
@@ -71,12 +71,12 @@ TEST_F(WebPage, IsSmallBesideItsData) {
 
 TEST_F(WebPage, HasTheColoursAndLightsOfOurPictures) {
   const Json data = dataOf(text());
-  const Style style = darkStyle();
+  const picture::Style style = picture::darkStyle();
   EXPECT_EQ(data["dark"]["edge"], Json({style.edge.red, style.edge.green, style.edge.blue}));
   EXPECT_EQ(data["dark"]["lights"]["ambient"], style.ambient);
-  EXPECT_EQ(data["light"]["lights"]["key"]["strength"], Style().key.strength);
+  EXPECT_EQ(data["light"]["lights"]["key"]["strength"], picture::Style().key.strength);
   EXPECT_EQ(data["light"]["brick"][1], Json({128, 174, 220}));
-  EXPECT_EQ(data["light"]["edge_width"], Style().edgeWidth);
+  EXPECT_EQ(data["light"]["edge_width"], picture::Style().edgeWidth);
 }
 
 TEST_F(WebPage, ShowsStatesAtEqualStepsOfMotion) {
@@ -105,7 +105,7 @@ TEST_F(WebPage, HasTheSameBytesEachTime) {
 }
 
 TEST_F(WebPage, HoldsTwoRuns) {
-  const std::string page = pageText({file_, file_}, settings_);
+  const std::string page = record::pageText({file_, file_}, settings_);
   EXPECT_THAT(page, HasSubstr("data-count=\"2\""));
   EXPECT_EQ(dataOf(page)["runs"].size(), 2U);
 }
@@ -151,7 +151,7 @@ TEST_F(WebPage, HoldsFilesOfTheRun) {
 
 TEST_F(WebPage, IsListedInItsFolder) {
   settings_.folder = folder_ / "out";
-  writePage({file_}, settings_);
+  record::writePage({file_}, settings_);
   EXPECT_TRUE(std::filesystem::exists(settings_.folder / "page.html"));
   EXPECT_TRUE(std::filesystem::exists(settings_.folder / "contents.json"));
 }

@@ -36,7 +36,7 @@ TEST(AverageRow, IsTheNearestByteToTheMean) {
   const std::vector<std::uint8_t> samples = randomSamples(kCount, 255);
   std::vector<std::uint8_t> pixels(std::size_t{4} * kCount);
   for (const int down : {2, 3}) {
-    averageRow({samples.data(), 2 * kCount, true, down}, kCount, pixels.data());
+    picture::averageRow({samples.data(), 2 * kCount, true, down}, kCount, pixels.data());
     for (int x = 0; x < kCount; ++x) {
       for (int k = 0; k < 4; ++k) {
         const double mean = sum(samples, kCount, x, k, down) / (2 * down);
@@ -54,7 +54,7 @@ TEST(AverageRow, TakesAlphaOutOfTheColours) {
     samples[k] = std::min(samples[k], samples[k / 4 * 4 + 3]);
   }
   std::vector<std::uint8_t> pixels(std::size_t{4} * kCount);
-  averageRow({samples.data(), 2 * kCount, false}, kCount, pixels.data());
+  picture::averageRow({samples.data(), 2 * kCount, false}, kCount, pixels.data());
   for (int x = 0; x < kCount; ++x) {
     const double alpha = sum(samples, kCount, x, 3);
     ASSERT_EQ(pixels[4 * x + 3], std::floor(alpha / 6 + 0.5));
@@ -69,8 +69,8 @@ TEST(AverageRow, GivesTheSameForOpaqueSamplesEitherWay) {
   const std::vector<std::uint8_t> samples = randomSamples(kCount, 255);
   std::vector<std::uint8_t> quick(std::size_t{4} * kCount), general(quick.size());
   for (const int down : {2, 3}) {
-    averageRow({samples.data(), 2 * kCount, true, down}, kCount, quick.data());
-    averageRow({samples.data(), 2 * kCount, false, down}, kCount, general.data());
+    picture::averageRow({samples.data(), 2 * kCount, true, down}, kCount, quick.data());
+    picture::averageRow({samples.data(), 2 * kCount, false, down}, kCount, general.data());
     EXPECT_EQ(quick, general);
   }
 }

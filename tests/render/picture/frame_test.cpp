@@ -9,8 +9,8 @@ namespace kirireel {
 namespace {
 
 TEST(Frame, StartsInOneColour) {
-  const Colour colour{1, 2, 3, 4};
-  const Frame frame = makeFrame({3, 2}, colour);
+  const picture::Colour colour{1, 2, 3, 4};
+  const picture::Frame frame = picture::makeFrame({3, 2}, colour);
   EXPECT_EQ(frame.pixels.size(), 24U);
   for (int y = 0; y < 2; ++y) {
     for (int x = 0; x < 3; ++x) EXPECT_EQ(frame.at(x, y), colour);
@@ -18,27 +18,29 @@ TEST(Frame, StartsInOneColour) {
 }
 
 TEST(Frame, PastesAtTheGivenCorner) {
-  Frame sheet = makeFrame({5, 4}, {0, 0, 0});
-  pasteFrame(sheet, makeFrame({2, 1}, {9, 9, 9}), 2, 3);
+  picture::Frame sheet = picture::makeFrame({5, 4}, {0, 0, 0});
+  picture::pasteFrame(sheet, picture::makeFrame({2, 1}, {9, 9, 9}), 2, 3);
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 5; ++x) {
       const bool pasted = y == 3 && (x == 2 || x == 3);
-      EXPECT_EQ(sheet.at(x, y), (pasted ? Colour{9, 9, 9} : Colour{0, 0, 0})) << x << ' ' << y;
+      EXPECT_EQ(sheet.at(x, y), (pasted ? picture::Colour{9, 9, 9} : picture::Colour{0, 0, 0}))
+          << x << ' ' << y;
     }
   }
 }
 
 TEST(Frame, IsOpaqueUnlessOnePixelIsNot) {
-  Frame frame = makeFrame({2, 2}, {0, 0, 0});
-  EXPECT_TRUE(isOpaque(frame));
+  picture::Frame frame = picture::makeFrame({2, 2}, {0, 0, 0});
+  EXPECT_TRUE(picture::isOpaque(frame));
   frame.set(1, 1, {0, 0, 0, 254});
-  EXPECT_FALSE(isOpaque(frame));
+  EXPECT_FALSE(picture::isOpaque(frame));
 }
 
 TEST(Frame, RefusesSizesOutOfRange) {
-  for (const FrameSize size : {FrameSize{0, 720}, {-3, 720}, {1280, 0}, {1280, 16385}}) {
+  for (const picture::FrameSize size :
+       {picture::FrameSize{0, 720}, {-3, 720}, {1280, 0}, {1280, 16385}}) {
     try {
-      requireValidSize(size);
+      picture::requireValidSize(size);
       ADD_FAILURE() << size.width << " x " << size.height;
     } catch (const InputError& error) {
       EXPECT_EQ(std::string(error.what()),
@@ -48,7 +50,7 @@ TEST(Frame, RefusesSizesOutOfRange) {
                     "--size 1280x720");
     }
   }
-  EXPECT_NO_THROW(requireValidSize({1, 16384}));
+  EXPECT_NO_THROW(picture::requireValidSize({1, 16384}));
 }
 
 }  // namespace

@@ -13,15 +13,15 @@ using Corners = std::vector<Vector3>;
 
 /// The faces of a box between two corners: bottom, top, sides.
 std::vector<Corners> box(const Vector3& least, const Vector3& most) {
-  BrickRule rule;
+  model::BrickRule rule;
   rule.thickness = most.z() - least.z();
-  const Tile tile{{least,
-                   {most.x(), least.y(), least.z()},
-                   {most.x(), most.y(), least.z()},
-                   {least.x(), most.y(), least.z()}}};
-  const std::vector<Brick> bricks = makeBricks({tile}, rule);
-  const Poses poses = startPoses({tile}, bricks);
-  std::vector<Corners> faces = brickFaces(bricks[0]);
+  const model::Tile tile{{least,
+                          {most.x(), least.y(), least.z()},
+                          {most.x(), most.y(), least.z()},
+                          {least.x(), most.y(), least.z()}}};
+  const std::vector<model::Brick> bricks = model::makeBricks({tile}, rule);
+  const Poses poses = model::startPoses({tile}, bricks);
+  std::vector<Corners> faces = model::brickFaces(bricks[0]);
   for (Corners& face : faces) {
     for (Vector3& corner : face) corner = poses[0].apply(corner);
   }
@@ -36,7 +36,7 @@ std::vector<Corners> speck() {
 double speckOcclusion(const std::vector<std::vector<Corners>>& others) {
   std::vector<std::vector<Corners>> faces = {speck()};
   faces.insert(faces.end(), others.begin(), others.end());
-  return Occluders(faces).occlusion(0, faces[0][1], Vector3::UnitZ());
+  return picture::Occluders(faces).occlusion(0, faces[0][1], Vector3::UnitZ());
 }
 
 /// Form factor from a point to a parallel rectangle a x b at distance c, one of whose corners is on
@@ -72,7 +72,7 @@ TEST(Occluders, LeaveAFlatSheetOpen) {
   for (int k = 0; k < 9; ++k) {
     faces.push_back(box({k % 3 * 1.1, k / 3 * 1.1, 0}, {k % 3 * 1.1 + 1, k / 3 * 1.1 + 1, 0.1}));
   }
-  const Occluders occluders(faces);
+  const picture::Occluders occluders(faces);
   for (int k = 0; k < 9; ++k) {
     EXPECT_EQ(occluders.occlusion(k, faces[k][1], Vector3::UnitZ()), 0);
   }
@@ -86,7 +86,7 @@ TEST(Occluders, DoNotKnowTheAxes) {
   const Pose moved{Vector3(3, -2, 1), rotationFromVector(Vector3(0.4, -1.1, 0.7))};
   std::vector<std::vector<Corners>> faces, turned;
   for (std::size_t k = 0; k < sample.bricks.size(); ++k) {
-    faces.push_back(brickFaces(sample.bricks[k]));
+    faces.push_back(model::brickFaces(sample.bricks[k]));
     turned.push_back(faces.back());
     for (std::size_t i = 0; i < faces.back().size(); ++i) {
       for (std::size_t j = 0; j < faces.back()[i].size(); ++j) {
@@ -98,7 +98,7 @@ TEST(Occluders, DoNotKnowTheAxes) {
       }
     }
   }
-  const Occluders before(faces), after(turned);
+  const picture::Occluders before(faces), after(turned);
   double most = 0;
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const auto normalOf = [](const Corners& face) -> Vector3 {

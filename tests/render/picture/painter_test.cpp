@@ -17,15 +17,15 @@ namespace kirireel {
 namespace {
 
 /// Black, unlit, without outlines: a pixel's darkness is the part of it that bricks cover.
-Style silhouette() {
-  Style style;
+picture::Style silhouette() {
+  picture::Style style;
   style.brick = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
   style.edgeWidth = 0;
   return style;
 }
 
 /// Sum over the picture of the part of each pixel that is covered.
-double coveredPixels(const Frame& frame) {
+double coveredPixels(const picture::Frame& frame) {
   double sum = 0;
   for (std::size_t red = 0; red < frame.pixels.size(); red += 4) {
     sum += (255 - frame.pixels[red]) / 255.0;
@@ -34,47 +34,48 @@ double coveredPixels(const Frame& frame) {
 }
 
 /// A parallel view of `height` metres onto the point.
-Camera parallelCamera(const Vector3& centre, ViewAngles view, double height) {
+picture::Camera parallelCamera(const Vector3& centre, picture::ViewAngles view, double height) {
   const std::vector<Vector3> point = {centre};
-  CameraFit fit{view, 1, true};
-  Camera camera = fitCamera(point, fit);
+  picture::CameraFit fit{view, 1, true};
+  picture::Camera camera = picture::fitCamera(point, fit);
   camera.eye = centre + 50 * (camera.eye - centre).normalized();
   camera.viewHeight = height;
   camera.far = 100;
   return camera;
 }
 
-Frame paintOnce(const SampleBricks& sample, FrameSize size, const Camera& camera,
-                const Style& style) {
-  return Painter(size, sample.bricks, style).paint(sample.poses, camera);
+picture::Frame paintOnce(const SampleBricks& sample, picture::FrameSize size,
+                         const picture::Camera& camera, const picture::Style& style) {
+  return picture::Painter(size, sample.bricks, style).paint(sample.poses, camera);
 }
 
-Camera fittedCamera(const SampleBricks& sample, FrameSize size, ViewAngles view) {
-  CameraFit fit;
+picture::Camera fittedCamera(const SampleBricks& sample, picture::FrameSize size,
+                             picture::ViewAngles view) {
+  picture::CameraFit fit;
   fit.view = view;
   fit.aspect = size.aspect();
-  return fitCamera(brickCorners(sample.bricks, sample.poses), fit);
+  return picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
 }
 
 TEST(Painter, CoversTheAreaOfABrickSeenFromAbove) {
   SampleBricks sample = sampleBricks({rectangleTile(0, 0, 3, 2)}, 0.4);
   for (const double angle : {0.0, 0.3, 0.8, 1.4}) {
     sample.poses[0].rotation = rotationFromVector(Vector3(0, 0, angle));
-    const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 5);
-    const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
+    const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 5);
+    const picture::Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
     const double expected = 3 * 2 * std::pow(300 / 5.0, 2);
     EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005) << angle;  // measured 5e-4
   }
 }
 
 TEST(Painter, CoversTheAreaOfConcaveBricks) {
-  for (const Tile& tile : {test::starShape(5, 2, 0.7), test::lShape()}) {
+  for (const model::Tile& tile : {test::starShape(5, 2, 0.7), test::lShape()}) {
     SampleBricks sample = sampleBricks({tile}, 0.4);
     for (const double angle : {0.0, 0.8}) {
       sample.poses[0].rotation = rotationFromVector(Vector3(0, 0, angle));
-      const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 6);
-      const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
-      const double expected = tileArea(tile) * std::pow(300 / 6.0, 2);
+      const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 6);
+      const picture::Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
+      const double expected = model::tileArea(tile) * std::pow(300 / 6.0, 2);
       EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005) << angle;  // measured 1e-3
     }
   }
@@ -85,10 +86,11 @@ TEST(Painter, CoversTheProjectedAreaOfABrickSeenFromACorner) {
   const Vector3 sides(3, 2, 0.4);
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, sides.x(), sides.y())}, sides.z());
   const Vector3 faces(sides.y() * sides.z(), sides.x() * sides.z(), sides.x() * sides.y());
-  for (const ViewAngles view : {kIsometricView, kObliqueView, ViewAngles{0.3, 0.2}}) {
-    const Camera camera = parallelCamera(sample.poses[0].position, view, 5);
+  for (const picture::ViewAngles view :
+       {picture::kIsometricView, picture::kObliqueView, picture::ViewAngles{0.3, 0.2}}) {
+    const picture::Camera camera = parallelCamera(sample.poses[0].position, view, 5);
     const Vector3 direction = (camera.eye - camera.centre).normalized();
-    const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
+    const picture::Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
     const double expected = faces.dot(direction.cwiseAbs()) * std::pow(300 / 5.0, 2);
     EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005);  // measured 1e-3
   }
@@ -96,31 +98,33 @@ TEST(Painter, CoversTheProjectedAreaOfABrickSeenFromACorner) {
 
 TEST(Painter, CoversTheAreaAcrossThePartsOfALargePicture) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 4, 0.8)}, 0.4);
-  const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 1);
-  const Frame frame = paintOnce(sample, {5000, 1000}, camera, silhouette());
+  const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 1);
+  const picture::Frame frame = paintOnce(sample, {5000, 1000}, camera, silhouette());
   EXPECT_NEAR(coveredPixels(frame) / (4000.0 * 800), 1, 1e-6);  // measured 0
   // The seam between two parts lies within the brick and must not show.
-  for (int x = 500; x < 4500; ++x) ASSERT_EQ(frame.at(x, 500), (Colour{0, 0, 0})) << x;
+  for (int x = 500; x < 4500; ++x) ASSERT_EQ(frame.at(x, 500), (picture::Colour{0, 0, 0})) << x;
 }
 
 TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
-  Style style;
+  picture::Style style;
   style.edgeWidth = 0;
   // One brick at a time, seen face on: the picture's middle is the face.
   const SampleBricks cube = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
   SampleBricks sample = cube;
-  Painter painter({64, 64}, cube.bricks, style);
+  picture::Painter painter({64, 64}, cube.bricks, style);
   for (int k = 0; k < 40; ++k) {
     const Quaternion turn = rotationFromVector(Vector3(0.37 * k, 1 - 0.21 * k, 0.13 * k));
     sample.poses[0].rotation = turn;
-    for (const auto& [axis, base] : {std::pair<Vector3, Colour>{Vector3::UnitZ(), style.brick.top},
-                                     {-Vector3::UnitZ(), style.brick.bottom},
-                                     {Vector3::UnitX(), style.brick.side},
-                                     {-Vector3::UnitY(), style.brick.side}}) {
+    for (const auto& [axis, base] :
+         {std::pair<Vector3, picture::Colour>{Vector3::UnitZ(), style.brick.top},
+          {-Vector3::UnitZ(), style.brick.bottom},
+          {Vector3::UnitX(), style.brick.side},
+          {-Vector3::UnitY(), style.brick.side}}) {
       const Vector3 normal = turn * axis;
-      const ViewAngles view{std::atan2(normal.y(), normal.x()), std::asin(normal.z())};
-      const Camera camera = parallelCamera(cube.poses[0].position, view, 2.5);
-      EXPECT_EQ(painter.paint(sample.poses, camera).at(32, 32), faceColour(normal, base, style));
+      const picture::ViewAngles view{std::atan2(normal.y(), normal.x()), std::asin(normal.z())};
+      const picture::Camera camera = parallelCamera(cube.poses[0].position, view, 2.5);
+      EXPECT_EQ(painter.paint(sample.poses, camera).at(32, 32),
+                picture::faceColour(normal, base, style));
     }
   }
 }
@@ -128,33 +132,34 @@ TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
 TEST(Painter, ShowsOnlyFaceColoursWithinFaces) {
   // Seen from a corner, a brick shows three faces; all pixels that are not mixtures have one of
   // three colours, or the background's.
-  Style style;
+  picture::Style style;
   style.edgeWidth = 0;
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
-  const FrameSize size{200, 200};
-  const Frame frame = paintOnce(sample, size, fittedCamera(sample, size, kIsometricView), style);
+  const picture::FrameSize size{200, 200};
+  const picture::Frame frame =
+      paintOnce(sample, size, fittedCamera(sample, size, picture::kIsometricView), style);
   std::map<int, int> counts;
   for (std::size_t k = 0; k < frame.pixels.size(); k += 4) {
     ++counts[frame.pixels[k] << 16 | frame.pixels[k + 1] << 8 | frame.pixels[k + 2]];
   }
-  const auto count = [&](Colour c) { return counts[c.red << 16 | c.green << 8 | c.blue]; };
-  const int flat = count(faceColour(Vector3::UnitZ(), style.brick.top, style)) +
-                   count(faceColour(Vector3::UnitX(), style.brick.side, style)) +
-                   count(faceColour(-Vector3::UnitY(), style.brick.side, style)) +
+  const auto count = [&](picture::Colour c) { return counts[c.red << 16 | c.green << 8 | c.blue]; };
+  const int flat = count(picture::faceColour(Vector3::UnitZ(), style.brick.top, style)) +
+                   count(picture::faceColour(Vector3::UnitX(), style.brick.side, style)) +
+                   count(picture::faceColour(-Vector3::UnitY(), style.brick.side, style)) +
                    count(style.background);
   EXPECT_GT(flat, 0.96 * 200 * 200);  // measured 0.986: the rest are edges
 }
 
 TEST(Painter, ShowsNoSeamBetweenFlushBricks) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int k = 0; k < 16; ++k) tiles.push_back(rectangleTile(k % 4, k / 4, 1, 1));
   const SampleBricks sample = sampleBricks(tiles, 0.3);
-  Style style;
+  picture::Style style;
   style.edgeWidth = 0;
-  const Colour top = faceColour(Vector3::UnitZ(), style.brick.top, style);
-  const FrameSize size{301, 203};
-  const Camera camera = fittedCamera(sample, size, kTopView);
-  const Frame frame = paintOnce(sample, size, camera, style);
+  const picture::Colour top = picture::faceColour(Vector3::UnitZ(), style.brick.top, style);
+  const picture::FrameSize size{301, 203};
+  const picture::Camera camera = fittedCamera(sample, size, picture::kTopView);
+  const picture::Frame frame = paintOnce(sample, size, camera, style);
   for (int y = 20; y < 183; ++y) {
     for (int x = 80; x < 220; ++x) ASSERT_EQ(frame.at(x, y), top) << x << ' ' << y;
   }
@@ -162,56 +167,59 @@ TEST(Painter, ShowsNoSeamBetweenFlushBricks) {
 
 TEST(Painter, DrawsOutlinesOnTheFaces) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
-  Style style;
+  picture::Style style;
   style.edgeWidth = 0.1;  // half of it, 0.05 of 200 pixels, within the face
-  const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
-  const Frame frame = paintOnce(sample, {200, 200}, camera, style);
+  const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 2);
+  const picture::Frame frame = paintOnce(sample, {200, 200}, camera, style);
   // The face spans 50 to 150.
   EXPECT_EQ(frame.at(49, 100), style.background);
   EXPECT_EQ(frame.at(50, 100), style.edge);
   EXPECT_EQ(frame.at(59, 100), style.edge);
-  EXPECT_EQ(frame.at(60, 100), faceColour(Vector3::UnitZ(), style.brick.top, style));
+  EXPECT_EQ(frame.at(60, 100), picture::faceColour(Vector3::UnitZ(), style.brick.top, style));
 }
 
 TEST(Painter, LeavesColourOnSmallFaces) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
-  Style style;
+  picture::Style style;
   style.edgeWidth = 2;
-  const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
-  const Frame frame = paintOnce(sample, {200, 200}, camera, style);
-  EXPECT_EQ(frame.at(100, 100), faceColour(Vector3::UnitZ(), style.brick.top, style));
+  const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 2);
+  const picture::Frame frame = paintOnce(sample, {200, 200}, camera, style);
+  EXPECT_EQ(frame.at(100, 100), picture::faceColour(Vector3::UnitZ(), style.brick.top, style));
 }
 
 TEST(Painter, LeavesATransparentBackgroundEmpty) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
-  Style style = silhouette();
+  picture::Style style = silhouette();
   style.background.alpha = 0;
-  Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
+  picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 2);
   camera.eye.x() += 0.005;  // half a pixel: the brick's left and right borders split pixels
   camera.centre.x() += 0.005;
-  const Frame frame = paintOnce(sample, {200, 200}, camera, style);
+  const picture::Frame frame = paintOnce(sample, {200, 200}, camera, style);
   EXPECT_EQ(frame.at(10, 10).alpha, 0);
-  EXPECT_EQ(frame.at(100, 100), (Colour{0, 0, 0, 255}));
-  EXPECT_EQ(frame.at(49, 100), (Colour{0, 0, 0, 128}));  // brick's colour, half covered
+  EXPECT_EQ(frame.at(100, 100), (picture::Colour{0, 0, 0, 255}));
+  EXPECT_EQ(frame.at(49, 100), (picture::Colour{0, 0, 0, 128}));  // brick's colour, half covered
 }
 
 TEST(Painter, DrawsTheGroundInItsColourFromAboveOnly) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
-  Style style;
-  style.plate = groundUnder(brickCorners(sample.bricks, sample.poses), 0);
+  picture::Style style;
+  style.plate = picture::groundUnder(picture::brickCorners(sample.bricks, sample.poses), 0);
   const Vector3 middle = sample.poses[0].position;
-  const Frame above = paintOnce(sample, {100, 100}, parallelCamera(middle, kTopView, 3), style);
+  const picture::Frame above =
+      paintOnce(sample, {100, 100}, parallelCamera(middle, picture::kTopView, 3), style);
   EXPECT_EQ(above.at(5, 5), style.ground);
-  EXPECT_EQ(above.at(50, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
-  const ViewAngles fromBelow{kTopView.azimuth, -kTopView.elevation};
-  const Frame below = paintOnce(sample, {100, 100}, parallelCamera(middle, fromBelow, 3), style);
+  EXPECT_EQ(above.at(50, 50), picture::faceColour(Vector3::UnitZ(), style.brick.top, style));
+  const picture::ViewAngles fromBelow{picture::kTopView.azimuth, -picture::kTopView.elevation};
+  const picture::Frame below =
+      paintOnce(sample, {100, 100}, parallelCamera(middle, fromBelow, 3), style);
   EXPECT_EQ(below.at(5, 5), style.background);
-  EXPECT_EQ(below.at(50, 50), faceColour(-Vector3::UnitZ(), style.brick.bottom, style));
+  EXPECT_EQ(below.at(50, 50), picture::faceColour(-Vector3::UnitZ(), style.brick.bottom, style));
 }
 
 /// A plate that does not show, under the bricks' lowest point.
-GroundPlate shadowCatcher(const SampleBricks& sample, double height) {
-  GroundPlate plate = groundUnder(brickCorners(sample.bricks, sample.poses), height);
+picture::GroundPlate shadowCatcher(const SampleBricks& sample, double height) {
+  picture::GroundPlate plate =
+      picture::groundUnder(picture::brickCorners(sample.bricks, sample.poses), height);
   plate.visible = false;
   return plate;
 }
@@ -220,13 +228,14 @@ TEST(Painter, CastsAShadowOfTheProjectedArea) {
   // A box's shadow on the plane is the sum over lit faces of area * (light . normal) / light.z.
   SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.5);
   sample.poses[0].position.z() = 30;  // far up, so that the brick does not hide its shadow
-  Style style = silhouette();
+  picture::Style style = silhouette();
   style.plate = shadowCatcher(sample, 0);
   style.shadow = {0, 0, 0};
   style.shadowSoftness = 0;
   const Vector3 light = style.key.direction;
   const Vector3 centre = sample.poses[0].position - 30 / light.z() * light;
-  const Frame frame = paintOnce(sample, {300, 300}, parallelCamera(centre, kTopView, 5), style);
+  const picture::Frame frame =
+      paintOnce(sample, {300, 300}, parallelCamera(centre, picture::kTopView, 5), style);
   const Vector3 faces(0.5, 0.5, 1);
   const double expected = faces.dot(light.cwiseAbs()) / light.z() * std::pow(300 / 5.0, 2);
   EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005);  // measured 3e-5
@@ -238,7 +247,7 @@ TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
   for (const double height : {5.0, 10.0}) {
     SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
     sample.poses[0].position.z() = height;
-    Style style;
+    picture::Style style;
     style.edgeWidth = 0;
     style.background = {255, 255, 255};
     style.shadow = {0, 0, 0};
@@ -246,7 +255,8 @@ TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
     const double slope = style.key.direction.x() / style.key.direction.z();
     const Vector3 centre =
         sample.poses[0].position - height / style.key.direction.z() * style.key.direction;
-    const Frame frame = paintOnce(sample, {601, 601}, parallelCamera(centre, kTopView, 6), style);
+    const picture::Frame frame =
+        paintOnce(sample, {601, 601}, parallelCamera(centre, picture::kTopView, 6), style);
     const double pixel = 6.0 / 601;
     for (int x = 0; x < 601; ++x) {
       const double distance = std::abs(x - 300) * pixel - 1 - 0.5 * 0.001 * std::abs(slope);
@@ -261,11 +271,11 @@ TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
 
 TEST(Painter, ShadowsAreCrispWhereBricksTouchThePlate) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
-  Style soft;
+  picture::Style soft;
   soft.plate = shadowCatcher(sample, -0.0005);
-  Style hard = soft;
+  picture::Style hard = soft;
   hard.shadowSoftness = 0;
-  const Camera camera = parallelCamera(Vector3::Zero(), kTopView, 3);
+  const picture::Camera camera = parallelCamera(Vector3::Zero(), picture::kTopView, 3);
   EXPECT_EQ(paintOnce(sample, {200, 200}, camera, soft).pixels,
             paintOnce(sample, {200, 200}, camera, hard).pixels);
 }
@@ -273,21 +283,22 @@ TEST(Painter, ShadowsAreCrispWhereBricksTouchThePlate) {
 TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
   SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(0, 0, 1, 1)}, 0.1);
   sample.poses[1].position.z() += 0.3;
-  Style style;
+  picture::Style style;
   style.background.alpha = 0;
   style.shadow = {0, 0, 0, 60};
   style.plate = shadowCatcher(sample, -4);
   const Vector3 light = style.key.direction;
   const Vector3 centre = sample.poses[0].position - 4 / light.z() * light;
-  const Frame frame = paintOnce(sample, {100, 100}, parallelCamera(centre, kTopView, 0.5), style);
-  for (int y = 0; y < 100; ++y) ASSERT_EQ(frame.at(50, y), (Colour{0, 0, 0, 60}));
+  const picture::Frame frame =
+      paintOnce(sample, {100, 100}, parallelCamera(centre, picture::kTopView, 0.5), style);
+  for (int y = 0; y < 100; ++y) ASSERT_EQ(frame.at(50, y), (picture::Colour{0, 0, 0, 60}));
 }
 
 /// Two plates over each other, the first one the lower, with an opacity each.
-PictureItems stackedPlates(const SampleBricks& sample, double lower, double upper) {
-  PictureItems items{sample.poses};
-  items.colours = {withOpacity(shadesOf({200, 40, 40}), lower),
-                   withOpacity(shadesOf({40, 40, 200}), upper)};
+picture::PictureItems stackedPlates(const SampleBricks& sample, double lower, double upper) {
+  picture::PictureItems items{sample.poses};
+  items.colours = {picture::withOpacity(picture::shadesOf({200, 40, 40}), lower),
+                   picture::withOpacity(picture::shadesOf({40, 40, 200}), upper)};
   return items;
 }
 
@@ -297,28 +308,29 @@ SampleBricks stackedSample() {
   return sample;
 }
 
-Style withoutOcclusion() {
-  Style style;
+picture::Style withoutOcclusion() {
+  picture::Style style;
   style.occlusion = 0;
   return style;
 }
 
 TEST(Painter, TranslucentBricksAreBlendedFromTheFarthestOn) {
   const SampleBricks sample = stackedSample();
-  const Style style = withoutOcclusion();
-  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kTopView, 2);
-  const PictureItems items = stackedPlates(sample, 0.6, 0.4);
-  const Frame frame = Painter({200, 200}, sample.bricks, style).paint(items, camera);
-  const auto over = [](Colour above, Eigen::Array3d below) -> Eigen::Array3d {
+  const picture::Style style = withoutOcclusion();
+  const picture::Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), picture::kTopView, 2);
+  const picture::PictureItems items = stackedPlates(sample, 0.6, 0.4);
+  const picture::Frame frame =
+      picture::Painter({200, 200}, sample.bricks, style).paint(items, camera);
+  const auto over = [](picture::Colour above, Eigen::Array3d below) -> Eigen::Array3d {
     const double alpha = above.alpha / 255.0;
     return alpha * Eigen::Array3d(above.red, above.green, above.blue) + (1 - alpha) * below;
   };
   const auto top = [&](int brick) {
-    return faceColour(Vector3::UnitZ(), items.colours[brick].top, style);
+    return picture::faceColour(Vector3::UnitZ(), items.colours[brick].top, style);
   };
   const Eigen::Array3d white(255, 255, 255);
   const auto near = [&](int x, const Eigen::Array3d& expected) {
-    const Colour drawn = frame.at(x, 100);
+    const picture::Colour drawn = frame.at(x, 100);
     const Eigen::Array3d difference = Eigen::Array3d(drawn.red, drawn.green, drawn.blue) - expected;
     // Two roundings to bytes. Measured 0.4.
     EXPECT_LE(difference.abs().maxCoeff(), 1.5) << x;
@@ -335,13 +347,15 @@ TEST(Painter, TranslucentBricksMayComeInAnyOrder) {
   sample.poses[0].rotation = rotationFromVector(Vector3(0.8, 0.1, 0));
   sample.poses[1].rotation = rotationFromVector(Vector3(-0.5, 0.3, 0.2));
   sample.poses[1].position.z() -= 0.4;
-  PictureItems items = stackedPlates(sample, 0.6, 0.4);
-  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kIsometricView, 2);
-  const Frame one = Painter({200, 200}, sample.bricks, Style()).paint(items, camera);
+  picture::PictureItems items = stackedPlates(sample, 0.6, 0.4);
+  const picture::Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), picture::kIsometricView, 2);
+  const picture::Frame one =
+      picture::Painter({200, 200}, sample.bricks, picture::Style()).paint(items, camera);
   std::swap(sample.bricks[0], sample.bricks[1]);
   std::swap(items.poses[0], items.poses[1]);
   std::swap(items.colours[0], items.colours[1]);
-  const Frame other = Painter({200, 200}, sample.bricks, Style()).paint(items, camera);
+  const picture::Frame other =
+      picture::Painter({200, 200}, sample.bricks, picture::Style()).paint(items, camera);
   int differ = 0;
   for (std::size_t k = 0; k < one.pixels.size(); ++k) {
     differ += std::abs(one.pixels[k] - other.pixels[k]) > 2 ? 1 : 0;
@@ -351,24 +365,24 @@ TEST(Painter, TranslucentBricksMayComeInAnyOrder) {
 
 TEST(Painter, BricksThatAreNotOpaqueAtAllAreNotThere) {
   const SampleBricks sample = stackedSample();
-  Style style;
+  picture::Style style;
   style.plate = shadowCatcher(sample, -1);
-  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kIsometricView, 3);
-  const Frame frame =
-      Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 1, 0), camera);
-  PictureItems alone{{sample.poses[0]}};
-  alone.colours = {shadesOf({200, 40, 40})};
+  const picture::Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), picture::kIsometricView, 3);
+  const picture::Frame frame =
+      picture::Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 1, 0), camera);
+  picture::PictureItems alone{{sample.poses[0]}};
+  alone.colours = {picture::shadesOf({200, 40, 40})};
   EXPECT_EQ(frame.pixels,
-            Painter({200, 200}, {sample.bricks[0]}, style).paint(alone, camera).pixels);
+            picture::Painter({200, 200}, {sample.bricks[0]}, style).paint(alone, camera).pixels);
 }
 
 TEST(Painter, TranslucentBricksOnATransparentPageKeepTheirOpacity) {
   const SampleBricks sample = stackedSample();
-  Style style = withoutOcclusion();
+  picture::Style style = withoutOcclusion();
   style.background.alpha = 0;
-  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kTopView, 2);
-  const Frame frame =
-      Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 0.6, 0.4), camera);
+  const picture::Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), picture::kTopView, 2);
+  const picture::Frame frame = picture::Painter({200, 200}, sample.bricks, style)
+                                   .paint(stackedPlates(sample, 0.6, 0.4), camera);
   EXPECT_EQ(frame.at(48, 100).alpha, 153);
   EXPECT_NEAR(frame.at(100, 100).alpha, 255 * (1 - 0.4 * 0.6), 1);
   EXPECT_EQ(frame.at(152, 100).alpha, 102);
@@ -378,41 +392,44 @@ TEST(Painter, TranslucentBricksOnATransparentPageKeepTheirOpacity) {
 TEST(Painter, DrawsPinnedBricksInTheirColour) {
   const SampleBricks sample =
       sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);
-  const Style style;
-  PictureItems items{sample.poses};
+  const picture::Style style;
+  picture::PictureItems items{sample.poses};
   items.pinned = {1};
-  const Camera camera = parallelCamera(Vector3(1, 0.5, 0), kTopView, 2.5);
-  const Frame frame = Painter({100, 100}, sample.bricks, style).paint(items, camera);
-  EXPECT_EQ(frame.at(30, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
-  EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), style.pinned.top, style));
+  const picture::Camera camera = parallelCamera(Vector3(1, 0.5, 0), picture::kTopView, 2.5);
+  const picture::Frame frame =
+      picture::Painter({100, 100}, sample.bricks, style).paint(items, camera);
+  EXPECT_EQ(frame.at(30, 50), picture::faceColour(Vector3::UnitZ(), style.brick.top, style));
+  EXPECT_EQ(frame.at(70, 50), picture::faceColour(Vector3::UnitZ(), style.pinned.top, style));
 }
 
 TEST(Painter, DrawsEachBrickInItsOwnColours) {
   const SampleBricks sample =
       sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);
-  PictureItems items{sample.poses};
-  items.colours = {shadesOf({10, 200, 30}), shadesOf({200, 10, 30})};
-  const Camera camera = parallelCamera(Vector3(1, 0.5, 0), kTopView, 2.5);
-  const Frame frame = Painter({100, 100}, sample.bricks, {}).paint(items, camera);
-  EXPECT_EQ(frame.at(30, 50), faceColour(Vector3::UnitZ(), {10, 200, 30}, {}));
-  EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), {200, 10, 30}, {}));
+  picture::PictureItems items{sample.poses};
+  items.colours = {picture::shadesOf({10, 200, 30}), picture::shadesOf({200, 10, 30})};
+  const picture::Camera camera = parallelCamera(Vector3(1, 0.5, 0), picture::kTopView, 2.5);
+  const picture::Frame frame = picture::Painter({100, 100}, sample.bricks, {}).paint(items, camera);
+  EXPECT_EQ(frame.at(30, 50), picture::faceColour(Vector3::UnitZ(), {10, 200, 30}, {}));
+  EXPECT_EQ(frame.at(70, 50), picture::faceColour(Vector3::UnitZ(), {200, 10, 30}, {}));
 }
 
 TEST(Painter, DashesLinesWhereBricksHideThem) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 1);
-  Style style;
+  picture::Style style;
   style.overlayWidth = 0.1;
-  PictureItems items{sample.poses};
+  picture::PictureItems items{sample.poses};
   items.overlay = {rectangleTile(0.5, 0.5, 1, 1)};  // on the brick's far side
-  const Camera camera = parallelCamera(Vector3(1, 1, 0), kTopView, 2);
-  const Colour face = faceColour(Vector3::UnitZ(), style.brick.top, style);
-  const Frame hidden = Painter({100, 100}, sample.bricks, style).paint(items, camera);
+  const picture::Camera camera = parallelCamera(Vector3(1, 1, 0), picture::kTopView, 2);
+  const picture::Colour face = picture::faceColour(Vector3::UnitZ(), style.brick.top, style);
+  const picture::Frame hidden =
+      picture::Painter({100, 100}, sample.bricks, style).paint(items, camera);
   EXPECT_EQ(hidden.at(25, 30), style.overlay);
   EXPECT_EQ(hidden.at(25, 50), face);           // between two dashes
   EXPECT_EQ(hidden.at(21, 21), style.overlay);  // the corner is closed
   EXPECT_EQ(hidden.at(50, 50), face);
   for (Vector3& corner : items.overlay[0].vertices) corner.z() = 1;  // on its near side
-  const Frame seen = Painter({100, 100}, sample.bricks, style).paint(items, camera);
+  const picture::Frame seen =
+      picture::Painter({100, 100}, sample.bricks, style).paint(items, camera);
   EXPECT_EQ(seen.at(25, 50), style.overlay);
   EXPECT_EQ(seen.at(21, 21), style.overlay);
   EXPECT_EQ(seen.at(50, 50), face);
@@ -420,14 +437,14 @@ TEST(Painter, DashesLinesWhereBricksHideThem) {
 
 TEST(Painter, MarksPointsByWholeDots) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.2);
-  Style style;
+  picture::Style style;
   style.edgeWidth = 0;
   style.markSize = 0.2;
-  PictureItems items{sample.poses};
+  picture::PictureItems items{sample.poses};
   items.marks = {Vector3(2, 2, 0.2)};
-  const Camera camera = parallelCamera(Vector3(1, 1, 0), kIsometricView, 6);
-  Painter painter({300, 300}, sample.bricks, style);
-  const Frame frame = painter.paint(items, camera);
+  const picture::Camera camera = parallelCamera(Vector3(1, 1, 0), picture::kIsometricView, 6);
+  picture::Painter painter({300, 300}, sample.bricks, style);
+  const picture::Frame frame = painter.paint(items, camera);
   double dot = 0;
   for (std::size_t k = 0; k < frame.pixels.size(); k += 4) {
     dot += frame.pixels[k] == style.mark.red && frame.pixels[k + 1] == style.mark.green;
@@ -439,17 +456,17 @@ TEST(Painter, MarksPointsByWholeDots) {
 /// Darkness of a row of outlines, which should not depend on how they fall on the pixels.
 TEST(Painter, OutlinesDoNotFlickerWhenTheyMove) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.02);
-  Style style = silhouette();
+  picture::Style style = silhouette();
   style.brick = {{255, 255, 255}, {255, 255, 255}, {255, 255, 255}};
   style.edge = {0, 0, 0};
   style.ambient = 1;
   style.edgeWidth = 0.01;  // one pixel of 200 within the face
-  Painter painter({200, 200}, sample.bricks, style);
+  picture::Painter painter({200, 200}, sample.bricks, style);
   double least = 1e9, most = 0;
   for (int k = 0; k < 40; ++k) {
     const Vector3 centre = sample.poses[0].position + Vector3(0.00137, 0.00071, 0) * k;
     const double dark =
-        coveredPixels(painter.paint(sample.poses, parallelCamera(centre, kTopView, 2)));
+        coveredPixels(painter.paint(sample.poses, parallelCamera(centre, picture::kTopView, 2)));
     least = std::min(least, dark);
     most = std::max(most, dark);
   }
@@ -460,21 +477,21 @@ TEST(Painter, TurningBricksAndCameraTogetherKeepsTheOutline) {
   // Metamorphic: a quarter turn of everything about the view's axis turns the picture.
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 0.6)}, 0.2);
   const Vector3 middle = sample.poses[0].position;
-  const Frame upright =
-      paintOnce(sample, {150, 150}, parallelCamera(middle, kTopView, 2), silhouette());
+  const picture::Frame upright =
+      paintOnce(sample, {150, 150}, parallelCamera(middle, picture::kTopView, 2), silhouette());
   SampleBricks turned = sample;
   turned.poses[0].rotation = rotationFromVector(Vector3(0, 0, M_PI / 2));
-  Camera camera = parallelCamera(middle, kTopView, 2);
+  picture::Camera camera = parallelCamera(middle, picture::kTopView, 2);
   camera.up = -Vector3::UnitX();
   EXPECT_EQ(upright.pixels, paintOnce(turned, {150, 150}, camera, silhouette()).pixels);
 }
 
 TEST(Painter, PaintsTheSameBytesAgain) {
   const SampleBricks sample = tumbledBricks();
-  const FrameSize size{320, 200};
-  const Camera camera = fittedCamera(sample, size, kIsometricView);
-  Painter painter(size, sample.bricks, {});
-  const Frame first = painter.paint(sample.poses, camera);
+  const picture::FrameSize size{320, 200};
+  const picture::Camera camera = fittedCamera(sample, size, picture::kIsometricView);
+  picture::Painter painter(size, sample.bricks, {});
+  const picture::Frame first = painter.paint(sample.poses, camera);
   SampleBricks moved = sample;
   for (Pose& pose : moved.poses) pose.position *= 1.5;
   EXPECT_NE(painter.paint(moved.poses, camera).pixels, first.pixels);
@@ -484,14 +501,14 @@ TEST(Painter, PaintsTheSameBytesAgain) {
 
 TEST(Painter, ShowsOtherBricksAsANewPainterWould) {
   const SampleBricks sample = tumbledBricks();
-  const FrameSize size{160, 100};
-  const Camera camera = fittedCamera(sample, size, kIsometricView);
-  Style glass;
+  const picture::FrameSize size{160, 100};
+  const picture::Camera camera = fittedCamera(sample, size, picture::kIsometricView);
+  picture::Style glass;
   glass.background = {10, 20, 30, 0};
   const SampleBricks other = sampleBricks({rectangleTile(0, 0, 3, 2)}, 0.4);
-  Painter painter(size, other.bricks, silhouette());
+  picture::Painter painter(size, other.bricks, silhouette());
   painter.paint(other.poses, camera);
-  for (const Style& style : {Style(), glass, silhouette()}) {
+  for (const picture::Style& style : {picture::Style(), glass, silhouette()}) {
     painter.show(sample.bricks, style);
     EXPECT_EQ(painter.paint(sample.poses, camera).pixels,
               paintOnce(sample, size, camera, style).pixels);
@@ -500,11 +517,12 @@ TEST(Painter, ShowsOtherBricksAsANewPainterWould) {
 
 TEST(Painter, SharesAThreadWithAnother) {
   const SampleBricks sample = tumbledBricks();
-  const FrameSize size{160, 100};
-  const Camera camera = fittedCamera(sample, size, kIsometricView);
-  Painter first(size, sample.bricks, {});
-  auto second = std::make_unique<Painter>(FrameSize{80, 50}, sample.bricks, silhouette());
-  const Frame frame = first.paint(sample.poses, camera);
+  const picture::FrameSize size{160, 100};
+  const picture::Camera camera = fittedCamera(sample, size, picture::kIsometricView);
+  picture::Painter first(size, sample.bricks, {});
+  auto second =
+      std::make_unique<picture::Painter>(picture::FrameSize{80, 50}, sample.bricks, silhouette());
+  const picture::Frame frame = first.paint(sample.poses, camera);
   second->paint(sample.poses, camera);
   EXPECT_EQ(first.paint(sample.poses, camera).pixels, frame.pixels);
   second.reset();
@@ -516,20 +534,20 @@ TEST(Painter, SharesAThreadWithAnother) {
 /// makes that everywhere.
 TEST(Painter, LeavesOutNothingThatBricksTouch) {
   const SampleBricks sample = tumbledBricks();
-  Style bare;
-  Style covered;
+  picture::Style bare;
+  picture::Style covered;
   covered.ground = covered.background;
-  covered.plate = groundUnder(brickCorners(sample.bricks, sample.poses), -10);
+  covered.plate = picture::groundUnder(picture::brickCorners(sample.bricks, sample.poses), -10);
   covered.plate->shadow = false;
-  Painter painter({331, 217}, sample.bricks, bare);
+  picture::Painter painter({331, 217}, sample.bricks, bare);
   for (const double height : {2.0, 5.0, 30.0, 2.0}) {
-    Camera camera = fittedCamera(sample, {331, 217}, kIsometricView);
+    picture::Camera camera = fittedCamera(sample, {331, 217}, picture::kIsometricView);
     camera.orthographic = true;
     camera.viewHeight = height;
     painter.show(sample.bricks, bare);
-    const Frame tight = painter.paint(sample.poses, camera);
+    const picture::Frame tight = painter.paint(sample.poses, camera);
     painter.show(sample.bricks, covered);
-    const Frame whole = painter.paint(sample.poses, camera);
+    const picture::Frame whole = painter.paint(sample.poses, camera);
     int different = 0;
     for (std::size_t k = 0; k < tight.pixels.size(); ++k) {
       different += std::abs(tight.pixels[k] - whole.pixels[k]) > 2 ? 1 : 0;
@@ -542,12 +560,14 @@ TEST(Painter, LeavesOutNothingThatBricksTouch) {
 /// The memory of a frame of any size becomes that of another.
 TEST(Painter, PaintsTheSameIntoMemoryThatWasUsed) {
   const SampleBricks sample = tumbledBricks();
-  const Camera camera = fittedCamera(sample, {120, 80}, kIsometricView);
-  Painter painter({120, 80}, sample.bricks, {});
-  const Frame fresh = painter.paint(PictureItems{sample.poses, {}, {}, {}, {}, {}}, camera);
-  for (const FrameSize size : {FrameSize{8, 8}, FrameSize{400, 300}}) {
-    const Frame again = painter.paint(PictureItems{sample.poses, {}, {}, {}, {}, {}}, camera,
-                                      makeFrame(size, {1, 2, 3, 4}));
+  const picture::Camera camera = fittedCamera(sample, {120, 80}, picture::kIsometricView);
+  picture::Painter painter({120, 80}, sample.bricks, {});
+  const picture::Frame fresh =
+      painter.paint(picture::PictureItems{sample.poses, {}, {}, {}, {}, {}}, camera);
+  for (const picture::FrameSize size : {picture::FrameSize{8, 8}, picture::FrameSize{400, 300}}) {
+    const picture::Frame again =
+        painter.paint(picture::PictureItems{sample.poses, {}, {}, {}, {}, {}}, camera,
+                      picture::makeFrame(size, {1, 2, 3, 4}));
     EXPECT_EQ(again.pixels, fresh.pixels);
   }
 }
@@ -565,7 +585,7 @@ TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {
 }
 
 TEST(Painter, PaintsTheSameBytesThroughEgl) {
-  const std::vector<GraphicsLibrary> built = builtGraphicsLibraries();
+  const std::vector<picture::GraphicsLibrary> built = picture::builtGraphicsLibraries();
   if (built.size() < 2) GTEST_SKIP() << "built with one of OSMesa and EGL; install the other";
   const std::string egl = hashUnder("LP_NUM_THREADS=0", "egl");
   if (egl.empty()) GTEST_SKIP() << "EGL has no display without a screen here";
@@ -574,13 +594,13 @@ TEST(Painter, PaintsTheSameBytesThroughEgl) {
 }
 
 TEST(Painter, RefusesAnEmptyPicture) {
-  EXPECT_THROW(Painter({0, 100}, {}, {}), InputError);
-  EXPECT_THROW(Painter({100, 20000}, {}, {}), InputError);
+  EXPECT_THROW(picture::Painter({0, 100}, {}, {}), InputError);
+  EXPECT_THROW(picture::Painter({100, 20000}, {}, {}), InputError);
 }
 
 TEST(Painter, PaintsBackgroundWithoutBricks) {
-  const Frame frame = Painter({8, 8}, {}, {}).paint(Poses{}, {});
-  EXPECT_EQ(frame.pixels, makeFrame({8, 8}, {255, 255, 255}).pixels);
+  const picture::Frame frame = picture::Painter({8, 8}, {}, {}).paint(Poses{}, {});
+  EXPECT_EQ(frame.pixels, picture::makeFrame({8, 8}, {255, 255, 255}).pixels);
 }
 
 }  // namespace

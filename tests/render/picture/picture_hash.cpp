@@ -11,16 +11,18 @@
 int main(int count, char** arguments) {
   using namespace kirireel;
   if (count > 1 && std::string_view(arguments[1]) == "egl") {
-    setGraphicsLibrary(GraphicsLibrary::Egl);
+    picture::setGraphicsLibrary(picture::GraphicsLibrary::Egl);
   }
   const SampleBricks sample = tumbledBricks();
-  const FrameSize size{640, 360};
-  CameraFit fit;
+  const picture::FrameSize size{640, 360};
+  picture::CameraFit fit;
   fit.aspect = size.aspect();
-  const Camera camera = fitCamera(brickCorners(sample.bricks, sample.poses), fit);
-  Style style;
-  style.plate = groundUnder(brickCorners(sample.bricks, sample.poses), -1);
-  const Frame frame = Painter(size, sample.bricks, style).paint(sample.poses, camera);
+  const picture::Camera camera =
+      picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
+  picture::Style style;
+  style.plate = picture::groundUnder(picture::brickCorners(sample.bricks, sample.poses), -1);
+  const picture::Frame frame =
+      picture::Painter(size, sample.bricks, style).paint(sample.poses, camera);
   std::uint64_t hash = 14695981039346656037U;  // FNV-1a
   for (const std::uint8_t byte : frame.pixels) hash = (hash ^ byte) * 1099511628211U;
   std::printf("%016llx\n", static_cast<unsigned long long>(hash));

@@ -8,28 +8,28 @@
 namespace kirireel {
 
 /// A box of the given sides with its lower left corner at (x, y, 0).
-inline Tile rectangleTile(double x, double y, double width, double depth) {
+inline model::Tile rectangleTile(double x, double y, double width, double depth) {
   return {{Vector3(x, y, 0), Vector3(x + width, y, 0), Vector3(x + width, y + depth, 0),
            Vector3(x, y + depth, 0)}};
 }
 
 /// Bricks and where they stand.
 struct SampleBricks {
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses poses;
 };
 
-inline SampleBricks sampleBricks(const std::vector<Tile>& tiles, double thickness) {
-  BrickRule rule;
+inline SampleBricks sampleBricks(const std::vector<model::Tile>& tiles, double thickness) {
+  model::BrickRule rule;
   rule.thickness = thickness;
-  SampleBricks sample{makeBricks(tiles, rule), {}};
-  sample.poses = startPoses(tiles, sample.bricks);
+  SampleBricks sample{model::makeBricks(tiles, rule), {}};
+  sample.poses = model::startPoses(tiles, sample.bricks);
   return sample;
 }
 
 /// Twelve bricks, each turned another way: every kind of face and overlap is in sight.
 inline SampleBricks tumbledBricks() {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int k = 0; k < 12; ++k) tiles.push_back(rectangleTile(1.2 * (k % 4), 1.2 * (k / 4), 1, 1));
   SampleBricks sample = sampleBricks(tiles, 0.2);
   for (int k = 0; k < 12; ++k) {

@@ -8,8 +8,8 @@ namespace kirireel {
 namespace {
 
 /// One key light from straight above, so that brightness is known by hand.
-Style plainStyle() {
-  Style style;
+picture::Style plainStyle() {
+  picture::Style style;
   style.ambient = 0.5;
   style.key = {Vector3::UnitZ(), 0.4};
   style.fill = {Vector3::UnitX(), 0.2};
@@ -17,31 +17,35 @@ Style plainStyle() {
 }
 
 TEST(FaceColour, AddsAmbientAndBothLights) {
-  const Colour base{100, 200, 50, 255};
+  const picture::Colour base{100, 200, 50, 255};
   // Facing the key: 0.9; facing the fill: 0.7; away from both: 0.5; between them 0.5 + 0.6 /
   // sqrt 2.
-  EXPECT_EQ(faceColour(Vector3::UnitZ(), base, plainStyle()), (Colour{90, 180, 45, 255}));
-  EXPECT_EQ(faceColour(Vector3::UnitX(), base, plainStyle()), (Colour{70, 140, 35, 255}));
-  EXPECT_EQ(faceColour(-Vector3::UnitZ(), base, plainStyle()), (Colour{50, 100, 25, 255}));
-  EXPECT_EQ(faceColour(Vector3(1, 0, 1).normalized(), base, plainStyle()),
-            (Colour{92, 185, 46, 255}));
+  EXPECT_EQ(picture::faceColour(Vector3::UnitZ(), base, plainStyle()),
+            (picture::Colour{90, 180, 45, 255}));
+  EXPECT_EQ(picture::faceColour(Vector3::UnitX(), base, plainStyle()),
+            (picture::Colour{70, 140, 35, 255}));
+  EXPECT_EQ(picture::faceColour(-Vector3::UnitZ(), base, plainStyle()),
+            (picture::Colour{50, 100, 25, 255}));
+  EXPECT_EQ(picture::faceColour(Vector3(1, 0, 1).normalized(), base, plainStyle()),
+            (picture::Colour{92, 185, 46, 255}));
 }
 
 TEST(FaceColour, StopsAtWhite) {
-  Style style = plainStyle();
+  picture::Style style = plainStyle();
   style.ambient = 3;
-  EXPECT_EQ(faceColour(Vector3::UnitY(), {100, 200, 0}, style), (Colour{255, 255, 0}));
+  EXPECT_EQ(picture::faceColour(Vector3::UnitY(), {100, 200, 0}, style),
+            (picture::Colour{255, 255, 0}));
 }
 
 TEST(Style, HasUnitLights) {
-  const Style style;
+  const picture::Style style;
   EXPECT_NEAR(style.key.direction.norm(), 1, 1e-15);
   EXPECT_NEAR(style.fill.direction.norm(), 1, 1e-15);
 }
 
 TEST(GroundPlate, SurroundsThePoints) {
   const std::vector<Vector3> points = {Vector3(1, 2, 3), Vector3(5, 4, -3)};
-  const GroundPlate plate = groundUnder(points, -0.5);
+  const picture::GroundPlate plate = picture::groundUnder(points, -0.5);
   EXPECT_EQ(plate.height, -0.5);
   EXPECT_EQ(plate.centre, Eigen::Vector2d(3, 3));
   EXPECT_GT(plate.halfSize, 20);  // the points' diagonal is 7.5

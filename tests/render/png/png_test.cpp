@@ -21,9 +21,9 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// A picture in which every byte matters.
-Frame noise(FrameSize size, bool opaque) {
+picture::Frame noise(picture::FrameSize size, bool opaque) {
   std::mt19937 random(5);
-  Frame frame = makeFrame(size, {});
+  picture::Frame frame = picture::makeFrame(size, {});
   for (std::uint8_t& byte : frame.pixels) byte = static_cast<std::uint8_t>(random());
   if (opaque) {
     for (std::size_t alpha = 3; alpha < frame.pixels.size(); alpha += 4) frame.pixels[alpha] = 255;
@@ -59,10 +59,10 @@ class FullDisk {
 TEST(Png, ComesBackExactly) {
   const test::TemporaryFolder folder;
   for (const bool opaque : {true, false}) {
-    for (const FrameSize size : {FrameSize{1, 1}, {7, 3}, {640, 5}}) {
-      const Frame frame = noise(size, opaque);
-      writePng(frame, folder / "a.png");
-      const Frame back = readPng(folder / "a.png");
+    for (const picture::FrameSize size : {picture::FrameSize{1, 1}, {7, 3}, {640, 5}}) {
+      const picture::Frame frame = noise(size, opaque);
+      picture::writePng(frame, folder / "a.png");
+      const picture::Frame back = picture::readPng(folder / "a.png");
       EXPECT_EQ(back.size, size);
       EXPECT_EQ(back.pixels, frame.pixels);
       EXPECT_EQ(colourType(test::bytesOf(folder / "a.png")), opaque ? 2 : 6);
@@ -73,8 +73,8 @@ TEST(Png, ComesBackExactly) {
 TEST(Png, IsReadAlikeByAnotherDecoder) {
   if (!test::hasProgram("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const test::TemporaryFolder folder;
-  const Frame frame = noise({33, 21}, false);
-  writePng(frame, folder / "a.png");
+  const picture::Frame frame = noise({33, 21}, false);
+  picture::writePng(frame, folder / "a.png");
   const std::string decoded = test::outputOf("ffmpeg -v error -i " + (folder / "a.png").string() +
                                              " -f rawvideo -pix_fmt rgba -");
   EXPECT_EQ(decoded, std::string(frame.pixels.begin(), frame.pixels.end()));
@@ -82,16 +82,16 @@ TEST(Png, IsReadAlikeByAnotherDecoder) {
 
 TEST(Png, HasTheSameBytesEachTime) {
   const test::TemporaryFolder folder;
-  writePng(noise({50, 40}, true), folder / "a.png");
-  writePng(noise({50, 40}, true), folder / "b.png");
+  picture::writePng(noise({50, 40}, true), folder / "a.png");
+  picture::writePng(noise({50, 40}, true), folder / "b.png");
   EXPECT_EQ(test::bytesOf(folder / "a.png"), test::bytesOf(folder / "b.png"));
 }
 
 TEST(Png, NotesThePrintedResolution) {
   const test::TemporaryFolder folder;
-  PngSettings settings;
+  picture::PngSettings settings;
   settings.dotsPerInch = 254;
-  writePng(noise({2, 2}, true), folder / "a.png", settings);
+  picture::writePng(noise({2, 2}, true), folder / "a.png", settings);
   // 254 dots an inch are 10000 (0x2710) a metre, unit 1.
   const std::string chunk("pHYs\0\0\x27\x10\0\0\x27\x10\1", 13);
   EXPECT_THAT(test::bytesOf(folder / "a.png"), HasSubstr(chunk));
@@ -99,13 +99,13 @@ TEST(Png, NotesThePrintedResolution) {
 
 TEST(Png, LeavesNothingOnAFullDisk) {
   const test::TemporaryFolder folder;
-  const Frame frame = noise({400, 300}, true);
+  const picture::Frame frame = noise({400, 300}, true);
   std::string message;
   // The second limit lets all but the last bytes pass, which the library keeps until the end.
   for (const rlim_t limit : {1000U, 360000U}) {
     const FullDisk disk(limit);
     try {
-      writePng(frame, folder / "a.png");
+      picture::writePng(frame, folder / "a.png");
       ADD_FAILURE();
     } catch (const OutputError& error) {
       EXPECT_EQ(std::string(error.what()),
@@ -120,7 +120,7 @@ TEST(Png, LeavesNothingOnAFullDisk) {
 TEST(Png, NamesAFolderThatIsMissing) {
   const test::TemporaryFolder folder;
   try {
-    writePng(noise({2, 2}, true), folder / "none/a.png");
+    picture::writePng(noise({2, 2}, true), folder / "none/a.png");
     ADD_FAILURE();
   } catch (const OutputError& error) {
     EXPECT_THAT(error.what(), StartsWith((folder / "none").string() + ": error: "));
@@ -132,7 +132,7 @@ TEST(Png, RefusesToReadOtherFiles) {
   std::ofstream(folder / "text.png") << "This is not a picture at all.";
   const auto messageFor = [&](const std::string& name) -> std::string {
     try {
-      readPng(folder / name);
+      picture::readPng(folder / name);
     } catch (const InputError& error) {
       return error.what();
     }

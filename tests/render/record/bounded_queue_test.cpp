@@ -12,7 +12,7 @@ namespace kirireel {
 namespace {
 
 TEST(BoundedQueue, GivesEverythingInOrder) {
-  BoundedQueue<int> queue(3);
+  record::BoundedQueue<int> queue(3);
   std::jthread producer([&] {
     for (int i = 0; i < 1000; ++i) queue.push(i);
     queue.close();
@@ -25,7 +25,7 @@ TEST(BoundedQueue, GivesEverythingInOrder) {
 }
 
 TEST(BoundedQueue, BreaksThePromisesThatItHoldsWhenItIsStopped) {
-  BoundedQueue<std::promise<int>> queue(2);
+  record::BoundedQueue<std::promise<int>> queue(2);
   std::promise<int> promise;
   std::future<int> value = promise.get_future();
   queue.push(std::move(promise));
@@ -34,7 +34,7 @@ TEST(BoundedQueue, BreaksThePromisesThatItHoldsWhenItIsStopped) {
 }
 
 TEST(BoundedQueue, NeverHoldsMoreThanItsCapacity) {
-  BoundedQueue<int> queue(2);
+  record::BoundedQueue<int> queue(2);
   std::atomic<int> pushed = 0;
   std::jthread producer([&] {
     for (int i = 0; i < 10; ++i) {
@@ -47,9 +47,9 @@ TEST(BoundedQueue, NeverHoldsMoreThanItsCapacity) {
 }
 
 TEST(BoundedQueue, StopEndsWhoeverWaits) {
-  BoundedQueue<int> full(1);
+  record::BoundedQueue<int> full(1);
   full.push(0);
-  BoundedQueue<int> empty(1);
+  record::BoundedQueue<int> empty(1);
   std::jthread producer([&] { EXPECT_FALSE(full.push(1)); });
   std::jthread consumer([&] { EXPECT_FALSE(empty.pop()); });
   full.stop();
@@ -61,16 +61,16 @@ TEST(BoundedQueue, StopEndsWhoeverWaits) {
 }
 
 TEST(TaskGroup, ThrowsTheErrorOfAnyStageAndStopsTheOthers) {
-  BoundedQueue<int> never(1);
-  TaskGroup tasks([&] { never.stop(); });
+  record::BoundedQueue<int> never(1);
+  record::TaskGroup tasks([&] { never.stop(); });
   tasks.start([&] { never.pop(); });
   tasks.start([] { throw OutputError("the disk is full"); });
   EXPECT_THROW(tasks.finish(), OutputError);
 }
 
 TEST(TaskGroup, StopsItsStagesWhenItGoesAway) {
-  BoundedQueue<int> never(1);
-  TaskGroup tasks([&] { never.stop(); });
+  record::BoundedQueue<int> never(1);
+  record::TaskGroup tasks([&] { never.stop(); });
   tasks.start([&] { never.pop(); });
 }
 

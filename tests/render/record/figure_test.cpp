@@ -17,19 +17,19 @@ class FigureTest : public testing::Test {
  protected:
   /// Records a sheet of squares; returns its trajectory.
   fs::path recorded(const std::string& name, int side) {
-    Scene scene;
-    scene.model = makeTessellation({.columns = side, .rows = side});
+    scene::Scene scene;
+    scene.model = model::makeTessellation({.columns = side, .rows = side});
     scene.model.name = name;
     scene.stop.duration = 0.5;
-    RecordSettings settings;
+    record::RecordSettings settings;
     settings.folder = folder_.path() / name;
     settings.video = settings.snapshots = settings.meshes = false;
-    record(scene, settings, [](const Progress&) { return Interruption(); });
+    record::record(scene, settings, [](const record::Progress&) { return record::Interruption(); });
     return settings.folder / "trajectory.h5";
   }
 
-  PictureSettings settings() const {
-    PictureSettings wanted;
+  record::PictureSettings settings() const {
+    record::PictureSettings wanted;
     wanted.folder = folder_.path() / "figure";
     wanted.size = {160, 120};
     wanted.grid.columns = 3;
@@ -40,14 +40,14 @@ class FigureTest : public testing::Test {
 };
 
 TEST_F(FigureTest, ShowsARowOfStatesOfEachRunAtOneScale) {
-  const TrajectoryReader small(recorded("small", 2)), large(recorded("large", 4));
-  const std::array<const TrajectoryReader*, 2> runs = {&small, &large};
-  const std::vector<PanelRow> rows = figureRows(runs, settings());
+  const trajectory::TrajectoryReader small(recorded("small", 2)), large(recorded("large", 4));
+  const std::array<const trajectory::TrajectoryReader*, 2> runs = {&small, &large};
+  const std::vector<record::PanelRow> rows = record::figureRows(runs, settings());
   ASSERT_EQ(rows.size(), 2);
   std::vector<double> scales;
-  for (const PanelRow& row : rows) {
+  for (const record::PanelRow& row : rows) {
     EXPECT_EQ(row.states.size(), 3);
-    scales.push_back(PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
+    scales.push_back(picture::PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
   }
   // 1e-16: zoomed by the ratio of the two.
   EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);
@@ -56,12 +56,12 @@ TEST_F(FigureTest, ShowsARowOfStatesOfEachRunAtOneScale) {
 }
 
 TEST_F(FigureTest, LeavesPictureAndPages) {
-  PictureSettings wanted = settings();
+  record::PictureSettings wanted = settings();
   wanted.gridWidth = 100;
   wanted.fontPoints = 7;
   wanted.dotsPerInch = 100;
-  wanted.pages = {PageFormat::Svg, PageFormat::Pdf};
-  renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
+  wanted.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
+  record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
   const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
   EXPECT_THAT(svg, testing::HasSubstr("large: 0%"));
   EXPECT_THAT(svg, testing::HasSubstr("picture_06"));
@@ -71,12 +71,12 @@ TEST_F(FigureTest, LeavesPictureAndPages) {
 }
 
 TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
-  PictureSettings wanted = settings();
+  record::PictureSettings wanted = settings();
   wanted.look.camera.orbit = 1;
-  const TrajectoryReader run(recorded("small", 2));
-  const std::array<const TrajectoryReader*, 2> runs = {&run, &run};
+  const trajectory::TrajectoryReader run(recorded("small", 2));
+  const std::array<const trajectory::TrajectoryReader*, 2> runs = {&run, &run};
   try {
-    figureRows(runs, wanted);
+    record::figureRows(runs, wanted);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),

@@ -17,7 +17,7 @@ namespace {
 
 /// A run that has moved by `length` of each time.
 template <typename Length>
-MotionCurve curve(int samples, double end, const Length& length) {
+record::MotionCurve curve(int samples, double end, const Length& length) {
   std::vector<double> times, lengths;
   for (int k = 0; k < samples; ++k) {
     times.push_back(end * k / (samples - 1));
@@ -27,25 +27,25 @@ MotionCurve curve(int samples, double end, const Length& length) {
 }
 
 /// Moves as 1 - exp(-20 t) for 2 s: nearly all of it in the first tenth.
-MotionCurve snapping() {
+record::MotionCurve snapping() {
   return curve(1001, 2, [](double time) { return 1 - std::exp(-20 * time); });
 }
 
 TEST(EasedProgress, IsATrapezoidOfSpeed) {
-  EXPECT_EQ(easedProgress(0, 0.2), 0);
-  EXPECT_EQ(easedProgress(1, 0.2), 1);
-  EXPECT_DOUBLE_EQ(easedProgress(0.5, 0.2), 0.5);
+  EXPECT_EQ(record::easedProgress(0, 0.2), 0);
+  EXPECT_EQ(record::easedProgress(1, 0.2), 1);
+  EXPECT_DOUBLE_EQ(record::easedProgress(0.5, 0.2), 0.5);
   // Speed 1 / 0.8 between the ramps, half of that on average within them.
-  EXPECT_DOUBLE_EQ(easedProgress(0.2, 0.2), 0.5 * 0.2 / 0.8);
-  EXPECT_DOUBLE_EQ(easedProgress(0.1, 0.2), 0.125 * 0.2 / 0.8);
-  EXPECT_DOUBLE_EQ(easedProgress(0.6, 0.2) - easedProgress(0.4, 0.2), 0.2 / 0.8);
+  EXPECT_DOUBLE_EQ(record::easedProgress(0.2, 0.2), 0.5 * 0.2 / 0.8);
+  EXPECT_DOUBLE_EQ(record::easedProgress(0.1, 0.2), 0.125 * 0.2 / 0.8);
+  EXPECT_DOUBLE_EQ(record::easedProgress(0.6, 0.2) - record::easedProgress(0.4, 0.2), 0.2 / 0.8);
   for (double share = 0; share < 0.999; share += 0.01) {
-    EXPECT_GT(easedProgress(share + 0.01, 0.5), easedProgress(share, 0.5));
+    EXPECT_GT(record::easedProgress(share + 0.01, 0.5), record::easedProgress(share, 0.5));
   }
 }
 
 TEST(MotionCurve, LeadsFromTimesToSharesAndBack) {
-  const MotionCurve motion = curve(11, 2, [](double time) { return time * time; });
+  const record::MotionCurve motion = curve(11, 2, [](double time) { return time * time; });
   EXPECT_DOUBLE_EQ(motion.shareAt(1.2), 0.36);
   EXPECT_DOUBLE_EQ(motion.timeAt(0.36), 1.2);
   EXPECT_EQ(motion.shareAt(-1), 0);
@@ -53,10 +53,10 @@ TEST(MotionCurve, LeadsFromTimesToSharesAndBack) {
 }
 
 TEST(VideoMoments, FillTheLengthWithEvenMotion) {
-  PictureSettings settings;
-  const MotionCurve motion = snapping();
-  const std::vector<FrameMoment> moments = videoMoments(motion, settings);
-  EXPECT_EQ(static_cast<int>(moments.size()) + 2 * heldFrames(settings), 8 * 60);
+  record::PictureSettings settings;
+  const record::MotionCurve motion = snapping();
+  const std::vector<record::FrameMoment> moments = record::videoMoments(motion, settings);
+  EXPECT_EQ(static_cast<int>(moments.size()) + 2 * record::heldFrames(settings), 8 * 60);
   EXPECT_EQ(moments.front().time, 0);
   EXPECT_EQ(moments.back().time, 2);
   const auto ramp = static_cast<std::size_t>(0.6 * 60);
@@ -70,58 +70,59 @@ TEST(VideoMoments, FillTheLengthWithEvenMotion) {
 
 TEST(VideoMoments, GiveARunThatRestsNoTime) {
   // Moves for 1 s and rests for 99.
-  const MotionCurve motion = curve(1001, 100, [](double time) { return std::min(time, 1.0); });
-  const std::vector<FrameMoment> moments = videoMoments(motion, {});
+  const record::MotionCurve motion =
+      curve(1001, 100, [](double time) { return std::min(time, 1.0); });
+  const std::vector<record::FrameMoment> moments = record::videoMoments(motion, {});
   EXPECT_LE(moments[moments.size() - 2].time, 1);
 }
 
 TEST(VideoMoments, OfARunWithoutMotionAreOne) {
-  const MotionCurve motion = curve(5, 1, [](double) { return 0.0; });
-  EXPECT_EQ(videoMoments(motion, {}).size(), 1U);
-  PictureSettings settings;
-  settings.pace = Pace::Real;
-  EXPECT_EQ(videoMoments(motion, settings).size(), 61U);
+  const record::MotionCurve motion = curve(5, 1, [](double) { return 0.0; });
+  EXPECT_EQ(record::videoMoments(motion, {}).size(), 1U);
+  record::PictureSettings settings;
+  settings.pace = record::Pace::Real;
+  EXPECT_EQ(record::videoMoments(motion, settings).size(), 61U);
 }
 
 TEST(VideoMoments, AtRealPaceAreEquallyFarApartInTime) {
-  PictureSettings settings;
-  settings.pace = Pace::Real;
+  record::PictureSettings settings;
+  settings.pace = record::Pace::Real;
   settings.framesPerSecond = 10;
   settings.speed = 0.5;
-  const std::vector<FrameMoment> moments = videoMoments(snapping(), settings);
+  const std::vector<record::FrameMoment> moments = record::videoMoments(snapping(), settings);
   ASSERT_EQ(moments.size(), 41U);
   for (std::size_t k = 0; k < moments.size(); ++k) {
     EXPECT_NEAR(moments[k].time, 0.05 * static_cast<double>(k), 1e-12);
     EXPECT_NEAR(moments[k].turn, static_cast<double>(k) / 40, 1e-12);
   }
   settings.speed = 4;  // the last step is shorter
-  EXPECT_EQ(videoMoments(snapping(), settings).back().time, 2);
-  EXPECT_EQ(videoMoments(snapping(), settings).size(), 6U);
+  EXPECT_EQ(record::videoMoments(snapping(), settings).back().time, 2);
+  EXPECT_EQ(record::videoMoments(snapping(), settings).size(), 6U);
 }
 
 TEST(SnapshotMoments, ShareTheMotionOrTheTime) {
-  const MotionCurve motion = curve(101, 10, [](double time) { return time * time; });
-  PictureSettings settings;
-  const std::vector<FrameMoment> moments = snapshotMoments(motion, settings, 5);
+  const record::MotionCurve motion = curve(101, 10, [](double time) { return time * time; });
+  record::PictureSettings settings;
+  const std::vector<record::FrameMoment> moments = record::snapshotMoments(motion, settings, 5);
   ASSERT_EQ(moments.size(), 5U);
   for (int k = 0; k < 5; ++k) {
     EXPECT_NEAR(moments[k].progress, 0.25 * k, 1e-12);
     EXPECT_NEAR(moments[k].time, 10 * std::sqrt(0.25 * k), 0.002);  // curve of 101 points
   }
-  settings.spacing = SnapshotSpacing::Time;
-  EXPECT_DOUBLE_EQ(snapshotMoments(motion, settings, 5)[1].time, 2.5);
-  EXPECT_EQ(snapshotMoments(motion, settings, 1).front().time, 10);
+  settings.spacing = record::SnapshotSpacing::Time;
+  EXPECT_DOUBLE_EQ(record::snapshotMoments(motion, settings, 5)[1].time, 2.5);
+  EXPECT_EQ(record::snapshotMoments(motion, settings, 1).front().time, 10);
 }
 
 /// A deployment by dynamics, which snaps open and then creeps, in trajectory.h5.
 class DynamicRun : public testing::Test {
  protected:
   DynamicRun() {
-    Scene scene;
-    scene.model = makeTessellation({});
-    scene.path.kind = PathKind::Straight;
-    const DeploymentResult result = deploy(scene, 1.0 / 60, {});
-    writeTrajectory(result.trajectory, folder_ / "run.h5");
+    scene::Scene scene;
+    scene.model = model::makeTessellation({});
+    scene.path.kind = scene::PathKind::Straight;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, {});
+    trajectory::writeTrajectory(result.trajectory, folder_ / "run.h5");
   }
 
   test::TemporaryFolder folder_;
@@ -129,17 +130,18 @@ class DynamicRun : public testing::Test {
 
 // The figures that the feature is for, measured on the poses that are painted.
 TEST_F(DynamicRun, IsShownAtAnEvenPaceWithClosedJoints) {
-  const TrajectoryReader run(folder_ / "run.h5");
-  const std::vector<FrameMoment> moments = videoMoments(motionOf(run), {});
-  const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
-  Replay states(run);
+  const trajectory::TrajectoryReader run(folder_ / "run.h5");
+  const std::vector<record::FrameMoment> moments = record::videoMoments(record::motionOf(run), {});
+  const std::vector<model::Pivot> pivots =
+      model::makePivots(run.subject().model.joints, run.subject().bricks);
+  record::Replay states(run);
   std::vector<double> moved;
   double gap = 0;
   Poses before;
-  for (const FrameMoment& moment : moments) {
+  for (const record::FrameMoment& moment : moments) {
     Poses poses = states.at(moment.time).poses;
-    gap = std::max(gap, jointGap(pivots, poses).max);
-    if (!before.empty()) moved.push_back(pathDistance(run.subject().bricks, before, poses));
+    gap = std::max(gap, trajectory::jointGap(pivots, poses).max);
+    if (!before.empty()) moved.push_back(deploy::pathDistance(run.subject().bricks, before, poses));
     before = std::move(poses);
   }
   EXPECT_LT(gap, 1e-9);  // measured 4e-12, tiles of 1 m

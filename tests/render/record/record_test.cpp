@@ -29,16 +29,16 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-Scene tessellationScene() {
-  Scene scene;
-  scene.model = makeTessellation({});
+scene::Scene tessellationScene() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   scene.stop.duration = 0.4;
   return scene;
 }
 
 /// Whether the outermost rows and columns of a picture hold nothing but the background.
-bool hasFreeBorder(const Frame& frame) {
-  const Colour background = frame.at(0, 0);
+bool hasFreeBorder(const picture::Frame& frame) {
+  const picture::Colour background = frame.at(0, 0);
   for (int x = 0; x < frame.size.width; ++x) {
     if (frame.at(x, 0) != background || frame.at(x, frame.size.height - 1) != background)
       return false;
@@ -58,21 +58,23 @@ class RecordTest : public testing::Test {
     settings_.size = {96, 64};
     settings_.grid = {1, 2};
     settings_.framesPerSecond = 20;
-    settings_.pace = Pace::Real;
+    settings_.pace = record::Pace::Real;
   }
   void TearDown() override { fs::remove_all(settings_.folder); }
 
   std::string messageOfRecording() {
     try {
-      record(tessellationScene(), settings_, proceed_);
+      record::record(tessellationScene(), settings_, proceed_);
     } catch (const InputError& error) {
       return error.what();
     }
     return "";
   }
 
-  RecordSettings settings_;
-  ProgressObserver proceed_ = [](const Progress&) { return Interruption(); };
+  record::RecordSettings settings_;
+  record::ProgressObserver proceed_ = [](const record::Progress&) {
+    return record::Interruption();
+  };
 };
 
 std::string bytesOf(const fs::path& file) {
@@ -85,7 +87,7 @@ TEST_F(RecordTest, BytesDoNotDependOnTheNumberOfPainters) {
   std::vector<std::string> videos, lastFrames;
   for (const int painters : {1, 2, 5}) {
     settings_.painterCount = painters;
-    record(tessellationScene(), settings_, proceed_);
+    record::record(tessellationScene(), settings_, proceed_);
     videos.push_back(bytesOf(settings_.folder / "deployment.mp4"));
     lastFrames.push_back(bytesOf(settings_.folder / "frames/frame_00008.png"));
   }
@@ -96,7 +98,7 @@ TEST_F(RecordTest, BytesDoNotDependOnTheNumberOfPainters) {
 
 TEST_F(RecordTest, PaintsAFrameForEachSample) {
   settings_.frames = true;
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_EQ(summary.videoFrames, 9);  // 0.4 s at 20 a second, and the start
   EXPECT_THAT(summary.files, Contains("frames/frame_00008.png"));
   EXPECT_THAT(summary.files, Not(Contains("frames/frame_00009.png")));
@@ -104,11 +106,11 @@ TEST_F(RecordTest, PaintsAFrameForEachSample) {
 }
 
 TEST_F(RecordTest, FillsItsLengthAtAnEvenPace) {
-  settings_.pace = Pace::Even;
+  settings_.pace = record::Pace::Even;
   settings_.length = 2;
-  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).videoFrames, 40);
+  EXPECT_EQ(record::record(tessellationScene(), settings_, proceed_).videoFrames, 40);
   settings_.hold = 0;
-  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).videoFrames, 40);
+  EXPECT_EQ(record::record(tessellationScene(), settings_, proceed_).videoFrames, 40);
   settings_.hold = 0.97;
   EXPECT_EQ(messageOfRecording(),
             "error: --length 2 leaves no time for motion between --hold 0.97 at the start and the "
@@ -118,9 +120,9 @@ TEST_F(RecordTest, FillsItsLengthAtAnEvenPace) {
 TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
   std::vector<double> deploying;
   std::vector<double> painting;
-  record(tessellationScene(), settings_, [&](const Progress& progress) {
+  record::record(tessellationScene(), settings_, [&](const record::Progress& progress) {
     (std::string(progress.stage) == "deploying" ? deploying : painting).push_back(progress.share);
-    return Interruption();
+    return record::Interruption();
   });
   EXPECT_TRUE(std::is_sorted(deploying.begin(), deploying.end()));
   EXPECT_TRUE(std::is_sorted(painting.begin(), painting.end()));
@@ -130,13 +132,14 @@ TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
 
 TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
   int samples = 0;
-  const RunSummary summary = record(tessellationScene(), settings_, [&](const Progress& progress) {
-    const bool goesOn = std::string(progress.stage) != "deploying" || ++samples < 4;
-    return goesOn ? Interruption() : "the test";
-  });
-  EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  const record::RunSummary summary =
+      record::record(tessellationScene(), settings_, [&](const record::Progress& progress) {
+        const bool goesOn = std::string(progress.stage) != "deploying" || ++samples < 4;
+        return goesOn ? record::Interruption() : "the test";
+      });
+  EXPECT_EQ(summary.outcome, deploy::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
-  EXPECT_EQ(readTrajectory(settings_.folder / "trajectory.h5").events.back().text,
+  EXPECT_EQ(trajectory::readTrajectory(settings_.folder / "trajectory.h5").events.back().text,
             "interrupted: interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 4);
   EXPECT_TRUE(fs::exists(settings_.folder / "deployment.mp4"));
@@ -144,37 +147,39 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
 
 TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
   // No sample and no news, until something ends it.
-  const Deployer stuck = [](const Scene& scene, double interval, const SampleObserver& observer,
-                            const TrialObserver& searching, Checkpoints* checkpoints) {
-    const InterruptionCatcher catcher;
-    EXPECT_THROW(
-        {
-          for (;;) checkInterruption();
-        },
-        Interrupted);
-    return deployUnkept(scene, interval, observer, searching, checkpoints);
-  };
+  const record::Deployer stuck =
+      [](const scene::Scene& scene, double interval, const deploy::SampleObserver& observer,
+         const deploy::TrialObserver& searching, deploy::Checkpoints* checkpoints) {
+        const InterruptionCatcher catcher;
+        EXPECT_THROW(
+            {
+              for (;;) checkInterruption();
+            },
+            Interrupted);
+        return deploy::deployUnkept(scene, interval, observer, searching, checkpoints);
+      };
   int asked = 0;
-  const RunSummary summary = record(
+  const record::RunSummary summary = record::record(
       tessellationScene(), settings_,
-      [&asked](const Progress& progress) {
-        if (std::string(progress.stage) == "painting") return Interruption();
+      [&asked](const record::Progress& progress) {
+        if (std::string(progress.stage) == "painting") return record::Interruption();
         ++asked;
-        return Interruption("the test");
+        return record::Interruption("the test");
       },
       stuck);
   EXPECT_EQ(asked, 1);  // another signal would be for what comes next
-  EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  EXPECT_EQ(summary.outcome, deploy::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 1);
 }
 
 TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
-  const RunSummary summary = record(tessellationScene(), settings_, [](const Progress& progress) {
-    const bool goesOn = std::string(progress.stage) == "deploying" || progress.share < 0.3;
-    return goesOn ? Interruption() : "the test";
-  });
-  EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  const record::RunSummary summary =
+      record::record(tessellationScene(), settings_, [](const record::Progress& progress) {
+        const bool goesOn = std::string(progress.stage) == "deploying" || progress.share < 0.3;
+        return goesOn ? record::Interruption() : "the test";
+      });
+  EXPECT_EQ(summary.outcome, deploy::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test while painting; the video ends at 0.1 s");
   EXPECT_EQ(summary.videoFrames, 3);
 }
@@ -182,27 +187,27 @@ TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
 TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
   settings_.look.camera.keys = {{1, {}, 1}, {0, {}, 1}};
   int calls = 0;
-  EXPECT_THROW(record(tessellationScene(), settings_,
-                      [&calls](const Progress&) {
-                        ++calls;
-                        return Interruption();
-                      }),
+  EXPECT_THROW(record::record(tessellationScene(), settings_,
+                              [&calls](const record::Progress&) {
+                                ++calls;
+                                return record::Interruption();
+                              }),
                InputError);
   EXPECT_EQ(calls, 0);
 }
 
 TEST_F(RecordTest, SaysInTheSummaryHowItLooks) {
-  settings_.look.colouring = Colouring::State;
+  settings_.look.colouring = picture::Colouring::State;
   settings_.video = settings_.meshes = false;
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
-  EXPECT_THAT(summaryJson(tessellationScene(), settings_, summary),
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
+  EXPECT_THAT(record::summaryJson(tessellationScene(), settings_, summary),
               HasSubstr("\"colour\": \"state\""));
 }
 
 TEST_F(RecordTest, DrawsEachSnapshotAsVectorsOnRequest) {
   settings_.svg = true;
   settings_.video = false;
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_THAT(summary.files, Contains("snapshot_01.svg"));
   EXPECT_THAT(summary.files, Contains("snapshot_02.svg"));
   EXPECT_TRUE(fs::exists(settings_.folder / "snapshot_02.svg"));
@@ -213,19 +218,19 @@ TEST_F(RecordTest, MakesAGridForPrint) {
   settings_.gridWidth = 90;
   settings_.fontPoints = 7;
   settings_.letters = settings_.scaleBar = true;
-  settings_.pages = {PageFormat::Svg, PageFormat::Pdf};
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  settings_.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_THAT(summary.files, Contains("snapshots.svg"));
   EXPECT_THAT(summary.files, Contains("snapshots.pdf"));
   // 90 mm at 300 dots an inch, but for the rounding of cells and gaps.
-  EXPECT_NEAR(readPng(settings_.folder / "snapshots.png").size.width, 1063, 4);
+  EXPECT_NEAR(picture::readPng(settings_.folder / "snapshots.png").size.width, 1063, 4);
   std::ifstream file(settings_.folder / "snapshots.svg");
   const std::string svg(std::istreambuf_iterator<char>(file), {});
   EXPECT_THAT(svg, HasSubstr("width=\"90mm\""));
   EXPECT_THAT(svg, HasSubstr(">(b)</text>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"picture_02_bricks\""));
   // A repeated run replaces them.
-  EXPECT_NO_THROW(record(tessellationScene(), settings_, proceed_));
+  EXPECT_NO_THROW(record::record(tessellationScene(), settings_, proceed_));
   settings_.gridWidth.reset();
   EXPECT_EQ(messageOfRecording(),
             "error: --font-size works with --width alone, such as --width 180mm; give that too, or "
@@ -243,11 +248,11 @@ TEST_F(RecordTest, TypeHasItsPointsInThePdf) {
   settings_.video = false;
   settings_.gridWidth = 180;
   settings_.letters = true;
-  settings_.pages = {PageFormat::Pdf};
+  settings_.pages = {picture::PageFormat::Pdf};
   const std::string file = (settings_.folder / "snapshots.pdf").string();
   for (const double points : {7, 9}) {
     settings_.fontPoints = points;
-    record(tessellationScene(), settings_, proceed_);
+    record::record(tessellationScene(), settings_, proceed_);
     const std::string page = test::outputOf("pdftohtml -xml -i -stdout -zoom 3 " + file);
     EXPECT_THAT(page, HasSubstr("width=\"1530\""));  // 180 mm are 510.2 points
     EXPECT_THAT(page, HasSubstr(fmt::format("<fontspec id=\"0\" size=\"{}\"", 3 * points)));
@@ -266,8 +271,9 @@ TEST_F(RecordTest, TypeHasItsPointsInThePdf) {
 
 TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
   settings_.scaleBar = true;
-  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).outcome, Outcome::OutOfTime);
-  settings_.look.camera.view = kIsometricView;
+  EXPECT_EQ(record::record(tessellationScene(), settings_, proceed_).outcome,
+            deploy::Outcome::OutOfTime);
+  settings_.look.camera.view = picture::kIsometricView;
   EXPECT_EQ(messageOfRecording(),
             "error: one scale bar cannot hold all over a picture in perspective or from a moving "
             "camera; add --projection parallel, or leave --scale-bar away");
@@ -275,32 +281,33 @@ TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
 
 TEST_F(RecordTest, WithoutPicturesNeedsNoGraphics) {
   settings_.video = settings_.snapshots = settings_.meshes = false;
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_EQ(summary.graphics, "");
-  EXPECT_THAT(summaryJson(tessellationScene(), settings_, summary), HasSubstr("\"opengl\": null"));
+  EXPECT_THAT(record::summaryJson(tessellationScene(), settings_, summary),
+              HasSubstr("\"opengl\": null"));
   EXPECT_THAT(summary.files,
               testing::ElementsAre("trajectory.h5", "final_vertices.txt", "summary.json"));
 }
 
 TEST_F(RecordTest, ErrorsThatDoNotExistAreNull) {
-  Scene scene = tessellationScene();
+  scene::Scene scene = tessellationScene();
   scene.model.target.reset();
   settings_.video = settings_.snapshots = settings_.meshes = false;
-  const RunSummary summary = record(scene, settings_, proceed_);
-  const std::string json = summaryJson(scene, settings_, summary);
+  const record::RunSummary summary = record::record(scene, settings_, proceed_);
+  const std::string json = record::summaryJson(scene, settings_, summary);
   EXPECT_THAT(json, HasSubstr("\"target_error_end\": null"));
   EXPECT_THAT(json, HasSubstr("\"rigid_bound\": null"));
 }
 
 TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
-  Scene scene = tessellationScene();
+  scene::Scene scene = tessellationScene();
   // The explicit baseline with a stiffness far beyond its step.
-  scene.solver.kind = SolverKind::Bullet;
+  scene.solver.kind = scene::SolverKind::Bullet;
   scene.solver.substeps = 1;
   scene.springs.springStiffness = 1e9;
   scene.springs.torqueStiffness = 1e9;
-  const RunSummary summary = record(scene, settings_, proceed_);
-  EXPECT_EQ(summary.outcome, Outcome::Diverged);
+  const record::RunSummary summary = record::record(scene, settings_, proceed_);
+  EXPECT_EQ(summary.outcome, deploy::Outcome::Diverged);
   EXPECT_THAT(summary.reason, HasSubstr("left all bounds"));
   for (const char* name : {"deployment.mp4", "snapshots.png", "final.obj", "summary.json"}) {
     EXPECT_TRUE(fs::exists(settings_.folder / name)) << name;
@@ -309,10 +316,11 @@ TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
 
 TEST_F(RecordTest, RenderingAgainGivesTheSameBytes) {
   settings_.frames = true;
-  record(tessellationScene(), settings_, proceed_);
-  PictureSettings again = settings_;
+  record::record(tessellationScene(), settings_, proceed_);
+  record::PictureSettings again = settings_;
   again.folder = settings_.folder / "again";
-  const PictureReport report = render(settings_.folder / "trajectory.h5", again, proceed_);
+  const record::PictureReport report =
+      record::render(settings_.folder / "trajectory.h5", again, proceed_);
   EXPECT_EQ(report.videoFrames, 9);
   for (const char* name : {"deployment.mp4", "snapshots.png", "frames/frame_00004.png"}) {
     EXPECT_TRUE(bytesOf(settings_.folder / name) == bytesOf(again.folder / name)) << name;
@@ -320,11 +328,11 @@ TEST_F(RecordTest, RenderingAgainGivesTheSameBytes) {
 }
 
 TEST_F(RecordTest, BytesDoNotDependOnWhichStageIsSlow) {
-  record(tessellationScene(), settings_, proceed_);
+  record::record(tessellationScene(), settings_, proceed_);
   const std::string quick = bytesOf(settings_.folder / "deployment.mp4");
-  record(tessellationScene(), settings_, [](const Progress&) {
+  record::record(tessellationScene(), settings_, [](const record::Progress&) {
     std::this_thread::sleep_for(std::chrono::milliseconds(15));  // a slow deployment
-    return Interruption();
+    return record::Interruption();
   });
   EXPECT_TRUE(quick == bytesOf(settings_.folder / "deployment.mp4"));
 }
@@ -332,66 +340,67 @@ TEST_F(RecordTest, BytesDoNotDependOnWhichStageIsSlow) {
 TEST_F(RecordTest, SlowMotionTakesMoreSamples) {
   settings_.speed = 0.5;
   settings_.hold = 0.2;
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_EQ(summary.videoFrames, 17 + 2 * 4);  // 0.4 s at 40 a second, and the start; held
-  PictureSettings lapse = settings_;
+  record::PictureSettings lapse = settings_;
   lapse.speed = 4;
   lapse.hold = 0;
   // Frames at 0, 0.2 and 0.4 s.
-  EXPECT_EQ(render(settings_.folder / "trajectory.h5", lapse, proceed_).videoFrames, 3);
+  EXPECT_EQ(record::render(settings_.folder / "trajectory.h5", lapse, proceed_).videoFrames, 3);
 }
 
 TEST_F(RecordTest, TitleCardComesFirst) {
   settings_.title = "Rotating squares";
-  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).videoFrames, 9 + 40);
+  EXPECT_EQ(record::record(tessellationScene(), settings_, proceed_).videoFrames, 9 + 40);
 }
 
 TEST_F(RecordTest, ChosenFramesAreTheNearestSamples) {
   settings_.video = settings_.snapshots = false;
-  settings_.chosenFrames = {{0.1, FrameChoice::Unit::Seconds}, {1, FrameChoice::Unit::Share}};
-  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  settings_.chosenFrames = {{0.1, record::FrameChoice::Unit::Seconds},
+                            {1, record::FrameChoice::Unit::Share}};
+  const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
   EXPECT_THAT(summary.files, Contains("frames/frame_00002.png"));
   EXPECT_THAT(summary.files, Contains("frames/frame_00008.png"));
   EXPECT_THAT(summary.files, Not(Contains("frames/frame_00001.png")));
-  settings_.chosenFrames = {{7, FrameChoice::Unit::Seconds}};
+  settings_.chosenFrames = {{7, record::FrameChoice::Unit::Seconds}};
   EXPECT_EQ(messageOfRecording(),
             "--frames-at: 7 s is after the end of the run at 0.4 s; give times up to it, or shares "
             "such as 100%");
 }
 
 /// Two squares at a distance that fall out of a picture fitted to their start and target.
-Scene fallingScene() {
-  Scene scene = tessellationScene();
+scene::Scene fallingScene() {
+  scene::Scene scene = tessellationScene();
   scene.environment.gravity = {0, 0, -400};
   return scene;
 }
 
 TEST_F(RecordTest, ShowsWhatLeavesAPictureOfTheEndsToo) {
-  settings_.look.camera.view = kFrontView;
+  settings_.look.camera.view = picture::kFrontView;
   settings_.frames = true;
   settings_.snapshots = false;
-  const RunSummary summary = record(fallingScene(), settings_, proceed_);
+  const record::RunSummary summary = record::record(fallingScene(), settings_, proceed_);
   ASSERT_EQ(summary.videoFrames, 9);
-  EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / "frames/frame_00008.png")));
+  EXPECT_TRUE(hasFreeBorder(picture::readPng(settings_.folder / "frames/frame_00008.png")));
 }
 
 TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
-  settings_.look.camera.view = kFrontView;
+  settings_.look.camera.view = picture::kFrontView;
   settings_.video = settings_.snapshots = false;
-  settings_.chosenFrames = {{1, FrameChoice::Unit::Share}};
-  record(fallingScene(), settings_, proceed_);
-  EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / "frames/frame_00008.png")));
+  settings_.chosenFrames = {{1, record::FrameChoice::Unit::Share}};
+  record::record(fallingScene(), settings_, proceed_);
+  EXPECT_TRUE(hasFreeBorder(picture::readPng(settings_.folder / "frames/frame_00008.png")));
 }
 
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
   // Where frames are to be written; there are more than queues hold.
   settings_.frames = true;
-  settings_.pace = Pace::Even;
+  settings_.pace = record::Pace::Even;
   const auto recording = [this] {
-    record(tessellationScene(), settings_, [this](const Progress&) {
+    record::record(tessellationScene(), settings_, [this](const record::Progress&) {
       const fs::path frames = settings_.folder / ".unfinished/frames";
       if (fs::remove_all(frames) > 0) std::ofstream(frames) << "no folder";
-      return Interruption{};
+      return record::Interruption{};
     });
   };
   EXPECT_THROW(recording(), OutputError);
@@ -402,7 +411,8 @@ TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
 TEST_F(RecordTest, MissesTheEncoderBeforeTheRun) {
   settings_.encoder = "libx999";
   const auto recording = [this] {
-    record(tessellationScene(), settings_, [](const Progress&) -> Interruption { std::abort(); });
+    record::record(tessellationScene(), settings_,
+                   [](const record::Progress&) -> record::Interruption { std::abort(); });
   };
   EXPECT_THROW(recording(), OutputError);
 }
@@ -422,12 +432,13 @@ TEST_F(RecordTest, RefusesSettingsOutOfRangeBeforeTheRun) {
 
 TEST_F(RecordTest, CameraShowsEveryFrameWhole) {
   settings_.frames = true;
-  for (const ViewAngles view : {kTopView, kFrontView, kIsometricView}) {
+  for (const picture::ViewAngles view :
+       {picture::kTopView, picture::kFrontView, picture::kIsometricView}) {
     settings_.look.camera.view = view;
-    const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+    const record::RunSummary summary = record::record(tessellationScene(), settings_, proceed_);
     for (const std::string& file : summary.files) {
       if (!file.starts_with("frames/")) continue;
-      EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / file))) << file;
+      EXPECT_TRUE(hasFreeBorder(picture::readPng(settings_.folder / file))) << file;
     }
   }
 }

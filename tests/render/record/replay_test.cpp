@@ -14,30 +14,31 @@ namespace {
 class ReplayTest : public testing::Test {
  protected:
   ReplayTest() {
-    Scene scene;
-    scene.model = makeTessellation({.columns = 1, .rows = 1});
-    Trajectory trajectory{subjectOf(scene)};
+    scene::Scene scene;
+    scene.model = model::makeTessellation({.columns = 1, .rows = 1});
+    trajectory::Trajectory trajectory{trajectory::subjectOf(scene)};
     for (int k = 0; k <= 10; ++k) {
-      Sample sample;
+      trajectory::Sample sample;
       sample.time = 0.1 * k;
       sample.poses = {{Vector3(0.1 * k, 0, 0), rotationFromVector({0, 0, 0.1 * k})}};
       trajectory.samples.push_back(sample);
     }
-    writeTrajectory(trajectory, folder_ / "run.h5");
+    trajectory::writeTrajectory(trajectory, folder_ / "run.h5");
   }
 
   std::vector<double> timesOfReplay(double step, int observed = 1000) {
-    const TrajectoryReader run(folder_ / "run.h5");
-    PictureSettings settings;
-    settings.pace = Pace::Real;
+    const trajectory::TrajectoryReader run(folder_ / "run.h5");
+    record::PictureSettings settings;
+    settings.pace = record::Pace::Real;
     settings.framesPerSecond = 1;
     settings.speed = step;
-    const std::vector<FrameMoment> moments = videoMoments(motionOf(run), settings);
+    const std::vector<record::FrameMoment> moments =
+        record::videoMoments(record::motionOf(run), settings);
     std::vector<double> times;
-    const ProgressObserver observer = [&](const Progress&) {
-      return --observed > 0 ? Interruption() : "the test";
+    const record::ProgressObserver observer = [&](const record::Progress&) {
+      return --observed > 0 ? record::Interruption() : "the test";
     };
-    replay(run, moments, observer, report_)([&](const SharedState& state) {
+    record::replay(run, moments, observer, report_)([&](const record::SharedState& state) {
       times.push_back(state->sample.time);
       return true;
     });
@@ -45,14 +46,14 @@ class ReplayTest : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  PictureReport report_;
+  record::PictureReport report_;
 };
 
 TEST_F(ReplayTest, StatesBetweenSamplesAreInterpolated) {
-  const TrajectoryReader run(folder_ / "run.h5");
-  Replay states(run);
+  const trajectory::TrajectoryReader run(folder_ / "run.h5");
+  record::Replay states(run);
   for (const double time : {0.0, 0.3, 0.333, 0.95, 0.12, 0.31, 1.0}) {
-    const Sample sample = states.at(time);
+    const trajectory::Sample sample = states.at(time);
     EXPECT_NEAR(sample.time, time, 1e-12);
     EXPECT_NEAR(sample.poses[0].position.x(), time, 1e-12);  // measured: 1.1e-16
     const Quaternion wanted = rotationFromVector({0, 0, time});

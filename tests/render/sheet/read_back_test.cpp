@@ -15,10 +15,10 @@ namespace {
 
 using CornerPair = std::pair<std::pair<int, int>, std::pair<int, int>>;
 
-Vector3 meanCorner(const std::vector<Tile>& tiles) {
+Vector3 meanCorner(const std::vector<model::Tile>& tiles) {
   Vector3 sum = Vector3::Zero();
   int count = 0;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& v : tile.vertices) {
       sum += v;
       ++count;
@@ -28,13 +28,13 @@ Vector3 meanCorner(const std::vector<Tile>& tiles) {
 }
 
 /// The corner of `tiles` at a corner's place, of the tile round the same centroid.
-std::pair<int, int> cornerLike(const Model& model, const Corner& corner,
-                               const std::vector<Tile>& tiles, const Vector3& moved,
+std::pair<int, int> cornerLike(const model::Model& model, const model::Corner& corner,
+                               const std::vector<model::Tile>& tiles, const Vector3& moved,
                                double tolerance) {
-  const Vector3 centre = tileCentroid(model.tiles[corner.tile]) + moved;
+  const Vector3 centre = model::tileCentroid(model.tiles[corner.tile]) + moved;
   const Vector3 place = model.tiles[corner.tile].vertices[corner.vertex] + moved;
   for (int t = 0; t < std::ssize(tiles); ++t) {
-    if ((tileCentroid(tiles[t]) - centre).norm() > tolerance) continue;
+    if ((model::tileCentroid(tiles[t]) - centre).norm() > tolerance) continue;
     for (int k = 0; k < std::ssize(tiles[t].vertices); ++k) {
       if ((tiles[t].vertices[k] - place).norm() <= tolerance) return {t, k};
     }
@@ -46,14 +46,14 @@ CornerPair sorted(std::pair<int, int> a, std::pair<int, int> b) {
   return a < b ? CornerPair{a, b} : CornerPair{b, a};
 }
 
-void expectSameSheet(const Model& read, const Model& drawn, const std::string& what) {
+void expectSameSheet(const model::Model& read, const model::Model& drawn, const std::string& what) {
   ASSERT_EQ(read.tiles.size(), drawn.tiles.size()) << what;
   ASSERT_EQ(read.joints.size(), drawn.joints.size()) << what;
   const Vector3 moved = meanCorner(read.tiles) - meanCorner(drawn.tiles);
   // A pattern draws sides that nearly coincide (1e-4 of a tile) once: the kinks of this one's
   // slits.
   const double share = drawn.name == "square-to-circle" ? 2e-4 : 1e-9;  // measured 3e-13
-  const double tolerance = share * tileSize(drawn);
+  const double tolerance = share * model::tileSize(drawn);
   std::set<std::pair<int, int>> found;
   for (int t = 0; t < std::ssize(drawn.tiles); ++t) {
     for (int k = 0; k < std::ssize(drawn.tiles[t].vertices); ++k) {
@@ -61,24 +61,24 @@ void expectSameSheet(const Model& read, const Model& drawn, const std::string& w
     }
   }
   std::size_t corners = 0;
-  for (const Tile& tile : read.tiles) corners += tile.vertices.size();
+  for (const model::Tile& tile : read.tiles) corners += tile.vertices.size();
   EXPECT_EQ(found.size(), corners) << what;
   EXPECT_FALSE(found.contains({-1, -1})) << what;
   std::set<CornerPair> wanted, got;
-  for (const Joint& joint : drawn.joints) {
+  for (const model::Joint& joint : drawn.joints) {
     wanted.insert(sorted(cornerLike(drawn, joint.a, read.tiles, moved, tolerance),
                          cornerLike(drawn, joint.b, read.tiles, moved, tolerance)));
   }
-  for (const Joint& joint : read.joints) {
-    EXPECT_EQ(joint.face, JointFace::Both);
+  for (const model::Joint& joint : read.joints) {
+    EXPECT_EQ(joint.face, model::JointFace::Both);
     got.insert(sorted({joint.a.tile, joint.a.vertex}, {joint.b.tile, joint.b.vertex}));
   }
   EXPECT_EQ(got, wanted) << what;
 }
 
-double leastEdge(const Model& model) {
+double leastEdge(const model::Model& model) {
   double least = 1e9;
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
       const Vector3& next = tile.vertices[(k + 1) % tile.vertices.size()];
       least = std::min(least, (next - tile.vertices[k]).norm());
@@ -91,27 +91,27 @@ class PatternOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(PatternOf, ReadsBackToTheSameModel) {
   for (const double start : {0.0, 25.0}) {
-    const Family& family = familyNamed(GetParam());
+    const generate::Family& family = generate::familyNamed(GetParam());
     const bool opens = std::any_of(
         family.parameters.begin(), family.parameters.end(),
-        [](const FamilyParameter& parameter) { return parameter.name == "start-angle"; });
+        [](const generate::FamilyParameter& parameter) { return parameter.name == "start-angle"; });
     if (start > 0 && !opens) continue;
     std::map<std::string, double> given;
     const bool isTriangular =
         std::string(GetParam()) == "triangles" || std::string(GetParam()) == "trefoils";
     if (opens && !isTriangular) given["start-angle"] = start;
     if (start > 0 && isTriangular) given["start-angle"] = 240 - start;
-    const Model drawn = generateModel(family, given);
+    const model::Model drawn = generate::generateModel(family, given);
     for (const double share : {0.02, 0.05, 0.1}) {
       const double width = share * leastEdge(drawn);
-      const std::vector<PatternLine> lines = cutPattern(drawn, width);
+      const std::vector<exports::PatternLine> lines = exports::cutPattern(drawn, width);
       const TemporaryFolder folder;
-      folder.write("sheet.svg", patternSvg(lines));
-      folder.write("sheet.dxf", patternDxf(lines));
+      folder.write("sheet.svg", exports::patternSvg(lines));
+      folder.write("sheet.dxf", exports::patternDxf(lines));
       for (const char* name : {"sheet.svg", "sheet.dxf"}) {
         std::vector<std::string> warnings;
         try {
-          expectSameSheet(readModel(folder.path() / name, std::nullopt, warnings), drawn,
+          expectSameSheet(model::readModel(folder.path() / name, std::nullopt, warnings), drawn,
                           fmt::format("{} {} {} from {} degrees", GetParam(), name, share, start));
         } catch (const InputError& error) {
           ADD_FAILURE() << GetParam() << ' ' << share << ' ' << start << ": " << error.what();
@@ -136,7 +136,7 @@ std::string refusalOf(const std::string& name, const std::string& text) {
   folder.write(name, text);
   std::vector<std::string> warnings;
   try {
-    readModel(folder.path() / name, std::nullopt, warnings);
+    model::readModel(folder.path() / name, std::nullopt, warnings);
     return "";
   } catch (const InputError& error) {
     return std::string(error.what()).substr(folder.path().string().size());

@@ -17,8 +17,8 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-TessellationShape shapeOf(int columns, int rows, double angle) {
-  TessellationShape shape;
+model::TessellationShape shapeOf(int columns, int rows, double angle) {
+  model::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
   shape.startAngle = angle;
@@ -27,9 +27,9 @@ TessellationShape shapeOf(int columns, int rows, double angle) {
 
 /// PyKirigami's rules for reading a planar OBJ back: "v" rows are vertices, "f" rows are tiles in
 /// order, numbers count from 1 and end at a slash, all else is passed over.
-std::vector<Tile> readAsPyKirigamiDoes(const std::string& text) {
+std::vector<model::Tile> readAsPyKirigamiDoes(const std::string& text) {
   std::vector<Vector3> vertices;
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream row(line);
@@ -41,7 +41,7 @@ std::vector<Tile> readAsPyKirigamiDoes(const std::string& text) {
       vertices.emplace_back(std::stod(x), std::stod(y), std::stod(z));
     }
     if (key != "f") continue;
-    Tile& tile = tiles.emplace_back();
+    model::Tile& tile = tiles.emplace_back();
     for (std::string corner; row >> corner;) {
       tile.vertices.push_back(vertices.at(std::stoi(corner.substr(0, corner.find('/'))) - 1));
     }
@@ -51,15 +51,15 @@ std::vector<Tile> readAsPyKirigamiDoes(const std::string& text) {
 
 /// Whichever way a sheet faces, its plane has it face up, and turned back it lies where it lay.
 TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
-  const Model flat = makeTessellation(shapeOf(3, 2, 0.4));
+  const model::Model flat = model::makeTessellation(shapeOf(3, 2, 0.4));
   for (const Vector3& turn :
        {Vector3(0, 0, 0), Vector3(0.3, -1, 0.2), Vector3(std::numbers::pi, 0, 0),
         Vector3(0, std::numbers::pi, 0), Vector3(0, std::numbers::pi - 1e-9, 0)}) {
-    Model model = flat;
-    for (Tile& tile : model.tiles) {
+    model::Model model = flat;
+    for (model::Tile& tile : model.tiles) {
       for (Vector3& vertex : tile.vertices) vertex = rotationFromVector(turn) * vertex;
     }
-    const FlatSheet sheet = flatSheet(model);
+    const exports::FlatSheet sheet = exports::flatSheet(model);
     const Vector3 normal = sheet.turn * rotationFromVector(turn) * Vector3::UnitZ();
     // Measured: 1.4e-16; 5e-16 for the corners.
     EXPECT_LT((normal - Vector3::UnitZ()).norm(), 1e-14) << turn.transpose();
@@ -74,20 +74,20 @@ TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
 }
 
 TEST(PlanarObj, IsReadBackToTheSameTarget) {
-  const std::vector<Tile> tiles = tessellationTiles(shapeOf(3, 2, 0), 1.0 / 3);
-  const std::string text = planarObjText(tiles);
+  const std::vector<model::Tile> tiles = model::tessellationTiles(shapeOf(3, 2, 0), 1.0 / 3);
+  const std::string text = exports::planarObjText(tiles);
   EXPECT_THAT(text, StartsWith("# 24 vertices 6 faces\nv "));
   EXPECT_THAT(text, testing::EndsWith("\n\nf 1 2 3 4\nf 5 6 7 8\nf 9 10 11 12\nf 13 14 15 16\n"
                                       "f 17 18 19 20\nf 21 22 23 24\n"));
-  const std::vector<Tile> read = readAsPyKirigamiDoes(text);
+  const std::vector<model::Tile> read = readAsPyKirigamiDoes(text);
   ASSERT_EQ(read.size(), tiles.size());
   for (std::size_t t = 0; t < tiles.size(); ++t) EXPECT_EQ(read[t].vertices, tiles[t].vertices);
 }
 
 TEST(Fold, SharesVerticesAtJointsAndKeepsEveryState) {
-  const Model model = makeTessellation(shapeOf(2, 2, 0));
-  const std::vector<Tile> open = tessellationTiles(shapeOf(2, 2, 0), 0.9);
-  const json fold = json::parse(foldText(model, {{0, model.tiles}, {1.5, open}}));
+  const model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  const std::vector<model::Tile> open = model::tessellationTiles(shapeOf(2, 2, 0), 0.9);
+  const json fold = json::parse(exports::foldText(model, {{0, model.tiles}, {1.5, open}}));
   EXPECT_EQ(fold["file_spec"], 1.2);
   // Sixteen corners, four joints.
   EXPECT_EQ(fold["vertices_coords"].size(), 12U);
@@ -108,37 +108,38 @@ TEST(Fold, SharesVerticesAtJointsAndKeepsEveryState) {
   }
 }
 
-std::map<PatternLayer, double> lengths(const std::vector<PatternLine>& lines) {
-  std::map<PatternLayer, double> sums;
-  for (const PatternLine& line : lines) sums[line.layer] += (line.to - line.from).norm();
+std::map<exports::PatternLayer, double> lengths(const std::vector<exports::PatternLine>& lines) {
+  std::map<exports::PatternLayer, double> sums;
+  for (const exports::PatternLine& line : lines) sums[line.layer] += (line.to - line.from).norm();
   return sums;
 }
 
 TEST(CutPattern, KeepsANeckOfTheChosenWidthAtEachJoint) {
   // 2 x 2 closed unit squares: an outline of 8, four inner edges, four joints on them.
   const double width = 0.05;
-  const std::vector<PatternLine> lines = cutPattern(makeTessellation(shapeOf(2, 2, 0)), width);
-  std::map<PatternLayer, double> sums = lengths(lines);
-  EXPECT_NEAR(sums[PatternLayer::Cuts], 8, 1e-12);
-  EXPECT_NEAR(sums[PatternLayer::Slits], 4 - 4 * width, 1e-12);
-  EXPECT_NEAR(sums[PatternLayer::Hinges], 4 * width, 1e-12);
+  const std::vector<exports::PatternLine> lines =
+      exports::cutPattern(model::makeTessellation(shapeOf(2, 2, 0)), width);
+  std::map<exports::PatternLayer, double> sums = lengths(lines);
+  EXPECT_NEAR(sums[exports::PatternLayer::Cuts], 8, 1e-12);
+  EXPECT_NEAR(sums[exports::PatternLayer::Slits], 4 - 4 * width, 1e-12);
+  EXPECT_NEAR(sums[exports::PatternLayer::Hinges], 4 * width, 1e-12);
 }
 
 TEST(CutPattern, ClosesOpenGapsWithALine) {
   // Opened by theta, each joint's gap ends where its chord is the width away from the joint.
   const double theta = 0.4;
   const double width = 0.05;
-  const Model model = makeTessellation(shapeOf(2, 1, theta));
-  std::map<PatternLayer, double> sums = lengths(cutPattern(model, width));
-  EXPECT_EQ(sums.count(PatternLayer::Slits), 0U);
-  EXPECT_NEAR(sums[PatternLayer::Hinges], width, 1e-12);
+  const model::Model model = model::makeTessellation(shapeOf(2, 1, theta));
+  std::map<exports::PatternLayer, double> sums = lengths(exports::cutPattern(model, width));
+  EXPECT_EQ(sums.count(exports::PatternLayer::Slits), 0U);
+  EXPECT_NEAR(sums[exports::PatternLayer::Hinges], width, 1e-12);
   const double cut = 8 - 2 * width / std::cos(theta / 2) + 2 * width * std::tan(theta / 2);
-  EXPECT_NEAR(sums[PatternLayer::Cuts], cut, 1e-12);
+  EXPECT_NEAR(sums[exports::PatternLayer::Cuts], cut, 1e-12);
 }
 
-std::string refusal(const Model& model, double width) {
+std::string refusal(const model::Model& model, double width) {
   try {
-    cutPattern(model, width);
+    exports::cutPattern(model, width);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -146,61 +147,62 @@ std::string refusal(const Model& model, double width) {
 }
 
 TEST(CutPattern, SaysWhatHasNone) {
-  Model model = makeTessellation(shapeOf(2, 2, 0));
+  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
   EXPECT_EQ(refusal(model, 0),
             "error: hinges cannot be 0 m wide; give a positive --hinge-width, "
             "or the sheet falls apart");
   EXPECT_EQ(refusal(model, 1.5),
             "error: hinges 1.5 m wide leave nothing to cut of edge 1 of tile 0, 1 m long; choose a "
             "smaller --hinge-width");
-  Model raised = model;
+  model::Model raised = model;
   raised.tiles[3].vertices[2].z() = 0.5;
   EXPECT_EQ(refusal(raised, 0.1),
             "error: the start is not flat: tile 3 reaches 0.5 m out of the plane of tile 0; only "
             "planar models have a cut pattern");
-  Model turned = model;
+  model::Model turned = model;
   std::reverse(turned.tiles[2].vertices.begin(), turned.tiles[2].vertices.end());
   EXPECT_EQ(refusal(turned, 0.1),
             "error: tile 2 faces the other way than tile 0; a cut pattern needs all tiles on one "
             "side: reverse its vertices");
-  model.joints[1].kind = JointKind::Link;
+  model.joints[1].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(model, 0.1),
             "error: joint 1 does not hold two corners together; a cut pattern knows hinges at "
             "corners alone");
 }
 
 TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
-  Model model = makeTessellation(shapeOf(2, 2, 0));
+  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
   model.fileOrder.countsFrom = 1;
   EXPECT_EQ(refusal(model, 1.5),
             "error: hinges 1.5 m wide leave nothing to cut of edge 2 of tile 1, 1 m long; choose a "
             "smaller --hinge-width");
-  Model raised = model;
+  model::Model raised = model;
   raised.tiles[3].vertices[2].z() = 0.5;
   EXPECT_EQ(refusal(raised, 0.1),
             "error: the start is not flat: tile 4 reaches 0.5 m out of the plane of tile 1; only "
             "planar models have a cut pattern");
-  Model turned = model;
+  model::Model turned = model;
   std::reverse(turned.tiles[2].vertices.begin(), turned.tiles[2].vertices.end());
   EXPECT_EQ(refusal(turned, 0.1),
             "error: tile 3 faces the other way than tile 1; a cut pattern needs all tiles on one "
             "side: reverse its vertices");
-  model.joints[1].kind = JointKind::Link;
+  model.joints[1].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(model, 0.1),
             "error: joint 2 does not hold two corners together; a cut pattern knows hinges at "
             "corners alone");
 }
 
 TEST(CutPattern, DrawsLayersInSvgAndDxf) {
-  const std::vector<PatternLine> lines = {{PatternLayer::Cuts, {0, 0}, {0.1, 0}},
-                                          {PatternLayer::Slits, {0, 0}, {0, 0.2}},
-                                          {PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
-  const std::string svg = patternSvg(lines);
+  const std::vector<exports::PatternLine> lines = {
+      {exports::PatternLayer::Cuts, {0, 0}, {0.1, 0}},
+      {exports::PatternLayer::Slits, {0, 0}, {0, 0.2}},
+      {exports::PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
+  const std::string svg = exports::patternSvg(lines);
   EXPECT_THAT(svg, HasSubstr("width=\"110mm\" height=\"260mm\" viewBox=\"0 0 110 260\""));
   EXPECT_THAT(svg, HasSubstr("<g id=\"cuts\" fill=\"none\" stroke-width=\"0.13\" "
                              "stroke=\"#d00000\">\n<path d=\"M 5 255 L 105 255\"/>\n</g>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"slits\""));
-  const std::string dxf = patternDxf(lines);
+  const std::string dxf = exports::patternDxf(lines);
   EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nslits\n10\n0\n20\n0\n11\n0\n21\n0.2\n"));
   EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nhinges\n10\n0\n20\n0.2\n11\n0\n21\n0.25\n"));
   EXPECT_THAT(dxf, testing::EndsWith("0\nENDSEC\n0\nEOF\n"));

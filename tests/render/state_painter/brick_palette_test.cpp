@@ -10,79 +10,81 @@
 namespace kirireel {
 namespace {
 
-std::vector<Brick> bricksOf(const std::vector<Tile>& tiles) {
-  return makeBricks(tiles, {});
+std::vector<model::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
+  return model::makeBricks(tiles, {});
 }
 
-Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
-  Tile tile;
+model::Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
+  model::Tile tile;
   for (const auto& [x, y] : corners) tile.vertices.emplace_back(x, y, 0);
   return tile;
 }
 
 /// A tessellation whose target stands 2 m above its start.
-PictureContent tessellationContent() {
-  Model model = makeTessellation({});
+picture::PictureContent tessellationContent() {
+  model::Model model = model::makeTessellation({});
   model.target = model.tiles;
-  for (Tile& tile : *model.target) {
+  for (model::Tile& tile : *model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 2;
   }
-  return makeContent(model, {}, std::nullopt);
+  return picture::makeContent(model, {}, std::nullopt);
 }
 
 /// Poses of the content's bricks when they have been lifted.
-Poses lifted(const PictureContent& content, double height) {
+Poses lifted(const picture::PictureContent& content, double height) {
   Poses poses = content.start;
   for (Pose& pose : poses) pose.position.z() += height;
   return poses;
 }
 
-Look coloured(Colouring colouring) {
-  Look look;
+picture::Look coloured(picture::Colouring colouring) {
+  picture::Look look;
   look.colouring = colouring;
   return look;
 }
 
 TEST(ShapeKinds, CountsCongruentTilesAsOne) {
   // A triangle, its mirror image turned by a quarter, a square, the triangle twice as large.
-  const std::vector<Tile> tiles = {
+  const std::vector<model::Tile> tiles = {
       polygon({{0, 0}, {3, 0}, {0, 1}}), polygon({{5, 5}, {6, 5}, {6, 8}}),
       polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), polygon({{0, 0}, {6, 0}, {0, 2}})};
-  EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 1, 2}));
+  EXPECT_EQ(picture::shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 1, 2}));
 }
 
 TEST(ShapeKinds, TellsARhombusFromASquare) {
   const double h = std::sqrt(0.75);
-  const std::vector<Tile> tiles = {polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
-                                   polygon({{0, 0}, {1, 0}, {1.5, h}, {0.5, h}})};
-  EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 1}));
+  const std::vector<model::Tile> tiles = {polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
+                                          polygon({{0, 0}, {1, 0}, {1.5, h}, {0.5, h}})};
+  EXPECT_EQ(picture::shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 1}));
 }
 
 TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int k = 1; k < 9; ++k) tiles.push_back(polygon({{0, 0}, {k, 0}, {0, 1}}));
   tiles.push_back(polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
-  EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 1}));
+  EXPECT_EQ(picture::shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 1}));
 }
 
 TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
-  PictureContent content = tessellationContent();
+  picture::PictureContent content = tessellationContent();
   // Between the first two tiles, 2 N m/rad and at rest a quarter turn ahead.
   content.pairForces = test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}});
   content.states = {content.start};
-  const BrickPalette moment(coloured(Colouring::Moment), content);
+  const picture::BrickPalette moment(coloured(picture::Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
   EXPECT_EQ(moment.scale()->title, "moment, N m");
-  EXPECT_EQ(moment.colours(content.start)[0].top, mapColour(ColourMap::Viridis, 1));
-  EXPECT_EQ(moment.colours(content.start)[2].top, mapColour(ColourMap::Viridis, 0));
-  const BrickPalette energy(coloured(Colouring::Energy), content);
+  EXPECT_EQ(moment.colours(content.start)[0].top,
+            picture::mapColour(picture::ColourMap::Viridis, 1));
+  EXPECT_EQ(moment.colours(content.start)[2].top,
+            picture::mapColour(picture::ColourMap::Viridis, 0));
+  const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.125, 1e-12);  // half of 2 * 0.5^2 / 2
 }
 
 // The springs' bricks are coloured by what a neck's ligament holds, too.
 TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
-  PictureContent content = tessellationContent();
-  Ligament ligament{0, 1};
+  picture::PictureContent content = tessellationContent();
+  model::Ligament ligament{0, 1};
   // From centre to centre: at rest at the start.
   ligament.start = content.start[1].position - content.start[0].position;
   ligament.stretchStiffness = 6;
@@ -94,21 +96,22 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
   parted[1].position += 0.5 * ligament.start.normalized();
   content.states = {turned, parted};
   // Turned, the neck is sheared by half of the angle: at brick B its end adds half of 3 * 0.2.
-  const BrickPalette moment(coloured(Colouring::Moment), content);
+  const picture::BrickPalette moment(coloured(picture::Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 2 * 0.4 + 0.3, 1e-12);
-  EXPECT_EQ(moment.colours(parted)[0].top, mapColour(ColourMap::Viridis, 0));
+  EXPECT_EQ(moment.colours(parted)[0].top, picture::mapColour(picture::ColourMap::Viridis, 0));
   // Parted, each brick has half of 6 * 0.5^2 / 2.
-  const BrickPalette energy(coloured(Colouring::Energy), content);
+  const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.375, 1e-12);
-  EXPECT_EQ(energy.colours(parted)[1].top, mapColour(ColourMap::Viridis, 1));
-  EXPECT_EQ(energy.colours(parted)[2].top, mapColour(ColourMap::Viridis, 0));
+  EXPECT_EQ(energy.colours(parted)[1].top, picture::mapColour(picture::ColourMap::Viridis, 1));
+  EXPECT_EQ(energy.colours(parted)[2].top, picture::mapColour(picture::ColourMap::Viridis, 0));
 }
 
 TEST(BrickPalette, MomentsNeedSpringsAtHinges) {
-  const PictureContent content = tessellationContent();
-  for (const Colouring colouring : {Colouring::Moment, Colouring::Energy}) {
+  const picture::PictureContent content = tessellationContent();
+  for (const picture::Colouring colouring :
+       {picture::Colouring::Moment, picture::Colouring::Energy}) {
     try {
-      BrickPalette(coloured(colouring), content);
+      picture::BrickPalette(coloured(colouring), content);
       FAIL() << "accepted";
     } catch (const InputError& error) {
       EXPECT_STREQ(error.what(),
@@ -119,64 +122,68 @@ TEST(BrickPalette, MomentsNeedSpringsAtHinges) {
 }
 
 TEST(BrickPalette, LeavesPlainBricksToTheStyle) {
-  const PictureContent content = tessellationContent();
-  const BrickPalette palette({}, content);
+  const picture::PictureContent content = tessellationContent();
+  const picture::BrickPalette palette({}, content);
   EXPECT_TRUE(palette.colours(content.start).empty());
   EXPECT_FALSE(palette.scale().has_value());
 }
 
 TEST(BrickPalette, SpansTheScaleFromStartToTarget) {
-  const PictureContent content = tessellationContent();
-  const BrickPalette palette(coloured(Colouring::TargetError), content);
+  const picture::PictureContent content = tessellationContent();
+  const picture::BrickPalette palette(coloured(picture::Colouring::TargetError), content);
   EXPECT_EQ(palette.scale()->title, "target error, m");
-  for (const BrickColours& colours : palette.colours(lifted(content, 2))) {
-    EXPECT_EQ(colours.top, mapColour(ColourMap::Viridis, 0));
+  for (const picture::BrickColours& colours : palette.colours(lifted(content, 2))) {
+    EXPECT_EQ(colours.top, picture::mapColour(picture::ColourMap::Viridis, 0));
     EXPECT_EQ(colours.bottom, colours.top);
   }
-  for (const BrickColours& colours : palette.colours(content.start)) {
-    EXPECT_EQ(colours.top, mapColour(ColourMap::Viridis, 1));
+  for (const picture::BrickColours& colours : palette.colours(content.start)) {
+    EXPECT_EQ(colours.top, picture::mapColour(picture::ColourMap::Viridis, 1));
   }
-  EXPECT_EQ(palette.colours(lifted(content, 1))[3].top, mapColour(ColourMap::Viridis, 0.5));
+  EXPECT_EQ(palette.colours(lifted(content, 1))[3].top,
+            picture::mapColour(picture::ColourMap::Viridis, 0.5));
 }
 
 TEST(BrickPalette, ShowsRotationsInDegrees) {
-  const PictureContent content = tessellationContent();
-  Look look = coloured(Colouring::Rotation);
+  const picture::PictureContent content = tessellationContent();
+  picture::Look look = coloured(picture::Colouring::Rotation);
   look.colourMost = 90;
-  const BrickPalette palette(look, content);
+  const picture::BrickPalette palette(look, content);
   EXPECT_NEAR(palette.scale()->most, 90, 1e-12);
-  const Colour expected = mapColour(ColourMap::Viridis, 0.5);
+  const picture::Colour expected = picture::mapColour(picture::ColourMap::Viridis, 0.5);
   Poses poses = content.start;
   for (Pose& pose : poses) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 4));
-  for (const BrickColours& colours : palette.colours(poses)) EXPECT_EQ(colours.top, expected);
+  for (const picture::BrickColours& colours : palette.colours(poses))
+    EXPECT_EQ(colours.top, expected);
 }
 
 TEST(BrickPalette, SpansTheScaleOverTheRun) {
-  PictureContent content = tessellationContent();
+  picture::PictureContent content = tessellationContent();
   Poses turned = content.start;
   for (Pose& pose : turned) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 6));
   content.states = {content.start, turned};
-  EXPECT_NEAR(BrickPalette(coloured(Colouring::Rotation), content).scale()->most, 30, 1e-12);
+  EXPECT_NEAR(picture::BrickPalette(coloured(picture::Colouring::Rotation), content).scale()->most,
+              30, 1e-12);
   content.states = {content.start};  // nothing turns
-  EXPECT_EQ(BrickPalette(coloured(Colouring::Rotation), content).scale()->most, 90);
+  EXPECT_EQ(picture::BrickPalette(coloured(picture::Colouring::Rotation), content).scale()->most,
+            90);
 }
 
 TEST(BrickPalette, TellsStartWayAndTargetApart) {
-  const PictureContent content = tessellationContent();
-  const BrickPalette palette(coloured(Colouring::State), content);
-  const BrickColours start = palette.colours(content.start)[0];
-  const BrickColours way = palette.colours(lifted(content, 1))[0];
-  const BrickColours target = palette.colours(lifted(content, 2))[0];
+  const picture::PictureContent content = tessellationContent();
+  const picture::BrickPalette palette(coloured(picture::Colouring::State), content);
+  const picture::BrickColours start = palette.colours(content.start)[0];
+  const picture::BrickColours way = palette.colours(lifted(content, 1))[0];
+  const picture::BrickColours target = palette.colours(lifted(content, 2))[0];
   EXPECT_NE(start, way);
   EXPECT_NE(way, target);
   EXPECT_NE(start, target);
 }
 
 TEST(BrickPalette, NeedsATargetForItsError) {
-  PictureContent content = tessellationContent();
+  picture::PictureContent content = tessellationContent();
   content.target.reset();
   try {
-    BrickPalette(coloured(Colouring::TargetError), content);
+    picture::BrickPalette(coloured(picture::Colouring::TargetError), content);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -186,28 +193,28 @@ TEST(BrickPalette, NeedsATargetForItsError) {
 }
 
 TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
-  PictureContent content;
-  const std::vector<Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
-                                   polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
-                                   polygon({{5, 5}, {6, 5}, {6, 8}})};
+  picture::PictureContent content;
+  const std::vector<model::Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
+                                          polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
+                                          polygon({{5, 5}, {6, 5}, {6, 8}})};
   content.bricks = bricksOf(tiles);
-  content.start = startPoses(tiles, content.bricks);
-  const auto textsOf = [](const BrickPalette& palette) {
+  content.start = model::startPoses(tiles, content.bricks);
+  const auto textsOf = [](const picture::BrickPalette& palette) {
     std::vector<std::string> texts;
-    for (const LegendEntry& entry : palette.legend()) texts.push_back(entry.text);
+    for (const picture::LegendEntry& entry : palette.legend()) texts.push_back(entry.text);
     return texts;
   };
-  EXPECT_EQ(textsOf(BrickPalette(coloured(Colouring::Shape), content)),
+  EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::Shape), content)),
             (std::vector<std::string>{"2 triangles", "1 quadrilateral"}));
-  EXPECT_EQ(textsOf(BrickPalette(coloured(Colouring::State), content)),
+  EXPECT_EQ(textsOf(picture::BrickPalette(coloured(picture::Colouring::State), content)),
             (std::vector<std::string>{"at its start", "on its way"}));
-  EXPECT_TRUE(BrickPalette(coloured(Colouring::Plain), content).legend().empty());
+  EXPECT_TRUE(picture::BrickPalette(coloured(picture::Colouring::Plain), content).legend().empty());
 }
 
 /// What a look is refused with.
-std::string refusalOf(const Look& look, const PictureContent& content) {
+std::string refusalOf(const picture::Look& look, const picture::PictureContent& content) {
   try {
-    const BrickPalette palette(look, content);
+    const picture::BrickPalette palette(look, content);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -215,57 +222,63 @@ std::string refusalOf(const Look& look, const PictureContent& content) {
 }
 
 TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {
-  const PictureContent content = tessellationContent();
-  Look look;
-  look.brickColour = Colour{10, 20, 30};
+  const picture::PictureContent content = tessellationContent();
+  picture::Look look;
+  look.brickColour = picture::Colour{10, 20, 30};
   look.tileColours = {{{1, 3}, {200, 0, 0}}, {{3}, {0, 200, 0}}};
-  const std::vector<BrickColours> colours = BrickPalette(look, content).colours(content.start);
+  const std::vector<picture::BrickColours> colours =
+      picture::BrickPalette(look, content).colours(content.start);
   ASSERT_EQ(colours.size(), content.bricks.size());
-  EXPECT_EQ(colours[0], plainColours(look));
-  EXPECT_EQ(colours[1].top, (Colour{200, 0, 0}));
-  EXPECT_EQ(colours[3].bottom, (Colour{0, 200, 0}));
-  look.colouring = Colouring::State;
-  EXPECT_EQ(BrickPalette(look, content).colours(content.start)[1].top, (Colour{200, 0, 0}));
+  EXPECT_EQ(colours[0], picture::plainColours(look));
+  EXPECT_EQ(colours[1].top, (picture::Colour{200, 0, 0}));
+  EXPECT_EQ(colours[3].bottom, (picture::Colour{0, 200, 0}));
+  look.colouring = picture::Colouring::State;
+  EXPECT_EQ(picture::BrickPalette(look, content).colours(content.start)[1].top,
+            (picture::Colour{200, 0, 0}));
   look.tileColours = {{{static_cast<int>(content.bricks.size())}, {}}};
   EXPECT_EQ(refusalOf(look, content),
             fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
                         "{}",
                         content.bricks.size(), content.bricks.size() - 1));
-  look.colouring = Colouring::Rotation;
+  look.colouring = picture::Colouring::Rotation;
   EXPECT_EQ(refusalOf(look, content),
             "error: --tile-colour works with --colour plain, shape or state alone, as other "
             "colours stand for values; give one of these, or leave --tile-colour away");
 }
 
 TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
-  const PictureContent content = tessellationContent();
-  Look look;
+  const picture::PictureContent content = tessellationContent();
+  picture::Look look;
   look.tileColours = {{{1, 3}, {200, 0, 0}, "hinge row"}, {{2}, {0, 200, 0}}};
-  const BrickPalette palette(look, content);
+  const picture::BrickPalette palette(look, content);
   ASSERT_EQ(palette.legend().size(), 1);
-  EXPECT_EQ(palette.legend()[0].colour, (Colour{200, 0, 0}));
+  EXPECT_EQ(palette.legend()[0].colour, (picture::Colour{200, 0, 0}));
   EXPECT_EQ(palette.legend()[0].text, "hinge row");
 }
 
 TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
-  const PictureContent content = tessellationContent();
-  for (const Colouring colouring : {Colouring::Plain, Colouring::State, Colouring::Rotation}) {
-    Look look;
+  const picture::PictureContent content = tessellationContent();
+  for (const picture::Colouring colouring :
+       {picture::Colouring::Plain, picture::Colouring::State, picture::Colouring::Rotation}) {
+    picture::Look look;
     look.colouring = colouring;
-    const std::vector<BrickColours> opaque = BrickPalette(look, content).colours(content.start);
+    const std::vector<picture::BrickColours> opaque =
+        picture::BrickPalette(look, content).colours(content.start);
     look.opacity = 0.4;
     look.tileOpacities = {{{1, 3}, 0.2}, {{3}, 0}};
-    const std::vector<BrickColours> colours = BrickPalette(look, content).colours(content.start);
+    const std::vector<picture::BrickColours> colours =
+        picture::BrickPalette(look, content).colours(content.start);
     ASSERT_EQ(colours.size(), content.bricks.size());
     for (const auto& [brick, alpha] : {std::pair(0, 102), {1, 51}, {3, 0}}) {
       EXPECT_EQ(colours[brick].top.alpha, alpha);
       EXPECT_EQ(colours[brick].side.alpha, alpha);
       EXPECT_EQ(colours[brick].bottom.alpha, alpha);
-      const BrickColours whole = opaque.empty() ? plainColours(look) : opaque[brick];
-      EXPECT_EQ(withOpacity(colours[brick], 1), whole);
+      const picture::BrickColours whole =
+          opaque.empty() ? picture::plainColours(look) : opaque[brick];
+      EXPECT_EQ(picture::withOpacity(colours[brick], 1), whole);
     }
-    EXPECT_EQ(isDrawn(colours[1]), true);
-    EXPECT_EQ(isDrawn(colours[3]), false);
+    EXPECT_EQ(picture::isDrawn(colours[1]), true);
+    EXPECT_EQ(picture::isDrawn(colours[3]), false);
     look.tileOpacities = {{{static_cast<int>(content.bricks.size())}, 0.5}};
     EXPECT_EQ(refusalOf(look, content),
               fmt::format("error: --tile-opacity: there is no tile {}; the model's are numbered 0 "
@@ -275,12 +288,13 @@ TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
 }
 
 TEST(BrickPalette, ScalesBeginWhereAsked) {
-  const PictureContent content = tessellationContent();
-  Look look = coloured(Colouring::Rotation);
-  look.map = ColourMap::CoolWarm;
+  const picture::PictureContent content = tessellationContent();
+  picture::Look look = coloured(picture::Colouring::Rotation);
+  look.map = picture::ColourMap::CoolWarm;
   look.colourLeast = -30;
   look.colourMost = 30;
-  EXPECT_EQ(BrickPalette(look, content).colours(content.start)[0].top, mapColour(look.map, 0.5));
+  EXPECT_EQ(picture::BrickPalette(look, content).colours(content.start)[0].top,
+            picture::mapColour(look.map, 0.5));
   look.colourLeast = 30;
   EXPECT_EQ(refusalOf(look, content),
             "error: --colour-least 30 is not below 30, the scale's other end; give a smaller one, "

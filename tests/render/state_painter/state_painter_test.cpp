@@ -11,8 +11,9 @@
 namespace kirireel {
 namespace {
 
-PictureContent tessellationContent(const std::optional<Ground>& ground = std::nullopt) {
-  return makeContent(makeTessellation({}), {}, ground);
+picture::PictureContent tessellationContent(
+    const std::optional<scene::Ground>& ground = std::nullopt) {
+  return picture::makeContent(model::makeTessellation({}), {}, ground);
 }
 
 std::string errorOf(const std::function<void()>& action) {
@@ -25,56 +26,62 @@ std::string errorOf(const std::function<void()>& action) {
 }
 
 TEST(PictureSetup, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
-  const Ground ground{-1, 0.5};
-  EXPECT_FALSE(PictureSetup({}, tessellationContent(), {300, 300}).style().plate.has_value());
-  EXPECT_EQ(PictureSetup({}, tessellationContent(ground), {300, 300}).style().plate->height, -1);
-  Look look;
-  look.ground = GroundLook::None;
+  const scene::Ground ground{-1, 0.5};
   EXPECT_FALSE(
-      PictureSetup(look, tessellationContent(ground), {300, 300}).style().plate.has_value());
-  look.ground = GroundLook::Shadow;
-  const PictureSetup setup(look, tessellationContent(), {300, 300});
+      picture::PictureSetup({}, tessellationContent(), {300, 300}).style().plate.has_value());
+  EXPECT_EQ(
+      picture::PictureSetup({}, tessellationContent(ground), {300, 300}).style().plate->height, -1);
+  picture::Look look;
+  look.ground = picture::GroundLook::None;
+  EXPECT_FALSE(picture::PictureSetup(look, tessellationContent(ground), {300, 300})
+                   .style()
+                   .plate.has_value());
+  look.ground = picture::GroundLook::Shadow;
+  const picture::PictureSetup setup(look, tessellationContent(), {300, 300});
   EXPECT_FALSE(setup.style().plate->visible);
   EXPECT_EQ(setup.style().plate->height, 0);  // the tiles' own height
 }
 
 TEST(PictureSetup, KeepsLinesTwoPixelsWideInSmallPictures) {
-  EXPECT_EQ(PictureSetup({}, tessellationContent(), {160, 100}).style().edgeWidth, 0.02);
-  EXPECT_EQ(PictureSetup({}, tessellationContent(), {2000, 2000}).style().edgeWidth,
-            Style().edgeWidth);
+  EXPECT_EQ(picture::PictureSetup({}, tessellationContent(), {160, 100}).style().edgeWidth, 0.02);
+  EXPECT_EQ(picture::PictureSetup({}, tessellationContent(), {2000, 2000}).style().edgeWidth,
+            picture::Style().edgeWidth);
 }
 
 TEST(PictureSetup, SharesOneScaleOnlyInAStillParallelView) {
-  Look look;
-  look.camera.view = kTopView;
-  EXPECT_GT(PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().value(), 4);
+  picture::Look look;
+  look.camera.view = picture::kTopView;
+  EXPECT_GT(picture::PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().value(),
+            4);
   look.camera.orthographic = false;
-  EXPECT_FALSE(PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().has_value());
+  EXPECT_FALSE(
+      picture::PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().has_value());
   look.camera.orthographic = true;
   look.camera.orbit = 1;
-  EXPECT_FALSE(PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().has_value());
+  EXPECT_FALSE(
+      picture::PictureSetup(look, tessellationContent(), {300, 300}).sharedHeight().has_value());
 }
 
 TEST(PictureSetup, MarksJointsAndDrawsTheTargetOnRequest) {
-  Look look;
+  picture::Look look;
   look.jointMarks = true;
   look.targetLines = true;
-  const PictureSetup setup(look, tessellationContent(), {300, 300});
-  const PictureItems items = setup.items({0, setup.content().start, {}});
+  const picture::PictureSetup setup(look, tessellationContent(), {300, 300});
+  const picture::PictureItems items = setup.items({0, setup.content().start, {}});
   EXPECT_EQ(items.marks.size(), 48U);  // 24 joints on both faces
   EXPECT_EQ(items.overlay.size(), 16U);
 }
 
 TEST(PictureSetup, DrawsObstaclesInGreyFromBothSides) {
-  PictureContent content = tessellationContent();
+  picture::PictureContent content = tessellationContent();
   const std::size_t without =
-      PictureSetup({}, content, {300, 300}).geometry({0, content.start, {}}).solid.size();
+      picture::PictureSetup({}, content, {300, 300}).geometry({0, content.start, {}}).solid.size();
   content.obstacles = {{{{0, 0, -1}, {1, 0, -1}, {0, 1, -1}}},
                        {{{0, 0, -1}, {0, 1, -1}, {1, 0, -1}}}};
-  const PictureGeometry geometry =
-      PictureSetup({}, content, {300, 300}).geometry({0, content.start, {}});
+  const picture::PictureGeometry geometry =
+      picture::PictureSetup({}, content, {300, 300}).geometry({0, content.start, {}});
   ASSERT_EQ(geometry.solid.size(), without + 2);
-  const Colour colour = geometry.solid.back().colour;
+  const picture::Colour colour = geometry.solid.back().colour;
   EXPECT_EQ(colour, geometry.solid[without].colour);  // whichever way round its corners are
   EXPECT_LE(std::max({colour.red, colour.green, colour.blue}) -
                 std::min({colour.red, colour.green, colour.blue}),
@@ -82,14 +89,16 @@ TEST(PictureSetup, DrawsObstaclesInGreyFromBothSides) {
 }
 
 TEST(PictureSetup, RefusesACameraWithinABrick) {
-  Look look;
+  picture::Look look;
   look.camera.orthographic = false;
-  look.camera.view = kTopView;
+  look.camera.view = picture::kTopView;
   look.camera.distance = 1e-3;
-  BrickRule rule;
+  model::BrickRule rule;
   rule.thickness = 1;
-  const PictureSetup setup(
-      look, makeContent({"", {makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}), {300, 300});
+  const picture::PictureSetup setup(
+      look,
+      picture::makeContent({"", {model::makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
+      {300, 300});
   EXPECT_EQ(errorOf([&] {
               setup.camera({0.25, setup.content().start, {}});
             }),
@@ -98,85 +107,85 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
 }
 
 TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
-  Look look;
+  picture::Look look;
   look.targetLines = true;
-  PictureContent content = tessellationContent();
+  picture::PictureContent content = tessellationContent();
   content.target.reset();
   EXPECT_EQ(errorOf([&] {
-              PictureSetup(look, content, {300, 300});
+              picture::PictureSetup(look, content, {300, 300});
             }),
             "error: the model has no target to draw; leave --target-lines away or add target.txt");
 }
 
 TEST(StatePainter, RefusesAnEmptyPictureBeforeItDividesByIt) {
   EXPECT_EQ(errorOf([] {
-              StatePainter({100, 0}, {}, tessellationContent());
+              picture::StatePainter({100, 0}, {}, tessellationContent());
             }),
             "error: a picture of 100 x 0 pixels cannot be drawn; width and height may be 1 to "
             "16384, for example --size 1280x720");
 }
 
 TEST(StatePainter, PutsABarOfColoursUnderPicturesThatNeedIt) {
-  Look look;
-  look.colouring = Colouring::TargetError;
-  StatePainter painter({320, 180}, look, tessellationContent(), {.colours = true});
-  const ShownState state{0, painter.setup().content().start, {}};
-  const Frame frame = painter.paint(state);
-  EXPECT_EQ(frame.size, (FrameSize{320, 180}));
+  picture::Look look;
+  look.colouring = picture::Colouring::TargetError;
+  picture::StatePainter painter({320, 180}, look, tessellationContent(), {.colours = true});
+  const picture::ShownState state{0, painter.setup().content().start, {}};
+  const picture::Frame frame = painter.paint(state);
+  EXPECT_EQ(frame.size, (picture::FrameSize{320, 180}));
   const int height = painter.setup().pictureSize().height;
   EXPECT_LT(height, 170);
   // Above the strip is the picture, in a smaller format.
-  StatePainter small({320, height}, look, tessellationContent());
-  const Frame picture = small.paint(state);
+  picture::StatePainter small({320, height}, look, tessellationContent());
+  const picture::Frame picture = small.paint(state);
   EXPECT_TRUE(std::equal(picture.pixels.begin(), picture.pixels.end(), frame.pixels.begin()));
-  StatePainter plain({320, 180}, {}, tessellationContent());
-  StatePainter asked({320, 180}, {}, tessellationContent(), {.colours = true});
+  picture::StatePainter plain({320, 180}, {}, tessellationContent());
+  picture::StatePainter asked({320, 180}, {}, tessellationContent(), {.colours = true});
   EXPECT_EQ(plain.paint(state).pixels, asked.paint(state).pixels);
 }
 
 // The shadow reaches farther than the bricks, and is in sight all the same.
 TEST(StatePainter, HoldsTheShadowInSight) {
-  Look look;
-  look.ground = GroundLook::Shadow;
-  look.camera.view = kIsometricView;
-  PictureContent tall = tessellationContent();
+  picture::Look look;
+  look.ground = picture::GroundLook::Shadow;
+  look.camera.view = picture::kIsometricView;
+  picture::PictureContent tall = tessellationContent();
   for (Vector3& point : tall.points) point.z() += 3;
   for (Pose& pose : tall.start) pose.position.z() += 3;
   tall.points.emplace_back(0, 0, 0);
-  StatePainter painter({320, 180}, look, tall);
-  const Frame frame = painter.paint({0, tall.start, {}});
+  picture::StatePainter painter({320, 180}, look, tall);
+  const picture::Frame frame = painter.paint({0, tall.start, {}});
   for (int x = 0; x < frame.size.width; ++x) {
-    ASSERT_EQ(frame.at(x, 0), Style().background);
-    ASSERT_EQ(frame.at(x, frame.size.height - 1), Style().background);
+    ASSERT_EQ(frame.at(x, 0), picture::Style().background);
+    ASSERT_EQ(frame.at(x, frame.size.height - 1), picture::Style().background);
   }
   for (int y = 0; y < frame.size.height; ++y) {
-    ASSERT_EQ(frame.at(0, y), Style().background);
-    ASSERT_EQ(frame.at(frame.size.width - 1, y), Style().background);
+    ASSERT_EQ(frame.at(0, y), picture::Style().background);
+    ASSERT_EQ(frame.at(frame.size.width - 1, y), picture::Style().background);
   }
 }
 
 TEST(StatePainter, RefusesAScaleBarInPerspective) {
-  Look look;
-  look.camera.view = kIsometricView;
-  EXPECT_THROW(StatePainter({320, 180}, look, tessellationContent(), {.scaleBar = true}),
+  picture::Look look;
+  look.camera.view = picture::kIsometricView;
+  EXPECT_THROW(picture::StatePainter({320, 180}, look, tessellationContent(), {.scaleBar = true}),
                InputError);
 }
 
 TEST(StatePainter, ShowsOtherContentAsANewPainterWould) {
-  Look dark;
-  dark.theme = Theme::Dark;
-  dark.colouring = Colouring::TargetError;
-  PictureContent wide = tessellationContent();
+  picture::Look dark;
+  dark.theme = picture::Theme::Dark;
+  dark.colouring = picture::Colouring::TargetError;
+  picture::PictureContent wide = tessellationContent();
   wide.points.emplace_back(40, 0, 0);
-  const auto paintIn = [](StatePainter& painter) {
+  const auto paintIn = [](picture::StatePainter& painter) {
     return painter.paint({0, painter.setup().content().start, {}}).pixels;
   };
-  Look light = dark;
-  light.theme = Theme::Light;
-  StatePainter painter({320, 180}, light, tessellationContent(), {.colours = true});
+  picture::Look light = dark;
+  light.theme = picture::Theme::Light;
+  picture::StatePainter painter({320, 180}, light, tessellationContent(), {.colours = true});
   paintIn(painter);
   painter.show(dark, wide);
-  StatePainter fresh({320, 180}, dark, wide, {.colours = true});
+  picture::StatePainter fresh({320, 180}, dark, wide, {.colours = true});
   EXPECT_EQ(paintIn(painter), paintIn(fresh));
 }
 

@@ -5,20 +5,20 @@
 namespace kirireel {
 namespace {
 
-constexpr FrameSize kWhole = {640, 360};
-constexpr Colour kSheet = {10, 200, 30};
+constexpr picture::FrameSize kWhole = {640, 360};
+constexpr picture::Colour kSheet = {10, 200, 30};
 
 /// A frame whose picture is one colour all over, with its strip.
-Frame framed(const StripParts& parts, const StripText& text,
-             const std::optional<ColourScale>& colours = {},
-             const std::optional<double>& metresPerPixel = {}) {
-  const Strip strip(kWhole, parts, {});
-  Frame frame = makeFrame(strip.picture(), kSheet);
+picture::Frame framed(const picture::StripParts& parts, const picture::StripText& text,
+                      const std::optional<picture::ColourScale>& colours = {},
+                      const std::optional<double>& metresPerPixel = {}) {
+  const picture::Strip strip(kWhole, parts, {});
+  picture::Frame frame = picture::makeFrame(strip.picture(), kSheet);
   strip.append(frame, text, colours, {}, metresPerPixel);
   return frame;
 }
 
-int countOf(const Frame& frame, Colour colour) {
+int countOf(const picture::Frame& frame, picture::Colour colour) {
   int count = 0;
   for (int y = 0; y < frame.size.height; ++y) {
     for (int x = 0; x < frame.size.width; ++x) count += frame.at(x, y) == colour ? 1 : 0;
@@ -27,19 +27,20 @@ int countOf(const Frame& frame, Colour colour) {
 }
 
 TEST(Strip, IsNotThereWithoutParts) {
-  EXPECT_EQ(Strip(kWhole, {}, {}).picture(), kWhole);
+  EXPECT_EQ(picture::Strip(kWhole, {}, {}).picture(), kWhole);
 }
 
 TEST(Strip, NeverLiesOverThePicture) {
-  const StripParts parts{"100%, t = 12.00 s", true, true, true};
-  const Frame frame = framed(parts, {"50%, t = 6.00 s", 0.5}, ColourScale{}, 0.01);
+  const picture::StripParts parts{"100%, t = 12.00 s", true, true, true};
+  const picture::Frame frame =
+      framed(parts, {"50%, t = 6.00 s", 0.5}, picture::ColourScale{}, 0.01);
   EXPECT_EQ(frame.size, kWhole);
-  const FrameSize picture = Strip(kWhole, parts, {}).picture();
+  const picture::FrameSize picture = picture::Strip(kWhole, parts, {}).picture();
   EXPECT_EQ(countOf(frame, kSheet), picture.width * picture.height);
 }
 
 TEST(Strip, FillsItsBarByTheProgress) {
-  const Colour text = Style().text;
+  const picture::Colour text = picture::Style().text;
   const int whole = countOf(framed({.progressBar = true}, {"", 1}), text);
   EXPECT_GT(whole, 600);
   EXPECT_NEAR(countOf(framed({.progressBar = true}, {"", 0.25}), text), 0.25 * whole, 0.01 * whole);
@@ -48,17 +49,18 @@ TEST(Strip, FillsItsBarByTheProgress) {
 
 TEST(Strip, ShrinksTextUntilTheLongestCaptionFits) {
   const std::string longest(60, 'm');
-  const Frame frame = framed({.longestCaption = longest}, {longest, 0});
+  const picture::Frame frame = framed({.longestCaption = longest}, {longest, 0});
   for (int y = 0; y < frame.size.height; ++y) {
-    ASSERT_TRUE(frame.at(0, y) == kSheet || frame.at(0, y) == Style().background);
+    ASSERT_TRUE(frame.at(0, y) == kSheet || frame.at(0, y) == picture::Style().background);
     ASSERT_EQ(frame.at(0, y), frame.at(frame.size.width - 1, y));
   }
 }
 
 TEST(Strip, KeepsLettersInTheirPlaceFromFrameToFrame) {
-  const StripParts parts{.longestCaption = "100%, t = 10.00 s"};
-  const Frame early = framed(parts, {"9%, t", 0}), late = framed(parts, {"9%, t = 10.00 s", 0});
-  const int upper = Strip(kWhole, parts, {}).picture().height;
+  const picture::StripParts parts{.longestCaption = "100%, t = 10.00 s"};
+  const picture::Frame early = framed(parts, {"9%, t", 0}),
+                       late = framed(parts, {"9%, t = 10.00 s", 0});
+  const int upper = picture::Strip(kWhole, parts, {}).picture().height;
   for (int x = 0; x < kWhole.width / 2 - 40; ++x) {
     for (int y = upper; y < kWhole.height; ++y) ASSERT_EQ(early.at(x, y), late.at(x, y)) << x;
   }

@@ -13,31 +13,31 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(ContactLayout, RowsEndWhereSeriesDo) {
-  EXPECT_EQ(layOutContacts(40, 20).shape, (GridShape{8, 5}));
-  EXPECT_EQ(layOutContacts(21, 7).shape, (GridShape{3, 7}));
-  EXPECT_EQ(layOutContacts(60, 2).shape, (GridShape{8, 8}));
+  EXPECT_EQ(record::layOutContacts(40, 20).shape, (picture::GridShape{8, 5}));
+  EXPECT_EQ(record::layOutContacts(21, 7).shape, (picture::GridShape{3, 7}));
+  EXPECT_EQ(record::layOutContacts(60, 2).shape, (picture::GridShape{8, 8}));
   // Neither one nor thirteen columns of 26 make a page; one series is all alike.
-  EXPECT_EQ(layOutContacts(2 * 31, 31).shape, (GridShape{8, 8}));
-  EXPECT_EQ(layOutContacts(13, 13).shape, (GridShape{4, 4}));
-  EXPECT_EQ(layOutContacts(7, 1).shape, (GridShape{3, 3}));
+  EXPECT_EQ(record::layOutContacts(2 * 31, 31).shape, (picture::GridShape{8, 8}));
+  EXPECT_EQ(record::layOutContacts(13, 13).shape, (picture::GridShape{4, 4}));
+  EXPECT_EQ(record::layOutContacts(7, 1).shape, (picture::GridShape{3, 3}));
 }
 
 TEST(ContactLayout, OfTooManyChoosesWholeSeries) {
-  const ContactLayout layout = layOutContacts(200, 10);
-  EXPECT_EQ(layout.shape, (GridShape{10, 10}));
+  const record::ContactLayout layout = record::layOutContacts(200, 10);
+  EXPECT_EQ(layout.shape, (picture::GridShape{10, 10}));
   ASSERT_EQ(layout.chosen.size(), 100U);
   for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(layout.chosen[i] % 10, i % 10);
   EXPECT_EQ(layout.chosen.front(), 0U);
   EXPECT_EQ(layout.chosen.back(), 199U);
-  EXPECT_EQ(layOutContacts(100'000, 1000).chosen.back(), 99'999U);
-  EXPECT_EQ(layOutContacts(101, 101).chosen.back(), 100U);
-  EXPECT_THAT(layOutContacts(3, 3).chosen, ElementsAre(0, 1, 2));
+  EXPECT_EQ(record::layOutContacts(100'000, 1000).chosen.back(), 99'999U);
+  EXPECT_EQ(record::layOutContacts(101, 101).chosen.back(), 100U);
+  EXPECT_THAT(record::layOutContacts(3, 3).chosen, ElementsAre(0, 1, 2));
 }
 
 class ContactSheet : public testing::Test {
  protected:
   /// A brick that stands on its edge, so that its thickness is in sight from above.
-  ContactPicture upright(double thickness, const std::string& value) const {
+  record::ContactPicture upright(double thickness, const std::string& value) const {
     std::ofstream(file()) << "0 0 0 1 0 0 1 0 1 0 0 1\n";
     return {file(), thickness, {value}};
   }
@@ -45,9 +45,9 @@ class ContactSheet : public testing::Test {
   std::filesystem::path file() const { return folder_ / "final_vertices.txt"; }
 
   /// The upper left picture of a page.
-  static Frame firstOf(const Frame& page) {
-    const GridLayout layout = layOutGrid({320, 240}, {1, 1});
-    Frame part = makeFrame({320, 240}, {});
+  static picture::Frame firstOf(const picture::Frame& page) {
+    const picture::GridLayout layout = picture::layOutGrid({320, 240}, {1, 1});
+    picture::Frame part = picture::makeFrame({320, 240}, {});
     for (int y = 0; y < 240; ++y) {
       const auto start = page.pixels.begin() +
                          static_cast<std::ptrdiff_t>(page.rowStart(layout.upper(0) + y)) +
@@ -58,13 +58,13 @@ class ContactSheet : public testing::Test {
     return part;
   }
 
-  Frame studioPicture(double thickness) const {
-    Model model;
-    model.tiles = readTileFile(file());
-    BrickRule rule;
+  picture::Frame studioPicture(double thickness) const {
+    model::Model model;
+    model.tiles = model::readTileFile(file());
+    model::BrickRule rule;
     rule.thickness = thickness;
-    const PictureContent content = makeContent(model, rule, std::nullopt);
-    return StatePainter({320, 240}, {}, content).paint({0, content.start, {}});
+    const picture::PictureContent content = picture::makeContent(model, rule, std::nullopt);
+    return picture::StatePainter({320, 240}, {}, content).paint({0, content.start, {}});
   }
 
   const test::TemporaryFolder folder_;
@@ -72,23 +72,25 @@ class ContactSheet : public testing::Test {
 
 TEST_F(ContactSheet, ShowsBricksAsThickAsTheyAre) {
   for (const double thickness : {0.1, 0.4}) {
-    const ContactPicture picture = upright(thickness, "1");
-    EXPECT_EQ(firstOf(composeContactSheet({"k"}, {picture})).pixels,
+    const record::ContactPicture picture = upright(thickness, "1");
+    EXPECT_EQ(firstOf(record::composeContactSheet({"k"}, {picture})).pixels,
               studioPicture(thickness).pixels);
   }
   EXPECT_NE(studioPicture(0.1).pixels, studioPicture(0.4).pixels);
 }
 
 TEST_F(ContactSheet, LeavesRoomForFailedRuns) {
-  const Frame page = composeContactSheet({"k"}, {{{}, 0, {"1"}}, upright(0.1, "2")});
-  EXPECT_EQ(firstOf(page).pixels, makeFrame({320, 240}, Style().background).pixels);
-  EXPECT_NE(composeContactSheet({"k"}, {{{}, 0, {"1"}}}).pixels,
-            composeContactSheet({"k"}, {{{}, 0, {"2"}}}).pixels);
+  const picture::Frame page =
+      record::composeContactSheet({"k"}, {{{}, 0, {"1"}}, upright(0.1, "2")});
+  EXPECT_EQ(firstOf(page).pixels,
+            picture::makeFrame({320, 240}, picture::Style().background).pixels);
+  EXPECT_NE(record::composeContactSheet({"k"}, {{{}, 0, {"1"}}}).pixels,
+            record::composeContactSheet({"k"}, {{{}, 0, {"2"}}}).pixels);
 }
 
 TEST_F(ContactSheet, IsNotMadeOfNothing) {
   EXPECT_THAT(
-      [] { composeContactSheet({"k"}, {}); },
+      [] { record::composeContactSheet({"k"}, {}); },
       testing::ThrowsMessage<InputError>("error: no run is done, there is nothing to show"));
 }
 

@@ -10,8 +10,8 @@ namespace {
 
 class RunFolderTest : public testing::Test {
  protected:
-  std::optional<RunClaim> take(bool retryFailed = false) const {
-    return RunClaim::take(folder_.path(), "abc", retryFailed);
+  std::optional<record::RunClaim> take(bool retryFailed = false) const {
+    return record::RunClaim::take(folder_.path(), "abc", retryFailed);
   }
   std::filesystem::path finished() const { return folder_ / "abc"; }
 
@@ -19,12 +19,12 @@ class RunFolderTest : public testing::Test {
 };
 
 TEST_F(RunFolderTest, IsFinishedWhenItIsWhole) {
-  std::optional<RunClaim> claim = take();
+  std::optional<record::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   std::ofstream(claim->folder() / "summary.json") << "{}";
   EXPECT_FALSE(std::filesystem::exists(finished()));
   claim->finish({false, "", {{"columns", "4"}}});
-  const auto record = readRunRecord(finished());
+  const auto record = record::readRunRecord(finished());
   ASSERT_TRUE(record);
   EXPECT_FALSE(record->failed);
   EXPECT_EQ(record->inputs.at(0).second, "4");
@@ -34,38 +34,38 @@ TEST_F(RunFolderTest, IsFinishedWhenItIsWhole) {
 }
 
 TEST_F(RunFolderTest, BelongsToOneAtATime) {
-  const std::optional<RunClaim> claim = take();
+  const std::optional<record::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   EXPECT_FALSE(take());
 }
 
 TEST_F(RunFolderTest, LeftoversOfAKilledRunAreCleared) {
   {
-    const std::optional<RunClaim> killed = take();
+    const std::optional<record::RunClaim> killed = take();
     std::ofstream(killed->folder() / "half.txt") << "half";
   }
-  const std::optional<RunClaim> claim = take();
+  const std::optional<record::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   EXPECT_FALSE(std::filesystem::exists(claim->folder() / "half.txt"));
 }
 
 TEST_F(RunFolderTest, ClearedRunLeavesItsRecordAlone) {
-  std::optional<RunClaim> claim = take();
+  std::optional<record::RunClaim> claim = take();
   std::ofstream(claim->folder() / "half.txt") << "half";
   claim->clear();
   claim->finish({true, "no room", {}});
   EXPECT_FALSE(std::filesystem::exists(finished() / "half.txt"));
-  EXPECT_EQ(readRunRecord(finished())->reason, "no room");
+  EXPECT_EQ(record::readRunRecord(finished())->reason, "no room");
 }
 
 TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
   take()->finish({true, "no such sheet", {}});
   EXPECT_FALSE(take());
-  std::optional<RunClaim> again = take(true);
+  std::optional<record::RunClaim> again = take(true);
   ASSERT_TRUE(again);
-  EXPECT_EQ(readRunRecord(finished())->reason, "no such sheet");
+  EXPECT_EQ(record::readRunRecord(finished())->reason, "no such sheet");
   again->finish({false, "", {}});
-  EXPECT_FALSE(readRunRecord(finished())->failed);
+  EXPECT_FALSE(record::readRunRecord(finished())->failed);
   EXPECT_FALSE(take(true));
 }
 

@@ -9,7 +9,7 @@
 namespace kirireel {
 namespace {
 
-double area(const CutPolygon& polygon) {
+double area(const picture::CutPolygon& polygon) {
   Vector3 sum = Vector3::Zero();
   for (std::size_t k = 2; k < polygon.corners.size(); ++k) {
     sum += (polygon.corners[k - 1] - polygon.corners[0])
@@ -18,20 +18,21 @@ double area(const CutPolygon& polygon) {
   return 0.5 * sum.norm();
 }
 
-double totalArea(const std::vector<Piece>& pieces) {
+double totalArea(const std::vector<picture::Piece>& pieces) {
   double sum = 0;
-  for (const Piece& piece : pieces) sum += area(piece.outer);
+  for (const picture::Piece& piece : pieces) sum += area(piece.outer);
   return sum;
 }
 
-Camera cameraOf(const SampleBricks& sample) {
-  return fitCamera(brickCorners(sample.bricks, sample.poses), {});
+picture::Camera cameraOf(const SampleBricks& sample) {
+  return picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), {});
 }
 
-std::vector<Piece> piecesOf(const SampleBricks& sample, const Camera& camera) {
-  PictureGeometry geometry;
-  GeometryBuilder(sample.bricks, {}).draw({sample.poses, {}, {}, {}, {}}, camera, geometry);
-  return makePieces(geometry, geometry.solid, camera);
+std::vector<picture::Piece> piecesOf(const SampleBricks& sample, const picture::Camera& camera) {
+  picture::PictureGeometry geometry;
+  picture::GeometryBuilder(sample.bricks, {})
+      .draw({sample.poses, {}, {}, {}, {}}, camera, geometry);
+  return picture::makePieces(geometry, geometry.solid, camera);
 }
 
 /// Bricks that cross each other at all angles.
@@ -43,22 +44,22 @@ SampleBricks heap() {
 
 TEST(DepthOrder, CutsWithoutLosingAnything) {
   const SampleBricks sample = heap();
-  const std::vector<Piece> pieces = piecesOf(sample, cameraOf(sample));
-  const std::vector<Piece> sorted = farthestFirst(pieces);
+  const std::vector<picture::Piece> pieces = piecesOf(sample, cameraOf(sample));
+  const std::vector<picture::Piece> sorted = picture::farthestFirst(pieces);
   EXPECT_GT(sorted.size(), pieces.size());
   EXPECT_NEAR(totalArea(sorted) / totalArea(pieces), 1, 1e-12);  // measured 2e-15
 }
 
 TEST(DepthOrder, LeavesBricksWholeThatNoPlaneCuts) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int k = 0; k < 25; ++k) tiles.push_back(rectangleTile(k % 5, k / 5, 0.9, 0.9));
   const SampleBricks sample = sampleBricks(tiles, 0.1);
-  const std::vector<Piece> pieces = piecesOf(sample, cameraOf(sample));
-  EXPECT_EQ(farthestFirst(pieces).size(), pieces.size());
+  const std::vector<picture::Piece> pieces = piecesOf(sample, cameraOf(sample));
+  EXPECT_EQ(picture::farthestFirst(pieces).size(), pieces.size());
 }
 
 /// Where the sight line meets the piece, in units of its direction; infinity when it does not.
-double distanceTo(const Piece& piece, const Vector3& eye, const Vector3& direction) {
+double distanceTo(const picture::Piece& piece, const Vector3& eye, const Vector3& direction) {
   const double distance = (piece.offset - piece.normal.dot(eye)) / piece.normal.dot(direction);
   const Vector3 point = eye + distance * direction;
   const std::vector<Vector3>& corners = piece.outer.corners;
@@ -71,14 +72,14 @@ double distanceTo(const Piece& piece, const Vector3& eye, const Vector3& directi
 
 TEST(DepthOrder, PaintsTheNearestLastOnEverySightLine) {
   const SampleBricks sample = heap();
-  const Camera camera = cameraOf(sample);
-  const std::vector<Piece> sorted = farthestFirst(piecesOf(sample, camera));
-  for (const Piece& aim : sorted) {
+  const picture::Camera camera = cameraOf(sample);
+  const std::vector<picture::Piece> sorted = picture::farthestFirst(piecesOf(sample, camera));
+  for (const picture::Piece& aim : sorted) {
     Vector3 middle = Vector3::Zero();
     for (const Vector3& corner : aim.outer.corners) middle += corner;
     middle /= static_cast<double>(aim.outer.corners.size());
     double nearest = INFINITY, last = INFINITY;
-    for (const Piece& piece : sorted) {
+    for (const picture::Piece& piece : sorted) {
       const double distance = distanceTo(piece, camera.eye, middle - camera.eye);
       nearest = std::min(nearest, distance);
       if (distance < INFINITY) last = distance;
@@ -88,22 +89,22 @@ TEST(DepthOrder, PaintsTheNearestLastOnEverySightLine) {
 }
 
 TEST(DepthOrder, TakesTilesThatAreNotExactlyFlat) {
-  Tile bent = rectangleTile(0, 0, 1, 1);
+  model::Tile bent = rectangleTile(0, 0, 1, 1);
   bent.vertices[2].z() += 1e-4;
   const SampleBricks sample = sampleBricks({bent, rectangleTile(1, 0, 1, 1)}, 1e-3);
-  const std::vector<Piece> pieces = piecesOf(sample, cameraOf(sample));
-  EXPECT_GE(farthestFirst(pieces).size(), pieces.size());
+  const std::vector<picture::Piece> pieces = piecesOf(sample, cameraOf(sample));
+  EXPECT_GE(picture::farthestFirst(pieces).size(), pieces.size());
 }
 
 TEST(DepthOrder, CutsAwayWhatIsNearerThanTheCameraSees) {
   SampleBricks sample = sampleBricks({rectangleTile(0, -50, 1, 100)}, 0.1);
-  Camera camera;
+  picture::Camera camera;
   camera.eye = Vector3(0.5, 0, 2);
   camera.centre = Vector3(0.5, 10, 0);
   camera.up = Vector3::UnitZ();
   camera.near = 0.5;
   const Vector3 forward = (camera.centre - camera.eye).normalized();
-  for (const Piece& piece : piecesOf(sample, camera)) {
+  for (const picture::Piece& piece : piecesOf(sample, camera)) {
     for (const Vector3& corner : piece.outer.corners) {
       EXPECT_GE(forward.dot(corner - camera.eye), camera.near - 1e-9);
     }
@@ -111,9 +112,9 @@ TEST(DepthOrder, CutsAwayWhatIsNearerThanTheCameraSees) {
 }
 
 /// Whether another piece stands before a point of one.
-bool isHidden(const std::vector<Piece>& pieces, const Piece& own, const Vector3& point,
-              const Camera& camera) {
-  return std::ranges::any_of(pieces, [&](const Piece& piece) {
+bool isHidden(const std::vector<picture::Piece>& pieces, const picture::Piece& own,
+              const Vector3& point, const picture::Camera& camera) {
+  return std::ranges::any_of(pieces, [&](const picture::Piece& piece) {
     return &piece != &own && distanceTo(piece, camera.eye, point - camera.eye) < 1 - 1e-6;
   });
 }
@@ -131,9 +132,9 @@ bool isOn(const std::vector<std::vector<Vector3>>& lines, const Vector3& point) 
 
 TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
   const SampleBricks sample = heap();
-  const Camera camera = cameraOf(sample);
-  const std::vector<Piece> pieces = piecesOf(sample, camera);
-  const std::vector<SeenOutline> seen = seenOutlines(pieces, camera);
+  const picture::Camera camera = cameraOf(sample);
+  const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
+  const std::vector<picture::SeenOutline> seen = picture::seenOutlines(pieces, camera);
   ASSERT_EQ(seen.size(), pieces.size());
   int points = 0, hidden = 0, wrong = 0;
   for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
@@ -154,16 +155,17 @@ TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
 }
 
 TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int k = 0; k < 25; ++k) tiles.push_back(rectangleTile(k % 5, k / 5, 1, 1));
   const SampleBricks sample = sampleBricks(tiles, 0.1);
-  CameraFit fit;
-  fit.view = kTopView;
+  picture::CameraFit fit;
+  fit.view = picture::kTopView;
   for (const bool parallel : {false, true}) {
     fit.orthographic = parallel;
-    const Camera camera = fitCamera(brickCorners(sample.bricks, sample.poses), fit);
-    const std::vector<Piece> pieces = piecesOf(sample, camera);
-    const std::vector<SeenOutline> seen = seenOutlines(pieces, camera);
+    const picture::Camera camera =
+        picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
+    const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
+    const std::vector<picture::SeenOutline> seen = picture::seenOutlines(pieces, camera);
     int closed = 0;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (pieces[k].normal.z() < 0.5) continue;

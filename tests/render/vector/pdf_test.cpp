@@ -13,14 +13,14 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A page of 180 x 90 mm at 300 dots an inch, with its font at 7 points.
-const PageSettings kPage = {.size = {2126, 1063},
-                            .pixelsPerInch = 300,
-                            .outline = {38, 50, 66},
-                            .fontFamily = "DejaVu Sans",
-                            .description = "Kirireel 0.1.0, model fan & co"};
+const picture::PageSettings kPage = {.size = {2126, 1063},
+                                     .pixelsPerInch = 300,
+                                     .outline = {38, 50, 66},
+                                     .fontFamily = "DejaVu Sans",
+                                     .description = "Kirireel 0.1.0, model fan & co"};
 constexpr int kEm = 29;  // 7 pt * 300 / 72
 
-void drawOn(Canvas& page) {
+void drawOn(picture::Canvas& page) {
   page.begin("pictures");
   page.beginWithin("picture_01", 100, 100, 800, 800);
   page.begin("shadow", 0.5);
@@ -35,7 +35,7 @@ void drawOn(Canvas& page) {
 }
 
 std::string pdf() {
-  const std::unique_ptr<Canvas> page = makePdfCanvas(kPage);
+  const std::unique_ptr<picture::Canvas> page = picture::makePdfCanvas(kPage);
   drawOn(*page);
   return page->finish();
 }
@@ -78,7 +78,7 @@ TEST(Pdf, IsTheSameEveryTime) {
 }
 
 TEST(SvgPage, HasLayersTextAndOneStyle) {
-  const std::unique_ptr<Canvas> page = makeSvgCanvas(kPage);
+  const std::unique_ptr<picture::Canvas> page = picture::makeSvgCanvas(kPage);
   drawOn(*page);
   const std::string svg = page->finish();
   EXPECT_THAT(svg, HasSubstr("width=\"180.001mm\""));

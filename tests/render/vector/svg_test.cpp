@@ -14,45 +14,48 @@
 namespace kirireel {
 namespace {
 
-constexpr FrameSize kSize = {480, 320};
+constexpr picture::FrameSize kSize = {480, 320};
 
 struct Scenery {
   SampleBricks sample;
-  Style style;
-  PictureItems items;
-  Camera camera;
+  picture::Style style;
+  picture::PictureItems items;
+  picture::Camera camera;
 
-  explicit Scenery(SampleBricks bricks, const CameraFit& fit = {}) : sample(std::move(bricks)) {
+  explicit Scenery(SampleBricks bricks, const picture::CameraFit& fit = {})
+      : sample(std::move(bricks)) {
     items.poses = sample.poses;
-    CameraFit fitted = fit;
+    picture::CameraFit fitted = fit;
     fitted.aspect = kSize.aspect();
-    camera = fitCamera(brickCorners(sample.bricks, sample.poses), fitted);
+    camera = picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fitted);
   }
 
-  Frame painted() const { return Painter(kSize, sample.bricks, style).paint(items, camera); }
+  picture::Frame painted() const {
+    return picture::Painter(kSize, sample.bricks, style).paint(items, camera);
+  }
 
   std::string svg() const {
-    PictureGeometry geometry;
-    GeometryBuilder(sample.bricks, style).draw(items, camera, geometry);
-    const std::unique_ptr<Canvas> page =
-        makeSvgCanvas({.size = kSize,
-                       .background = style.background,
-                       .outline = style.edge,
-                       .outlineWidth = style.edgeWidth * kSize.height,
-                       .fontFamily = "DejaVu Sans"});
-    drawGeometry(geometry, camera, kSize, {0, 0}, "", *page);
+    picture::PictureGeometry geometry;
+    picture::GeometryBuilder(sample.bricks, style).draw(items, camera, geometry);
+    const std::unique_ptr<picture::Canvas> page =
+        picture::makeSvgCanvas({.size = kSize,
+                                .background = style.background,
+                                .outline = style.edge,
+                                .outlineWidth = style.edgeWidth * kSize.height,
+                                .fontFamily = "DejaVu Sans"});
+    picture::drawGeometry(geometry, camera, kSize, {0, 0}, "", *page);
     return page->finish();
   }
 };
 
 /// The SVG as librsvg draws it.
-Frame rasterised(const std::string& svg) {
+picture::Frame rasterised(const std::string& svg) {
   const test::TemporaryFolder folder;
   writeTextFile(folder / "figure.svg", svg);
   const std::string command = "rsvg-convert " + (folder / "figure.svg").string() + " -o " +
                               (folder / "figure.png").string();
   EXPECT_EQ(std::system(command.c_str()), 0);
-  return readPng(folder / "figure.png");
+  return picture::readPng(folder / "figure.png");
 }
 
 struct Difference {
@@ -60,7 +63,7 @@ struct Difference {
   double share = 0;  ///< of the pixels that differ by more than 40 levels in a channel
 };
 
-Difference difference(const Frame& a, const Frame& b) {
+Difference difference(const picture::Frame& a, const picture::Frame& b) {
   Difference result;
   for (std::size_t pixel = 0; pixel < a.pixels.size(); pixel += 4) {
     int largest = 0;
@@ -84,8 +87,8 @@ class SvgAgainstPainter : public testing::Test {
   }
 
   static Difference differenceOf(const Scenery& scenery) {
-    const Frame drawn = rasterised(scenery.svg());
-    const Frame painted = scenery.painted();
+    const picture::Frame drawn = rasterised(scenery.svg());
+    const picture::Frame painted = scenery.painted();
     EXPECT_EQ(drawn.size, painted.size);
     return difference(drawn, painted);
   }
@@ -123,7 +126,7 @@ TEST_F(SvgAgainstPainter, TranslucentBricks) {
   Scenery scenery(tumbledBricks());
   for (std::size_t k = 0; k < scenery.sample.bricks.size(); ++k) {
     scenery.items.colours.push_back(
-        withOpacity(scenery.style.brick, std::array{1.0, 0.5, 0.0, 0.3}[k % 4]));
+        picture::withOpacity(scenery.style.brick, std::array{1.0, 0.5, 0.0, 0.3}[k % 4]));
   }
   expectAlike(scenery);
 }
@@ -138,14 +141,15 @@ TEST_F(SvgAgainstPainter, BeamsInACircle) {
     sample.poses[k].position = turn * Vector3(0.4, 0.7, 0);
     sample.poses[k].rotation = turn * rotationFromVector(Vector3(0, 0.12, 0));
   }
-  CameraFit fit;
-  fit.view = kTopView;
+  picture::CameraFit fit;
+  fit.view = picture::kTopView;
   expectAlike(Scenery(sample, fit));
 }
 
 TEST_F(SvgAgainstPainter, GroundShadowDotsAndLines) {
   Scenery scenery(tumbledBricks());
-  scenery.style.plate = groundUnder(brickCorners(scenery.sample.bricks, scenery.sample.poses), -1);
+  scenery.style.plate =
+      picture::groundUnder(picture::brickCorners(scenery.sample.bricks, scenery.sample.poses), -1);
   scenery.items.marks = {Vector3(1, 1, 0.5), Vector3(3, 1, 0.5)};
   scenery.items.overlay = {rectangleTile(0, 0, 3, 2)};
   scenery.items.pinned = {5};
@@ -157,10 +161,11 @@ TEST_F(SvgAgainstPainter, TransparentPageWithShadow) {
   scenery.style.edgeWidth = 0;
   scenery.style.background.alpha = 0;
   scenery.style.shadow = {0, 0, 0, 56};
-  scenery.style.plate = groundUnder(brickCorners(scenery.sample.bricks, scenery.sample.poses), -1);
+  scenery.style.plate =
+      picture::groundUnder(picture::brickCorners(scenery.sample.bricks, scenery.sample.poses), -1);
   scenery.style.plate->visible = false;
-  const Frame drawn = rasterised(scenery.svg());
-  const Frame painted = scenery.painted();
+  const picture::Frame drawn = rasterised(scenery.svg());
+  const picture::Frame painted = scenery.painted();
   // Colours under full transparency differ and mean nothing.
   double mean = 0;
   for (std::size_t alpha = 3; alpha < drawn.pixels.size(); alpha += 4) {
@@ -172,12 +177,12 @@ TEST_F(SvgAgainstPainter, TransparentPageWithShadow) {
 
 TEST_F(SvgAgainstPainter, FacesHaveTheVerySameColours) {
   const Scenery scenery(tumbledBricks());
-  const Frame drawn = rasterised(scenery.svg());
-  const Frame painted = scenery.painted();
+  const picture::Frame drawn = rasterised(scenery.svg());
+  const picture::Frame painted = scenery.painted();
   // Where the painter's picture is flat for two pixels around, librsvg has the same bytes, but for
   // one or two levels where a face was cut.
   int flat = 0, equal = 0, near = 0;
-  const auto isNear = [](Colour a, Colour b) {
+  const auto isNear = [](picture::Colour a, picture::Colour b) {
     return std::abs(a.red - b.red) < 3 && std::abs(a.green - b.green) < 3 &&
            std::abs(a.blue - b.blue) < 3;
   };
@@ -213,8 +218,8 @@ TEST(Svg, HoldsOnlyWhatThePictureShows) {
 /// The outline of a concave face is a closed line as well, which an editor restyles with the
 /// others.
 TEST(Svg, OutlinesOfConcaveFacesAreLines) {
-  CameraFit fit;
-  fit.view = kTopView;
+  picture::CameraFit fit;
+  fit.view = picture::kTopView;
   fit.orthographic = true;
   const Scenery scenery(sampleBricks({test::starShape(5, 2, 0.7), test::lShape(3, 1, 3, 0)}, 0.3),
                         fit);

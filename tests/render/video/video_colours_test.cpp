@@ -11,25 +11,25 @@
 namespace kirireel {
 namespace {
 
-constexpr FrameSize kPicture{34, 6};
+constexpr picture::FrameSize kPicture{34, 6};
 
 /// Planes with memory of their own, rows farther apart than they are long.
 struct Planes {
   static constexpr std::ptrdiff_t kStride = 64;
   std::array<std::vector<std::uint8_t>, 3> bytes;
 
-  explicit Planes(const Frame& frame) {
+  explicit Planes(const picture::Frame& frame) {
     for (auto& plane : bytes) plane.resize(kStride * frame.size.height, 7);
-    toVideoColours(
+    picture::toVideoColours(
         frame,
         {{bytes[0].data(), kStride}, {bytes[1].data(), kStride}, {bytes[2].data(), kStride}});
   }
   double at(int plane, int x, int y) const { return bytes[plane][kStride * y + x]; }
 };
 
-Frame randomFrame(bool opaque) {
+picture::Frame randomFrame(bool opaque) {
   std::mt19937 random(3);
-  Frame frame = makeFrame(kPicture, {});
+  picture::Frame frame = picture::makeFrame(kPicture, {});
   for (std::size_t k = 0; k < frame.pixels.size(); ++k) {
     frame.pixels[k] = k % 4 == 3 && opaque ? 255 : static_cast<std::uint8_t>(random());
   }
@@ -37,8 +37,8 @@ Frame randomFrame(bool opaque) {
 }
 
 /// A pixel over white, by the definition; columns beyond the picture are those at its border.
-std::array<double, 3> colourAt(const Frame& frame, int x, int y) {
-  const Colour colour = frame.at(std::max(x, 0), y);
+std::array<double, 3> colourAt(const picture::Frame& frame, int x, int y) {
+  const picture::Colour colour = frame.at(std::max(x, 0), y);
   const auto over = [&colour](int channel) {
     return std::round((channel * colour.alpha + 255.0 * (255 - colour.alpha)) / 255);
   };
@@ -50,7 +50,7 @@ double lumaOf(const std::array<double, 3>& colour) {
 }
 
 /// The mean of the pixels that a coloured sample stands for.
-std::array<double, 3> filtered(const Frame& frame, int x, int y) {
+std::array<double, 3> filtered(const picture::Frame& frame, int x, int y) {
   std::array<double, 3> mean = {};
   for (int row = 0; row < 2; ++row) {
     for (int side = -1; side <= 1; ++side) {
@@ -63,7 +63,7 @@ std::array<double, 3> filtered(const Frame& frame, int x, int y) {
 
 TEST(VideoColours, AreThoseOfTheStandard) {
   for (const bool opaque : {true, false}) {
-    const Frame frame = randomFrame(opaque);
+    const picture::Frame frame = randomFrame(opaque);
     const Planes planes(frame);
     for (int y = 0; y < kPicture.height; ++y) {
       for (int x = 0; x < kPicture.width; ++x) {
@@ -85,7 +85,7 @@ TEST(VideoColours, AreThoseOfTheStandard) {
 TEST(VideoColours, LeaveGreysGrey) {
   for (int level = 0; level < 256; ++level) {
     const auto grey = static_cast<std::uint8_t>(level);
-    const Planes planes(makeFrame({2, 2}, {grey, grey, grey}));
+    const Planes planes(picture::makeFrame({2, 2}, {grey, grey, grey}));
     EXPECT_EQ(planes.at(1, 0, 0), 128);
     EXPECT_EQ(planes.at(2, 0, 0), 128);
     EXPECT_NEAR(planes.at(0, 1, 1), 16 + 219 * level / 255.0, 0.5001);

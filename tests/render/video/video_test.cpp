@@ -25,23 +25,23 @@ using test::outputOf;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
-constexpr FrameSize kSize{320, 180};
+constexpr picture::FrameSize kSize{320, 180};
 
-VideoSettings settingsOf(FrameSize size) {
-  VideoSettings settings;
+picture::VideoSettings settingsOf(picture::FrameSize size) {
+  picture::VideoSettings settings;
   settings.size = size;
   return settings;
 }
 
-void fill(Frame& frame, int left, int top, int width, int height, Colour colour) {
+void fill(picture::Frame& frame, int left, int top, int width, int height, picture::Colour colour) {
   for (int y = top; y < top + height; ++y) {
     for (int x = left; x < left + width; ++x) frame.set(x, y, colour);
   }
 }
 
 /// A disk with an antialiased rim, which moves with time over white: like a picture of bricks.
-Frame diskFrame(int index, FrameSize size = kSize) {
-  Frame frame = makeFrame(size, {255, 255, 255, 255});
+picture::Frame diskFrame(int index, picture::FrameSize size = kSize) {
+  picture::Frame frame = picture::makeFrame(size, {255, 255, 255, 255});
   const double radius = 0.28 * size.height;
   const double centreX = (0.2 + 0.015 * index) * size.width;
   for (int y = 0; y < size.height; ++y) {
@@ -58,7 +58,7 @@ Frame diskFrame(int index, FrameSize size = kSize) {
 }
 
 void writeDiskVideo(const std::filesystem::path& path, int frames) {
-  VideoWriter writer(path, settingsOf(kSize));
+  picture::VideoWriter writer(path, settingsOf(kSize));
   for (int k = 0; k < frames; ++k) writer.write(diskFrame(k));
   writer.finish();
 }
@@ -67,7 +67,8 @@ void writeDiskVideo(const std::filesystem::path& path, int frames) {
 /// BT.709, limited range, so that neither libswscale nor its tables judge themselves.
 class DecodedFrame {
  public:
-  DecodedFrame(const std::filesystem::path& video, int index, FrameSize size) : size_(size) {
+  DecodedFrame(const std::filesystem::path& video, int index, picture::FrameSize size)
+      : size_(size) {
     planes_ = outputOf("ffmpeg -i '" + video.string() + "' -vf \"select=eq(n\\," +
                        std::to_string(index) + ")\" -vsync 0 -f rawvideo -pix_fmt yuv420p -");
   }
@@ -91,17 +92,17 @@ class DecodedFrame {
  private:
   double byte(int index) const { return static_cast<std::uint8_t>(planes_[index]); }
 
-  FrameSize size_;
+  picture::FrameSize size_;
   std::string planes_;
 };
 
 /// Peak signal to noise ratio over all channels, decibels.
-double psnr(const DecodedFrame& decoded, const Frame& source) {
+double psnr(const DecodedFrame& decoded, const picture::Frame& source) {
   double sum = 0;
   for (int y = 0; y < source.size.height; ++y) {
     for (int x = 0; x < source.size.width; ++x) {
       const std::array<double, 3> colour = decoded.at(x, y);
-      const Colour wanted = source.at(x, y);
+      const picture::Colour wanted = source.at(x, y);
       sum += std::pow(colour[0] - wanted.red, 2) + std::pow(colour[1] - wanted.green, 2) +
              std::pow(colour[2] - wanted.blue, 2);
     }
@@ -110,7 +111,8 @@ double psnr(const DecodedFrame& decoded, const Frame& source) {
   return 10 * std::log10(255 * 255 / meanSquare);
 }
 
-void expectColour(const DecodedFrame& decoded, int x, int y, Colour wanted, double tolerance) {
+void expectColour(const DecodedFrame& decoded, int x, int y, picture::Colour wanted,
+                  double tolerance) {
   const std::array<double, 3> colour = decoded.at(x, y);
   EXPECT_NEAR(colour[0], wanted.red, tolerance);
   EXPECT_NEAR(colour[1], wanted.green, tolerance);
@@ -145,20 +147,20 @@ TEST(Video, IsWhatFfprobeSaysItIs) {
   EXPECT_THAT(stream, ::testing::Not(HasSubstr("creation_time")));
 }
 
-constexpr std::array<Colour, 8> kStripes = {{{255, 255, 255, 255},
-                                             {0, 0, 0, 255},
-                                             {128, 128, 128, 255},
-                                             {230, 40, 30, 255},
-                                             {30, 160, 60, 255},
-                                             {20, 60, 200, 255},
-                                             {240, 200, 80, 255},
-                                             {120, 40, 140, 255}}};
+constexpr std::array<picture::Colour, 8> kStripes = {{{255, 255, 255, 255},
+                                                      {0, 0, 0, 255},
+                                                      {128, 128, 128, 255},
+                                                      {230, 40, 30, 255},
+                                                      {30, 160, 60, 255},
+                                                      {20, 60, 200, 255},
+                                                      {240, 200, 80, 255},
+                                                      {120, 40, 140, 255}}};
 
 /// A video of three frames of upright stripes, 40 pixels wide.
 void writeStripes(const std::filesystem::path& path) {
-  Frame frame = makeFrame(kSize, {255, 255, 255, 255});
+  picture::Frame frame = picture::makeFrame(kSize, {255, 255, 255, 255});
   for (int k = 0; k < 8; ++k) fill(frame, 40 * k, 0, 40, 180, kStripes[k]);
-  VideoWriter writer(path, settingsOf(kSize));
+  picture::VideoWriter writer(path, settingsOf(kSize));
   for (int k = 0; k < 3; ++k) writer.write(frame);
   writer.finish();
 }
@@ -187,9 +189,9 @@ TEST(Video, KeepsFlatColoursExactlyWithoutChroma) {
     ASSERT_GE(pixels.size(), 2U * 320 * 180 * 3) << name;
     for (int k = 0; k < 8; ++k) {
       const char* pixel = pixels.data() + 3 * (90 * 320 + 40 * k + 20);
-      const Colour found = {static_cast<std::uint8_t>(pixel[0]),
-                            static_cast<std::uint8_t>(pixel[1]),
-                            static_cast<std::uint8_t>(pixel[2]), 255};
+      const picture::Colour found = {static_cast<std::uint8_t>(pixel[0]),
+                                     static_cast<std::uint8_t>(pixel[1]),
+                                     static_cast<std::uint8_t>(pixel[2]), 255};
       EXPECT_EQ(found, kStripes[k]) << name << " " << k;
     }
   }
@@ -225,10 +227,10 @@ TEST(Video, MatchesItsLastFrame) {
 
 TEST(Video, ShowsWhiteThroughTransparency) {
   if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
-  Frame frame = makeFrame(kSize, {0, 0, 0, 0});
+  picture::Frame frame = picture::makeFrame(kSize, {0, 0, 0, 0});
   fill(frame, 0, 0, 160, 180, {200, 40, 80, 128});
   const TemporaryFolder folder;
-  VideoWriter writer(folder / "glass.mp4", settingsOf(kSize));
+  picture::VideoWriter writer(folder / "glass.mp4", settingsOf(kSize));
   writer.write(frame);
   writer.finish();
   const DecodedFrame decoded(folder / "glass.mp4", 0, kSize);
@@ -246,12 +248,12 @@ TEST(Video, StartsWithItsIndex) {
 
 /// The bytes of a video that is encoded while new memory is filled with a pattern, so that an
 /// encoder which reads what nobody set shows it.
-std::string bytesWithMemoryOf(int pattern, FrameSize size, const std::string& preset) {
+std::string bytesWithMemoryOf(int pattern, picture::FrameSize size, const std::string& preset) {
   const TemporaryFolder folder;
   ::mallopt(M_PERTURB, pattern);
-  VideoSettings settings = settingsOf(size);
+  picture::VideoSettings settings = settingsOf(size);
   settings.preset = preset;
-  VideoWriter writer(folder / "disk.mp4", settings);
+  picture::VideoWriter writer(folder / "disk.mp4", settings);
   for (int k = 0; k < 25; ++k) writer.write(diskFrame(k, size));
   writer.finish();
   ::mallopt(M_PERTURB, 0);
@@ -260,7 +262,7 @@ std::string bytesWithMemoryOf(int pattern, FrameSize size, const std::string& pr
 
 TEST(Video, HasTheSameBytesInTwoRuns) {
   const TemporaryFolder folder;
-  for (const VideoFormat& format : videoFormats()) {
+  for (const picture::VideoFormat& format : picture::videoFormats()) {
     const std::string ending = format.ending;
     writeDiskVideo(folder / ("first" + ending), 25);
     writeDiskVideo(folder / ("second" + ending), 25);
@@ -276,7 +278,7 @@ TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
     const TemporaryFolder folder;
     const pid_t child = ::fork();
     if (child == 0) {
-      VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+      picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
       for (int k = 0; k < count; ++k) writer.write(diskFrame(k % 30));
       ::kill(::getpid(), SIGKILL);
     }
@@ -293,7 +295,8 @@ TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
 }
 
 TEST(Video, HasTheSameBytesWhateverIsInMemory) {
-  for (const FrameSize size : {FrameSize{384, 216}, {320, 180}, {144, 96}, {600, 600}}) {
+  for (const picture::FrameSize size :
+       {picture::FrameSize{384, 216}, {320, 180}, {144, 96}, {600, 600}}) {
     for (const char* preset : {"auto", "veryfast", "medium"}) {
       SCOPED_TRACE(std::to_string(size.width) + " " + preset);
       const std::string zeros = bytesWithMemoryOf(255, size, preset);
@@ -306,7 +309,7 @@ TEST(Video, HasTheSameBytesWhateverIsInMemory) {
 TEST(Video, LeavesNothingWhenAbandoned) {
   const TemporaryFolder folder;
   {
-    VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+    picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
     writer.write(diskFrame(0));
     EXPECT_FALSE(std::filesystem::exists(folder / "disk.mp4"));
   }
@@ -315,36 +318,39 @@ TEST(Video, LeavesNothingWhenAbandoned) {
 
 TEST(Video, RefusesSettingsOutOfRange) {
   const auto refusal = [](auto change) {
-    VideoSettings settings = settingsOf(kSize);
+    picture::VideoSettings settings = settingsOf(kSize);
     change(settings);
-    return messageOf<InputError>([&] { requireValidSettings("disk.mp4", settings); });
+    return messageOf<InputError>([&] { picture::requireValidSettings("disk.mp4", settings); });
   };
   EXPECT_EQ(
-      refusal([](VideoSettings& s) {
+      refusal([](picture::VideoSettings& s) {
         s.size = {641, 480};
       }),
       "error: a video of 641 x 480 pixels has an odd side; H.264 needs even ones, for example "
       "--size 642x480");
-  EXPECT_EQ(refusal([](VideoSettings& s) { s.framesPerSecond = 0; }),
+  EXPECT_EQ(refusal([](picture::VideoSettings& s) { s.framesPerSecond = 0; }),
             "error: 0 frames a second are not possible; give 1 to 1000");
-  EXPECT_EQ(refusal([](VideoSettings& s) { s.crf = 52; }),
+  EXPECT_EQ(refusal([](picture::VideoSettings& s) { s.crf = 52; }),
             "error: the video's crf is 52; give 0 (best) to 51 (worst), for example 18");
   EXPECT_EQ(
-      refusal([](VideoSettings& s) { s.preset = "quick"; }),
+      refusal([](picture::VideoSettings& s) { s.preset = "quick"; }),
       "error: x264 has no preset \"quick\"; give auto, or one of ultrafast, superfast, veryfast, "
       "faster, fast, medium, slow, slower, veryslow, placebo");
-  EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {0, 480}; }), HasSubstr("0 x 480"));
-  EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {100000, 480}; }), HasSubstr("100000 x 480"));
+  EXPECT_THAT(refusal([](picture::VideoSettings& s) { s.size = {0, 480}; }), HasSubstr("0 x 480"));
+  EXPECT_THAT(refusal([](picture::VideoSettings& s) {
+                s.size = {100000, 480};
+              }),
+              HasSubstr("100000 x 480"));
 }
 
 TEST(Video, RefusesWhatItsFormatDoesNotHave) {
-  const auto refusal = [](const char* file, const VideoSettings& settings) {
-    return messageOf<InputError>([&] { requireValidSettings(file, settings); });
+  const auto refusal = [](const char* file, const picture::VideoSettings& settings) {
+    return messageOf<InputError>([&] { picture::requireValidSettings(file, settings); });
   };
   EXPECT_EQ(refusal("disk.avi", settingsOf(kSize)),
             "disk.avi: error: no video format goes with this name; let it end in .mp4, .webm, "
             ".gif, .apng, .mkv");
-  VideoSettings settings = settingsOf({641, 480});
+  picture::VideoSettings settings = settingsOf({641, 480});
   EXPECT_EQ(refusal("disk.gif", settings), "nothing was thrown");
   EXPECT_THAT(refusal("disk.webm", settings), HasSubstr("an odd side; VP9 needs even ones"));
   settings = settingsOf(kSize);
@@ -355,10 +361,10 @@ TEST(Video, RefusesWhatItsFormatDoesNotHave) {
 
 TEST(Video, SaysWhichEncoderIsMissing) {
   const TemporaryFolder folder;
-  VideoSettings settings = settingsOf(kSize);
+  picture::VideoSettings settings = settingsOf(kSize);
   settings.encoder = "libx999";
   const std::filesystem::path path = folder / "disk.mp4";
-  EXPECT_EQ(messageOf<OutputError>([&] { VideoWriter writer(path, settings); }),
+  EXPECT_EQ(messageOf<OutputError>([&] { picture::VideoWriter writer(path, settings); }),
             path.string() +
                 ": error: libavcodec has no encoder libx999 here, so no video can be made; "
                 "install Debian's libavcodec-extra, or choose another with --encoder or another "
@@ -368,9 +374,9 @@ TEST(Video, SaysWhichEncoderIsMissing) {
 
 TEST(Video, SaysThatTheEncoderRefusesTheSize) {
   const TemporaryFolder folder;
-  const VideoSettings settings = settingsOf({16384, 16384});
+  const picture::VideoSettings settings = settingsOf({16384, 16384});
   const std::filesystem::path path = folder / "disk.mp4";
-  EXPECT_EQ(messageOf<OutputError>([&] { VideoWriter writer(path, settings); }),
+  EXPECT_EQ(messageOf<OutputError>([&] { picture::VideoWriter writer(path, settings); }),
             path.string() +
                 ": error: libx264 refuses a video of 16384 x 16384 pixels (Invalid argument); try "
                 "a smaller --size");
@@ -379,15 +385,15 @@ TEST(Video, SaysThatTheEncoderRefusesTheSize) {
 
 TEST(Video, RefusesAFrameOfAnotherSize) {
   const TemporaryFolder folder;
-  VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
-  const Frame frame = makeFrame({64, 32}, {});
+  picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+  const picture::Frame frame = picture::makeFrame({64, 32}, {});
   EXPECT_THAT(messageOf<OutputError>([&] { writer.write(frame); }),
               HasSubstr("disk.mp4: error: a frame of 64 x 32 pixels in a video of 320 x 180"));
 }
 
 TEST(Video, IsFinishedOnce) {
   const TemporaryFolder folder;
-  VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+  picture::VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
   EXPECT_THAT(messageOf<OutputError>([&] { writer.finish(); }),
               HasSubstr("disk.mp4: error: a video needs at least one frame"));
   writer.write(diskFrame(0));

@@ -19,9 +19,9 @@ using ::testing::Not;
 
 /// A triangle, a square and a pentagon, the square moved by 1 m along z and turned by 0.5.
 struct State {
-  Subject subject;
+  trajectory::Subject subject;
   Poses start;
-  Sample sample;
+  trajectory::Sample sample;
 
   State() {
     subject.model.tiles.resize(3);
@@ -33,8 +33,8 @@ struct State {
     }
     subject.model.joints = {{{0, 0}, {1, 2}}};
     subject.model.target = subject.model.tiles;
-    subject.bricks = makeBricks(subject.model.tiles, BrickRule{});
-    start = startPoses(subject.model.tiles, subject.bricks);
+    subject.bricks = model::makeBricks(subject.model.tiles, model::BrickRule{});
+    start = model::startPoses(subject.model.tiles, subject.bricks);
     sample.time = 0.25;
     sample.jointGap = 1e-12;
     sample.poses = start;
@@ -42,7 +42,7 @@ struct State {
     sample.poses[1].rotation = rotationFromVector({0, 0, 0.5});
   }
 
-  std::string text() const { return vtuText(subject, start, sample); }
+  std::string text() const { return exports::vtuText(subject, start, sample); }
 };
 
 /// The numbers of an array, unpacked by Python's own library where they are compressed.
@@ -138,7 +138,7 @@ TEST(Vtu, IsReadByVtk) {
   read >> cells >> points;
   EXPECT_EQ(cells, 3);
   EXPECT_EQ(points, 24);
-  for (const Brick& brick : state.subject.bricks) {
+  for (const model::Brick& brick : state.subject.bricks) {
     double volume = 0;
     read >> volume;
     EXPECT_NEAR(volume / brick.volume, 1, 1e-12);
@@ -149,7 +149,7 @@ TEST(Vtu, IsReadByVtk) {
 }
 
 TEST(Pvd, ListsFilesByTime) {
-  EXPECT_THAT(pvdText({{0, "state_0000.vtu"}, {0.5, "state_0030.vtu"}}),
+  EXPECT_THAT(exports::pvdText({{0, "state_0000.vtu"}, {0.5, "state_0030.vtu"}}),
               HasSubstr("<DataSet timestep=\"0\" part=\"0\" file=\"state_0000.vtu\"/>\n"
                         "<DataSet timestep=\"0.5\" part=\"0\" file=\"state_0030.vtu\"/>\n"));
 }

@@ -10,24 +10,24 @@ constexpr double kStep = 1.0 / 240;
 /// Tells steps of one length from time 0 on.
 class Observer {
  public:
-  explicit Observer(AdaptiveStiffness& stiffness, double step = kStep)
+  explicit Observer(deploy::AdaptiveStiffness& stiffness, double step = kStep)
       : stiffness_(stiffness), step_(step) {}
 
   void observe(double error) { stiffness_.observe(error, ++count_ * step_, step_); }
 
  private:
-  AdaptiveStiffness& stiffness_;
+  deploy::AdaptiveStiffness& stiffness_;
   double step_;
   int count_ = 0;
 };
 
-void stall(AdaptiveStiffness& stiffness, int steps) {
+void stall(deploy::AdaptiveStiffness& stiffness, int steps) {
   Observer observer(stiffness);
   for (int i = 0; i < steps; ++i) observer.observe(1);
 }
 
 TEST(AdaptiveStiffness, DoublesAfterSixtyStepsWithoutImprovement) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   Observer observer(stiffness);
   observer.observe(1);  // the first error is the one to beat
   for (int i = 0; i < 59; ++i) observer.observe(1);
@@ -37,7 +37,7 @@ TEST(AdaptiveStiffness, DoublesAfterSixtyStepsWithoutImprovement) {
 }
 
 TEST(AdaptiveStiffness, CountsTimeNotSteps) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   Observer observer(stiffness, 0.1);
   for (int i = 0; i < 3; ++i) observer.observe(1);
   EXPECT_EQ(stiffness.factor(), 1);
@@ -47,7 +47,7 @@ TEST(AdaptiveStiffness, CountsTimeNotSteps) {
 
 /// When the stiffness doubles for an error of exp(-t^2) down to exp(-1/4), told in such steps.
 double momentOfDoubling(double step) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   stiffness.observe(1, 0, 0);
   for (double time = step; time < 0.7; time += step) {
     const double fallen = std::min(time, 0.5);
@@ -65,7 +65,7 @@ TEST(AdaptiveStiffness, DoublesAtAMomentThatStepsDoNotMove) {
 }
 
 TEST(AdaptiveStiffness, TimeThatIsNotToldDoesNotCount) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   stiffness.observe(1, 0.1, 0.1);
   stiffness.observe(1, 0.2, 0.1);
   EXPECT_DOUBLE_EQ(stiffness.nextMoment(), 0.35);
@@ -74,21 +74,21 @@ TEST(AdaptiveStiffness, TimeThatIsNotToldDoesNotCount) {
 }
 
 TEST(AdaptiveStiffness, HalfAPercentIsAnImprovement) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   Observer observer(stiffness);
   for (int i = 0; i < 600; ++i) observer.observe(std::pow(0.994, i));
   EXPECT_EQ(stiffness.factor(), 1);
 }
 
 TEST(AdaptiveStiffness, LessIsNone) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   Observer observer(stiffness);
   for (int i = 0; i < 200; ++i) observer.observe(1 - 1e-5 * i);
   EXPECT_GT(stiffness.factor(), 1);
 }
 
 TEST(AdaptiveStiffness, EndsAtSixteen) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   EXPECT_FALSE(stiffness.exhausted());
   stall(stiffness, 2000);
   EXPECT_EQ(stiffness.factor(), 16);
@@ -98,13 +98,13 @@ TEST(AdaptiveStiffness, EndsAtSixteen) {
 }
 
 TEST(AdaptiveStiffness, StiffensOnRequest) {
-  AdaptiveStiffness stiffness(true);
+  deploy::AdaptiveStiffness stiffness(true);
   stiffness.stiffen();
   EXPECT_EQ(stiffness.factor(), 2);
 }
 
 TEST(AdaptiveStiffness, DisabledStaysAtOne) {
-  AdaptiveStiffness stiffness(false);
+  deploy::AdaptiveStiffness stiffness(false);
   EXPECT_TRUE(stiffness.exhausted());
   stall(stiffness, 2000);
   stiffness.stiffen();

@@ -12,21 +12,21 @@ namespace kirireel {
 namespace {
 
 TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
-  const Model model = makeTessellation({});
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  const Poses poses = startPoses(model.tiles, bricks);
-  TargetSpringSettings settings = paperSprings();
+  const model::Model model = model::makeTessellation({});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const Poses poses = model::startPoses(model.tiles, bricks);
+  scene::TargetSpringSettings settings = scene::paperSprings();
   settings.springStiffness = 3;
   Vector3 centre = Vector3::Zero();  // bricks of one mass
   for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
-  const Expansion expansion(bricks, settings);
-  std::vector<Load> loads(poses.size());
+  const deploy::Expansion expansion(bricks, settings);
+  std::vector<model::Load> loads(poses.size());
   expansion.addLoads(poses, loads);
   std::vector<Vector3> forces(poses.size(), Vector3::Zero());
   expansion.addFreeForces(poses, forces);
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Load& load = loads[i];
+    const model::Load& load = loads[i];
     const Vector3 wanted = 3 * (poses[i].position - centre);
     EXPECT_LT((load.force.head<3>() - wanted).norm(), 1e-14);
     EXPECT_EQ(Vector3(load.force.head<3>()), forces[i]);
@@ -41,13 +41,15 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
 
 TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
   // A brick that is far away from the centre of a triangle and two squares.
-  std::vector<Tile> tiles = makeTessellation({2, 1}).tiles;
+  std::vector<model::Tile> tiles = model::makeTessellation({2, 1}).tiles;
   tiles.push_back({{{5, 0, 0}, {7, 0, 0}, {5, 2, 0}}});
-  const std::vector<Brick> bricks = makeBricks(tiles, {0.1, MassRule::Prism, 700});
-  const Poses poses = startPoses(tiles, bricks);
-  std::vector<Load> loads(poses.size());
-  Expansion(bricks, {}).addLoads(poses, loads);
-  const double rate = std::pow(2 * std::numbers::pi * TargetSpringSettings{}.frequency, 2) / 4;
+  const std::vector<model::Brick> bricks =
+      model::makeBricks(tiles, {0.1, model::MassRule::Prism, 700});
+  const Poses poses = model::startPoses(tiles, bricks);
+  std::vector<model::Load> loads(poses.size());
+  deploy::Expansion(bricks, {}).addLoads(poses, loads);
+  const double rate =
+      std::pow(2 * std::numbers::pi * scene::TargetSpringSettings{}.frequency, 2) / 4;
   Vector3 centre = Vector3::Zero();
   double mass = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -63,10 +65,10 @@ TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
 
 TEST(PointSpring, IsTheGradientOfItsEnergy) {
   // Force and torque against differences of k/2 |anchor - point|^2.
-  const PointSpring spring = {Vector3(0.3, -0.2, 0.1), Vector3(1, 2, 3), 40, 0};
+  const deploy::PointSpring spring = {Vector3(0.3, -0.2, 0.1), Vector3(1, 2, 3), 40, 0};
   Pose pose{Vector3(0.5, 0.1, -0.4), rotationFromVector(Vector3(0.4, -0.7, 0.2))};
-  Load load;
-  addPointSpring(spring, pose, load);
+  model::Load load;
+  deploy::addPointSpring(spring, pose, load);
   const auto energy = [&](const Vector6& move) {
     const Pose moved{pose.position + move.head<3>(),
                      rotationFromVector(move.tail<3>()) * pose.rotation};
@@ -81,16 +83,16 @@ TEST(PointSpring, IsTheGradientOfItsEnergy) {
 }
 
 TEST(Outline, OfASheetIsItsConvexHull) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  const Model sheet = makeTessellation(shape);  // closed: a square of side 3
-  const std::vector<Corner> outline = outlineCorners(sheet.tiles);
+  const model::Model sheet = model::makeTessellation(shape);  // closed: a square of side 3
+  const std::vector<model::Corner> outline = model::outlineCorners(sheet.tiles);
   EXPECT_EQ(outline.size(), 12u);
   // Anticlockwise: the polygon's area is the sheet's.
   double area = 0;
   for (std::size_t k = 0; k < outline.size(); ++k) {
     const auto at = [&](std::size_t i) {
-      const Corner& corner = outline[i % outline.size()];
+      const model::Corner& corner = outline[i % outline.size()];
       return sheet.tiles[corner.tile].vertices[corner.vertex];
     };
     area += 0.5 * at(k).cross(at(k + 1)).z();
@@ -99,38 +101,38 @@ TEST(Outline, OfASheetIsItsConvexHull) {
 }
 
 TEST(BoundarySprings, PullHullCornersToTheCurve) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  const Model sheet = makeTessellation(shape);
-  const std::vector<Brick> bricks = makeBricks(sheet.tiles, {});
-  const Poses poses = startPoses(sheet.tiles, bricks);
-  TargetSpringSettings settings;
+  const model::Model sheet = model::makeTessellation(shape);
+  const std::vector<model::Brick> bricks = model::makeBricks(sheet.tiles, {});
+  const Poses poses = model::startPoses(sheet.tiles, bricks);
+  scene::TargetSpringSettings settings;
   Vector3 middle = Vector3::Zero();  // of the middle tile
   for (const Vector3& vertex : sheet.tiles[4].vertices) middle += vertex / 4;
   const double radius = 1.5 * std::sqrt(2.0);
-  const BoundarySprings circle(sheet, bricks, settings, {2, 1});
-  const BoundarySprings oblong(sheet, bricks, settings, {2, 1.5});
+  const deploy::BoundarySprings circle(sheet, bricks, settings, {2, 1});
+  const deploy::BoundarySprings oblong(sheet, bricks, settings, {2, 1.5});
   for (int k = 0; k < 12; ++k) {
     EXPECT_NEAR((circle.anchor(k) - middle).norm(), 2 * radius, 1e-12);
     const Vector3 arm = oblong.anchor(k) - middle;
     EXPECT_NEAR(std::hypot(arm.x() / (3 * radius), arm.y() / (2 * radius)), 1, 1e-12);
   }
   // The middle tile is no part of the hull, a corner tile is pulled outwards along the diagonal.
-  std::vector<Load> loads(poses.size());
+  std::vector<model::Load> loads(poses.size());
   circle.addLoads(poses, loads);
   EXPECT_TRUE(loads[4].force.isZero(0));
-  const Load& corner = loads[0];
+  const model::Load& corner = loads[0];
   EXPECT_LT(corner.force[0], -1);
   EXPECT_NEAR(corner.force[0], corner.force[1], 1e-9);
 }
 
 TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
-  Model sheet = makeTessellation({});
-  sheet.hull = std::vector<Corner>{{0, 0}, {3, 1}, {15, 2}};
-  const std::vector<Brick> bricks = makeBricks(sheet.tiles, {});
-  const Poses poses = startPoses(sheet.tiles, bricks);
-  const BoundarySprings springs(sheet, bricks, {}, {2, 1});
-  std::vector<Load> loads(poses.size());
+  model::Model sheet = model::makeTessellation({});
+  sheet.hull = std::vector<model::Corner>{{0, 0}, {3, 1}, {15, 2}};
+  const std::vector<model::Brick> bricks = model::makeBricks(sheet.tiles, {});
+  const Poses poses = model::startPoses(sheet.tiles, bricks);
+  const deploy::BoundarySprings springs(sheet, bricks, {}, {2, 1});
+  std::vector<model::Load> loads(poses.size());
   springs.addLoads(poses, loads);
   EXPECT_FALSE(loads[15].force.isZero(0));
   EXPECT_TRUE(loads[12].force.isZero(0));

@@ -5,24 +5,25 @@
 namespace kirireel {
 namespace {
 
-Brick flatBrick() {
-  return makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}}, {0.5, MassRule::Prism, 2});
+model::Brick flatBrick() {
+  return model::makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}},
+                          {0.5, model::MassRule::Prism, 2});
 }
 
 /// What the environment adds to the load of a brick.
-Load added(const Environment& environment, const Brick& brick, const Pose& pose,
-           const Load& before = {}) {
-  std::vector<Load> loads = {before};
-  addEnvironmentLoads(environment, {&brick, 1}, {pose}, loads);
+model::Load added(const scene::Environment& environment, const model::Brick& brick,
+                  const Pose& pose, const model::Load& before = {}) {
+  std::vector<model::Load> loads = {before};
+  deploy::addEnvironmentLoads(environment, {&brick, 1}, {pose}, loads);
   return loads.front();
 }
 
 TEST(EnvironmentLoad, GravityPullsByMass) {
-  Environment environment;
+  scene::Environment environment;
   environment.gravity = {1, 2, -10};
-  Load pushed;
+  model::Load pushed;
   pushed.force.setOnes();
-  const Load load = added(environment, flatBrick(), {}, pushed);
+  const model::Load load = added(environment, flatBrick(), {}, pushed);
   Vector6 expected;
   expected << 4, 7, -29, 1, 1, 1;  // 3 kg
   EXPECT_LT((load.force - expected).norm(), 1e-12);
@@ -31,12 +32,12 @@ TEST(EnvironmentLoad, GravityPullsByMass) {
 
 TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
   // M u' = -D u has the solution exp(-M^-1 D t) u, which must be (1 - damping)^t u.
-  Environment environment;
+  scene::Environment environment;
   environment.linearDamping = 0.3;
   environment.angularDamping = 0.6;
-  const Brick brick = flatBrick();
+  const model::Brick brick = flatBrick();
   const Pose pose{Vector3(1, 2, 3), rotationFromVector({0.4, -1, 0.3})};
-  const Load load = added(environment, brick, pose);
+  const model::Load load = added(environment, brick, pose);
   const Matrix3 R = pose.rotation.toRotationMatrix();
   Matrix6 mass = Matrix6::Zero();
   mass.topLeftCorner<3, 3>().diagonal().setConstant(brick.mass);
@@ -48,9 +49,9 @@ TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
 }
 
 TEST(EnvironmentLoad, NoneAsksForNothing) {
-  Environment environment;
+  scene::Environment environment;
   environment.linearDamping = environment.angularDamping = 0;
-  const Load load = added(environment, flatBrick(), {});
+  const model::Load load = added(environment, flatBrick(), {});
   EXPECT_EQ(load.force, Vector6::Zero());
   EXPECT_EQ(load.damping, Matrix6::Zero());
 }

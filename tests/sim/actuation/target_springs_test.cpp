@@ -12,14 +12,14 @@ namespace {
 
 /// One thick tile and a target that lies turned and shifted.
 struct SpringScene {
-  explicit SpringScene(double targetTurn, const TargetSpringSettings& settings = {})
-      : bricks{makeBrick(tile(), {0.3, MassRule::Unit, 1})},
+  explicit SpringScene(double targetTurn, const scene::TargetSpringSettings& settings = {})
+      : bricks{model::makeBrick(tile(), {0.3, model::MassRule::Unit, 1})},
         target{tile()},
         springs(bricks, turned(target, targetTurn), {}, settings) {}
 
-  static Tile tile() { return {{{0, 0, 0}, {2, 0.2, 0}, {2.5, 1.4, 0}, {0.3, 1, 0}}}; }
+  static model::Tile tile() { return {{{0, 0, 0}, {2, 0.2, 0}, {2.5, 1.4, 0}, {0.3, 1, 0}}}; }
 
-  static std::vector<Tile> turned(std::vector<Tile> tiles, double angle) {
+  static std::vector<model::Tile> turned(std::vector<model::Tile> tiles, double angle) {
     const Quaternion rotation = rotationFromVector(angle * Vector3(0.6, 0, 0.8));
     for (Vector3& vertex : tiles[0].vertices) vertex = rotation * vertex + Vector3(0.7, -0.4, 0.5);
     return tiles;
@@ -31,9 +31,9 @@ struct SpringScene {
     return {Vector3(1.7, -0.1, 1.8) + by.head<3>(), rotationFromVector(by.tail<3>()) * start};
   }
 
-  std::vector<Brick> bricks;
-  std::vector<Tile> target;
-  TargetSprings springs;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Tile> target;
+  deploy::TargetSprings springs;
 };
 
 /// The derivative of a function of the six displacements, by central differences of fourth order.
@@ -50,7 +50,7 @@ Value derivative(const Function& function, int coordinate) {
 
 TEST(TargetSprings, ForceIsMinusTheEnergysSlope) {
   const SpringScene scene(0.9);
-  const Load load = scene.springs.load(0, SpringScene::displaced(Vector6::Zero()), 3);
+  const model::Load load = scene.springs.load(0, SpringScene::displaced(Vector6::Zero()), 3);
   for (int k = 0; k < 6; ++k) {
     const double slope = derivative<double>(
         [&](const Vector6& by) { return scene.springs.energy({SpringScene::displaced(by)}, 3); },
@@ -82,19 +82,19 @@ TEST(TargetSprings, StiffnessIsNeverIndefinite) {
 }
 
 TEST(TargetSprings, PullsNothingAtTheTarget) {
-  const std::vector<Brick> bricks{makeBrick(SpringScene::tile(), {})};
-  const std::vector<Tile> target{SpringScene::tile()};
-  const TargetSprings springs(bricks, target, {}, {});
-  const Poses poses = startPoses(target, bricks);
+  const std::vector<model::Brick> bricks{model::makeBrick(SpringScene::tile(), {})};
+  const std::vector<model::Tile> target{SpringScene::tile()};
+  const deploy::TargetSprings springs(bricks, target, {}, {});
+  const Poses poses = model::startPoses(target, bricks);
   EXPECT_LT(springs.load(0, poses[0], 1).force.norm(), 1e-12);  // measured 3e-14
   EXPECT_LT(springs.energy(poses, 1), 1e-12);                   // measured 9e-14
 }
 
 TEST(TargetSprings, ForceIsThatOfVertexSprings) {
   // With equal stiffnesses, one force and one torque do what n springs at the vertices do.
-  const SpringScene scene(0.9, paperSprings());
+  const SpringScene scene(0.9, scene::paperSprings());
   const Pose pose = SpringScene::displaced(Vector6::Zero());
-  const std::vector<Tile> target = SpringScene::turned({SpringScene::tile()}, 0.9);
+  const std::vector<model::Tile> target = SpringScene::turned({SpringScene::tile()}, 0.9);
   Vector6 sum = Vector6::Zero();
   for (std::size_t k = 0; k < 4; ++k) {
     const Vector3 point = pose.apply(scene.bricks[0].bottom[k]);
@@ -108,15 +108,15 @@ TEST(TargetSprings, ForceIsThatOfVertexSprings) {
 TEST(TargetSprings, StiffeningScalesForceAndStiffnessButNotDamping) {
   const SpringScene scene(0.9);
   const Pose pose = SpringScene::displaced(Vector6::Zero());
-  const Load soft = scene.springs.load(0, pose, 1);
-  const Load stiff = scene.springs.load(0, pose, 16);
+  const model::Load soft = scene.springs.load(0, pose, 1);
+  const model::Load stiff = scene.springs.load(0, pose, 16);
   EXPECT_LT((stiff.force - 16 * soft.force).norm(), 1e-9);
   EXPECT_LT((stiff.stiffness - 16 * soft.stiffness).norm(), 1e-9);
   EXPECT_EQ(stiff.damping, soft.damping);
 }
 
 TEST(TargetSprings, DampingThatIsGivenIsTheSameAboutAllAxes) {
-  TargetSpringSettings settings;
+  scene::TargetSpringSettings settings;
   settings.forceDamping = 7;
   settings.torqueDamping = 3;
   const SpringScene scene(0.9, settings);
@@ -128,10 +128,10 @@ TEST(TargetSprings, DampingThatIsGivenIsTheSameAboutAllAxes) {
 }
 
 TEST(TargetSprings, OnlyPulledBricksFeelThem) {
-  const Model model = makeTessellation({2, 1});
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  const TargetSprings springs(bricks, *model.target, std::vector<int>{1}, {});
-  const Poses poses = startPoses(model.tiles, bricks);
+  const model::Model model = model::makeTessellation({2, 1});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const deploy::TargetSprings springs(bricks, *model.target, std::vector<int>{1}, {});
+  const Poses poses = model::startPoses(model.tiles, bricks);
   EXPECT_EQ(springs.load(0, poses[0], 1).force, Vector6::Zero());
   EXPECT_GT(springs.load(0, poses[0], 1).damping(0, 0), 1);
   EXPECT_GT(springs.load(1, poses[1], 1).force.norm(), 1);
@@ -141,14 +141,15 @@ TEST(TargetSprings, OnlyPulledBricksFeelThem) {
 /// short implicit steps of second order.
 class SwingingBrick {
  public:
-  SwingingBrick(int corners, const BrickRule& rule, const TargetSpringSettings& settings)
+  SwingingBrick(int corners, const model::BrickRule& rule,
+                const scene::TargetSpringSettings& settings)
       : tile_{regular(corners)},
-        bricks_{makeBrick(tile_[0], rule)},
+        bricks_{model::makeBrick(tile_[0], rule)},
         springs_(bricks_, tile_, {}, settings),
-        pose_(startPoses(tile_, bricks_)[0]) {}
+        pose_(model::startPoses(tile_, bricks_)[0]) {}
 
-  static Tile regular(int corners) {
-    Tile tile;
+  static model::Tile regular(int corners) {
+    model::Tile tile;
     for (int k = 0; k < corners; ++k) {
       const double angle = 2 * std::numbers::pi * k / corners;
       tile.vertices.emplace_back(0.7 * std::cos(angle), 0.7 * std::sin(angle), 0);
@@ -164,7 +165,7 @@ class SwingingBrick {
     double speed = 0;
     for (int k = 0; k < count; ++k) {
       // The trapezoidal rule: m (v' - v) / h = (f + f') / 2 - c (v + v') / 2.
-      const Load load = this->load(turns, places.back());
+      const model::Load load = this->load(turns, places.back());
       const double c = load.damping(at, at), stiffness = load.stiffness(at, at);
       const double push = load.force[at] - 0.5 * step * stiffness * speed - c * speed;
       const double gained =
@@ -176,7 +177,7 @@ class SwingingBrick {
   }
 
  private:
-  Load load(bool turns, double place) const {
+  model::Load load(bool turns, double place) const {
     Pose pose = pose_;
     if (turns) {
       pose.rotation = rotationFromVector({0, 0, place});
@@ -186,9 +187,9 @@ class SwingingBrick {
     return springs_.load(0, pose, 1);
   }
 
-  std::vector<Tile> tile_;
-  std::vector<Brick> bricks_;
-  TargetSprings springs_;
+  std::vector<model::Tile> tile_;
+  std::vector<model::Brick> bricks_;
+  deploy::TargetSprings springs_;
   Pose pose_;
 };
 
@@ -203,10 +204,10 @@ TEST(TargetSprings, SwingABrickWithTheirFrequencyAndDecay) {
   // Whatever the brick's mass. Turning has the rate of decay of moving, and the frequency that
   // springs at the vertices give: w^2 sum |p'|^2 / n over the square of the radius of gyration,
   // which for n corners on a circle of radius r is r^2 (2 + cos(2 pi / n)) / 6.
-  const TargetSpringSettings settings{.frequency = 2.5, .dampingRatio = 0.1};
+  const scene::TargetSpringSettings settings{.frequency = 2.5, .dampingRatio = 0.1};
   const double w = 2 * std::numbers::pi * 2.5;
   for (const int corners : {3, 4, 6}) {
-    for (const BrickRule& rule : {BrickRule{}, {0.1, MassRule::Prism, 700}}) {
+    for (const model::BrickRule& rule : {model::BrickRule{}, {0.1, model::MassRule::Prism, 700}}) {
       SwingingBrick brick(corners, rule, settings);
       const std::vector<double> moved = brick.swing(false, 1, 1e-4, 10000);
       const std::vector<double> turned = brick.swing(true, 1e-4, 1e-4, 10000);
@@ -223,17 +224,18 @@ TEST(TargetSprings, SwingABrickWithTheirFrequencyAndDecay) {
 }
 
 TEST(TargetSprings, InNewtonsHaveTheRatioOfTheirOwnStiffness) {
-  TargetSpringSettings settings;
+  scene::TargetSpringSettings settings;
   settings.springStiffness = 25;
   settings.dampingRatio = 0.2;
-  const Brick brick = makeBrick(SwingingBrick::regular(4), {0.1, MassRule::Prism, 700});
-  const BrickSpring spring = springOf(brick, settings);
+  const model::Brick brick =
+      model::makeBrick(SwingingBrick::regular(4), {0.1, model::MassRule::Prism, 700});
+  const deploy::BrickSpring spring = deploy::springOf(brick, settings);
   EXPECT_EQ(spring.springStiffness, 25);
   const double w = 2 * std::numbers::pi * settings.frequency;
   EXPECT_DOUBLE_EQ(spring.torqueStiffness, brick.mass * w * w / 4);
   EXPECT_DOUBLE_EQ(spring.forceDamping, 2 * 0.2 * std::sqrt(4 * 25 * brick.mass));
   settings.torqueStiffness = 0;
-  EXPECT_TRUE(springOf(brick, settings).torqueDamping.isZero(0));
+  EXPECT_TRUE(deploy::springOf(brick, settings).torqueDamping.isZero(0));
   EXPECT_TRUE(settings.pull());
   settings.springStiffness = 0;
   EXPECT_FALSE(settings.pull());

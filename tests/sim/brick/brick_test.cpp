@@ -19,18 +19,18 @@ double relativeError(const Matrix3& found, const Matrix3& wanted) {
   return (found - wanted).norm() / wanted.norm();
 }
 
-Tile moved(const Tile& tile, const Quaternion& turn, const Vector3& shift) {
-  Tile result;
+model::Tile moved(const model::Tile& tile, const Quaternion& turn, const Vector3& shift) {
+  model::Tile result;
   for (const Vector3& vertex : tile.vertices) result.vertices.push_back(turn * vertex + shift);
   return result;
 }
 
 /// A convex polygon in the plane z = 0: points on an ellipse, in order.
-Tile randomConvexTile(std::mt19937& random) {
+model::Tile randomConvexTile(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   const int count = 3 + static_cast<int>(6 * unit(random));
   const double stretch = 0.3 + 2 * unit(random);
-  Tile tile;
+  model::Tile tile;
   for (int k = 0; k < count; ++k) {
     const double angle = 2 * kPi * (k + 0.8 * unit(random)) / count;
     tile.vertices.emplace_back(stretch * std::cos(angle), std::sin(angle), 0);
@@ -43,8 +43,8 @@ Quaternion randomTurn(std::mt19937& random) {
   return Quaternion(normal(random), normal(random), normal(random), normal(random)).normalized();
 }
 
-BrickRule rule(double thickness, MassRule mass) {
-  BrickRule result;
+model::BrickRule rule(double thickness, model::MassRule mass) {
+  model::BrickRule result;
   result.thickness = thickness;
   result.mass = mass;
   result.density = 700;
@@ -68,10 +68,10 @@ struct SolidMoments {
   }
 };
 
-SolidMoments momentsByTetrahedra(const Brick& brick) {
+SolidMoments momentsByTetrahedra(const model::Brick& brick) {
   const Vector3 apex(0.3, -0.2, 0.4);
   SolidMoments moments;
-  for (const std::vector<Vector3>& face : brickFaces(brick)) {
+  for (const std::vector<Vector3>& face : model::brickFaces(brick)) {
     for (size_t k = 1; k + 1 < face.size(); ++k) {
       moments.addTetrahedron(face[0] - apex, face[k] - apex, face[k + 1] - apex);
     }
@@ -83,8 +83,9 @@ SolidMoments momentsByTetrahedra(const Brick& brick) {
   return moments;
 }
 
-void expectClosedForm(const Tile& tile, double thickness, double area, const Matrix3& covariance) {
-  const Brick brick = makeBrick(tile, rule(thickness, MassRule::Prism));
+void expectClosedForm(const model::Tile& tile, double thickness, double area,
+                      const Matrix3& covariance) {
+  const model::Brick brick = model::makeBrick(tile, rule(thickness, model::MassRule::Prism));
   const double mass = 700 * area * thickness;
   EXPECT_NEAR(brick.volume / (area * thickness), 1, 1e-12);  // measured 4e-16
   EXPECT_NEAR(brick.mass / mass, 1, 1e-12);                  // measured 7e-16
@@ -94,9 +95,9 @@ void expectClosedForm(const Tile& tile, double thickness, double area, const Mat
 
 TEST(Brick, RectanglePrismHasTheClosedForm) {
   const double a = 3, b = 0.7, h = 0.2;
-  const Tile tile{{{1, 2, 5}, {4, 2, 5}, {4, 2.7, 5}, {1, 2.7, 5}}};
+  const model::Tile tile{{{1, 2, 5}, {4, 2, 5}, {4, 2.7, 5}, {1, 2.7, 5}}};
   expectClosedForm(tile, h, a * b, Vector3(a * a / 12, b * b / 12, h * h / 12).asDiagonal());
-  const Brick brick = makeBrick(tile, rule(h, MassRule::Prism));
+  const model::Brick brick = model::makeBrick(tile, rule(h, model::MassRule::Prism));
   EXPECT_LT((brick.bottom[0] - Vector3(-1.5, -0.35, -0.1)).norm(), 1e-15);
   EXPECT_LT((brick.top[2] - Vector3(1.5, 0.35, 0.1)).norm(), 1e-15);
 }
@@ -110,7 +111,7 @@ TEST(Brick, RightTrianglePrismHasTheClosedForm) {
 
 TEST(Brick, HexagonPrismHasTheClosedForm) {
   const double side = 1.3, h = 0.05;
-  Tile tile;
+  model::Tile tile;
   for (int k = 0; k < 6; ++k) {
     tile.vertices.emplace_back(side * std::cos(k * kPi / 3), side * std::sin(k * kPi / 3), 0);
   }
@@ -122,8 +123,8 @@ TEST(Brick, HexagonPrismHasTheClosedForm) {
 TEST(Brick, MatchesTetrahedraForRandomPolygons) {
   std::mt19937 random(1);
   for (int i = 0; i < 200; ++i) {
-    const Tile tile = moved(randomConvexTile(random), randomTurn(random), {1, -2, 3});
-    const Brick brick = makeBrick(tile, rule(0.3, MassRule::Prism));
+    const model::Tile tile = moved(randomConvexTile(random), randomTurn(random), {1, -2, 3});
+    const model::Brick brick = model::makeBrick(tile, rule(0.3, model::MassRule::Prism));
     const SolidMoments moments = momentsByTetrahedra(brick);
     EXPECT_NEAR(brick.volume / moments.volume, 1, 1e-12);       // measured 1e-15
     EXPECT_LT((moments.first / moments.volume).norm(), 1e-12);  // measured 8e-16
@@ -135,10 +136,11 @@ TEST(Brick, MatchesTetrahedraForRandomPolygons) {
 TEST(Brick, TurnsWithItsTile) {
   std::mt19937 random(2);
   for (int i = 0; i < 50; ++i) {
-    const Tile tile = randomConvexTile(random);
+    const model::Tile tile = randomConvexTile(random);
     const Quaternion turn = randomTurn(random);
-    const Brick flat = makeBrick(tile, rule(0.1, MassRule::Prism));
-    const Brick turned = makeBrick(moved(tile, turn, {-4, 5, 6}), rule(0.1, MassRule::Prism));
+    const model::Brick flat = model::makeBrick(tile, rule(0.1, model::MassRule::Prism));
+    const model::Brick turned =
+        model::makeBrick(moved(tile, turn, {-4, 5, 6}), rule(0.1, model::MassRule::Prism));
     const Matrix3 rotation = turn.toRotationMatrix();
     // measured 2e-15
     EXPECT_LT(relativeError(turned.inertia, rotation * flat.inertia * rotation.transpose()), 1e-12);
@@ -149,21 +151,21 @@ TEST(Brick, TurnsWithItsTile) {
 
 TEST(Brick, UnitMassScalesTheInertia) {
   std::mt19937 random(3);
-  const Tile tile = randomConvexTile(random);
-  const Brick unit = makeBrick(tile, rule(0.02, MassRule::Unit));
-  const Brick prism = makeBrick(tile, rule(0.02, MassRule::Prism));
+  const model::Tile tile = randomConvexTile(random);
+  const model::Brick unit = model::makeBrick(tile, rule(0.02, model::MassRule::Unit));
+  const model::Brick prism = model::makeBrick(tile, rule(0.02, model::MassRule::Prism));
   EXPECT_EQ(unit.mass, 1);
   EXPECT_LT(relativeError(unit.inertia * prism.mass, prism.inertia), 1e-15);
 }
 
-void expectOutwardAndClosed(const Brick& brick) {
+void expectOutwardAndClosed(const model::Brick& brick) {
   Vector3 sum = Vector3::Zero();
   double area = 0;
-  for (const std::vector<Vector3>& face : brickFaces(brick)) {
-    const Tile polygon{face};
-    EXPECT_GT(tileNormal(polygon).dot(face[0]), 0);
-    sum += tileArea(polygon) * tileNormal(polygon);
-    area += tileArea(polygon);
+  for (const std::vector<Vector3>& face : model::brickFaces(brick)) {
+    const model::Tile polygon{face};
+    EXPECT_GT(model::tileNormal(polygon).dot(face[0]), 0);
+    sum += model::tileArea(polygon) * model::tileNormal(polygon);
+    area += model::tileArea(polygon);
   }
   EXPECT_LT(sum.norm(), 1e-13 * area);  // measured 2e-15
 }
@@ -171,8 +173,8 @@ void expectOutwardAndClosed(const Brick& brick) {
 TEST(Brick, FacesLookOutwardAndCloseTheBrick) {
   std::mt19937 random(4);
   for (int i = 0; i < 50; ++i) {
-    const Tile tile = moved(randomConvexTile(random), randomTurn(random), {1, 1, 1});
-    expectOutwardAndClosed(makeBrick(tile, rule(0.02, MassRule::Unit)));
+    const model::Tile tile = moved(randomConvexTile(random), randomTurn(random), {1, 1, 1});
+    expectOutwardAndClosed(model::makeBrick(tile, rule(0.02, model::MassRule::Unit)));
   }
 }
 
@@ -184,9 +186,9 @@ TEST(Brick, FacesLookOutwardOnEveryModel) {
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (!fs::exists(entry.path() / "vertices.txt")) continue;
       std::vector<std::string> warnings;
-      const Model model = readModelFolder(entry.path(), warnings);
-      const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-      for (const Brick& brick : bricks) expectOutwardAndClosed(brick);
+      const model::Model model = model::readModelFolder(entry.path(), warnings);
+      const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+      for (const model::Brick& brick : bricks) expectOutwardAndClosed(brick);
       ++models;
     }
   }
@@ -195,9 +197,10 @@ TEST(Brick, FacesLookOutwardOnEveryModel) {
 }
 
 TEST(Brick, StartsWhereItsTileIs) {
-  const Model model = makeTessellation({});
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  const std::vector<Tile> bottoms = bottomTiles(bricks, startPoses(model.tiles, bricks));
+  const model::Model model = model::makeTessellation({});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const std::vector<model::Tile> bottoms =
+      model::bottomTiles(bricks, model::startPoses(model.tiles, bricks));
   for (size_t i = 0; i < model.tiles.size(); ++i) {
     for (size_t k = 0; k < 4; ++k) {
       // measured 2e-16
@@ -207,12 +210,12 @@ TEST(Brick, StartsWhereItsTileIs) {
 }
 
 TEST(Pivots, FollowJointsAndFaces) {
-  const Model model = makeTessellation({});
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  const std::vector<Joint> joints{{{0, 2}, {4, 3}, JointFace::Both},
-                                  {{0, 3}, {1, 0}, JointFace::Top},
-                                  {{1, 1}, {5, 0}, JointFace::Bottom}};
-  const std::vector<Pivot> pivots = makePivots(joints, bricks);
+  const model::Model model = model::makeTessellation({});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const std::vector<model::Joint> joints{{{0, 2}, {4, 3}, model::JointFace::Both},
+                                         {{0, 3}, {1, 0}, model::JointFace::Top},
+                                         {{1, 1}, {5, 0}, model::JointFace::Bottom}};
+  const std::vector<model::Pivot> pivots = model::makePivots(joints, bricks);
   ASSERT_EQ(pivots.size(), 4u);
   EXPECT_EQ(pivots[0].pointA, bricks[0].bottom[2]);
   EXPECT_EQ(pivots[0].pointB, bricks[4].bottom[3]);
@@ -224,14 +227,15 @@ TEST(Pivots, FollowJointsAndFaces) {
 }
 
 TEST(Pivots, OfLinksAndFixedJointsFitTheStart) {
-  const Model model = makeTessellation({});
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  const std::vector<Pivot> pivots = makePivots(
-      {makeLink(model.tiles, {0, 1}, {5, 2}), makeFixedJoint(model.tiles, 3, 2)}, bricks);
+  const model::Model model = model::makeTessellation({});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const std::vector<model::Pivot> pivots = model::makePivots(
+      {model::makeLink(model.tiles, {0, 1}, {5, 2}), model::makeFixedJoint(model.tiles, 3, 2)},
+      bricks);
   ASSERT_EQ(pivots.size(), 4u);
   EXPECT_GT(pivots[0].distance, 0);
-  const Poses start = startPoses(model.tiles, bricks);
-  for (const Pivot& pivot : pivots) EXPECT_LT(pivotGap(pivot, start), 1e-15);
+  const Poses start = model::startPoses(model.tiles, bricks);
+  for (const model::Pivot& pivot : pivots) EXPECT_LT(model::pivotGap(pivot, start), 1e-15);
   const Vector3 area =
       (pivots[2].pointA - pivots[1].pointA).cross(pivots[3].pointA - pivots[1].pointA);
   EXPECT_GT(area.norm(), 0.1);  // not in line

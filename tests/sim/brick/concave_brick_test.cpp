@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kThickness = 0.3;
 
-BrickRule rule() {
-  BrickRule prism;
+model::BrickRule rule() {
+  model::BrickRule prism;
   prism.thickness = kThickness;
-  prism.mass = MassRule::Prism;
+  prism.mass = model::MassRule::Prism;
   prism.density = 700;
   return prism;
 }
@@ -30,7 +30,7 @@ Matrix3 movedTo(const Matrix3& inertia, double mass, const Vector3& r) {
 
 TEST(ConcaveBrick, LHasTheInertiaOfItsTwoBoxes) {
   // Boxes 3 x 1 and 1 x 2 (on top of the first), with their centres in brick axes.
-  const Brick brick = makeBrick(test::lShape(), rule());
+  const model::Brick brick = model::makeBrick(test::lShape(), rule());
   const double low = 700 * 3 * kThickness, high = 700 * 2 * kThickness;
   const Vector3 centre = (low * Vector3(1.5, 0.5, 0) + high * Vector3(0.5, 2, 0)) / (low + high);
   const Matrix3 inertia =
@@ -45,7 +45,7 @@ TEST(ConcaveBrick, StarHasTheInertiaOfItsTriangles) {
   // Ten triangles from the centre to a tip and a notch: about z, m / 6 (a.a + a.b + b.b) each; half
   // of it about x and y, by symmetry.
   const double outer = 2, inner = 0.7, angle = std::numbers::pi / 5;
-  const Brick brick = makeBrick(test::starShape(5, outer, inner), rule());
+  const model::Brick brick = model::makeBrick(test::starShape(5, outer, inner), rule());
   const double area = 10 * 0.5 * outer * inner * std::sin(angle);
   const double mass = 700 * area * kThickness;
   const double about = mass / 6 * (outer * outer + outer * inner * std::cos(angle) + inner * inner);
@@ -56,13 +56,13 @@ TEST(ConcaveBrick, StarHasTheInertiaOfItsTriangles) {
 }
 
 TEST(ConcaveBrick, HasConvexPiecesOfOneBody) {
-  const std::vector<Brick> bricks =
-      makeBricks({test::starShape(5, 2, 0.7), {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}, rule());
+  const std::vector<model::Brick> bricks =
+      model::makeBricks({test::starShape(5, 2, 0.7), {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}, rule());
   EXPECT_TRUE(bricks[1].parts.empty());
-  const std::vector<BrickPiece> pieces = convexPieces(bricks);
+  const std::vector<model::BrickPiece> pieces = model::convexPieces(bricks);
   ASSERT_EQ(pieces.size(), bricks[0].parts.size() + 1);
-  for (const BrickPiece& piece : pieces) {
-    const Brick& whole = bricks[piece.brick];
+  for (const model::BrickPiece& piece : pieces) {
+    const model::Brick& whole = bricks[piece.brick];
     EXPECT_EQ(piece.shape.mass, whole.mass);
     for (std::size_t k = 0; k < piece.corners.size(); ++k) {
       EXPECT_EQ(piece.shape.bottom[k], whole.bottom[piece.corners[k]]);
@@ -73,11 +73,11 @@ TEST(ConcaveBrick, HasConvexPiecesOfOneBody) {
 }
 
 TEST(ConcaveBrick, SharedCornersAreCutOffEachPiece) {
-  const Brick star = makeBrick(test::starShape(4, 2, 0.7), rule());
+  const model::Brick star = model::makeBrick(test::starShape(4, 2, 0.7), rule());
   const int notch = 1;
-  for (const BrickPiece& piece : convexPieces(star)) {
+  for (const model::BrickPiece& piece : model::convexPieces(star)) {
     const bool holds = std::count(piece.corners.begin(), piece.corners.end(), notch) > 0;
-    const Brick cut = withoutCorners(piece, {notch}, 0.05);
+    const model::Brick cut = model::withoutCorners(piece, {notch}, 0.05);
     EXPECT_EQ(cut.bottom.size(), piece.shape.bottom.size() + (holds ? 1 : 0));
     for (const Vector3& corner : cut.bottom) {
       EXPECT_GT((corner - star.bottom[notch]).norm(), 0.03);

@@ -15,31 +15,31 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 struct Sheet {
-  explicit Sheet(const Model& start, double thickness = 0.02)
+  explicit Sheet(const model::Model& start, double thickness = 0.02)
       : model(start),
-        bricks(makeBricks(start.tiles, {thickness, MassRule::Unit, 1})),
-        poses(startPoses(start.tiles, bricks)) {}
-  FoundHinges hinges(bool planar) const {
-    return findHinges(bricks, makePivots(model.joints, bricks), planar);
+        bricks(model::makeBricks(start.tiles, {thickness, model::MassRule::Unit, 1})),
+        poses(model::startPoses(start.tiles, bricks)) {}
+  model::FoundHinges hinges(bool planar) const {
+    return model::findHinges(bricks, model::makePivots(model.joints, bricks), planar);
   }
-  Model model;
-  std::vector<Brick> bricks;
+  model::Model model;
+  std::vector<model::Brick> bricks;
   Poses poses;
 };
 
-Model squares(int side, double angle, JointFace face = JointFace::Both) {
-  TessellationShape shape;
+model::Model squares(int side, double angle, model::JointFace face = model::JointFace::Both) {
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
   shape.startAngle = angle;
   shape.face = face;
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
 /// Poses of a sheet of squares that is open by an angle, by the closed form of the mechanism.
 Poses openedBy(const Sheet& sheet, int side, double startAngle, double angle) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
-  const std::vector<Tile> tiles = tessellationTiles(shape, angle);
+  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
   Poses poses = sheet.poses;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const int column = static_cast<int>(i) % side, row = static_cast<int>(i) / side;
@@ -50,9 +50,10 @@ Poses openedBy(const Sheet& sheet, int side, double startAngle, double angle) {
   return poses;
 }
 
-std::vector<HingeSpring> springsAt(const FoundHinges& found, double stiffness, double rest) {
-  std::vector<HingeSpring> springs;
-  for (const Hinge& hinge : found.hinges) springs.push_back({hinge, stiffness, rest, 0});
+std::vector<model::HingeSpring> springsAt(const model::FoundHinges& found, double stiffness,
+                                          double rest) {
+  std::vector<model::HingeSpring> springs;
+  for (const model::Hinge& hinge : found.hinges) springs.push_back({hinge, stiffness, rest, 0});
   return springs;
 }
 
@@ -63,19 +64,20 @@ TEST(Hinges, OfRotatingSquaresOpenByTheSheetsAngle) {
     for (const double start : {0.0, 0.3, 1.2}) {
       const int side = 3;
       const Sheet sheet(squares(side, start));
-      const FoundHinges found = sheet.hinges(planar);
+      const model::FoundHinges found = sheet.hinges(planar);
       ASSERT_EQ(found.hinges.size(), 12u);
       EXPECT_TRUE(found.ballJoints.empty());
-      const std::vector<HingeSpring> springs = springsAt(found, 2, 0.5);
+      const std::vector<model::HingeSpring> springs = springsAt(found, 2, 0.5);
       for (const double angle : {0.0, 0.4, 1.5, 3.0}) {
         const Poses poses = openedBy(sheet, side, start, angle);
-        for (const Hinge& hinge : found.hinges) {
+        for (const model::Hinge& hinge : found.hinges) {
           EXPECT_NEAR(hinge.start, start, 1e-12);
           EXPECT_NEAR(hinge.most, kPi, 1e-12);
-          EXPECT_NEAR(hingeAngle(hinge, poses), angle, 1e-12);  // measured 4e-16
+          EXPECT_NEAR(model::hingeAngle(hinge, poses), angle, 1e-12);  // measured 4e-16
         }
-        EXPECT_NEAR(elasticEnergy(springs, poses), 12 * (angle - 0.5) * (angle - 0.5), 1e-12);
-        for (const double moment : hingeMoments(springs, poses)) {
+        EXPECT_NEAR(model::elasticEnergy(springs, poses), 12 * (angle - 0.5) * (angle - 0.5),
+                    1e-12);
+        for (const double moment : model::hingeMoments(springs, poses)) {
           EXPECT_NEAR(moment, 2 * (0.5 - angle), 1e-12);
         }
       }
@@ -84,41 +86,41 @@ TEST(Hinges, OfRotatingSquaresOpenByTheSheetsAngle) {
 }
 
 /// Two triangles that lie flush along an edge and turn about one of its ends.
-Model flushTriangles() {
-  Model model;
+model::Model flushTriangles() {
+  model::Model model;
   const double high = std::sqrt(0.75);
   model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {0.5, high, 0}}},
                  {{{0, 0, 0}, {0.5, high, 0}, {-0.5, high, 0}}}};
-  model.joints = {{{0, 0}, {1, 0}, JointFace::Both}};
+  model.joints = {{{0, 0}, {1, 0}, model::JointFace::Both}};
   return model;
 }
 
 TEST(Hinges, KnowAnglesBeyondAStraightAngle) {
   const Sheet sheet(flushTriangles());
-  const Hinge hinge = sheet.hinges(true).hinges.at(0);
+  const model::Hinge hinge = sheet.hinges(true).hinges.at(0);
   EXPECT_NEAR(hinge.start, 0, 1e-12);
   EXPECT_NEAR(hinge.most, 240 * kDegree, 1e-12);
   for (int degrees = -50; degrees <= 290; degrees += 10) {
     Poses poses = sheet.poses;
     poses[1].rotation = rotationFromVector(Vector3(0, 0, degrees * kDegree));
-    EXPECT_NEAR(hingeAngle(hinge, poses), degrees * kDegree, 1e-12) << degrees;
+    EXPECT_NEAR(model::hingeAngle(hinge, poses), degrees * kDegree, 1e-12) << degrees;
     for (Pose& pose : poses) pose.rotation = rotationFromVector({0, 0, 2.5}) * pose.rotation;
-    EXPECT_NEAR(hingeAngle(hinge, poses), degrees * kDegree, 1e-12) << degrees;
+    EXPECT_NEAR(model::hingeAngle(hinge, poses), degrees * kDegree, 1e-12) << degrees;
   }
 }
 
 TEST(Hinges, HaveTheSameAnglesWhicheverTileComesFirst) {
-  Model swapped = flushTriangles();
+  model::Model swapped = flushTriangles();
   std::swap(swapped.joints[0].a, swapped.joints[0].b);
-  const Hinge hinge = Sheet(swapped).hinges(true).hinges.at(0);
+  const model::Hinge hinge = Sheet(swapped).hinges(true).hinges.at(0);
   Poses poses = Sheet(swapped).poses;
   poses[1].rotation = rotationFromVector(Vector3(0, 0, 0.7));
-  EXPECT_NEAR(hingeAngle(hinge, poses), 0.7, 1e-12);
+  EXPECT_NEAR(model::hingeAngle(hinge, poses), 0.7, 1e-12);
 }
 
 /// Two unit squares that share an edge, joined at both its ends on one face.
-Model folded(JointFace face, double angle) {
-  Model model;
+model::Model folded(model::JointFace face, double angle) {
+  model::Model model;
   const Vector3 up(0, std::cos(angle), std::sin(angle));
   model.tiles = {{{{0, -1, 0}, {1, -1, 0}, {1, 0, 0}, {0, 0, 0}}},
                  {{{0, 0, 0}, {1, 0, 0}, Vector3(1, 0, 0) + up, up}}};
@@ -128,36 +130,36 @@ Model folded(JointFace face, double angle) {
 
 TEST(Hinges, AtFoldsHaveFoldsSign) {
   for (const double start : {-2.0, 0.0, 0.8}) {
-    const Sheet sheet(folded(JointFace::Bottom, start));
-    const FoundHinges found = sheet.hinges(false);
+    const Sheet sheet(folded(model::JointFace::Bottom, start));
+    const model::FoundHinges found = sheet.hinges(false);
     ASSERT_EQ(found.hinges.size(), 1u);
-    const Hinge& hinge = found.hinges[0];
+    const model::Hinge& hinge = found.hinges[0];
     EXPECT_NEAR(hinge.start, start, 1e-12);  // the second tile rises: a valley
     Poses poses = sheet.poses;
     poses[1].rotation = rotationFromVector(Vector3(0.3 - start, 0, 0));
-    EXPECT_NEAR(hingeAngle(hinge, poses), 0.3, 1e-12);
+    EXPECT_NEAR(model::hingeAngle(hinge, poses), 0.3, 1e-12);
   }
 }
 
 TEST(Hinges, AreNotWhereNothingTurnsAboutAnAxis) {
-  const Sheet balls(squares(2, 0.3, JointFace::Bottom));
+  const Sheet balls(squares(2, 0.3, model::JointFace::Bottom));
   EXPECT_EQ(balls.hinges(true).hinges.size(), 4u);
   EXPECT_EQ(balls.hinges(false).hinges.size(), 0u);
   EXPECT_EQ(balls.hinges(false).ballJoints.size(), 4u);
-  const Sheet rigid(folded(JointFace::Both, 0));
+  const Sheet rigid(folded(model::JointFace::Both, 0));
   EXPECT_TRUE(rigid.hinges(false).hinges.empty());
   EXPECT_TRUE(rigid.hinges(true).hinges.empty());
   EXPECT_TRUE(rigid.hinges(false).ballJoints.empty());
-  Model fixed = squares(2, 0.3);
-  fixed.joints.push_back(makeFixedJoint(fixed.tiles, 0, 1));
+  model::Model fixed = squares(2, 0.3);
+  fixed.joints.push_back(model::makeFixedJoint(fixed.tiles, 0, 1));
   EXPECT_EQ(Sheet(fixed).hinges(true).hinges.size(), 3u);
 }
 
 TEST(HingeSprings, TellWhatTheyHoldAtBothEnds) {
   const Sheet sheet(squares(2, 0));
-  const std::vector<HingeSpring> springs = springsAt(sheet.hinges(true), 3, 0.5);
-  const Elasticity found =
-      elasticityOf(test::pairForces(springs), sheet.poses, openedBy(sheet, 2, 0, 0.75));
+  const std::vector<model::HingeSpring> springs = springsAt(sheet.hinges(true), 3, 0.5);
+  const model::Elasticity found =
+      model::elasticityOf(test::pairForces(springs), sheet.poses, openedBy(sheet, 2, 0, 0.75));
   EXPECT_EQ(found.count("springs"), 4);
   EXPECT_EQ(found.count("ligaments"), 0);
   EXPECT_NEAR(found.energyStart, 1.5, 1e-12);

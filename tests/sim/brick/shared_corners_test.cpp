@@ -6,13 +6,13 @@
 namespace kirireel {
 namespace {
 
-Brick unitPlate() {
-  return makeBrick({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, {});
+model::Brick unitPlate() {
+  return model::makeBrick({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, {});
 }
 
 TEST(WithoutCorners, CutsEachEdgeByTheLength) {
-  const Brick plate = unitPlate();
-  const Brick cut = withoutCorners(plate, {2}, 0.1);
+  const model::Brick plate = unitPlate();
+  const model::Brick cut = model::withoutCorners(plate, {2}, 0.1);
   ASSERT_EQ(cut.bottom.size(), 5u);
   EXPECT_EQ(cut.bottom[1], plate.bottom[1]);
   EXPECT_LT((cut.bottom[2] - plate.bottom[2] - Vector3(0, -0.1, 0)).norm(), 1e-15);
@@ -25,35 +25,36 @@ TEST(WithoutCorners, CutsEachEdgeByTheLength) {
 }
 
 TEST(WithoutCorners, LeavesAFifthOfAnEdgeWithoutBothEnds) {
-  const Brick cut = withoutCorners(unitPlate(), {0, 1}, 0.7);
+  const model::Brick cut = model::withoutCorners(unitPlate(), {0, 1}, 0.7);
   ASSERT_EQ(cut.bottom.size(), 6u);
   EXPECT_NEAR((cut.bottom[2] - cut.bottom[1]).norm(), 0.2, 1e-15);
 }
 
 TEST(WithoutCorners, WithoutAnyIsTheBrick) {
-  const Brick plate = unitPlate();
-  EXPECT_EQ(withoutCorners(plate, {}, 0.1).bottom, plate.bottom);
+  const model::Brick plate = unitPlate();
+  EXPECT_EQ(model::withoutCorners(plate, {}, 0.1).bottom, plate.bottom);
 }
 
 TEST(SharedCorners, AreThoseOfTheJoints) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  const Model model = makeTessellation(shape);
-  const auto shared = sharedCorners(makePivots(model.joints, makeBricks(model.tiles, {})));
+  const model::Model model = model::makeTessellation(shape);
+  const auto shared =
+      model::sharedCorners(model::makePivots(model.joints, model::makeBricks(model.tiles, {})));
   EXPECT_EQ(shared.size(), model.joints.size());  // a sheet's neighbours share one corner
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     const bool swapped = joint.b.tile < joint.a.tile;
-    const SharedCorners& corners = shared.at(std::minmax(joint.a.tile, joint.b.tile));
+    const model::SharedCorners& corners = shared.at(std::minmax(joint.a.tile, joint.b.tile));
     EXPECT_EQ(swapped ? corners.ofB : corners.ofA, std::vector<int>{joint.a.vertex});
     EXPECT_EQ(swapped ? corners.ofA : corners.ofB, std::vector<int>{joint.b.vertex});
   }
 }
 
 TEST(SharedCorners, CutByAPartOfTheMeanEdge) {
-  const Brick plate = unitPlate();
-  const double length = cutLength(plate, plate, 0.05);
-  const Brick a = withoutCorners(plate, {0}, length);
-  const Brick b = withoutCorners(plate, {2}, length);
+  const model::Brick plate = unitPlate();
+  const double length = model::cutLength(plate, plate, 0.05);
+  const model::Brick a = model::withoutCorners(plate, {0}, length);
+  const model::Brick b = model::withoutCorners(plate, {2}, length);
   EXPECT_NEAR((a.bottom[0] - plate.bottom[0]).norm(), 0.05, 1e-15);
   EXPECT_NEAR((b.bottom[2] - plate.bottom[2]).norm(), 0.05, 1e-15);
 }

@@ -19,23 +19,23 @@ namespace {
 using ::testing::HasSubstr;
 
 /// A square of 1 m, split along the diagonal from its first corner, that nothing moves or damps.
-Scene bendingSquare(double youngs, double thickness = 0.02) {
-  Scene scene;
-  scene.model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
-  scene.model = splitTiles(scene.model, {});
+scene::Scene bendingSquare(double youngs, double thickness = 0.02) {
+  scene::Scene scene;
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  scene.model = model::splitTiles(scene.model, {});
   scene.brick.thickness = thickness;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
-  scene.hinges.panels = PanelMaterial{youngs, 0.3, 0};
+  scene.hinges.panels = scene::PanelMaterial{youngs, 0.3, 0};
   return scene;
 }
 
 /// Gives both halves opposite turns about the diagonal, so that they bend at so many rad/s while
 /// their common centre of mass stays.
-void bendAt(double rate, Scene& scene) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const Poses poses = startPoses(scene.model.tiles, bricks);
-  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+void bendAt(double rate, scene::Scene& scene) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const Poses poses = model::startPoses(scene.model.tiles, bricks);
+  const std::vector<model::HingeSpring> springs = scene::hingeSprings(scene, bricks);
   for (const int half : {0, 1}) {
     const bool isB = springs.at(0).hinge.brickB == half;
     const Vector3 turn = (isB ? 0.5 : -0.5) * rate * springs[0].hinge.axis;
@@ -47,8 +47,9 @@ void bendAt(double rate, Scene& scene) {
   }
 }
 
-double bendAngle(const DeploymentResult& run, const Sample& sample) {
-  return hingeAngle(hingeSpringsOf(run.trajectory.pairForces).at(0).hinge, sample.poses);
+double bendAngle(const deploy::DeploymentResult& run, const trajectory::Sample& sample) {
+  return model::hingeAngle(model::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
+                           sample.poses);
 }
 
 // Free halves of mass m whose centres are h above the diagonal turn by half of the angle each, and
@@ -56,23 +57,23 @@ double bendAngle(const DeploymentResult& run, const Sample& sample) {
 //   w^2 = 2 k / (I + m h^2),   I about the axis through a half's centre.
 TEST(BendingTiles, SwingWithTheFrequencyOfTheirClosedForm) {
   const double youngs = 6e9, thickness = 0.002, rate = 0.04;
-  Scene scene = bendingSquare(youngs, thickness);
+  scene::Scene scene = bendingSquare(youngs, thickness);
   bendAt(rate, scene);
   scene.solver.tolerance = 1e-6;
   scene.stop.duration = 1;
-  const DeploymentResult run = deploy(scene, 0.01, nullptr);
-  const Brick& half = run.trajectory.bricks[0];
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.01, nullptr);
+  const model::Brick& half = run.trajectory.bricks[0];
   const Vector3 axis = Vector3(1, 1, 0).normalized();
   const double stiffness =
       0.55 * youngs * std::pow(thickness, 3) / (12 * 0.91) * std::cbrt(std::sqrt(2.0) / thickness);
-  EXPECT_NEAR(hingeSpringsOf(run.trajectory.pairForces).at(0).stiffness, stiffness,
+  EXPECT_NEAR(model::hingeSpringsOf(run.trajectory.pairForces).at(0).stiffness, stiffness,
               1e-12 * stiffness);
   const double frequency = std::sqrt(
       2 * stiffness / (axis.dot(half.inertia * axis) + half.mass * thickness * thickness / 4));
   ASSERT_GT(frequency, 30);  // five periods
   const double swing = rate / frequency;
   double worst = 0;
-  for (const Sample& sample : run.trajectory.samples) {
+  for (const trajectory::Sample& sample : run.trajectory.samples) {
     worst = std::max(worst,
                      std::abs(bendAngle(run, sample) - swing * std::sin(frequency * sample.time)));
   }
@@ -82,17 +83,17 @@ TEST(BendingTiles, SwingWithTheFrequencyOfTheirClosedForm) {
 // Undamped, what the halves store in their diagonal and their motion stays together what it was.
 TEST(BendingTiles, KeepTheirEnergyToTheTolerance) {
   for (const double tolerance : {1e-3, 1e-4, 1e-6}) {
-    Scene scene = bendingSquare(1e7);
+    scene::Scene scene = bendingSquare(1e7);
     bendAt(3, scene);
     scene.solver.tolerance = tolerance;
     scene.stop.duration = 2;
-    const DeploymentResult run = deploy(scene, 0.05, nullptr);
-    const auto energy = [](const Sample& sample) {
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.05, nullptr);
+    const auto energy = [](const trajectory::Sample& sample) {
       return sample.mechanics->energies.kinetic + sample.mechanics->energies.elastic;
     };
     const double start = energy(run.trajectory.samples.front());
     double stored = 0, off = 0;
-    for (const Sample& sample : run.trajectory.samples) {
+    for (const trajectory::Sample& sample : run.trajectory.samples) {
       stored = std::max(stored, sample.mechanics->energies.elastic);
       off = std::max(off, std::abs(energy(sample) / start - 1));
     }
@@ -107,19 +108,19 @@ TEST(BendingTiles, KeepTheirEnergyToTheTolerance) {
 TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
   for (const double youngs : {1e-6, 1e0, 1e6, 1e12, 1e15}) {
     for (const double step : {1.0 / 960, 1.0 / 60, 0.1}) {
-      Scene scene = bendingSquare(youngs);
+      scene::Scene scene = bendingSquare(youngs);
       bendAt(3, scene);
       scene.solver.timestep = step;
       scene.stop.duration = 2;
-      const DeploymentResult run = deploy(scene, 0.1, nullptr);
-      EXPECT_NE(run.outcome, Outcome::Diverged) << youngs << " " << step;
+      const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+      EXPECT_NE(run.outcome, deploy::Outcome::Diverged) << youngs << " " << step;
       EXPECT_LT(run.accuracy.jointGapMax, 1e-11) << youngs << " " << step;
-      const auto energy = [](const Sample& sample) {
+      const auto energy = [](const trajectory::Sample& sample) {
         return sample.mechanics->energies.kinetic + sample.mechanics->energies.elastic;
       };
       const double start = energy(run.trajectory.samples.front());
       double before = start;
-      for (const Sample& sample : run.trajectory.samples) {
+      for (const trajectory::Sample& sample : run.trajectory.samples) {
         // At rest a run is nudged, by 1e-11 of it.
         EXPECT_LE(energy(sample), before + 1e-9 * start) << youngs << " " << step;
         before = energy(sample);
@@ -132,12 +133,13 @@ TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
 TEST(BendingTiles, AreNotInTheirOwnWay) {
   for (const double side : {1.0, -1.0}) {
     std::vector<double> angles;
-    for (const ContactFilter contacts : {ContactFilter::None, ContactFilter::All}) {
-      Scene scene = bendingSquare(1e6);
+    for (const scene::ContactFilter contacts :
+         {scene::ContactFilter::None, scene::ContactFilter::All}) {
+      scene::Scene scene = bendingSquare(1e6);
       bendAt(side, scene);
       scene.environment.contacts = contacts;
       scene.stop.duration = 0.1;
-      const DeploymentResult run = deploy(scene, 0.1, nullptr);
+      const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
       EXPECT_EQ(run.accuracy.penetrationOutsidePivotsMax, 0);
       angles.push_back(bendAngle(run, run.trajectory.samples.back()));
     }
@@ -148,8 +150,8 @@ TEST(BendingTiles, AreNotInTheirOwnWay) {
 
 /// Four squares round a vertex: the folds of the first, which is pinned, rest by 0.1 and 0.05 rad,
 /// the two others flat. Rigid squares could fold along one line alone.
-Scene frustratedSheet(double thickness) {
-  Scene scene;
+scene::Scene frustratedSheet(double thickness) {
+  scene::Scene scene;
   for (const auto& [x, y] :
        {std::pair(-1, -1), std::pair(0, -1), std::pair(0, 0), std::pair(-1, 0)}) {
     const Vector3 low(x, y, 0);
@@ -160,23 +162,23 @@ Scene frustratedSheet(double thickness) {
                         {{2, 0}, {3, 1}}, {{2, 3}, {3, 2}}, {{3, 0}, {0, 3}}, {{3, 1}, {0, 2}}};
   scene.model.foldAngles = {{{0, 1}, 0.1}, {{1, 0}, 0.1}, {{0, 3}, 0.05}, {{3, 0}, 0.05}};
   scene.brick.thickness = thickness;
-  scene.hinges.panels = PanelMaterial{1 / std::pow(thickness, 3), 0.3, 0.1};
-  scene.timeline = {{Occasion{}, timeline::Pin{{0}}, {"--pin"}}};
+  scene.hinges.panels = scene::PanelMaterial{1 / std::pow(thickness, 3), 0.3, 0.1};
+  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"--pin"}}};
   return scene;
 }
 
 /// The equilibrium of bars and hinges under hardly any load on the corner opposite to the pinned
 /// square, with the corner's height as its displacement.
-Equilibrium balanceOf(Scene scene) {
-  scene.environment.contacts = ContactFilter::Auto;
-  scene.path.kind = PathKind::Auto;
-  GripSetting push;
+mechanics::Equilibrium balanceOf(scene::Scene scene) {
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
+  scene::GripSetting push;
   push.tiles = {2};
   push.corners = {{2, 2}};
   push.isForce = true;
   push.z = 1e-9;
   scene.grips = {push};
-  return deploy(scene, 0.5, nullptr).loadCurve->states.front();
+  return deploy::deploy(scene, 0.5, nullptr).loadCurve->states.front();
 }
 
 // Where a damped run comes to rest, bars and hinges of the same material are in balance, but for
@@ -184,16 +186,16 @@ Equilibrium balanceOf(Scene scene) {
 TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
   std::vector<double> heights, energies;
   for (const double thickness : {1e-3, 3e-4}) {
-    const Equilibrium balance = balanceOf(frustratedSheet(thickness));
-    Scene scene = frustratedSheet(thickness);
-    splitTiles({}, scene);
-    scene.actuation.drive = Drive::None;
+    const mechanics::Equilibrium balance = balanceOf(frustratedSheet(thickness));
+    scene::Scene scene = frustratedSheet(thickness);
+    scene::splitTiles({}, scene);
+    scene.actuation.drive = scene::Drive::None;
     scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
-    const DeploymentResult run = deploy(scene, 0.1, nullptr);
-    EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+    EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
     EXPECT_EQ(run.elasticity->count("springs"), 8);
     const Poses& last = run.trajectory.samples.back().poses;
-    const double height = bottomTiles(run.trajectory.bricks, last)[2].vertices[2].z();
+    const double height = model::bottomTiles(run.trajectory.bricks, last)[2].vertices[2].z();
     EXPECT_GT(height, 0.03);
     heights.push_back(std::abs(height / balance.displacements[0] - 1));
     energies.push_back(std::abs(run.elasticity->energyEnd / balance.energy - 1));
@@ -207,15 +209,15 @@ TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
 
 // A sheet whose tiles could bend arrives where it does with rigid ones, and nothing is bent there.
 TEST(BendingTiles, DeployToATargetThatRigidTilesReach) {
-  Scene scene = openScene();
-  TessellationShape shape;
+  scene::Scene scene = scene::openScene();
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
-  scene.model = makeTessellation(shape);
-  scene.hinges.panels = PanelMaterial{3e9, 0.3, 0};
-  splitTiles({}, scene);
-  alignStartToTarget(scene.model);
-  fillFromModel(scene);
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  scene.model = model::makeTessellation(shape);
+  scene.hinges.panels = scene::PanelMaterial{3e9, 0.3, 0};
+  scene::splitTiles({}, scene);
+  model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_EQ(run.atTarget, true) << run.reason;
   EXPECT_EQ(run.elasticity->count("springs"), 4);
   EXPECT_LT(run.elasticity->energyEnd, 1e-6);
@@ -223,23 +225,23 @@ TEST(BendingTiles, DeployToATargetThatRigidTilesReach) {
 }
 
 TEST(BendingTiles, AreInTheTrajectory) {
-  Scene scene = bendingSquare(1e6);
+  scene::Scene scene = bendingSquare(1e6);
   bendAt(1, scene);
   scene.stop.duration = 0.1;
   const test::TemporaryFolder folder;
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
-  writeTrajectory(run.trajectory, folder / "run.h5");
-  const TrajectoryReader reader(folder / "run.h5");
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
+  const trajectory::TrajectoryReader reader(folder / "run.h5");
   ASSERT_EQ(reader.subject().model.joints.size(), 2U);
-  for (const Joint& joint : reader.subject().model.joints) EXPECT_TRUE(joint.isWithinTile);
-  EXPECT_EQ(elasticEnergy(hingeSpringsOf(reader.subject().pairForces),
-                          run.trajectory.samples.back().poses),
+  for (const model::Joint& joint : reader.subject().model.joints) EXPECT_TRUE(joint.isWithinTile);
+  EXPECT_EQ(model::elasticEnergy(model::hingeSpringsOf(reader.subject().pairForces),
+                                 run.trajectory.samples.back().poses),
             run.elasticity->energyEnd);
 }
 
-std::string messageFor(const Scene& scene) {
+std::string messageFor(const scene::Scene& scene) {
   try {
-    deploy(scene, 0.5, nullptr);
+    deploy::deploy(scene, 0.5, nullptr);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -247,12 +249,12 @@ std::string messageFor(const Scene& scene) {
 }
 
 TEST(BendingTiles, SayWhatKeepsThemFromBending) {
-  Scene scene = bendingSquare(1e6);
+  scene::Scene scene = bendingSquare(1e6);
   scene.solver.planar = true;
   EXPECT_EQ(messageFor(scene),
             "error: tiles that bend leave their plane; leave --planar on away, or --panels");
   scene = bendingSquare(1e6);
-  scene.model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.model.joints.clear();
   EXPECT_EQ(messageFor(scene),
             "error: in motion --panels bends tiles that are split and folds, and there are none: "
@@ -262,7 +264,7 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
   scene = frustratedSheet(0.02);
   scene.stop.duration = 0.1;
   std::string said;
-  deploy(scene, 0.1, nullptr, [&](const SearchNews& news) {
+  deploy::deploy(scene, 0.1, nullptr, [&](const deploy::SearchNews& news) {
     said += news.warning;
     return true;
   });

@@ -16,14 +16,14 @@ namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace timeline;
+using namespace scene::timeline;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
 constexpr double kInterval = 0.05;
 // A checkpoint between any two samples.
-constexpr CheckpointPace kAlways{0, std::numeric_limits<double>::infinity()};
+constexpr deploy::CheckpointPace kAlways{0, std::numeric_limits<double>::infinity()};
 
 struct Killed : std::runtime_error {
   Killed() : std::runtime_error("killed") {}
@@ -33,15 +33,16 @@ struct Killed : std::runtime_error {
 enum class Ending { Asked, Killed };
 
 /// One process that deploys, or goes on with deploying, and ends at its sample of this number.
-DeploymentResult runProcess(const Scene& scene, const fs::path& folder, std::size_t lastSample,
-                            Ending ending, std::string* found = nullptr) {
-  Checkpoints checkpoints(folder, "this order", kAlways);
+deploy::DeploymentResult runProcess(const scene::Scene& scene, const fs::path& folder,
+                                    std::size_t lastSample, Ending ending,
+                                    std::string* found = nullptr) {
+  deploy::Checkpoints checkpoints(folder, "this order", kAlways);
   const std::string remark = checkpoints.find();
   if (found) *found = remark;
-  std::vector<Sample> samples;
-  DeploymentResult result = deployUnkept(
+  std::vector<trajectory::Sample> samples;
+  deploy::DeploymentResult result = deploy::deployUnkept(
       scene, kInterval,
-      [&](const Sample& sample) {
+      [&](const trajectory::Sample& sample) {
         samples.push_back(sample);
         if (samples.size() <= lastSample) return true;
         if (ending == Ending::Killed) throw Killed();
@@ -54,7 +55,7 @@ DeploymentResult runProcess(const Scene& scene, const fs::path& folder, std::siz
 
 constexpr std::size_t kNoLast = std::numeric_limits<std::size_t>::max();
 
-void expectSame(const Sample& a, const Sample& b) {
+void expectSame(const trajectory::Sample& a, const trajectory::Sample& b) {
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.jointGap, b.jointGap);
   EXPECT_EQ(a.penetration, b.penetration);
@@ -67,14 +68,14 @@ void expectSame(const Sample& a, const Sample& b) {
   }
 }
 
-std::vector<double> figuresOf(DeploymentResult result) {
+std::vector<double> figuresOf(deploy::DeploymentResult result) {
   result.cost.cpuSeconds = 0;
   StateTape tape;
   tape.transfer(result.accuracy, result.cost);
   return tape.numbers();
 }
 
-void expectSame(const DeploymentResult& a, const DeploymentResult& b) {
+void expectSame(const deploy::DeploymentResult& a, const deploy::DeploymentResult& b) {
   ASSERT_EQ(a.trajectory.samples.size(), b.trajectory.samples.size());
   for (std::size_t k = 0; k < a.trajectory.samples.size(); ++k) {
     SCOPED_TRACE(k);
@@ -88,8 +89,8 @@ void expectSame(const DeploymentResult& a, const DeploymentResult& b) {
 }
 
 /// Ends processes at these samples, one after the other, and lets the last one finish.
-void expectResumedAt(const std::vector<std::size_t>& samples, const Scene& scene,
-                     const DeploymentResult& undisturbed) {
+void expectResumedAt(const std::vector<std::size_t>& samples, const scene::Scene& scene,
+                     const deploy::DeploymentResult& undisturbed) {
   for (const Ending ending : {Ending::Asked, Ending::Killed}) {
     const test::TemporaryFolder scratch;
     const fs::path folder = scratch / "checkpoint";
@@ -97,50 +98,50 @@ void expectResumedAt(const std::vector<std::size_t>& samples, const Scene& scene
       if (ending == Ending::Killed) {
         EXPECT_THROW(runProcess(scene, folder, sample, ending), Killed);
       } else {
-        EXPECT_EQ(runProcess(scene, folder, sample, ending).outcome, Outcome::Interrupted);
+        EXPECT_EQ(runProcess(scene, folder, sample, ending).outcome, deploy::Outcome::Interrupted);
       }
     }
     std::string found;
-    const DeploymentResult resumed = runProcess(scene, folder, kNoLast, ending, &found);
+    const deploy::DeploymentResult resumed = runProcess(scene, folder, kNoLast, ending, &found);
     EXPECT_THAT(found, StartsWith("goes on at"));
     expectSame(resumed, undisturbed);
   }
 }
 
-Scene sheetScene(int columns, double startAngle, double targetAngle) {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene sheetScene(int columns, double startAngle, double targetAngle) {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = columns;
   shape.startAngle = startAngle;
   shape.targetAngle = targetAngle;
-  scene.model = makeTessellation(shape);
-  scene.path.kind = PathKind::Straight;
+  scene.model = model::makeTessellation(shape);
+  scene.path.kind = scene::PathKind::Straight;
   return scene;
 }
 
-DeploymentResult deployWhole(const Scene& scene) {
-  return deploy(scene, kInterval, nullptr);
+deploy::DeploymentResult deployWhole(const scene::Scene& scene) {
+  return deploy::deploy(scene, kInterval, nullptr);
 }
 
 TEST(Checkpoints, GoOnWhereBricksTouch) {
   // A sheet that is pulled together beyond where its bricks meet, on the ground, under gravity.
-  Scene scene = sheetScene(4, 0.5, 0);
-  for (Tile& tile : *scene.model.target) {
+  scene::Scene scene = sheetScene(4, 0.5, 0);
+  for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 0.9;
   }
-  scene.environment.contacts = ContactFilter::All;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.brickFriction = 0.3;
   scene.environment.gravity = Vector3(0, 0, -9.81);
-  scene.environment.ground = Ground{0, 0.4};
+  scene.environment.ground = scene::Ground{0, 0.4};
   scene.stop.duration = 1.5;
   using Planar = std::optional<bool>;
   for (const auto& [planar, tolerance] : std::vector<std::pair<Planar, double>>{
            {Planar{}, 0}, {Planar{false}, 0}, {Planar{}, 1e-3}, {Planar{false}, 1e-3}}) {
     scene.solver.planar = planar;
     scene.solver.tolerance = tolerance;
-    const DeploymentResult undisturbed = deployWhole(scene);
-    Scene alone = scene;
-    alone.environment.contacts = ContactFilter::None;
+    const deploy::DeploymentResult undisturbed = deployWhole(scene);
+    scene::Scene alone = scene;
+    alone.environment.contacts = scene::ContactFilter::None;
     // The bricks stop each other: metres, measured below and the thickness, 0.02.
     EXPECT_LT(undisturbed.accuracy.penetrationOutsidePivotsMax, 1e-3);
     EXPECT_GT(deployWhole(alone).accuracy.penetrationOutsidePivotsMax, 0.015);
@@ -150,149 +151,150 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
 
 TEST(Checkpoints, GoOnAmongObstacles) {
   // A sheet that falls on a sphere and a box, over which it folds and slides.
-  Scene scene = sheetScene(4, 0.4, 0.8);
+  scene::Scene scene = sheetScene(4, 0.4, 0.8);
   scene.model.target.reset();
-  scene.actuation.drive = Drive::None;
-  scene.environment.contacts = ContactFilter::All;
+  scene.actuation.drive = scene::Drive::None;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = Vector3(0, 0, -9.81);
   for (const double x : {-0.8, 0.8}) {
-    Obstacle& obstacle = scene.environment.obstacles.emplace_back();
-    obstacle.shape = x < 0 ? Obstacle::Shape::Sphere : Obstacle::Shape::Box;
+    scene::Obstacle& obstacle = scene.environment.obstacles.emplace_back();
+    obstacle.shape = x < 0 ? scene::Obstacle::Shape::Sphere : scene::Obstacle::Shape::Box;
     obstacle.radius = 0.5;
     obstacle.size = Vector3(0.4, 0.4, 0.4);
     obstacle.pose.position = Vector3(x, 0.1, x < 0 ? -0.6 : -0.4);
   }
   scene.stop.duration = 1;
-  const DeploymentResult undisturbed = deployWhole(scene);
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   const auto highest = std::ranges::max(undisturbed.trajectory.samples.back().poses, {},
                                         [](const Pose& pose) { return pose.position.z(); });
   EXPECT_GT(highest.position.z(), -1);  // it lies on them; falling freely it would be at -4.9
   expectResumedAt({3, 5, 7, 9, 11, 13, 15, 17, 19}, scene, undisturbed);
 }
 
-std::vector<Tile> shifted(std::vector<Tile> tiles, double x) {
-  for (Tile& tile : tiles) {
+std::vector<model::Tile> shifted(std::vector<model::Tile> tiles, double x) {
+  for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex.x() += x;
   }
   return tiles;
 }
 
 /// A sheet and its twin, this far to either side of the middle.
-std::vector<Tile> twins(const std::vector<Tile>& sheet, double apart) {
-  std::vector<Tile> tiles = shifted(sheet, -apart);
-  for (const Tile& tile : shifted(sheet, apart)) tiles.push_back(tile);
+std::vector<model::Tile> twins(const std::vector<model::Tile>& sheet, double apart) {
+  std::vector<model::Tile> tiles = shifted(sheet, -apart);
+  for (const model::Tile& tile : shifted(sheet, apart)) tiles.push_back(tile);
   return tiles;
 }
 
 TEST(Checkpoints, KnowWhichBricksHaveTouched) {
   // Two sheets that meet and part: which bricks have touched orders the elimination from then on.
-  Scene scene = sheetScene(3, 0.5, 0.5);
-  const std::vector<Tile> sheet = scene.model.tiles;
-  const double reach = 0.5 * modelSize(scene.model);
-  for (const Joint& joint : std::vector<Joint>(scene.model.joints)) {
+  scene::Scene scene = sheetScene(3, 0.5, 0.5);
+  const std::vector<model::Tile> sheet = scene.model.tiles;
+  const double reach = 0.5 * model::modelSize(scene.model);
+  for (const model::Joint& joint : std::vector<model::Joint>(scene.model.joints)) {
     scene.model.joints.push_back(joint);
     scene.model.joints.back().a.tile += static_cast<int>(sheet.size());
     scene.model.joints.back().b.tile += static_cast<int>(sheet.size());
   }
   scene.model.tiles = twins(sheet, reach);
   scene.model.target = twins(sheet, 1.1 * reach);
-  scene.environment.contacts = ContactFilter::All;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.timeline = {{{}, GoTo{"together", twins(sheet, 0.6 * reach)}},
-                    {{Occasion::Kind::AtTime, 1}, GoTo{}}};
+                    {{scene::Occasion::Kind::AtTime, 1}, GoTo{}}};
   scene.stop.duration = 2;
-  const DeploymentResult undisturbed = deployWhole(scene);
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_LT(undisturbed.accuracy.targetErrorEnd, 0.1 * reach);
   expectResumedAt({35}, scene, undisturbed);
 }
 
 TEST(Checkpoints, KeepHowFarBricksMayOverlap) {
   // Two bricks that overlap by 0.1 part and are brought together again, where they now must stop.
-  Scene scene;
+  scene::Scene scene;
   const auto square = [](double left) {
-    return Tile{{{left, 0, 0}, {left + 1, 0, 0}, {left + 1, 1, 0}, {left, 1, 0}}};
+    return model::Tile{{{left, 0, 0}, {left + 1, 0, 0}, {left + 1, 1, 0}, {left, 1, 0}}};
   };
   scene.model.tiles = {square(0), square(0.9)};
   scene.model.target = scene.model.tiles;
-  scene.path.kind = PathKind::Straight;
-  scene.environment.contacts = ContactFilter::All;
+  scene.path.kind = scene::PathKind::Straight;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.springs.adaptive = false;
   scene.timeline = {{{}, GoTo{"apart", {square(0), square(1.1)}}},
-                    {{Occasion::Kind::AtTime, 1}, GoTo{}}};
+                    {{scene::Occasion::Kind::AtTime, 1}, GoTo{}}};
   scene.stop.duration = 2;
-  const DeploymentResult undisturbed = deployWhole(scene);
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_GT(undisturbed.accuracy.targetErrorEnd, 0.04);  // metres, measured below 0.05
   expectResumedAt({10, 30}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnAlongATimeline) {
-  Scene scene = sheetScene(3, 0.3, 1.5);
-  const Scene half = sheetScene(3, 0.8, 1.5);
+  scene::Scene scene = sheetScene(3, 0.3, 1.5);
+  const scene::Scene half = sheetScene(3, 0.8, 1.5);
   scene.timeline = {{{}, Pin{{0}}},
-                    {{Occasion::Kind::AtTime, 0.2}, GoTo{"half", half.model.tiles}},
-                    {{Occasion::Kind::AtTime, 0.4}, Drag{8, 1, {{2, 2, 0}, {2, 3, 0}}, 0.5}},
-                    {{Occasion::Kind::AtTime, 0.6}, Pause{0.2}},
-                    {{Occasion::Kind::AtTime, 1.0}, Forces{false}},
-                    {{Occasion::Kind::After, 0.1}, Forces{true}},
+                    {{scene::Occasion::Kind::AtTime, 0.2}, GoTo{"half", half.model.tiles}},
+                    {{scene::Occasion::Kind::AtTime, 0.4}, Drag{8, 1, {{2, 2, 0}, {2, 3, 0}}, 0.5}},
+                    {{scene::Occasion::Kind::AtTime, 0.6}, Pause{0.2}},
+                    {{scene::Occasion::Kind::AtTime, 1.0}, Forces{false}},
+                    {{scene::Occasion::Kind::After, 0.1}, Forces{true}},
                     {{}, Unpin{}},
-                    {{Occasion::Kind::AtTime, 1.3}, GoTo{}},
-                    {{Occasion::Kind::AtTime, 1.6}, Reset{}},
-                    {{Occasion::Kind::AtTime, 2.2}, Quit{}}};
-  const DeploymentResult undisturbed = deployWhole(scene);
+                    {{scene::Occasion::Kind::AtTime, 1.3}, GoTo{}},
+                    {{scene::Occasion::Kind::AtTime, 1.6}, Reset{}},
+                    {{scene::Occasion::Kind::AtTime, 2.2}, Quit{}}};
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   ASSERT_THAT(undisturbed.trajectory.events, SizeIs(11));  // and the end
   // Before the waypoint, within the drag, within the pause, after the reset.
   expectResumedAt({2, 11, 14, 22, 35}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
-  Scene scene = sheetScene(3, 0.1, 1.5);
-  scene.path = {PathKind::Guided, 0, 0.5, 200, 1e5};
-  const DeploymentResult undisturbed = deployWhole(scene);
+  scene::Scene scene = sheetScene(3, 0.1, 1.5);
+  scene.path = {scene::PathKind::Guided, 0, 0.5, 200, 1e5};
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_GT(undisturbed.accuracy.jointOpeningMax, 0);
-  EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
+  EXPECT_EQ(undisturbed.outcome, deploy::Outcome::Settled);
   // While the tiles are guided, while joints stiffen, and as the springs grow stiffer at last.
   expectResumedAt({4, 9, 22, 33}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnWhereTheWayIsOpenedFirst) {
-  Scene scene = sheetScene(3, 0.1, 1.5);
-  scene.path = {.kind = PathKind::Guided, .openTime = 0.5, .guideTime = 0.5};
-  const DeploymentResult undisturbed = deployWhole(scene);
-  EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
+  scene::Scene scene = sheetScene(3, 0.1, 1.5);
+  scene.path = {.kind = scene::PathKind::Guided, .openTime = 0.5, .guideTime = 0.5};
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
+  EXPECT_EQ(undisturbed.outcome, deploy::Outcome::Settled);
   // While it is opened, and while the tiles are guided.
   expectResumedAt({4, 14}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
-  Scene scene = sheetScene(3, 0.1, 1.5);
-  const Scene half = sheetScene(3, 0.8, 1.5);
-  scene.path = {PathKind::Guided, 0, 0.5, 200, 1e5};
-  scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTime, 2}, GoTo{}}};
+  scene::Scene scene = sheetScene(3, 0.1, 1.5);
+  const scene::Scene half = sheetScene(3, 0.8, 1.5);
+  scene.path = {scene::PathKind::Guided, 0, 0.5, 200, 1e5};
+  scene.timeline = {{{}, GoTo{"half", half.model.tiles}},
+                    {{scene::Occasion::Kind::AtTime, 2}, GoTo{}}};
   scene.stop.duration = 4;
   expectResumedAt({45, 47}, scene, deployWhole(scene));
 }
 
 TEST(Checkpoints, DoNotSearchAgainForAPath) {
-  Scene scene = sheetScene(3, 0, 3.14159265358979323846);
-  scene.path.kind = PathKind::Dynamic;
+  scene::Scene scene = sheetScene(3, 0, 3.14159265358979323846);
+  scene.path.kind = scene::PathKind::Dynamic;
   scene.springs.springStiffness = 400;  // place counts more than turn: a straight pull locks
   scene.springs.torqueStiffness = 10;
-  const DeploymentResult undisturbed = deployWhole(scene);
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   const test::TemporaryFolder scratch;
   const fs::path folder = scratch / "checkpoint";
   {
-    Checkpoints checkpoints(folder, "this order");
+    deploy::Checkpoints checkpoints(folder, "this order");
     // The first look is over, the straight path has been tried; amid the next it is asked to end.
     int samplesGuided = 0;
-    deployUnkept(
-        scene, kInterval, [](const Sample&) { return true; },
-        [&](const SearchNews& news) {
+    deploy::deployUnkept(
+        scene, kInterval, [](const trajectory::Sample&) { return true; },
+        [&](const deploy::SearchNews& news) {
           return !news.what.starts_with("guided") || ++samplesGuided < 9;
         },
         &checkpoints);
     EXPECT_EQ(samplesGuided, 9);
     EXPECT_THAT(checkpoints.trials(), SizeIs(2));
   }
-  Checkpoints checkpoints(folder, "this order");
+  deploy::Checkpoints checkpoints(folder, "this order");
   EXPECT_EQ(checkpoints.find(),
             "goes on with the search for a path, from the checkpoint in " + folder.string());
   EXPECT_THAT(checkpoints.trials(), SizeIs(2));
@@ -300,20 +302,21 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   EXPECT_GT(earlierSeconds, 0);
   expectResumedAt({5}, scene, undisturbed);
   std::string found;
-  const DeploymentResult resumed = runProcess(scene, folder, kNoLast, Ending::Asked, &found);
+  const deploy::DeploymentResult resumed =
+      runProcess(scene, folder, kNoLast, Ending::Asked, &found);
   expectSame(resumed, undisturbed);
   EXPECT_GT(resumed.cost.cpuSecondsSearch, earlierSeconds);
   EXPECT_THAT(found, HasSubstr("with the search"));
 }
 
 TEST(Checkpoints, StayWhereARunEndsBeforeItHasCaughtUp) {
-  const Scene scene = sheetScene(3, 0.3, 1.5);
-  const DeploymentResult undisturbed = deployWhole(scene);
+  const scene::Scene scene = sheetScene(3, 0.3, 1.5);
+  const deploy::DeploymentResult undisturbed = deployWhole(scene);
   const test::TemporaryFolder scratch;
   const fs::path folder = scratch / "checkpoint";
   runProcess(scene, folder, 20, Ending::Asked);
-  const DeploymentResult early = runProcess(scene, folder, 5, Ending::Asked);
-  EXPECT_EQ(early.outcome, Outcome::Interrupted);
+  const deploy::DeploymentResult early = runProcess(scene, folder, 5, Ending::Asked);
+  EXPECT_EQ(early.outcome, deploy::Outcome::Interrupted);
   // What it says is true of the samples that it gave.
   EXPECT_EQ(early.accuracy.targetErrorEnd, early.trajectory.samples.back().targetError);
   EXPECT_NEAR(early.trajectory.events.back().time, 5 * kInterval, 1e-9);
@@ -323,8 +326,8 @@ TEST(Checkpoints, StayWhereARunEndsBeforeItHasCaughtUp) {
 }
 
 TEST(Checkpoints, AreNotMadeOfARunByAnEngine) {
-  Scene scene = sheetScene(3, 0.3, 1.5);
-  scene.solver.kind = SolverKind::Bullet;
+  scene::Scene scene = sheetScene(3, 0.3, 1.5);
+  scene.solver.kind = scene::SolverKind::Bullet;
   const test::TemporaryFolder scratch;
   runProcess(scene, scratch / "checkpoint", 5, Ending::Asked);
   EXPECT_TRUE(scratch.isEmpty());
@@ -332,12 +335,12 @@ TEST(Checkpoints, AreNotMadeOfARunByAnEngine) {
 
 TEST(Checkpoints, AreNotMadeTooOften) {
   const test::TemporaryFolder scratch;
-  Checkpoints patient(scratch / "checkpoint", "this order", {3600, 1});
+  deploy::Checkpoints patient(scratch / "checkpoint", "this order", {3600, 1});
   EXPECT_FALSE(patient.isDue());
-  Checkpoints eager(scratch / "checkpoint", "this order", kAlways);
+  deploy::Checkpoints eager(scratch / "checkpoint", "this order", kAlways);
   EXPECT_TRUE(eager.isDue());
   // What it took is 1 part in 10^9 of the time to the next.
-  Checkpoints thrifty(scratch / "checkpoint", "this order", {0, 1e-9});
+  deploy::Checkpoints thrifty(scratch / "checkpoint", "this order", {0, 1e-9});
   EXPECT_TRUE(thrifty.isDue());
   thrifty.save({});
   EXPECT_FALSE(thrifty.isDue());
@@ -354,7 +357,8 @@ class LeftCheckpoint : public testing::Test {
   /// Expects that a run starts anew, and is told why.
   void expectStartAnew(const std::string& why) {
     std::string found;
-    const DeploymentResult result = runProcess(scene_, folder_, kNoLast, Ending::Asked, &found);
+    const deploy::DeploymentResult result =
+        runProcess(scene_, folder_, kNoLast, Ending::Asked, &found);
     EXPECT_EQ(found, "the checkpoint in " + folder_.string() + why);
     expectSame(result, deployWhole(scene_));
   }
@@ -380,7 +384,7 @@ class LeftCheckpoint : public testing::Test {
 
   /// The state and the samples that a checkpoint holds; none where it is not used.
   static std::vector<double> numbersOf(const fs::path& folder) {
-    Checkpoints checkpoints(folder, "this order");
+    deploy::Checkpoints checkpoints(folder, "this order");
     checkpoints.find();
     if (!checkpoints.run()) return {};
     std::vector<double> numbers = checkpoints.run()->numbers;
@@ -394,7 +398,7 @@ class LeftCheckpoint : public testing::Test {
   }
 
   const std::string damaged_ = " is damaged or incomplete; the run starts anew";
-  Scene scene_ = sheetScene(3, 0.3, 1.5);
+  scene::Scene scene_ = sheetScene(3, 0.3, 1.5);
   test::TemporaryFolder scratch_;
   fs::path folder_ = scratch_ / "checkpoint";
 };
@@ -415,7 +419,7 @@ TEST_F(LeftCheckpoint, WithoutAllOfItsSamplesIsNotUsed) {
 }
 
 TEST_F(LeftCheckpoint, OfAnotherOrderIsNotUsed) {
-  Checkpoints other(folder_, "another order");
+  deploy::Checkpoints other(folder_, "another order");
   EXPECT_EQ(other.find(), "the checkpoint in " + folder_.string() +
                               " is of another order or program; the run starts anew");
   EXPECT_EQ(other.run(), nullptr);
@@ -425,7 +429,7 @@ TEST_F(LeftCheckpoint, OfAnotherOrderIsNotUsed) {
 TEST_F(LeftCheckpoint, BehindALinkIsNotUsed) {
   fs::rename(folder_, scratch_ / "elsewhere");
   fs::create_directory_symlink(scratch_ / "elsewhere", folder_);
-  Checkpoints checkpoints(folder_, "this order");
+  deploy::Checkpoints checkpoints(folder_, "this order");
   EXPECT_EQ(checkpoints.find(), "");
   EXPECT_FALSE(fs::exists(fs::symlink_status(folder_)));
   EXPECT_TRUE(fs::exists(scratch_ / "elsewhere/state.h5"));

@@ -15,12 +15,12 @@ namespace {
 using test::Moving;
 
 /// Loose bricks in their plane, without friction or damping.
-Scene looseTiles(const std::vector<Tile>& tiles) {
-  Scene scene;
+scene::Scene looseTiles(const std::vector<model::Tile>& tiles) {
+  scene::Scene scene;
   scene.model.tiles = tiles;
   scene.brick.thickness = 0.1;
-  scene.brick.mass = MassRule::Prism;
-  scene.environment.contacts = ContactFilter::All;
+  scene.brick.mass = model::MassRule::Prism;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.environment.pivotZone = 0;
   scene.solver.planar = true;
@@ -38,7 +38,7 @@ double kineticEnergy(const Moving& bricks) {
   double energy = 0;
   for (std::size_t i = 0; i < bricks.bricks.size(); ++i) {
     const Velocity& v = bricks.motion.velocities[i];
-    const Brick& brick = bricks.bricks[i];
+    const model::Brick& brick = bricks.bricks[i];
     const Matrix3 turn = bricks.motion.poses[i].rotation.toRotationMatrix();
     energy += 0.5 * brick.mass * v.linear.squaredNorm() +
               0.5 * v.angular.dot(turn * brick.inertia * turn.transpose() * v.angular);
@@ -52,7 +52,7 @@ Watched fly(Moving& bricks, int steps) {
   double energy = kineticEnergy(bricks);
   for (int step = 0; step < steps; ++step) {
     bricks.advance(1);
-    const std::vector<Tile> tiles = bottomTiles(bricks.bricks, bricks.motion.poses);
+    const std::vector<model::Tile> tiles = model::bottomTiles(bricks.bricks, bricks.motion.poses);
     seen.deepest = std::max(seen.deepest, test::cornerDepth(tiles[0], tiles[1]));
     seen.nearest = std::min(seen.nearest, test::outlineDistance(tiles[0], tiles[1]));
     const double now = kineticEnergy(bricks);
@@ -84,11 +84,11 @@ TEST(ConcaveBricks, TwoLShapesMeetWhereTheirSidesDo) {
 }
 
 TEST(ConcaveBricks, AStarTouchesTheNotchThatItFallsInto) {
-  const Tile vice = {{{-3, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 0.8, 0}, {-3, 2, 0}}};
+  const model::Tile vice = {{{-3, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 0.8, 0}, {-3, 2, 0}}};
   std::mt19937 random(9);
   std::uniform_real_distribution<double> share(-1, 1);
   for (int round = 0; round < 20; ++round) {
-    const Tile star =
+    const model::Tile star =
         test::starShape(5, 0.8, 0.35, 0.2 * share(random), 2.6, std::numbers::pi * share(random));
     Moving bricks(looseTiles({vice, star}));
     bricks.motion.velocities[1].linear = {0.2 * share(random), -2, 0};
@@ -113,13 +113,13 @@ TEST(ConcaveBricks, PartsOfOneBrickNeverMeet) {
 class ConcaveFamily : public testing::TestWithParam<const char*> {};
 
 TEST_P(ConcaveFamily, DeploysToItsLeastError) {
-  Scene scene = openScene();
-  scene.model = generateModel(familyNamed(GetParam()), {});
-  alignStartToTarget(scene.model);
-  fillFromModel(scene);
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
-  const double tile = tileSize(scene.model);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  scene::Scene scene = scene::openScene();
+  scene.model = generate::generateModel(generate::familyNamed(GetParam()), {});
+  model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const double tile = model::tileSize(scene.model);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
   EXPECT_EQ(run.atTarget, true);
   EXPECT_LE(run.accuracy.targetErrorEnd, run.assembledError + 1e-9 * tile);
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);
@@ -131,26 +131,28 @@ INSTANTIATE_TEST_SUITE_P(Of, ConcaveFamily,
                          testing::Values("stars", "crosses", "islamic", "trefoils"));
 
 TEST(ConcaveBricks, FamiliesDeployAmongContactsToo) {
-  Scene scene = openScene();
-  scene.model = generateModel(familyNamed("stars"), {{"columns", 3}, {"rows", 3}});
-  alignStartToTarget(scene.model);
-  fillFromModel(scene);
-  scene.environment.contacts = ContactFilter::All;
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
-  const double tile = tileSize(scene.model);
+  scene::Scene scene = scene::openScene();
+  scene.model =
+      generate::generateModel(generate::familyNamed("stars"), {{"columns", 3}, {"rows", 3}});
+  model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  scene.environment.contacts = scene::ContactFilter::All;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const double tile = model::tileSize(scene.model);
   EXPECT_EQ(run.atTarget, true) << run.reason;
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-6 * tile);
   EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);
 }
 
 TEST(ConcaveBricks, SplitStarsDeploy) {
-  Scene scene = openScene();
-  scene.model = splitTiles(generateModel(familyNamed("stars"), {{"columns", 2}, {"rows", 2}}), {1});
-  alignStartToTarget(scene.model);
-  fillFromModel(scene);
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  scene::Scene scene = scene::openScene();
+  scene.model = model::splitTiles(
+      generate::generateModel(generate::familyNamed("stars"), {{"columns", 2}, {"rows", 2}}), {1});
+  model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_EQ(run.atTarget, true) << run.reason;
-  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-6 * tileSize(scene.model));
+  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-6 * model::tileSize(scene.model));
 }
 
 }  // namespace

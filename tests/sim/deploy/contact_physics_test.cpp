@@ -19,27 +19,27 @@ constexpr double kGravity = 9.81;
 constexpr double kStep = 1.0 / 240;
 
 /// A rectangle with a corner at `corner`, sides along the axes.
-Tile rectangle(const Vector3& corner, double length, double width) {
+model::Tile rectangle(const Vector3& corner, double length, double width) {
   return {{corner, corner + Vector3(length, 0, 0), corner + Vector3(length, width, 0),
            corner + Vector3(0, width, 0)}};
 }
 
 /// Bricks without joints, targets or damping in free flight.
-Scene looseBricks(const std::vector<Tile>& tiles, double thickness) {
-  Scene scene;
+scene::Scene looseBricks(const std::vector<model::Tile>& tiles, double thickness) {
+  scene::Scene scene;
   scene.model.tiles = tiles;
   scene.brick.thickness = thickness;
-  scene.environment.contacts = ContactFilter::All;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.solver.timestep = kStep;
   return scene;
 }
 
 /// A block on a slope of the given angle: the plane stays level, gravity is tilted.
-Scene blockOnSlope(double angle, double friction) {
-  Scene scene = looseBricks({rectangle({0, 0, 0}, 1, 1)}, 0.2);
+scene::Scene blockOnSlope(double angle, double friction) {
+  scene::Scene scene = looseBricks({rectangle({0, 0, 0}, 1, 1)}, 0.2);
   scene.environment.gravity = {kGravity * std::sin(angle), 0, -kGravity * std::cos(angle)};
-  scene.environment.ground = Ground{0, friction};
+  scene.environment.ground = scene::Ground{0, friction};
   scene.solver.planar = false;
   return scene;
 }
@@ -113,7 +113,7 @@ TEST(Slope, FrictionKeepsItsBoundWhenTheStepChanges) {
 TEST(Slope, TipsABlockThatStandsTooSteep) {
   // Twice as high as wide: it tips over its edge beyond atan(1/2), however rough the ground.
   for (const double angle : {0.44, 0.49}) {
-    Scene scene = blockOnSlope(angle, 5);
+    scene::Scene scene = blockOnSlope(angle, 5);
     scene.brick.thickness = 2;
     Moving block(scene);
     block.advance(120);
@@ -127,11 +127,11 @@ TEST(Slope, TipsABlockThatStandsTooSteep) {
 }
 
 /// Two bricks that fly at each other along x and meet in the middle of their sides.
-Scene headOn(double widthA, double widthB) {
-  Scene scene = looseBricks(
+scene::Scene headOn(double widthA, double widthB) {
+  scene::Scene scene = looseBricks(
       {rectangle({0, -0.5 * widthA, 0}, 1, widthA), rectangle({1.5, -0.5 * widthB, 0}, 1, widthB)},
       0.1);
-  scene.brick.mass = MassRule::Prism;
+  scene.brick.mass = model::MassRule::Prism;
   return scene;
 }
 
@@ -139,7 +139,7 @@ TEST(HeadOn, BricksGoOnTogetherWithTheirMomentum) {
   for (const bool planar : {true, false}) {
     for (const double speed : {0.1, 2.0, 40.0}) {
       SCOPED_TRACE(speed);
-      Scene scene = headOn(1, 0.4);
+      scene::Scene scene = headOn(1, 0.4);
       scene.solver.planar = planar;
       Moving pair(scene);
       pair.motion.velocities[0].linear.x() = speed;
@@ -162,7 +162,7 @@ TEST(HeadOn, BricksGoOnTogetherWithTheirMomentum) {
 }
 
 TEST(HeadOn, FrictionlessBricksKeepTheirSpeedAlongTheSide) {
-  Scene scene = headOn(1, 1);
+  scene::Scene scene = headOn(1, 1);
   scene.solver.planar = false;
   Moving pair(scene);
   pair.motion.velocities[0].linear = {2, 0.3, 0.01};
@@ -175,7 +175,7 @@ TEST(HeadOn, FrictionlessBricksKeepTheirSpeedAlongTheSide) {
 }
 
 TEST(HeadOn, ACornerOnASideTurnsBothBricksAsTheImpulseSays) {
-  Scene scene = headOn(1, 1);
+  scene::Scene scene = headOn(1, 1);
   scene.solver.planar = true;
   Moving pair(scene);
   pair.motion.poses[1].position.y() -= 0.2;
@@ -204,11 +204,11 @@ TEST(HeadOn, ACornerOnASideTurnsBothBricksAsTheImpulseSays) {
 }
 
 TEST(Stack, RestsForTenSeconds) {
-  Scene scene = looseBricks({rectangle({0, 0, 0}, 1, 1), rectangle({0.1, 0.05, 0.2}, 1, 1),
-                             rectangle({-0.05, 0, 0.4}, 1, 1)},
-                            0.2);
+  scene::Scene scene = looseBricks({rectangle({0, 0, 0}, 1, 1), rectangle({0.1, 0.05, 0.2}, 1, 1),
+                                    rectangle({-0.05, 0, 0.4}, 1, 1)},
+                                   0.2);
   scene.environment.gravity = {0, 0, -kGravity};
-  scene.environment.ground = Ground{0, 0.5};
+  scene.environment.ground = scene::Ground{0, 0.5};
   Moving stack(scene);
   const Poses start = stack.motion.poses;
   stack.advance(2400);
@@ -221,13 +221,13 @@ TEST(Stack, RestsForTenSeconds) {
 }
 
 TEST(Heap, FallsWithoutOverlap) {
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
   for (int i = 0; i < 8; ++i) tiles.push_back(rectangle({2.0 * i, 0, 0}, 1, 1));
   for (const double thickness : {0.001, 0.02, 0.2}) {
     SCOPED_TRACE(thickness);
-    Scene scene = looseBricks(tiles, thickness);
+    scene::Scene scene = looseBricks(tiles, thickness);
     scene.environment.gravity = {0, 0, -kGravity};
-    scene.environment.ground = Ground{0, 0.5};
+    scene.environment.ground = scene::Ground{0, 0.5};
     scene.solver.planar = false;
     Moving heap(scene);
     for (int i = 0; i < 8; ++i) {
@@ -245,13 +245,13 @@ TEST(Heap, FallsWithoutOverlap) {
 }
 
 /// The turn rate of two joined free squares after some steps, from 1.4 rad open and opening.
-double turnRate(bool planar, ContactFilter contacts, int steps) {
-  TessellationShape shape;
+double turnRate(bool planar, scene::ContactFilter contacts, int steps) {
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
   shape.startAngle = 1.4;
-  const Model model = makeTessellation(shape);
-  Scene scene = looseBricks(model.tiles, 0.02);
+  const model::Model model = model::makeTessellation(shape);
+  scene::Scene scene = looseBricks(model.tiles, 0.02);
   scene.model.joints = model.joints;
   scene.solver.planar = planar;
   scene.environment.contacts = contacts;
@@ -264,19 +264,19 @@ double turnRate(bool planar, ContactFilter contacts, int steps) {
 
 TEST(JoinedSquares, TurnPastNinetyDegreesUnhindered) {
   for (const bool planar : {true, false}) {
-    const double free = turnRate(planar, ContactFilter::None, 20);
+    const double free = turnRate(planar, scene::ContactFilter::None, 20);
     EXPECT_GT(free, 5);  // about 25 degrees from 80
-    EXPECT_NEAR(turnRate(planar, ContactFilter::All, 20), free, 1e-9);
+    EXPECT_NEAR(turnRate(planar, scene::ContactFilter::All, 20), free, 1e-9);
   }
 }
 
 /// A brick of 1 mm that falls at 5 m/s, 20 times its thickness in a step, turned by `tilt`.
-Scene thinBricks(int count) {
-  std::vector<Tile> tiles;
+scene::Scene thinBricks(int count) {
+  std::vector<model::Tile> tiles;
   for (int i = 0; i < count; ++i) tiles.push_back(rectangle({0.1 * i, 0.07 * i, 0.05 * i}, 1, 1));
-  Scene scene = looseBricks(tiles, 0.001);
+  scene::Scene scene = looseBricks(tiles, 0.001);
   scene.environment.gravity = {0, 0, -kGravity};
-  scene.environment.ground = Ground{0, 0.5};
+  scene.environment.ground = scene::Ground{0, 0.5};
   scene.solver.planar = false;
   return scene;
 }
@@ -312,9 +312,9 @@ TEST(ThinBrick, DoesNotFallThroughAnother) {
 }
 
 TEST(BrickFriction, BrakesABrickOnAnother) {
-  Scene scene = looseBricks({rectangle({0, 0, 0}, 4, 1), rectangle({1, 0, 0.2}, 1, 1)}, 0.2);
+  scene::Scene scene = looseBricks({rectangle({0, 0, 0}, 4, 1), rectangle({1, 0, 0.2}, 1, 1)}, 0.2);
   scene.environment.gravity = {0, 0, -kGravity};
-  scene.environment.ground = Ground{0, 100};  // holds the lower one
+  scene.environment.ground = scene::Ground{0, 100};  // holds the lower one
   scene.environment.brickFriction = 0.3;
   Moving pair(scene);
   pair.advance(10);
@@ -336,15 +336,15 @@ struct Squeeze {
   double speed = 0;  ///< at the end
 };
 
-Squeeze squeeze(Scene scene, int steps) {
-  scene.environment.contacts = ContactFilter::All;
+Squeeze squeeze(scene::Scene scene, int steps) {
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.springs.springStiffness = scene.springs.torqueStiffness = 2000;
-  SteppedScene run(scene);
+  study::SteppedScene run(scene);
   Squeeze result;
-  const double tile = tileSize(scene.model), size = modelSize(scene.model);
+  const double tile = model::tileSize(scene.model), size = model::modelSize(scene.model);
   for (int step = 0; step < steps; ++step) {
     run.advance();
-    const double depth = deepestPenetration(run.bricks(), run.motion().poses).depth;
+    const double depth = trajectory::deepestPenetration(run.bricks(), run.motion().poses).depth;
     result.penetration = std::max(result.penetration, depth / tile);
     result.gap = std::max(result.gap, run.gap() / size);
   }
@@ -363,14 +363,14 @@ void expectHeld(const Squeeze& result) {
 }
 
 TEST(UnreachableTarget, ContactsHoldSquaresThatShouldTurnThroughEachOther) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   for (const bool planar : {true, false}) {
     for (const double start : {0.0, 0.5}) {
       SCOPED_TRACE(start);
-      Scene scene;
+      scene::Scene scene;
       shape.startAngle = start;
-      scene.model = makeTessellation(shape);
-      scene.model.target = tessellationTiles(shape, -0.4);
+      scene.model = model::makeTessellation(shape);
+      scene.model.target = model::tessellationTiles(shape, -0.4);
       scene.solver.planar = planar;
       expectHeld(squeeze(scene, 120));
     }
@@ -381,12 +381,12 @@ TEST(UnreachableTarget, ContactsHoldTilesThatShouldSqueezeTogether) {
   const std::filesystem::path folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data/tessellation_4x4";
   for (const bool planar : {true, false}) {
-    Scene scene;
+    scene::Scene scene;
     std::vector<std::string> warnings;
-    scene.model = readModelFolder(folder, warnings);
+    scene.model = model::readModelFolder(folder, warnings);
     scene.model.target = scene.model.tiles;
-    for (Tile& tile : *scene.model.target) {
-      const Vector3 shift = -0.3 * tileCentroid(tile);
+    for (model::Tile& tile : *scene.model.target) {
+      const Vector3 shift = -0.3 * model::tileCentroid(tile);
       for (Vector3& vertex : tile.vertices) vertex += shift;
     }
     scene.solver.planar = planar;
@@ -395,15 +395,15 @@ TEST(UnreachableTarget, ContactsHoldTilesThatShouldSqueezeTogether) {
 }
 
 /// A planar sheet on the ground, loose from targets.
-Scene sheetOnGround(double friction) {
-  TessellationShape shape;
+scene::Scene sheetOnGround(double friction) {
+  model::TessellationShape shape;
   shape.startAngle = 0.6;
-  Scene scene;
-  scene.model = makeTessellation(shape);
+  scene::Scene scene;
+  scene.model = model::makeTessellation(shape);
   scene.model.target.reset();
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.environment.gravity = {0, 0, -kGravity};
-  scene.environment.ground = Ground{0, friction};
+  scene.environment.ground = scene::Ground{0, friction};
   scene.solver.timestep = kStep;
   return scene;
 }
@@ -448,7 +448,7 @@ TEST(PlanarGround, HoldsASheetBelowTheBoundAndLetsItGoAbove) {
 
 TEST(PlanarGround, BrakesATurningTile) {
   // All four supports rub at the same arm r = 1/sqrt 2; the square's inertia is m/6.
-  Scene scene = sheetOnGround(0.4);
+  scene::Scene scene = sheetOnGround(0.4);
   scene.model.tiles = {rectangle({0, 0, 0}, 1, 1)};
   scene.model.joints.clear();
   Moving tile(scene);

@@ -21,28 +21,28 @@
 namespace kirireel {
 namespace {
 
-Scene sceneOf(Model model) {
-  Scene scene = openScene();
+scene::Scene sceneOf(model::Model model) {
+  scene::Scene scene = scene::openScene();
   scene.model = std::move(model);
-  if (scene.model.target) alignStartToTarget(scene.model);
-  fillFromModel(scene);
+  if (scene.model.target) model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
   return scene;
 }
 
-Scene cylinder() {
-  return sceneOf(makeCylinder({}));
+scene::Scene cylinder() {
+  return sceneOf(generate::makeCylinder({}));
 }
 
-Scene squares() {
-  return sceneOf(makeTessellation({}));
+scene::Scene squares() {
+  return sceneOf(model::makeTessellation({}));
 }
 
 TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
-  for (const Scene& scene : {squares(), cylinder()}) {
-    const DeploymentResult run = deploy(scene, 1.0 / 60, nullptr);
-    const double tile = tileSize(scene.model);
-    EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
-    EXPECT_EQ(run.outcome, Outcome::Settled);
+  for (const scene::Scene& scene : {squares(), cylinder()}) {
+    const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+    const double tile = model::tileSize(scene.model);
+    EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
+    EXPECT_EQ(run.outcome, deploy::Outcome::Settled);
     EXPECT_EQ(run.atTarget, true);
     EXPECT_FALSE(run.needs.contacts.on);
     EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 2e-13
@@ -52,17 +52,17 @@ TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
 }
 
 TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
-  Scene scene = cylinder();
+  scene::Scene scene = cylinder();
   scene.path.walkTime = 3;
-  const DeploymentResult run = deploy(scene, 1.0 / 20, nullptr);
-  const std::vector<Sample>& samples = run.trajectory.samples;
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
+  const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   ASSERT_EQ(samples.size(), 61u);
   EXPECT_DOUBLE_EQ(samples.back().time, 3);
   std::vector<double> moves;
   for (std::size_t k = 1; k < samples.size(); ++k) {
-    moves.push_back(pathDistance(bricks, samples[k - 1].poses, samples[k].poses));
-    EXPECT_LE(samples[k].jointGap, 1e-9 * tileSize(scene.model)) << k;
+    moves.push_back(deploy::pathDistance(bricks, samples[k - 1].poses, samples[k].poses));
+    EXPECT_LE(samples[k].jointGap, 1e-9 * model::tileSize(scene.model)) << k;
   }
   // The first sample shows the leap from the closed start.
   const auto [least, most] = std::minmax_element(moves.begin() + 1, moves.end());
@@ -71,41 +71,45 @@ TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
 
 /// The largest distance of any state of a run from its images under the symmetries of the model,
 /// metres.
-double asymmetryOf(const Scene& scene, const DeploymentResult& run) {
-  const std::vector<Symmetry> group = symmetriesOf(scene.model);
+double asymmetryOf(const scene::Scene& scene, const deploy::DeploymentResult& run) {
+  const std::vector<model::Symmetry> group = model::symmetriesOf(scene.model);
   EXPECT_GT(group.size(), 1u) << scene.model.name;
   double farthest = 0;
-  for (const Sample& sample : run.trajectory.samples) {
-    farthest = std::max(farthest, asymmetry(sample.poses, group, tileSize(scene.model)));
+  for (const trajectory::Sample& sample : run.trajectory.samples) {
+    farthest =
+        std::max(farthest, model::asymmetry(sample.poses, group, model::tileSize(scene.model)));
   }
   return farthest;
 }
 
 /// Their starts are singular, and rounding would choose where they go.
 TEST(Continuation, KeepsTheSymmetriesOfItsModel) {
-  for (const Scene& scene :
-       {squares(), cylinder(), sceneOf(generateModel(familyNamed("hexagons"), {})),
-        sceneOf(generateModel(familyNamed("tessellation"), {{"length", 2}, {"skew", 20}})),
-        sceneOf(makeSphericalCap({.size = 4})),
-        sceneOf(generateModel(familyNamed("cube-to-sphere"), {{"half-size", 1}}))}) {
-    const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  for (const scene::Scene& scene :
+       {squares(), cylinder(),
+        sceneOf(generate::generateModel(generate::familyNamed("hexagons"), {})),
+        sceneOf(generate::generateModel(generate::familyNamed("tessellation"),
+                                        {{"length", 2}, {"skew", 20}})),
+        sceneOf(generate::makeSphericalCap({.size = 4})),
+        sceneOf(generate::generateModel(generate::familyNamed("cube-to-sphere"),
+                                        {{"half-size", 1}}))}) {
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
     // Measured: 5e-10 of a tile, below which a state is left as it is.
-    EXPECT_LE(asymmetryOf(scene, run), 1e-9 * tileSize(scene.model)) << scene.model.name;
+    EXPECT_LE(asymmetryOf(scene, run), 1e-9 * model::tileSize(scene.model)) << scene.model.name;
   }
 }
 
 TEST(Continuation, IsTheSameButForExponentsInOtherUnits) {
-  const Scene scene = cylinder();
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  const scene::Scene scene = cylinder();
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   for (const double factor : {0x1p-10, 0x1p10}) {
-    Scene scaled = scene;
-    for (std::vector<Tile>* tiles : {&scaled.model.tiles, &*scaled.model.target}) {
-      for (Tile& tile : *tiles) {
+    scene::Scene scaled = scene;
+    for (std::vector<model::Tile>* tiles : {&scaled.model.tiles, &*scaled.model.target}) {
+      for (model::Tile& tile : *tiles) {
         for (Vector3& vertex : tile.vertices) vertex *= factor;
       }
     }
     scaled.brick.thickness *= factor;
-    const DeploymentResult other = deploy(scaled, 0.5, nullptr);
+    const deploy::DeploymentResult other = deploy::deploy(scaled, 0.5, nullptr);
     ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
     for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
       for (std::size_t i = 0; i < scene.model.tiles.size(); ++i) {
@@ -120,7 +124,8 @@ TEST(Continuation, IsTheSameButForExponentsInOtherUnits) {
 
 /// The farthest that two runs of one scene in two units are apart at any sample, in metres of the
 /// first or radians; `factor` is the second's unit over the first's.
-double differenceOf(const DeploymentResult& run, const DeploymentResult& other, double factor) {
+double differenceOf(const deploy::DeploymentResult& run, const deploy::DeploymentResult& other,
+                    double factor) {
   double farthest = 0;
   EXPECT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
   for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
@@ -134,9 +139,9 @@ double differenceOf(const DeploymentResult& run, const DeploymentResult& other, 
   return farthest;
 }
 
-Scene inUnit(Scene scene, double factor) {
-  for (std::vector<Tile>* tiles : {&scene.model.tiles, &*scene.model.target}) {
-    for (Tile& tile : *tiles) {
+scene::Scene inUnit(scene::Scene scene, double factor) {
+  for (std::vector<model::Tile>* tiles : {&scene.model.tiles, &*scene.model.target}) {
+    for (model::Tile& tile : *tiles) {
       for (Vector3& vertex : tile.vertices) vertex *= factor;
     }
   }
@@ -145,43 +150,43 @@ Scene inUnit(Scene scene, double factor) {
 }
 
 /// Flush tiles that meet on the way to their sphere.
-Scene touchingCap() {
-  Scene scene = sceneOf(makeSphericalCap({.size = 4}));
-  scene.environment.contacts = ContactFilter::All;
+scene::Scene touchingCap() {
+  scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
+  scene.environment.contacts = scene::ContactFilter::All;
   return scene;
 }
 
 TEST(Continuation, IsTheSameButForExponentsAmongTouchingBricksToo) {
-  const Scene scene = touchingCap();
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  const scene::Scene scene = touchingCap();
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_TRUE(run.needs.contacts.on);
   for (const double factor : {0x1p-10, 0x1p10}) {
-    const DeploymentResult other = deploy(inUnit(scene, factor), 0.1, nullptr);
+    const deploy::DeploymentResult other = deploy::deploy(inUnit(scene, factor), 0.1, nullptr);
     EXPECT_EQ(differenceOf(run, other, factor), 0) << factor;
   }
 }
 
 TEST(Continuation, IsTheSameInMillimetresAndKilometres) {
   struct Case {
-    Scene scene;
+    scene::Scene scene;
     double tolerance;  // of a tile
   };
   // Measured: 4e-10 and 8e-10 without contacts, with them 2e-7.
   for (const auto& [scene, tolerance] :
        {Case{squares(), 1e-9}, Case{cylinder(), 1e-9}, Case{touchingCap(), 1e-4}}) {
-    const DeploymentResult run = deploy(scene, 0.1, nullptr);
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
     for (const double factor : {1e3, 1e-3}) {
-      const DeploymentResult other = deploy(inUnit(scene, factor), 0.1, nullptr);
-      EXPECT_LE(differenceOf(run, other, factor), tolerance * tileSize(scene.model))
+      const deploy::DeploymentResult other = deploy::deploy(inUnit(scene, factor), 0.1, nullptr);
+      EXPECT_LE(differenceOf(run, other, factor), tolerance * model::tileSize(scene.model))
           << scene.model.name << " by " << factor;
     }
   }
 }
 
 TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
-  const Scene scene = squares();
-  const DeploymentResult often = deploy(scene, 1.0 / 240, nullptr);
-  const DeploymentResult seldom = deploy(scene, 1, nullptr);
+  const scene::Scene scene = squares();
+  const deploy::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
+  const deploy::DeploymentResult seldom = deploy::deploy(scene, 1, nullptr);
   EXPECT_EQ(often.accuracy.jointGapMax, seldom.accuracy.jointGapMax);
   EXPECT_EQ(often.accuracy.penetrationMax, seldom.accuracy.penetrationMax);
   EXPECT_EQ(often.cost.took.steps, seldom.cost.took.steps);
@@ -192,25 +197,25 @@ TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
 /// The squares stand corner to corner then, turned by 45 degrees.
 TEST(Continuation, WithoutATargetEndsAtFullExtension) {
   for (const int side : {4, 10, 40}) {
-    TessellationShape shape;
+    model::TessellationShape shape;
     shape.columns = shape.rows = side;
-    Model model = makeTessellation(shape);
+    model::Model model = model::makeTessellation(shape);
     model.target.reset();
-    const Scene scene = sceneOf(std::move(model));
-    const DeploymentResult run = deploy(scene, 0.5, nullptr);
-    EXPECT_EQ(run.outcome, Outcome::Settled);
-    EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
+    const scene::Scene scene = sceneOf(std::move(model));
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    EXPECT_EQ(run.outcome, deploy::Outcome::Settled);
+    EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
     EXPECT_FALSE(run.needs.contacts.on) << run.needs.contacts.reason;
     Eigen::AlignedBox3d box;
     for (const Pose& pose : run.trajectory.samples.back().poses) box.extend(pose.position);
-    const double expected = (side - 1) * std::sqrt(2) * tileSize(scene.model);
+    const double expected = (side - 1) * std::sqrt(2) * model::tileSize(scene.model);
     EXPECT_NEAR(box.sizes().x(), expected, 1e-6 * expected);  // measured: 4e-12
     EXPECT_NEAR(box.sizes().y(), expected, 1e-6 * expected);
   }
 }
 
 /// The sum of squared distances from the common centre, square metres.
-double extentOf(const Sample& sample) {
+double extentOf(const trajectory::Sample& sample) {
   std::vector<Vector3> places;
   for (const Pose& pose : sample.poses) places.push_back(pose.position);
   const Vector3 centre = meanPoint(places);
@@ -220,19 +225,19 @@ double extentOf(const Sample& sample) {
 }
 
 /// A sheet of a family that extends without contacts.
-Scene extendingScene(const char* family, const std::map<std::string, double>& values = {}) {
-  Model model = generateModel(familyNamed(family), values);
+scene::Scene extendingScene(const char* family, const std::map<std::string, double>& values = {}) {
+  model::Model model = generate::generateModel(generate::familyNamed(family), values);
   model.target.reset();
-  Scene scene = sceneOf(std::move(model));
-  scene.environment.contacts = ContactFilter::None;
+  scene::Scene scene = sceneOf(std::move(model));
+  scene.environment.contacts = scene::ContactFilter::None;
   return scene;
 }
 
 /// Its tiles driven apart, and damped, until they rest or for 200 s.
-DeploymentResult driven(Scene scene) {
-  scene.path.kind = PathKind::Straight;
+deploy::DeploymentResult driven(scene::Scene scene) {
+  scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 200;
-  return deploy(scene, 1, nullptr);
+  return deploy::deploy(scene, 1, nullptr);
 }
 
 /// The second method is the integrator: tiles that are driven apart and damped come to rest there.
@@ -240,12 +245,12 @@ TEST(Continuation, FullExtensionIsWhereDrivenTilesRest) {
   for (const char* family : {"stampfli-chain", "stampfli-removal", "stampfli-expansion",
                              "penrose-chain", "penrose-removal", "penrose-expansion",
                              "ammann-beenker-expansion", "tessellation", "hexagons", "triangles"}) {
-    const Scene scene = extendingScene(family);
-    const DeploymentResult run = deploy(scene, 1, nullptr);
-    EXPECT_EQ(run.outcome, Outcome::Settled) << family;
-    const DeploymentResult rested = driven(scene);
+    const scene::Scene scene = extendingScene(family);
+    const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+    EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << family;
+    const deploy::DeploymentResult rested = driven(scene);
     const double extent = extentOf(rested.trajectory.samples.back());
-    EXPECT_EQ(rested.outcome, Outcome::Settled) << family;
+    EXPECT_EQ(rested.outcome, deploy::Outcome::Settled) << family;
     // Measured: 5e-12.
     EXPECT_NEAR(extentOf(run.trajectory.samples.back()), extent, 1e-6 * extent) << family;
   }
@@ -253,9 +258,9 @@ TEST(Continuation, FullExtensionIsWhereDrivenTilesRest) {
 
 /// The tiles of this chain still glide after 200 s, with the extent that they keep.
 TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
-  const Scene scene = extendingScene("ammann-beenker-chain");
-  const DeploymentResult run = deploy(scene, 1, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled);
+  const scene::Scene scene = extendingScene("ammann-beenker-chain");
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled);
   const double extent = extentOf(driven(scene).trajectory.samples.back());
   // Measured: 3e-11 after 400 s.
   EXPECT_NEAR(extentOf(run.trajectory.samples.back()), extent, 1e-6 * extent);
@@ -264,28 +269,29 @@ TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
 /// From the symmetric start of this sheet, a saddle of its extent, driven tiles do not move. From
 /// a state on the way they come to rest where the path ends.
 TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
-  const Scene scene = extendingScene("ammann-beenker-removal", {{"tiles", 37}});
-  const std::vector<Sample> samples = deploy(scene, 1, nullptr).trajectory.samples;
+  const scene::Scene scene = extendingScene("ammann-beenker-removal", {{"tiles", 37}});
+  const std::vector<trajectory::Sample> samples =
+      deploy::deploy(scene, 1, nullptr).trajectory.samples;
   const Poses& start = samples.front().poses;
   const Poses& onTheWay = samples[samples.size() / 3].poses;
-  Scene moved = scene;
+  scene::Scene moved = scene;
   for (std::size_t i = 0; i < start.size(); ++i) {
     for (Vector3& vertex : moved.model.tiles[i].vertices) {
       vertex = onTheWay[i].apply(start[i].rotation.conjugate() * (vertex - start[i].position));
     }
   }
-  const DeploymentResult rested = driven(std::move(moved));
-  EXPECT_EQ(rested.outcome, Outcome::Settled);
+  const deploy::DeploymentResult rested = driven(std::move(moved));
+  EXPECT_EQ(rested.outcome, deploy::Outcome::Settled);
   const double extent = extentOf(rested.trajectory.samples.back());
   EXPECT_GT(extent, 1.05 * extentOf(samples.front()));           // measured: 1.11
   EXPECT_NEAR(extentOf(samples.back()), extent, 1e-6 * extent);  // measured: 8e-13
 }
 
 TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
-  Scene scene = sceneOf(makeSphericalCap({.size = 4}));
+  scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
   scene.path.searchTime = 1;
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
-  const bool isClear = run.accuracy.penetrationGrownMax <= 1e-4 * tileSize(scene.model);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  const bool isClear = run.accuracy.penetrationGrownMax <= 1e-4 * model::tileSize(scene.model);
   const bool isSaid = std::ranges::any_of(run.warnings, [](const std::string& warning) {
     return warning.find("pass through each other") != std::string::npos;
   });
@@ -293,12 +299,12 @@ TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
 }
 
 /// Two squares side by side that are joined at a corner; in the target one lies across the other.
-Model foldedIntoEachOther() {
-  Model model = makeTessellation({.columns = 2, .rows = 1});
-  const Corner joint = model.joints.front().a;
+model::Model foldedIntoEachOther() {
+  model::Model model = model::makeTessellation({.columns = 2, .rows = 1});
+  const model::Corner joint = model.joints.front().a;
   const Vector3 pivot = model.tiles[joint.tile].vertices[joint.vertex];
-  const Vector3 from = tileCentroid(model.tiles[1 - joint.tile]) - pivot;
-  const Vector3 towards = tileCentroid(model.tiles[joint.tile]) - pivot;
+  const Vector3 from = model::tileCentroid(model.tiles[1 - joint.tile]) - pivot;
+  const Vector3 towards = model::tileCentroid(model.tiles[joint.tile]) - pivot;
   const Eigen::AngleAxisd turn(0.5, from.cross(towards).normalized());
   model.target = model.tiles;
   for (Vector3& vertex : (*model.target)[1 - joint.tile].vertices) {
@@ -308,32 +314,34 @@ Model foldedIntoEachOther() {
 }
 
 TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
-  Scene scene = sceneOf(foldedIntoEachOther());
-  scene.environment.contacts = ContactFilter::Unjoined;
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  scene::Scene scene = sceneOf(foldedIntoEachOther());
+  scene.environment.contacts = scene::ContactFilter::Unjoined;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_LT(run.accuracy.targetErrorEnd, 1e-9);
   EXPECT_EQ(run.needs.contacts.reason, "no bricks meet on the way");
   EXPECT_GT(run.accuracy.penetrationGrownMax, 0.1);
 }
 
 TEST(Continuation, StatesOfARunAreSaidToPassThroughEachOther) {
-  Scene scene = sceneOf(makeSphericalCap({.size = 6}));
-  scene.path.kind = PathKind::Straight;
+  scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 6}));
+  scene.path.kind = scene::PathKind::Straight;
   scene.solver.tolerance = 0;
-  scene.environment.contacts = ContactFilter::None;  // left out by the search, not by the user
-  SearchBudget budget(20);
-  const TargetFindings atTarget = {.nearest = assembleAtTarget(scene)};
-  const GeometricPath path = tracedPath(scene, {scene.path, "straight pull arrives"},
-                                        ContactFilter::Auto, atTarget, budget, {});
-  EXPECT_GT(path.grown, 1e-4 * tileSize(scene.model));
+  scene.environment.contacts =
+      scene::ContactFilter::None;  // left out by the search, not by the user
+  deploy::SearchBudget budget(20);
+  const deploy::TargetFindings atTarget = {.nearest = deploy::assembleAtTarget(scene)};
+  const deploy::GeometricPath path =
+      deploy::tracedPath(scene, {scene.path, "straight pull arrives"}, scene::ContactFilter::Auto,
+                         atTarget, budget, {});
+  EXPECT_GT(path.grown, 1e-4 * model::tileSize(scene.model));
   EXPECT_TRUE(path.passesThrough);
   EXPECT_EQ(path.contactReason,
             "bricks pass through each other, no path among touching ones was found");
 }
 
 /// A target whose upper half is moved away, so that the tiles there cannot hang together.
-Scene tornSquares(double distance) {
-  Model model = makeTessellation({});
+scene::Scene tornSquares(double distance) {
+  model::Model model = model::makeTessellation({});
   for (std::size_t i = model.tiles.size() / 2; i < model.tiles.size(); ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += distance;
   }
@@ -343,8 +351,8 @@ Scene tornSquares(double distance) {
 TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
   // Half of the distance is the least for two halves that keep together.
   for (const double distance : {0.5, 1.0}) {
-    const DeploymentResult run = deploy(tornSquares(distance), 1.0 / 60, nullptr);
-    EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
+    const deploy::DeploymentResult run = deploy::deploy(tornSquares(distance), 1.0 / 60, nullptr);
+    EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
     EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.assembledError);  // measured: 1.0000
     EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.accuracy.targetErrorMin);
     EXPECT_LE(run.accuracy.targetErrorEnd, 1.1 * distance / 2);  // measured: 1.001
@@ -352,24 +360,25 @@ TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
 }
 
 TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
-  Scene scene = squares();
-  for (Tile& tile : *scene.model.target) {
+  scene::Scene scene = squares();
+  for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex = 100 * vertex;
   }
-  const AssembledState nearest = assembleAtTarget(scene);
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const double atStart =
-      targetError(*scene.model.target, bricks, startPoses(scene.model.tiles, bricks));
+  const deploy::AssembledState nearest = deploy::assembleAtTarget(scene);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const double atStart = trajectory::targetError(*scene.model.target, bricks,
+                                                 model::startPoses(scene.model.tiles, bricks));
   EXPECT_LE(nearest.error, atStart);
 }
 
 /// In the plane the four quads of this design have no freedom: their joints must open.
 TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
-  const Scene scene = sceneOf(generateModel(familyNamed("nonrigid"), {}));
-  const double tile = tileSize(scene.model);
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  const double tile = model::tileSize(scene.model);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_EQ(run.atTarget, true);
-  EXPECT_EQ(run.path.kind, PathKind::Continuation);
+  EXPECT_EQ(run.path.kind, scene::PathKind::Continuation);
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 4e-16
   EXPECT_LE(run.accuracy.jointGapEnd, 1e-10 * tile);         // 1e-16
   EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 9e-6
@@ -382,16 +391,17 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
 
 /// Its flush start lies apart from all other states among touching bricks: no exact path leaves it.
 TEST(Continuation, OpensJointsNearAFlushStartAlone) {
-  const Scene scene = sceneOf(generateModel(familyNamed("cap"), {{"half-size", 4}}));
-  const double tile = tileSize(scene.model);
-  const DeploymentResult run = deploy(scene, 1.0 / 30, nullptr);
-  EXPECT_EQ(run.path.kind, PathKind::Continuation);
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("cap"), {{"half-size", 4}}));
+  const double tile = model::tileSize(scene.model);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
+  EXPECT_EQ(run.path.kind, scene::PathKind::Continuation);
   EXPECT_TRUE(run.needs.contacts.on);
   EXPECT_EQ(run.atTarget, true);
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 2e-15
   EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 4.7e-5
   EXPECT_LE(run.accuracy.jointOpeningMax, 5e-3 * tile);      // 2.6e-3, all the way: 6.1e-3
-  const std::vector<Sample>& samples = run.trajectory.samples;
+  const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
   EXPECT_LE(samples.front().jointGap, 1e-10 * tile);
   for (std::size_t k = samples.size() / 3; k < samples.size(); ++k) {
     EXPECT_LE(samples[k].jointGap, 1e-10 * tile) << k;  // 1.1e-12, open in the first quarter
@@ -401,30 +411,34 @@ TEST(Continuation, OpensJointsNearAFlushStartAlone) {
 
 /// The symmetric start of this sheet is a saddle of its extent.
 TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
-  Scene scene = sceneOf(generateModel(familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
-  scene.environment.contacts = ContactFilter::None;
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  scene::Scene scene = sceneOf(
+      generate::generateModel(generate::familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
+  scene.environment.contacts = scene::ContactFilter::None;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_THAT(run.reason, testing::StrEq("the path ends at full extension"));
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Sample>& samples = run.trajectory.samples;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
   // Measured: 0.7 tiles.
-  EXPECT_GT(pathDistance(bricks, samples.front().poses, samples.back().poses),
-            0.1 * tileSize(scene.model));
+  EXPECT_GT(deploy::pathDistance(bricks, samples.front().poses, samples.back().poses),
+            0.1 * model::tileSize(scene.model));
 }
 
 TEST(Continuation, SaysThatFlushTilesHoldEachOther) {
-  Scene scene = sceneOf(generateModel(familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
-  scene.environment.contacts = ContactFilter::All;
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled);
+  scene::Scene scene = sceneOf(
+      generate::generateModel(generate::familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
+  scene.environment.contacts = scene::ContactFilter::All;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled);
   EXPECT_THAT(run.reason, testing::StartsWith("the tiles hold each other at the start"));
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 
 TEST(Continuation, SaysThatBricksHaveNoRoomAtFullExtension) {
-  const Scene scene = sceneOf(generateModel(familyNamed("stampfli-removal"), {{"tiles", 78}}));
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
-  EXPECT_GT(run.accuracy.penetrationGrownMax, 0.1 * tileSize(scene.model));  // measured: 0.84
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 78}}));
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_GT(run.accuracy.penetrationGrownMax,
+            0.1 * model::tileSize(scene.model));  // measured: 0.84
   EXPECT_THAT(run.warnings, testing::Contains(testing::AllOf(
                                 testing::HasSubstr("where it ends, so that no path among touching"),
                                 testing::Not(testing::HasSubstr("--thickness")))));
@@ -432,25 +446,26 @@ TEST(Continuation, SaysThatBricksHaveNoRoomAtFullExtension) {
 
 /// Tiles that no joint holds have no full extension.
 TEST(Continuation, LeavesLooseTilesToDynamics) {
-  Model model = makeTessellation({});
+  model::Model model = model::makeTessellation({});
   model.target.reset();
-  EXPECT_TRUE(isOnePiece(model));
+  EXPECT_TRUE(model::isOnePiece(model));
   model.joints.clear();
-  EXPECT_FALSE(isOnePiece(model));
+  EXPECT_FALSE(model::isOnePiece(model));
   std::string reason;
-  EXPECT_FALSE(isQuasiStatic(sceneOf(std::move(model)), reason));
+  EXPECT_FALSE(scene::isQuasiStatic(sceneOf(std::move(model)), reason));
   EXPECT_EQ(reason, "tiles that no joint holds fly apart");
 }
 
-bool isAnnounced(const DeploymentResult& run) {
+bool isAnnounced(const deploy::DeploymentResult& run) {
   return std::ranges::any_of(run.warnings, [](const std::string& warning) {
     return warning.find("through each other") != std::string::npos;
   });
 }
 
 /// What is promised of a default deployment, whatever the model.
-void expectPromisesKept(const Scene& scene, const DeploymentResult& run, const std::string& name) {
-  const double tile = tileSize(scene.model);
+void expectPromisesKept(const scene::Scene& scene, const deploy::DeploymentResult& run,
+                        const std::string& name) {
+  const double tile = model::tileSize(scene.model);
   EXPECT_TRUE(run.accuracy.penetrationGrownMax <= 1.01e-4 * tile || isAnnounced(run))
       << name << ": overlap " << run.accuracy.penetrationGrownMax / tile;
   EXPECT_TRUE(run.accuracy.jointGapMax <= 1e-10 * tile || run.accuracy.jointOpeningMax > 0)
@@ -463,32 +478,32 @@ void expectPromisesKept(const Scene& scene, const DeploymentResult& run, const s
 /// more.
 TEST(Continuation, DrawnMembersOfTheFamiliesArriveByDefault) {
   DrawnModels drawn(7, 40);
-  for (std::size_t i = 0; i < families().size(); ++i) {
+  for (std::size_t i = 0; i < generate::families().size(); ++i) {
     DrawnModel member = drawn.next();
-    const std::string family = families()[i].name;
+    const std::string family = generate::families()[i].name;
     if (family == "moebius" || family == "sphere-to-saddle" || family == "cap") continue;
-    Scene scene = openScene();
+    scene::Scene scene = scene::openScene();
     scene.model = std::move(member.model);
-    scene.brick.thickness = member.thickness * tileSize(scene.model);
-    if (scene.model.target) alignStartToTarget(scene.model);
-    fillFromModel(scene);
-    expectPromisesKept(scene, deploy(scene, 0.5, nullptr), member.name);
+    scene.brick.thickness = member.thickness * model::tileSize(scene.model);
+    if (scene.model.target) model::alignStartToTarget(scene.model);
+    scene::fillFromModel(scene);
+    expectPromisesKept(scene, deploy::deploy(scene, 0.5, nullptr), member.name);
   }
 }
 
 TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
-  Scene scene = squares();
+  scene::Scene scene = squares();
   std::string reason;
-  EXPECT_TRUE(isQuasiStatic(scene, reason)) << reason;
+  EXPECT_TRUE(scene::isQuasiStatic(scene, reason)) << reason;
   scene.springs.springStiffness = 25;
-  EXPECT_FALSE(isQuasiStatic(scene, reason));
+  EXPECT_FALSE(scene::isQuasiStatic(scene, reason));
   EXPECT_EQ(reason, "springs or damping were given");
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
-  EXPECT_NE(run.path.kind, PathKind::Continuation);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_NE(run.path.kind, scene::PathKind::Continuation);
   EXPECT_THAT(run.pathReason, testing::HasSubstr("springs or damping were given"));
-  scene.path.kind = PathKind::Continuation;
+  scene.path.kind = scene::PathKind::Continuation;
   EXPECT_THAT(
-      [&] { deploy(scene, 0.5, nullptr); },
+      [&] { deploy::deploy(scene, 0.5, nullptr); },
       testing::ThrowsMessage<InputError>(
           "error: --path continuation is geometry alone, but springs or damping were given; "
           "leave that away, or give --path dynamic"));

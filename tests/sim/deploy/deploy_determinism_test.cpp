@@ -8,7 +8,7 @@
 namespace kirireel {
 namespace {
 
-bool sameBytes(const Trajectory& a, const Trajectory& b) {
+bool sameBytes(const trajectory::Trajectory& a, const trajectory::Trajectory& b) {
   if (a.samples.size() != b.samples.size()) return false;
   for (std::size_t s = 0; s < a.samples.size(); ++s) {
     for (std::size_t i = 0; i < a.bricks.size(); ++i) {
@@ -21,9 +21,9 @@ bool sameBytes(const Trajectory& a, const Trajectory& b) {
   return true;
 }
 
-Scene sheet(bool planar, SolverKind kind) {
-  Scene scene;
-  scene.model = makeTessellation({});
+scene::Scene sheet(bool planar, scene::SolverKind kind) {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   scene.solver.planar = planar;
   scene.solver.kind = kind;
   scene.stop.duration = 0.5;
@@ -31,45 +31,46 @@ Scene sheet(bool planar, SolverKind kind) {
 }
 
 TEST(DeployTwice, GivesTheSameBytes) {
-  for (const SolverKind kind : {SolverKind::Direct, SolverKind::Bullet}) {
+  for (const scene::SolverKind kind : {scene::SolverKind::Direct, scene::SolverKind::Bullet}) {
     for (const bool planar : {true, false}) {
-      const Scene scene = sheet(planar, kind);
-      EXPECT_TRUE(sameBytes(deploy(scene, 0.05, nullptr).trajectory,
-                            deploy(scene, 0.05, nullptr).trajectory));
+      const scene::Scene scene = sheet(planar, kind);
+      EXPECT_TRUE(sameBytes(deploy::deploy(scene, 0.05, nullptr).trajectory,
+                            deploy::deploy(scene, 0.05, nullptr).trajectory));
     }
   }
 }
 
 /// Whether two seeds of the nudge give a scene the same motion.
-bool dependsOnTheSeed(Scene scene) {
-  const Trajectory first = deploy(scene, 0.05, nullptr).trajectory;
+bool dependsOnTheSeed(scene::Scene scene) {
+  const trajectory::Trajectory first = deploy::deploy(scene, 0.05, nullptr).trajectory;
   scene.solver.seed = 2;
-  return !sameBytes(first, deploy(scene, 0.05, nullptr).trajectory);
+  return !sameBytes(first, deploy::deploy(scene, 0.05, nullptr).trajectory);
 }
 
 /// A square that stands on its corner upon another's, which is held.
-Scene standingSquare() {
-  Scene scene;
-  Tile square;
+scene::Scene standingSquare() {
+  scene::Scene scene;
+  model::Tile square;
   square.vertices = {{0, 0, 0}, {1, 1, 0}, {0, 2, 0}, {-1, 1, 0}};
   scene.model.tiles = {square, square};
   for (Vector3& vertex : scene.model.tiles[0].vertices) vertex.y() -= 2;
   scene.model.joints = {{.a = {0, 2}, .b = {1, 0}}};
   scene.solver.planar = true;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.environment.gravity = Vector3(0, -100, 0);
-  scene.timeline = {{{}, timeline::Pin{{0}}}};
+  scene.timeline = {{{}, scene::timeline::Pin{{0}}}};
   scene.stop.duration = 3;
   return scene;
 }
 
 TEST(DeployTwice, TheSeedMattersToAStartAloneThatDoesNotMoveByItself) {
-  EXPECT_FALSE(dependsOnTheSeed(sheet(true, SolverKind::Direct)));  // its springs turn the tiles
-  const Scene scene = standingSquare();
+  EXPECT_FALSE(
+      dependsOnTheSeed(sheet(true, scene::SolverKind::Direct)));  // its springs turn the tiles
+  const scene::Scene scene = standingSquare();
   EXPECT_TRUE(dependsOnTheSeed(scene));
-  const Trajectory fall = deploy(scene, 0.05, nullptr).trajectory;
+  const trajectory::Trajectory fall = deploy::deploy(scene, 0.05, nullptr).trajectory;
   double farthest = 0;
-  for (const Sample& sample : fall.samples) {
+  for (const trajectory::Sample& sample : fall.samples) {
     const double turn = sample.poses[1].rotation.angularDistance(Quaternion::Identity());
     farthest = std::max(farthest, turn);
   }

@@ -18,26 +18,26 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// A 3 x 3 sheet without contacts: the quickest scene that does all.
-Scene smallScene() {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene smallScene() {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 3;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::None;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::None;
   return scene;
 }
 
-Scene shippedScene(const char* name = "tessellation_4x4") {
-  Scene scene;
+scene::Scene shippedScene(const char* name = "tessellation_4x4") {
+  scene::Scene scene;
   std::vector<std::string> warnings;
   scene.model =
-      readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
+      model::readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
   return scene;
 }
 
 TEST(Deploy, TheShippedSheetSettlesAtItsTarget) {
-  const DeploymentResult result = deploy(shippedScene(), 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  const deploy::DeploymentResult result = deploy::deploy(shippedScene(), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_THAT(result.reason, HasSubstr("from the target"));
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);    // measured 1e-12
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-3);  // measured 7e-7
@@ -48,29 +48,30 @@ TEST(Deploy, TheShippedSheetSettlesAtItsTarget) {
 
 /// There the joints leave the square root of their gap free.
 TEST(Deploy, AClosedSingularTargetIsReached) {
-  for (const ContactFilter contacts : {ContactFilter::None, ContactFilter::All}) {
-    Scene scene = shippedScene("heart");
+  for (const scene::ContactFilter contacts :
+       {scene::ContactFilter::None, scene::ContactFilter::All}) {
+    scene::Scene scene = shippedScene("heart");
     scene.environment.contacts = contacts;
-    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
     EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 5e-13
   }
 }
 
 TEST(Deploy, BulletSettlesItToo) {
-  Scene scene = shippedScene();
-  scene.solver.kind = SolverKind::Bullet;
-  scene.environment.contacts = ContactFilter::None;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  scene::Scene scene = shippedScene();
+  scene.solver.kind = scene::SolverKind::Bullet;
+  scene.environment.contacts = scene::ContactFilter::None;
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.jointGapMax, 1e-3);     // measured 9e-5
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-2);  // measured 1e-6
 }
 
 TEST(Deploy, AccuracyDescribesTheSamples) {
-  const DeploymentResult result = deploy(smallScene(), 1.0 / 60, nullptr);
-  const std::vector<Sample>& samples = result.trajectory.samples;
-  const Accuracy& accuracy = result.accuracy;
+  const deploy::DeploymentResult result = deploy::deploy(smallScene(), 1.0 / 60, nullptr);
+  const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
+  const deploy::Accuracy& accuracy = result.accuracy;
   EXPECT_EQ(accuracy.targetErrorStart, samples.front().targetError);
   EXPECT_EQ(accuracy.targetErrorEnd, samples.back().targetError);
   EXPECT_EQ(accuracy.jointGapEnd, samples.back().jointGap);
@@ -79,12 +80,12 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
   EXPECT_LE(samples.back().jointGap, accuracy.jointGapMax);
   EXPECT_LT(accuracy.rigidBound, 1e-14);
   EXPECT_EQ(result.trajectory.bricks.size(), 9U);
-  for (const Sample& sample : samples) EXPECT_EQ(sample.poses.size(), 9U);
+  for (const trajectory::Sample& sample : samples) EXPECT_EQ(sample.poses.size(), 9U);
   EXPECT_GT(result.cost.cpuSeconds, 0);
 }
 
 /// All figures of a run, and its end, as numbers.
-std::vector<double> figuresOf(DeploymentResult& result) {
+std::vector<double> figuresOf(deploy::DeploymentResult& result) {
   StateTape tape;
   tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
                 result.path.kind, result.trajectory.events, result.trajectory.figureStates,
@@ -94,18 +95,18 @@ std::vector<double> figuresOf(DeploymentResult& result) {
 
 // Metamorphic: how often a run is looked at changes neither its steps nor its figures.
 TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
-  Scene scene = smallScene();
-  scene.environment.contacts = ContactFilter::All;
+  scene::Scene scene = smallScene();
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = Vector3(0, 0, -9.81);
-  DeploymentResult usual = deploy(scene, 1.0 / 60, nullptr);
+  deploy::DeploymentResult usual = deploy::deploy(scene, 1.0 / 60, nullptr);
   const std::vector<double> figures = figuresOf(usual);
   std::vector<double> usualTimes;
   for (const double rate : {1.0, 7.0, 24.0, 25.0, 30.0, 50.0, 240.0, 1000.0}) {
-    DeploymentResult result = deploy(scene, 1 / rate, nullptr);
+    deploy::DeploymentResult result = deploy::deploy(scene, 1 / rate, nullptr);
     EXPECT_EQ(figuresOf(result), figures) << rate;
     std::vector<double> times;
-    for (const Sample& sample : result.trajectory.samples) {
-      for (const StepRecord& step : sample.steps) times.push_back(step.time);
+    for (const trajectory::Sample& sample : result.trajectory.samples) {
+      for (const trajectory::StepRecord& step : sample.steps) times.push_back(step.time);
     }
     if (usualTimes.empty()) usualTimes = times;
     EXPECT_EQ(times, usualTimes) << rate;
@@ -117,9 +118,10 @@ TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
 
 TEST(Deploy, SamplesAreEquallySpacedUpToTheLast) {
   for (const double rate : {60.0, 25.0, 7.0, 1000.0}) {
-    Scene scene = smallScene();
+    scene::Scene scene = smallScene();
     scene.stop.duration = 0.5;
-    const std::vector<Sample> samples = deploy(scene, 1 / rate, nullptr).trajectory.samples;
+    const std::vector<trajectory::Sample> samples =
+        deploy::deploy(scene, 1 / rate, nullptr).trajectory.samples;
     ASSERT_EQ(samples.size(), 1 + static_cast<std::size_t>(std::ceil(0.5 * rate))) << rate;
     for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
       EXPECT_NEAR(samples[i].time, static_cast<double>(i) / rate, 1e-13);
@@ -129,9 +131,11 @@ TEST(Deploy, SamplesAreEquallySpacedUpToTheLast) {
 }
 
 TEST(Deploy, SamplesBetweenStepsHaveClosedJoints) {
-  const std::vector<Sample> steps = deploy(smallScene(), 1.0 / 240, nullptr).trajectory.samples;
-  const std::vector<Sample> samples = deploy(smallScene(), 1.0 / 700, nullptr).trajectory.samples;
-  for (const Sample& sample : samples) {
+  const std::vector<trajectory::Sample> steps =
+      deploy::deploy(smallScene(), 1.0 / 240, nullptr).trajectory.samples;
+  const std::vector<trajectory::Sample> samples =
+      deploy::deploy(smallScene(), 1.0 / 700, nullptr).trajectory.samples;
+  for (const trajectory::Sample& sample : samples) {
     EXPECT_LT(sample.jointGap, 1e-11) << sample.time;  // measured 4e-13
     const auto after =
         std::min(steps.size() - 1, static_cast<std::size_t>(std::ceil(sample.time * 240 - 1e-6)));
@@ -148,110 +152,113 @@ TEST(Deploy, SamplesBetweenStepsHaveClosedJoints) {
 }
 
 TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   scene.model.target->front().vertices.front().x() += 0.1;
-  const DeploymentResult result = deploy(scene, 0.1, nullptr);
-  const std::vector<Brick>& bricks = result.trajectory.bricks;
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+  const std::vector<model::Brick>& bricks = result.trajectory.bricks;
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   const auto poses = [&](const char* name) {
     const auto& states = result.trajectory.figureStates;
-    const auto state = std::ranges::find(states, name, &FigureState::figure);
+    const auto state = std::ranges::find(states, name, &trajectory::FigureState::figure);
     EXPECT_NE(state, states.end()) << name;
     return state->poses;
   };
-  const Accuracy& accuracy = result.accuracy;
-  EXPECT_EQ(jointGap(pivots, poses("joint_gap_max")).max, accuracy.jointGapMax);
-  EXPECT_EQ(deepestPenetration(bricks, poses("penetration_max")).depth, accuracy.penetrationMax);
-  const std::vector<Tile>& target = *scene.model.target;
-  EXPECT_EQ(targetError(target, bricks, poses("target_error_min")), accuracy.targetErrorMin);
-  EXPECT_EQ(targetError(target, bricks, poses("assembled_error")), result.assembledError);
+  const deploy::Accuracy& accuracy = result.accuracy;
+  EXPECT_EQ(trajectory::jointGap(pivots, poses("joint_gap_max")).max, accuracy.jointGapMax);
+  EXPECT_EQ(trajectory::deepestPenetration(bricks, poses("penetration_max")).depth,
+            accuracy.penetrationMax);
+  const std::vector<model::Tile>& target = *scene.model.target;
+  EXPECT_EQ(trajectory::targetError(target, bricks, poses("target_error_min")),
+            accuracy.targetErrorMin);
+  EXPECT_EQ(trajectory::targetError(target, bricks, poses("assembled_error")),
+            result.assembledError);
   EXPECT_LE(result.assembledError, accuracy.targetErrorEnd);
 }
 
 TEST(Deploy, ARunThatDivergesEndsWithItsLastStepInBounds) {
-  Scene scene = smallScene();
-  scene.solver.kind = SolverKind::Bullet;
+  scene::Scene scene = smallScene();
+  scene.solver.kind = scene::SolverKind::Bullet;
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  ASSERT_EQ(result.outcome, Outcome::Diverged);
-  const Sample& last = result.trajectory.samples.back();
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  ASSERT_EQ(result.outcome, deploy::Outcome::Diverged);
+  const trajectory::Sample& last = result.trajectory.samples.back();
   EXPECT_EQ(last.time, result.trajectory.events.back().time);
   EXPECT_EQ(last.targetError, result.accuracy.targetErrorEnd);
   for (const Pose& pose : last.poses) EXPECT_TRUE(pose.position.allFinite());
 }
 
 TEST(Deploy, RunsForItsDuration) {
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   scene.stop.duration = 0.2;
-  const DeploymentResult result = deploy(scene, 0.05, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::OutOfTime);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime);
   EXPECT_THAT(result.reason, StartsWith("still moving after 0.2 s, at "));
   EXPECT_NEAR(result.trajectory.samples.back().time, 0.2, 1e-12);
 }
 
 TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
-  Scene scene = smallScene();
-  for (Tile& tile : *scene.model.target) {
+  scene::Scene scene = smallScene();
+  for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 1.2;  // the tiles do not grow with it
   }
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   // Half a tile away is not called arrived.
-  EXPECT_EQ(result.outcome, Outcome::Locked);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("no state with closed joints was found nearer"));
   EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidBound);
   EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledError, 1, 1e-3);  // measured 1e-5
 }
 
 TEST(Deploy, WithoutTargetItSettlesWhereItStands) {
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   scene.model.target.reset();
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled);
   EXPECT_EQ(result.reason, "everything came to rest; there is no target");
   EXPECT_EQ(result.accuracy.targetErrorEnd, 0);
 }
 
 TEST(Deploy, TheObserverSeesEverySampleAndCanEndTheRun) {
   std::size_t seen = 0;
-  const DeploymentResult result =
-      deploy(smallScene(), 1.0 / 60, [&](const Sample&) { return ++seen < 5; });
-  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  const deploy::DeploymentResult result =
+      deploy::deploy(smallScene(), 1.0 / 60, [&](const trajectory::Sample&) { return ++seen < 5; });
+  EXPECT_EQ(result.outcome, deploy::Outcome::Interrupted);
   EXPECT_EQ(result.reason, "ended early by the caller");
   EXPECT_EQ(seen, 5U);
   EXPECT_EQ(result.trajectory.samples.size(), 5U);
 }
 
 TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
-  Scene scene = smallScene();
-  scene.solver.kind = SolverKind::Bullet;
+  scene::Scene scene = smallScene();
+  scene.solver.kind = scene::SolverKind::Bullet;
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Diverged);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Diverged);
   EXPECT_THAT(result.reason, HasSubstr("a brick left all bounds at "));
   EXPECT_THAT(result.reason, HasSubstr("try a shorter --timestep or more damping"));
 }
 
 TEST(Deploy, ExactJointsBearTheSameStiffness) {
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);  // measured 4e-13
 }
 
 TEST(Deploy, ClosesAnOpenStartAndTellsHowFarThatWent) {
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   for (Vector3& vertex : scene.model.tiles[4].vertices) vertex.x() += 1e-3;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_GT(result.accuracy.assemblyMove, 1e-4);
   EXPECT_LT(result.accuracy.assemblyMove, 2e-3);
   EXPECT_LT(result.trajectory.samples.front().jointGap, 1e-10);
-  EXPECT_EQ(deploy(smallScene(), 1.0 / 60, nullptr).accuracy.assemblyMove, 0);
+  EXPECT_EQ(deploy::deploy(smallScene(), 1.0 / 60, nullptr).accuracy.assemblyMove, 0);
 }
 
-std::string errorOf(const Scene& scene, double interval) {
+std::string errorOf(const scene::Scene& scene, double interval) {
   try {
-    deploy(scene, interval, nullptr);
+    deploy::deploy(scene, interval, nullptr);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -261,7 +268,7 @@ std::string errorOf(const Scene& scene, double interval) {
 TEST(Deploy, RefusesTimesThatMakeNoSense) {
   EXPECT_EQ(errorOf(smallScene(), 0),
             "the time between samples is 0, but must be a positive number of seconds");
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   scene.solver.timestep = -0.5;
   EXPECT_EQ(errorOf(scene, 0.1),
             "error: timestep: '-0.5' is not allowed; give a number from 1e-07 to 1");
@@ -272,7 +279,7 @@ TEST(Deploy, RefusesTimesThatMakeNoSense) {
 }
 
 TEST(Deploy, RefusesDampingThatTakesAll) {
-  Scene scene = smallScene();
+  scene::Scene scene = smallScene();
   scene.environment.linearDamping = 1;
   EXPECT_EQ(errorOf(scene, 0.1),
             "error: linear_damping: '1' is not allowed; give a number from 0 to less than 1");
@@ -287,8 +294,8 @@ TEST(Deploy, RefusesAModelWithoutTiles) {
 }
 
 /// Three triangles round a hole, each joined to both others: a truss in the plane.
-Scene truss() {
-  Scene scene = openScene();
+scene::Scene truss() {
+  scene::Scene scene = scene::openScene();
   scene.model.tiles = {{{{0, 0, 0}, {0.5, -0.8, 0}, {1, 0, 0}}},
                        {{{1, 0, 0}, {1.3, 0.8, 0}, {0.5, 0.866, 0}}},
                        {{{0.5, 0.866, 0}, {-0.3, 0.8, 0}, {0, 0, 0}}}};
@@ -298,33 +305,33 @@ Scene truss() {
 }
 
 TEST(Deploy, RefusesAModelThatNothingCanDrive) {
-  Scene single = truss();
+  scene::Scene single = truss();
   single.model.tiles.resize(1);
   single.model.joints.clear();
-  for (const Scene& scene : {truss(), single}) {
+  for (const scene::Scene& scene : {truss(), single}) {
     EXPECT_THAT(
-        [&] { deploy(scene, 0.1, nullptr); },
+        [&] { deploy::deploy(scene, 0.1, nullptr); },
         testing::ThrowsMessage<InputError>(
             "error: nothing can drive this model: it has no target, and its joints leave the tiles "
             "no motion but that of the whole; give --target, other joints (--joints-file), or what "
             "moves it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)"));
-    Scene falling = scene;
+    scene::Scene falling = scene;
     falling.environment.gravity = {0, 0, -9.81};
     falling.stop.duration = 0.1;
-    EXPECT_NO_THROW(deploy(falling, 0.1, nullptr));
+    EXPECT_NO_THROW(deploy::deploy(falling, 0.1, nullptr));
   }
   // A sheet that is at full extension could go back.
-  Scene extended = truss();
+  scene::Scene extended = truss();
   extended.model.joints.pop_back();
-  EXPECT_NO_THROW(deploy(extended, 0.1, nullptr));
+  EXPECT_NO_THROW(deploy::deploy(extended, 0.1, nullptr));
 }
 
 TEST(Outcome, HasAName) {
-  EXPECT_EQ(toString(Outcome::Settled), "settled");
-  EXPECT_EQ(toString(Outcome::Locked), "locked");
-  EXPECT_EQ(toString(Outcome::OutOfTime), "out_of_time");
-  EXPECT_EQ(toString(Outcome::Diverged), "diverged");
-  EXPECT_EQ(toString(Outcome::Interrupted), "interrupted");
+  EXPECT_EQ(deploy::toString(deploy::Outcome::Settled), "settled");
+  EXPECT_EQ(deploy::toString(deploy::Outcome::Locked), "locked");
+  EXPECT_EQ(deploy::toString(deploy::Outcome::OutOfTime), "out_of_time");
+  EXPECT_EQ(deploy::toString(deploy::Outcome::Diverged), "diverged");
+  EXPECT_EQ(deploy::toString(deploy::Outcome::Interrupted), "interrupted");
 }
 
 }  // namespace

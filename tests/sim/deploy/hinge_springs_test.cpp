@@ -16,28 +16,28 @@ namespace kirireel {
 namespace {
 
 /// A sheet of 4 x 4 squares, open by 30 degrees, whose springs rest at 70 degrees.
-Scene sprungSheet(double stiffness) {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene sprungSheet(double stiffness) {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.startAngle = 30 * kDegree;
-  scene.model = makeTessellation(shape);
+  scene.model = model::makeTessellation(shape);
   scene.model.target.reset();
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.hinges.stiffness = stiffness;
   scene.hinges.rest = 70 * kDegree;
   scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
-  scene.environment.contacts = ContactFilter::None;
+  scene.environment.contacts = scene::ContactFilter::None;
   return scene;
 }
 
-double openingAtEnd(const DeploymentResult& run) {
-  return hingeAngle(hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
-                    run.trajectory.samples.back().poses);
+double openingAtEnd(const deploy::DeploymentResult& run) {
+  return model::hingeAngle(model::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
+                           run.trajectory.samples.back().poses);
 }
 
 TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
-  const DeploymentResult run = deploy(sprungSheet(5), 0.1, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const deploy::DeploymentResult run = deploy::deploy(sprungSheet(5), 0.1, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
   EXPECT_NEAR(openingAtEnd(run), 70 * kDegree, 1e-5);  // measured 2e-7
   ASSERT_TRUE(run.elasticity.has_value());
   EXPECT_EQ(run.elasticity->count("springs"), 24);
@@ -48,20 +48,20 @@ TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
 }
 
 TEST(SprungSheets, AreNotAtRestWhileSoftSpringsStillMoveThem) {
-  Scene scene = sprungSheet(1e-5);
+  scene::Scene scene = sprungSheet(1e-5);
   scene.stop.duration = 3;
-  const DeploymentResult run = deploy(scene, 1, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::OutOfTime) << run.reason;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::OutOfTime) << run.reason;
 }
 
 TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
-  Scene scene = sprungSheet(50);
+  scene::Scene scene = sprungSheet(50);
   scene.hinges.rest = 30 * kDegree;
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.startAngle = 30 * kDegree;
-  scene.model = makeTessellation(shape);  // its target is open by 90 degrees
-  scene.actuation.drive = Drive::Target;
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  scene.model = model::makeTessellation(shape);  // its target is open by 90 degrees
+  scene.actuation.drive = scene::Drive::Target;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_GT(openingAtEnd(run), 40 * kDegree);
   EXPECT_LT(openingAtEnd(run), 89.9 * kDegree);
   EXPECT_GT(run.elasticity->energyEnd, 1);
@@ -83,36 +83,36 @@ TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
            "edges_foldAngle": [{2},{3},{4},{3}]}})",
       h, -h, c, -z, -c);
   std::vector<std::string> warnings;
-  Scene scene;
-  scene.model = readModel(folder / "a.fold", std::nullopt, warnings);
+  scene::Scene scene;
+  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
   ASSERT_TRUE(warnings.empty()) << warnings[0];
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.hinges.stiffness = 5;
   scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
   ASSERT_EQ(run.elasticity->count("springs"), 4);
   EXPECT_GT(run.elasticity->energyStart, 4);
   EXPECT_LT(run.elasticity->energyEnd, 1e-8);
   // The sheet is free, so that its folds tell where it is.
   const Poses& last = run.trajectory.samples.back().poses;
-  for (const HingeSpring& spring : hingeSpringsOf(run.trajectory.pairForces)) {
-    EXPECT_NEAR(hingeAngle(spring.hinge, last), spring.rest, 1e-5);
+  for (const model::HingeSpring& spring : model::hingeSpringsOf(run.trajectory.pairForces)) {
+    EXPECT_NEAR(model::hingeAngle(spring.hinge, last), spring.rest, 1e-5);
   }
 }
 
 TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
-  const Scene scene = sprungSheet(5);
+  const scene::Scene scene = sprungSheet(5);
   const test::TemporaryFolder folder;
-  Trajectory trajectory;
-  static_cast<Subject&>(trajectory) = subjectOf(scene);
-  trajectory.samples.push_back({.poses = startPoses(scene.model.tiles, trajectory.bricks)});
-  writeTrajectory(trajectory, folder / "run.h5");
-  const TrajectoryReader reader(folder / "run.h5");
-  const std::vector<HingeSpring>& read = hingeSpringsOf(reader.subject().pairForces);
+  trajectory::Trajectory trajectory;
+  static_cast<trajectory::Subject&>(trajectory) = trajectory::subjectOf(scene);
+  trajectory.samples.push_back({.poses = model::startPoses(scene.model.tiles, trajectory.bricks)});
+  trajectory::writeTrajectory(trajectory, folder / "run.h5");
+  const trajectory::TrajectoryReader reader(folder / "run.h5");
+  const std::vector<model::HingeSpring>& read = model::hingeSpringsOf(reader.subject().pairForces);
   ASSERT_EQ(read.size(), 24u);
   for (std::size_t s = 0; s < read.size(); ++s) {
-    const HingeSpring& written = hingeSpringsOf(trajectory.pairForces)[s];
+    const model::HingeSpring& written = model::hingeSpringsOf(trajectory.pairForces)[s];
     EXPECT_EQ(read[s].hinge.brickA, written.hinge.brickA);
     EXPECT_EQ(read[s].hinge.brickB, written.hinge.brickB);
     EXPECT_EQ(read[s].hinge.axis, written.hinge.axis);
@@ -122,8 +122,8 @@ TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
     EXPECT_EQ(read[s].rest, written.rest);
   }
   const Poses& poses = trajectory.samples[0].poses;
-  EXPECT_EQ(elasticEnergy(read, poses),
-            elasticEnergy(hingeSpringsOf(trajectory.pairForces), poses));
+  EXPECT_EQ(model::elasticEnergy(read, poses),
+            model::elasticEnergy(model::hingeSpringsOf(trajectory.pairForces), poses));
 }
 
 }  // namespace

@@ -18,32 +18,32 @@ constexpr double kCall = 1.0 / 60;
 const std::vector<double> kTolerances = {1e-3, 1e-4, 1e-5, 1e-6};
 
 /// A brick of side x depth x height that lies on the ground at z = 0.
-Scene brickOnGround(double side, double height, double friction) {
-  Scene scene;
+scene::Scene brickOnGround(double side, double height, double friction) {
+  scene::Scene scene;
   const double x = side / 2;
   scene.model.tiles = {{{{-x, -0.5, 0}, {x, -0.5, 0}, {x, 0.5, 0}, {-x, 0.5, 0}}}};
   scene.brick.thickness = height;
   scene.environment.gravity = {0, 0, -kGravity};
-  scene.environment.ground = Ground{0, friction};
+  scene.environment.ground = scene::Ground{0, friction};
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.solver.planar = false;
   return scene;
 }
 
 /// Bricks in motion to a tolerance under nothing but their weight.
 struct Falling : Moving {
-  Falling(Scene scene, double tolerance) : Moving(keeping(std::move(scene), tolerance)) {
+  Falling(scene::Scene scene, double tolerance) : Moving(keeping(std::move(scene), tolerance)) {
     dynamics->setTolerance({tolerance, 1.0 / 240, kCall});
   }
 
-  static Scene keeping(Scene scene, double tolerance) {
+  static scene::Scene keeping(scene::Scene scene, double tolerance) {
     scene.solver.tolerance = tolerance;
     return scene;
   }
   void advance() {
-    const TimedLoads none = [](double, const Poses&, std::vector<Load>& loads) {
-      std::ranges::fill(loads, Load{});
+    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<model::Load>& loads) {
+      std::ranges::fill(loads, model::Load{});
     };
     report += dynamics->advanceToTolerance(motion, kCall, none);
     time += kCall;
@@ -81,7 +81,7 @@ AngleState rungeKutta(const AngleState& y, double h, const Acceleration& acceler
 /// 2 from then on, b its tilt, and its centre falls straight down.
 class TiltedFall {
  public:
-  TiltedFall(const Brick& brick, double side, double height, double tilt, double drop)
+  TiltedFall(const model::Brick& brick, double side, double height, double tilt, double drop)
       : mass_(brick.mass),
         inertia_(brick.inertia(1, 1)),
         side_(side),
@@ -154,7 +154,7 @@ TEST(Impact, TiltedBrickFallsOnAnEdgeAndOnTheOther) {
 /// Housner, The behavior of inverted pendulum structures during earthquakes, 1963, eq. 4 and 7.
 class RockingCube {
  public:
-  RockingCube(const Brick& cube, double tilt)
+  RockingCube(const model::Brick& cube, double tilt)
       : frequency_(cube.mass * kGravity * kRadius /
                    (cube.inertia(1, 1) + cube.mass * kRadius * kRadius)),
         state_{tilt, 0} {}
@@ -225,7 +225,7 @@ TEST(Impact, BrickSlidesToRest) {
   constexpr double kFriction = 0.3, kSpeed = 1.5;
   for (const bool planar : {false, true}) {
     for (const double tolerance : kTolerances) {
-      Scene scene = brickOnGround(1, 0.1, kFriction);
+      scene::Scene scene = brickOnGround(1, 0.1, kFriction);
       scene.solver.planar = planar;
       Falling brick(scene, tolerance);
       brick.motion.velocities[0].linear.x() = kSpeed;

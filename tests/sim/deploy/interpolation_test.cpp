@@ -15,45 +15,46 @@ class ExactSheet {
  public:
   explicit ExactSheet(bool inPlane = true)
       : tilt_(inPlane ? Quaternion::Identity() : rotationFromVector({0.3, -0.4, 0.1})) {
-    subject_.model = makeTessellation(shape_);
+    subject_.model = model::makeTessellation(shape_);
     subject_.model.tiles = tilesAt(0);
     subject_.model.target = tilesAt(shape_.targetAngle);
-    subject_.bricks = makeBricks(subject_.model.tiles, subject_.brickRule);
+    subject_.bricks = model::makeBricks(subject_.model.tiles, subject_.brickRule);
   }
 
-  const Subject& subject() const { return subject_; }
+  const trajectory::Subject& subject() const { return subject_; }
 
-  Sample sample(double angle) const {
-    Sample sample;
+  trajectory::Sample sample(double angle) const {
+    trajectory::Sample sample;
     sample.time = angle;
-    sample.poses = startPoses(subject_.model.tiles, subject_.bricks);
+    sample.poses = model::startPoses(subject_.model.tiles, subject_.bricks);
     for (std::size_t i = 0; i < sample.poses.size(); ++i) {
       const bool isEven = (i / 4 + i % 4) % 2 == 0;
       const Vector3 turn(0, 0, isEven ? -angle / 2 : angle / 2);
       sample.poses[i].rotation = tilt_ * rotationFromVector(turn) * tilt_.conjugate();
     }
-    const std::vector<Brick> there = makeBricks(tilesAt(angle), subject_.brickRule);
-    const Poses moved = startPoses(tilesAt(angle), there);
+    const std::vector<model::Brick> there = model::makeBricks(tilesAt(angle), subject_.brickRule);
+    const Poses moved = model::startPoses(tilesAt(angle), there);
     for (std::size_t i = 0; i < moved.size(); ++i) sample.poses[i].position = moved[i].position;
     return sample;
   }
 
   double gap(const Poses& poses) const {
-    return jointGap(makePivots(subject_.model.joints, subject_.bricks), poses).max;
+    return trajectory::jointGap(model::makePivots(subject_.model.joints, subject_.bricks), poses)
+        .max;
   }
 
  private:
-  std::vector<Tile> tilesAt(double angle) const {
-    std::vector<Tile> tiles = tessellationTiles(shape_, angle);
-    for (Tile& tile : tiles) {
+  std::vector<model::Tile> tilesAt(double angle) const {
+    std::vector<model::Tile> tiles = model::tessellationTiles(shape_, angle);
+    for (model::Tile& tile : tiles) {
       for (Vector3& vertex : tile.vertices) vertex = tilt_ * vertex;
     }
     return tiles;
   }
 
-  TessellationShape shape_;
+  model::TessellationShape shape_;
   Quaternion tilt_;
-  Subject subject_;
+  trajectory::Subject subject_;
 };
 
 /// The largest difference between two states in how far any two bricks are apart, metres.
@@ -72,11 +73,11 @@ double shapeDifference(const Poses& a, const Poses& b) {
 TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
   for (const bool inPlane : {true, false}) {
     const ExactSheet sheet(inPlane);
-    const Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
+    const trajectory::Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
     ASSERT_LT(sheet.gap(from.poses), 1e-14);
     EXPECT_GT(sheet.gap(interpolate(from.poses, to.poses, 0.5)), 0.005);  // measured 0.0062
-    StateInterpolator interpolator(sheet.subject());
-    const Sample middle = interpolator.between(from, to, 0.5);
+    deploy::StateInterpolator interpolator(sheet.subject());
+    const trajectory::Sample middle = interpolator.between(from, to, 0.5);
     EXPECT_LT(sheet.gap(middle.poses), 1e-12);  // measured 1e-15
     EXPECT_EQ(middle.jointGap, sheet.gap(middle.poses));
     EXPECT_DOUBLE_EQ(middle.time, 0.6);
@@ -89,27 +90,29 @@ TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
 
 TEST(StateInterpolator, GivesTheSamplesThemselvesAtBothEnds) {
   const ExactSheet sheet;
-  const Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
-  StateInterpolator interpolator(sheet.subject());
-  EXPECT_EQ(
-      pathDistance(sheet.subject().bricks, interpolator.between(from, to, 0).poses, from.poses), 0);
-  EXPECT_EQ(pathDistance(sheet.subject().bricks, interpolator.between(from, to, 1).poses, to.poses),
+  const trajectory::Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
+  deploy::StateInterpolator interpolator(sheet.subject());
+  EXPECT_EQ(deploy::pathDistance(sheet.subject().bricks, interpolator.between(from, to, 0).poses,
+                                 from.poses),
+            0);
+  EXPECT_EQ(deploy::pathDistance(sheet.subject().bricks, interpolator.between(from, to, 1).poses,
+                                 to.poses),
             0);
 }
 
 TEST(StateInterpolator, LeavesOpenJointsAsOpenAsTheSamplesAre) {
   const ExactSheet sheet;
-  Sample from = sheet.sample(0.4), to = sheet.sample(0.4);
-  for (Sample* sample : {&from, &to}) sample->poses[0].position.x() += 1e-3;
-  StateInterpolator interpolator(sheet.subject());
+  trajectory::Sample from = sheet.sample(0.4), to = sheet.sample(0.4);
+  for (trajectory::Sample* sample : {&from, &to}) sample->poses[0].position.x() += 1e-3;
+  deploy::StateInterpolator interpolator(sheet.subject());
   EXPECT_NEAR(interpolator.between(from, to, 0.5).jointGap, 1e-3, 1e-12);
 }
 
 TEST(StateInterpolator, KeepsPinnedTilesInTheirPlace) {
   const ExactSheet sheet;
-  Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
+  trajectory::Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
   const Pose held = from.poses[5];
-  for (Sample* sample : {&from, &to}) {
+  for (trajectory::Sample* sample : {&from, &to}) {
     const Quaternion turn = held.rotation * sample->poses[5].rotation.conjugate();
     const Vector3 pivot = sample->poses[5].position;
     for (Pose& pose : sample->poses) {
@@ -118,8 +121,8 @@ TEST(StateInterpolator, KeepsPinnedTilesInTheirPlace) {
     }
     sample->pinned = {5};
   }
-  StateInterpolator interpolator(sheet.subject());
-  const Sample middle = interpolator.between(from, to, 0.3);
+  deploy::StateInterpolator interpolator(sheet.subject());
+  const trajectory::Sample middle = interpolator.between(from, to, 0.3);
   EXPECT_LT(sheet.gap(middle.poses), 1e-12);
   EXPECT_LT((middle.poses[5].position - held.position).norm(), 1e-15);
   EXPECT_LT(middle.poses[5].rotation.angularDistance(held.rotation), 1e-7);
@@ -128,8 +131,8 @@ TEST(StateInterpolator, KeepsPinnedTilesInTheirPlace) {
 // Between two branches of the mechanism there is no closed state near the straight one.
 TEST(StateInterpolator, TakesTheNearerSampleWhereNoClosedStateLiesBetween) {
   const ExactSheet sheet;
-  const Sample from = sheet.sample(1.2), to = sheet.sample(-1.2);
-  StateInterpolator interpolator(sheet.subject());
+  const trajectory::Sample from = sheet.sample(1.2), to = sheet.sample(-1.2);
+  deploy::StateInterpolator interpolator(sheet.subject());
   for (const double share : {0.2, 0.5, 0.8}) {
     EXPECT_LT(sheet.gap(interpolator.between(from, to, share).poses), 1e-9);
   }

@@ -26,20 +26,20 @@ class EndAtLook {
 };
 
 /// A sheet of 400 bricks among which contacts are looked for, 2 s of work without an end.
-Scene sheetThatFalls() {
-  Scene scene;
-  scene.model = makeTessellation({.columns = 20, .rows = 20});
+scene::Scene sheetThatFalls() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({.columns = 20, .rows = 20});
   scene.solver.planar = false;
   scene.solver.timestep = kStep;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.environment.gravity = Vector3(1, 0.5, 0.1);
-  scene.environment.contacts = ContactFilter::All;
-  scene.path.kind = PathKind::Straight;
+  scene.environment.contacts = scene::ContactFilter::All;
+  scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 40 * kStep;
   return scene;
 }
 
-void expectSameState(const Sample& a, const Sample& b) {
+void expectSameState(const trajectory::Sample& a, const trajectory::Sample& b) {
   EXPECT_EQ(a.time, b.time);
   for (std::size_t i = 0; i < a.poses.size(); ++i) {
     EXPECT_EQ(a.poses[i].position, b.poses[i].position);
@@ -48,14 +48,14 @@ void expectSameState(const Sample& a, const Sample& b) {
 }
 
 TEST(InterruptedStep, CountsAsNotBegun) {
-  const Scene scene = sheetThatFalls();
-  const DeploymentResult whole = deploy(scene, kStep, nullptr);
-  ASSERT_NE(whole.outcome, Outcome::Interrupted);
+  const scene::Scene scene = sheetThatFalls();
+  const deploy::DeploymentResult whole = deploy::deploy(scene, kStep, nullptr);
+  ASSERT_NE(whole.outcome, deploy::Outcome::Interrupted);
   for (const int look : {1, 3, 7}) {
     const InterruptionScope scope(EndAtLook{look});
-    const DeploymentResult part = deploy(scene, kStep, nullptr);
-    ASSERT_EQ(part.outcome, Outcome::Interrupted) << look;
-    const std::vector<Sample>& samples = part.trajectory.samples;
+    const deploy::DeploymentResult part = deploy::deploy(scene, kStep, nullptr);
+    ASSERT_EQ(part.outcome, deploy::Outcome::Interrupted) << look;
+    const std::vector<trajectory::Sample>& samples = part.trajectory.samples;
     ASSERT_LT(samples.size(), whole.trajectory.samples.size());
     for (std::size_t k = 0; k < samples.size(); ++k) {
       expectSameState(samples[k], whole.trajectory.samples[k]);
@@ -66,12 +66,12 @@ TEST(InterruptedStep, CountsAsNotBegun) {
 }
 
 TEST(InterruptedSearch, ShowsTheStart) {
-  Scene scene;
-  scene.model = makeTessellation({.columns = 30, .rows = 30});
-  scene.path.kind = PathKind::Auto;
+  scene::Scene scene;
+  scene.model = model::makeTessellation({.columns = 30, .rows = 30});
+  scene.path.kind = scene::PathKind::Auto;
   const InterruptionScope scope(EndAtLook{3});
-  const DeploymentResult result = deploy(scene, 0.1, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Interrupted);
   ASSERT_EQ(result.trajectory.samples.size(), 1U);
   EXPECT_EQ(result.trajectory.samples.front().time, 0);
   EXPECT_EQ(result.pathReason, "the search for a path was interrupted");
@@ -80,9 +80,9 @@ TEST(InterruptedSearch, ShowsTheStart) {
 struct EndedByTheCaller {};
 
 TEST(Interruption, OfTheCallersOwnKindPassesThrough) {
-  const Scene scene = sheetThatFalls();
+  const scene::Scene scene = sheetThatFalls();
   const InterruptionScope scope([] { throw EndedByTheCaller(); });
-  EXPECT_THROW(deploy(scene, kStep, nullptr), EndedByTheCaller);
+  EXPECT_THROW(deploy::deploy(scene, kStep, nullptr), EndedByTheCaller);
 }
 
 }  // namespace

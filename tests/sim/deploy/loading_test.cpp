@@ -19,16 +19,16 @@ namespace {
 using ::testing::HasSubstr;
 
 /// Four squares with springs, open by 20 degrees: one is held, its neighbour turned by 40 degrees.
-Scene turnedUnit() {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene turnedUnit() {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 20 * kDegree;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::Auto;
-  scene.path.kind = PathKind::Auto;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
   scene.hinges.stiffness = 3;
-  GripSetting held, turned;
+  scene::GripSetting held, turned;
   held.tiles = {0};
   held.x = held.y = held.turn = 0;
   turned.tiles = {1};
@@ -38,44 +38,45 @@ Scene turnedUnit() {
 }
 
 /// Likewise shut: all slits are.
-Model shutUnit() {
-  TessellationShape shape;
+model::Model shutUnit() {
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
 /// What springs and ligaments hold, joules.
-double elasticEnergyOf(const Subject& subject, const Poses& poses) {
+double elasticEnergyOf(const trajectory::Subject& subject, const Poses& poses) {
   return subject.pairForces.energy(poses);
 }
 
 TEST(Loading, IsSampledAsAWalkWithItsLoadCurve) {
-  const DeploymentResult run = deploy(turnedUnit(), 0.5, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const deploy::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
   ASSERT_TRUE(run.loadCurve.has_value());
   EXPECT_EQ(run.loadCurve->leading, 3u);
-  const Equilibrium& last = run.loadCurve->states.back();
+  const mechanics::Equilibrium& last = run.loadCurve->states.back();
   const double turn = 40 * kDegree;
   EXPECT_EQ(last.load, 1);
   EXPECT_NEAR(last.forces[3], 12 * turn, 1e-9);  // 4 k t, as in the tests of equilibrium
   EXPECT_NEAR(run.elasticity->energyEnd, 6 * turn * turn, 1e-9);
   EXPECT_EQ(run.trajectory.samples.size(), 13u);
-  for (const Sample& sample : run.trajectory.samples) EXPECT_LT(sample.jointGap, 1e-11);
-  const std::vector<HingeSpring>& springs = hingeSpringsOf(run.trajectory.pairForces);
-  EXPECT_NEAR(elasticEnergy(springs, run.trajectory.samples.back().poses), last.energy, 1e-12);
+  for (const trajectory::Sample& sample : run.trajectory.samples) EXPECT_LT(sample.jointGap, 1e-11);
+  const std::vector<model::HingeSpring>& springs = model::hingeSpringsOf(run.trajectory.pairForces);
+  EXPECT_NEAR(model::elasticEnergy(springs, run.trajectory.samples.back().poses), last.energy,
+              1e-12);
 }
 
 TEST(Loading, KeepsAStateForEachFigure) {
-  const DeploymentResult run = deploy(turnedUnit(), 0.5, nullptr);
+  const deploy::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
   EXPECT_FALSE(run.trajectory.figureStates.empty());
-  for (const FigureState& state : run.trajectory.figureStates) {
+  for (const trajectory::FigureState& state : run.trajectory.figureStates) {
     EXPECT_EQ(state.poses.size(), 4u) << state.figure;
   }
 }
 
 TEST(Loading, LeavesATable) {
-  const DeploymentResult run = deploy(turnedUnit(), 0.5, nullptr);
-  const std::string table = loadTable(*run.loadCurve);
+  const deploy::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  const std::string table = mechanics::loadTable(*run.loadCurve);
   EXPECT_THAT(table, testing::StartsWith(
                          "load,energy_J,stiffness,unstable_modes,turning,grip_1_x_m,"
                          "grip_1_x_force_N,grip_1_y_m,grip_1_y_force_N,grip_1_turn_rad,"
@@ -85,18 +86,18 @@ TEST(Loading, LeavesATable) {
 }
 
 TEST(Loading, GivesTheSameEveryTime) {
-  EXPECT_EQ(loadTable(*deploy(turnedUnit(), 0.5, nullptr).loadCurve),
-            loadTable(*deploy(turnedUnit(), 0.1, nullptr).loadCurve));
+  EXPECT_EQ(mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.5, nullptr).loadCurve),
+            mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.1, nullptr).loadCurve));
 }
 
 TEST(Loading, NecksGiveWhereTheyAreLigaments) {
-  Scene scene = turnedUnit();
+  scene::Scene scene = turnedUnit();
   scene.hinges.stiffness = 0;
-  scene.hinges.neck = HingeNeck{0.02, 0.1, 1e6, 0.3};
-  const DeploymentResult pinned = deploy(scene, 0.5, nullptr);
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
+  const deploy::DeploymentResult pinned = deploy::deploy(scene, 0.5, nullptr);
   scene.hinges.areLigaments = true;
-  const DeploymentResult ligaments = deploy(scene, 0.5, nullptr);
-  EXPECT_EQ(ligaments.outcome, Outcome::Settled) << ligaments.reason;
+  const deploy::DeploymentResult ligaments = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(ligaments.outcome, deploy::Outcome::Settled) << ligaments.reason;
   const double exact = pinned.loadCurve->states.back().forces[3];
   const double soft = ligaments.loadCurve->states.back().forces[3];
   EXPECT_GT(soft, 0);
@@ -107,18 +108,18 @@ TEST(Loading, NecksGiveWhereTheyAreLigaments) {
 }
 
 TEST(Loading, NecksGiveInMotionToo) {
-  Scene scene = turnedUnit();
+  scene::Scene scene = turnedUnit();
   scene.grips.clear();
   scene.hinges.stiffness = 0;
-  scene.hinges.neck = HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
   scene.hinges.areLigaments = true;
-  scene.environment.contacts = ContactFilter::None;
+  scene.environment.contacts = scene::ContactFilter::None;
   scene.stop.duration = 0.5;
-  const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_GT(run.accuracy.jointOpeningMax, 1e-6);
   ASSERT_TRUE(run.elasticity.has_value());
-  const Sample& last = run.trajectory.samples.back();
-  EXPECT_EQ(ligamentsOf(run.trajectory.pairForces).size(), 4u);
+  const trajectory::Sample& last = run.trajectory.samples.back();
+  EXPECT_EQ(model::ligamentsOf(run.trajectory.pairForces).size(), 4u);
   EXPECT_EQ(run.elasticity->energyEnd, elasticEnergyOf(run.trajectory, last.poses));
   EXPECT_EQ(run.elasticity->energyEnd, last.mechanics->energies.elastic);
 }
@@ -126,20 +127,20 @@ TEST(Loading, NecksGiveInMotionToo) {
 // What the file has of springs and ligaments holds what the equilibria hold.
 TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
   for (const double length : {0.0, 0.1}) {
-    Scene scene = turnedUnit();
+    scene::Scene scene = turnedUnit();
     scene.model = shutUnit();
     scene.hinges.stiffness = 0;
-    scene.hinges.neck = HingeNeck{0.05, length, 1e6, 0.3};
+    scene.hinges.neck = scene::HingeNeck{0.05, length, 1e6, 0.3};
     scene.hinges.areLigaments = length > 0;
-    const DeploymentResult run = deploy(scene, 0.5, nullptr);
-    ASSERT_EQ(run.outcome, Outcome::Settled) << run.reason;
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
     const test::TemporaryFolder folder;
-    writeTrajectory(run.trajectory, folder / "run.h5");
-    const Trajectory read = readTrajectory(folder / "run.h5");
-    ASSERT_EQ(ligamentsOf(read.pairForces).size(), 4u);
+    trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
+    const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
+    ASSERT_EQ(model::ligamentsOf(read.pairForces).size(), 4u);
     const double held = elasticEnergyOf(read, read.samples.back().poses);
     const double wanted = run.loadCurve->states.back().energy;
-    EXPECT_GT(elasticEnergy(ligamentsOf(read.pairForces), read.samples.back().poses),
+    EXPECT_GT(model::elasticEnergy(model::ligamentsOf(read.pairForces), read.samples.back().poses),
               1e-6 * wanted);
     EXPECT_NEAR(held, wanted, 1e-12 * wanted);  // measured 1.4e-16 of it
     EXPECT_EQ(run.elasticity->energyEnd, held);
@@ -147,9 +148,9 @@ TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
   }
 }
 
-std::string refusalOf(const Scene& scene) {
+std::string refusalOf(const scene::Scene& scene) {
   try {
-    deploy(scene, 1, nullptr);
+    deploy::deploy(scene, 1, nullptr);
   } catch (const Error& error) {
     return error.what();
   }
@@ -157,8 +158,8 @@ std::string refusalOf(const Scene& scene) {
 }
 
 TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
-  Scene scene = turnedUnit();
-  scene.environment.contacts = ContactFilter::All;
+  scene::Scene scene = turnedUnit();
+  scene.environment.contacts = scene::ContactFilter::All;
   EXPECT_THAT(refusalOf(scene), HasSubstr("equilibria under grips are without contacts"));
   scene = turnedUnit();
   scene.environment.gravity = {0, 0, -9.81};
@@ -178,13 +179,13 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.grips[1].isForce = true;
   EXPECT_THAT(refusalOf(scene), HasSubstr("the sheet can move without resistance"));
   scene = turnedUnit();
-  scene.hinges.neck = HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
   scene.hinges.areLigaments = true;
   scene.grips.clear();
   scene.solver.planar = false;
   EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments gives necks in the plane alone, but asked"));
   scene = turnedUnit();
-  scene.hinges.neck = HingeNeck{0.02, 0, 1e6, 0.3};
+  scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
   scene.hinges.areLigaments = true;
   EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments needs necks with a length"));
   scene = turnedUnit();
@@ -194,17 +195,17 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
 
 /// Two squares in the plane, joined at both ends of a common edge x = 1 as in folded sheets. The
 /// left one is held, and the outer edge of the right one lifted.
-Scene liftedFold() {
-  Scene scene;
-  scene.model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
-                       Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
+scene::Scene liftedFold() {
+  scene::Scene scene;
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
   scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}};
   scene.brick.thickness = 0.01;
-  scene.environment.contacts = ContactFilter::Auto;
-  scene.path.kind = PathKind::Auto;
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
   scene.hinges.stiffness = 0.5;
-  scene.hinges.panels = PanelMaterial{1e9, 0.3, 0};
-  GripSetting held, lifted;
+  scene.hinges.panels = scene::PanelMaterial{1e9, 0.3, 0};
+  scene::GripSetting held, lifted;
   held.tiles = {0};
   held.corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
   held.x = held.y = held.z = 0;
@@ -217,9 +218,9 @@ Scene liftedFold() {
 
 // The fold's moment k t is that of the force at the arm cos(t), sin(t) = 0.6 up.
 TEST(Loading, LiftsATileAboutAFold) {
-  const DeploymentResult run = deploy(liftedFold(), 0.5, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
-  const Equilibrium& last = run.loadCurve->states.back();
+  const deploy::DeploymentResult run = deploy::deploy(liftedFold(), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  const mechanics::Equilibrium& last = run.loadCurve->states.back();
   const double angle = std::asin(0.6);
   EXPECT_NEAR(last.forces[3], 0.5 * angle / 0.8, 1e-5);  // bars are not rigid
   EXPECT_NEAR(last.energy, 0.25 * angle * angle, 1e-5);
@@ -227,10 +228,10 @@ TEST(Loading, LiftsATileAboutAFold) {
 
 // Without springs the length scale says how stiff folds are: E t^3 / (12 (1 - nu^2)) / scale.
 TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
-  Scene scene = liftedFold();
+  scene::Scene scene = liftedFold();
   scene.hinges.stiffness = 0;
   scene.hinges.panels->foldLength = 200;
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   const double angle = std::asin(0.6), stiffness = 1e9 * 1e-6 / (12 * 0.91) / 200;
   EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
 }
@@ -239,16 +240,16 @@ TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
 // length scale say how stiff it is.
 TEST(Loading, BeginsWhereTheFilesFoldsRest) {
   for (const double stiffness : {0.5, 0.0}) {
-    Scene scene = liftedFold();
+    scene::Scene scene = liftedFold();
     const double rest = 0.3;
     scene.model.foldAngles = {{{0, 1}, rest}, {{1, 0}, rest}};
     scene.hinges.stiffness = stiffness;
     scene.hinges.panels->foldLength = stiffness > 0 ? 0 : 200;
     scene.grips[1].isForce = true;
     scene.grips[1].z = 1e-3;
-    const DeploymentResult run = deploy(scene, 0.5, nullptr);
-    ASSERT_EQ(run.outcome, Outcome::Settled) << run.reason;
-    const Equilibrium& first = run.loadCurve->states.front();
+    const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+    const mechanics::Equilibrium& first = run.loadCurve->states.front();
     EXPECT_NEAR(first.energy, 0, 1e-15);
     EXPECT_NEAR(first.displacements[3], std::sin(rest), 1e-9);
     EXPECT_GT(run.loadCurve->states.back().displacements[3], std::sin(rest));
@@ -256,8 +257,8 @@ TEST(Loading, BeginsWhereTheFilesFoldsRest) {
 }
 
 TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
-  Scene scene = liftedFold();
-  scene.model.joints[0].face = JointFace::Both;
+  scene::Scene scene = liftedFold();
+  scene.model.joints[0].face = model::JointFace::Both;
   EXPECT_THAT(refusalOf(scene), HasSubstr("tiles that bend are joined at one face, not at both"));
   scene = liftedFold();
   scene.grips[1].corners.clear();
@@ -267,13 +268,13 @@ TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
 
 // An edge of two pieces is one fold, whose stiffness both have together.
 TEST(Loading, FoldsOfTwoEdgesAreOneHinge) {
-  Scene scene = liftedFold();
-  scene.model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 0.3, 0}, {1, 1, 0}, {0, 1, 0}}},
-                       Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 0.3, 0}}}};
+  scene::Scene scene = liftedFold();
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 0.3, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 0.3, 0}}}};
   scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 4}}, {{0, 3}, {1, 3}}};
   scene.grips[0].corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {0, 4}};
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
   const double angle = std::asin(0.6);
   EXPECT_NEAR(run.loadCurve->states.back().energy, 0.25 * angle * angle, 1e-5);
 }

@@ -13,18 +13,18 @@ namespace kirireel::test {
 
 /// A scene of loose bricks in motion.
 struct Moving {
-  explicit Moving(const Scene& start)
+  explicit Moving(const scene::Scene& start)
       : scene(start),
-        bricks(makeBricks(scene.model.tiles, scene.brick)),
-        motion{startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())},
-        dynamics(makeDynamics(scene, sceneNeeds(scene), bricks, motion.poses)) {}
+        bricks(model::makeBricks(scene.model.tiles, scene.brick)),
+        motion{model::startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())},
+        dynamics(deploy::makeDynamics(scene, scene::sceneNeeds(scene), bricks, motion.poses)) {}
   Moving(const Moving&) = delete;
   Moving& operator=(const Moving&) = delete;
 
   /// Takes steps under the scene's gravity and a constant force on every brick.
   void advance(int steps, const Vector3& force = Vector3::Zero()) {
-    const LoadSource loads = [&](const Poses&, std::vector<Load>& out) {
-      for (Load& load : out) {
+    const mechanics::LoadSource loads = [&](const Poses&, std::vector<model::Load>& out) {
+      for (model::Load& load : out) {
         load = {};
         load.force.head<3>() = force;
       }
@@ -32,7 +32,7 @@ struct Moving {
     for (int step = 0; step < steps; ++step) {
       const StepReport report = dynamics->advance(motion, scene.solver.timestep, loads);
       unconverged += report.unconverged;
-      deepest = std::max(deepest, deepestPenetration(bricks, motion.poses).depth);
+      deepest = std::max(deepest, trajectory::deepestPenetration(bricks, motion.poses).depth);
       lowest = std::min(lowest, lowestVertex());
     }
   }
@@ -47,10 +47,10 @@ struct Moving {
     return low;
   }
 
-  Scene scene;
-  std::vector<Brick> bricks;
+  scene::Scene scene;
+  std::vector<model::Brick> bricks;
   Motion motion;
-  std::unique_ptr<Dynamics> dynamics;
+  std::unique_ptr<deploy::Dynamics> dynamics;
   int unconverged = 0;
   double deepest = 0;                                       ///< overlap of bricks so far
   double lowest = std::numeric_limits<double>::infinity();  ///< z of any vertex so far

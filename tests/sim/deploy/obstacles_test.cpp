@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/contacts/contact_finder.h"
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/model/lattice.h"
-#include "sim/world/contact_finder.h"
 #include "tests/sim/deploy/moving.h"
 
 namespace kirireel {
@@ -22,37 +22,37 @@ constexpr double kStep = 1.0 / 240;
 constexpr double kThickness = 0.1;
 
 /// An upright rectangle about a point of its bottom.
-Tile rectangle(const Vector3& middle, double length, double width) {
+model::Tile rectangle(const Vector3& middle, double length, double width) {
   const Vector3 half(0.5 * length, 0.5 * width, 0);
   const Vector3 across(0.5 * length, -0.5 * width, 0);
   return {{middle - half, middle + across, middle + half, middle - across}};
 }
 
-Obstacle box(const Vector3& middle, const Vector3& size) {
-  Obstacle obstacle;
+scene::Obstacle box(const Vector3& middle, const Vector3& size) {
+  scene::Obstacle obstacle;
   obstacle.size = size;
   obstacle.pose.position = middle;
   return obstacle;
 }
 
-Obstacle sphere(const Vector3& centre, double radius) {
-  Obstacle obstacle;
-  obstacle.shape = Obstacle::Shape::Sphere;
+scene::Obstacle sphere(const Vector3& centre, double radius) {
+  scene::Obstacle obstacle;
+  obstacle.shape = scene::Obstacle::Shape::Sphere;
   obstacle.radius = radius;
   obstacle.pose.position = centre;
   return obstacle;
 }
 
 /// The faces of a unit cube with its middle at a point.
-Obstacle cubeMesh(const Vector3& middle) {
-  Obstacle obstacle;
-  obstacle.shape = Obstacle::Shape::Mesh;
-  obstacle.mesh = obstacleFaces(box(middle, Vector3::Ones()));
+scene::Obstacle cubeMesh(const Vector3& middle) {
+  scene::Obstacle obstacle;
+  obstacle.shape = scene::Obstacle::Shape::Mesh;
+  obstacle.mesh = scene::obstacleFaces(box(middle, Vector3::Ones()));
   return obstacle;
 }
 
-Scene sceneOf(const std::vector<Tile>& tiles, const Obstacle& obstacle) {
-  Scene scene;
+scene::Scene sceneOf(const std::vector<model::Tile>& tiles, const scene::Obstacle& obstacle) {
+  scene::Scene scene;
   scene.model.tiles = tiles;
   scene.brick.thickness = kThickness;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
@@ -68,7 +68,7 @@ const Vector3& place(const Moving& run) {
 TEST(Obstacles, ABrickFallsOntoABoxAndRests) {
   for (const bool isMesh : {false, true}) {
     const Vector3 middle(0.2, 0.1, -0.5);
-    const Obstacle under = isMesh ? cubeMesh(middle) : box(middle, Vector3::Ones());
+    const scene::Obstacle under = isMesh ? cubeMesh(middle) : box(middle, Vector3::Ones());
     Moving run(sceneOf({rectangle({0, 0, 0.3}, 0.8, 0.6)}, under));
     run.advance(240);
     EXPECT_NEAR(place(run).z(), 0.5 * kThickness, 1e-9);  // measured 1.4e-17
@@ -95,11 +95,11 @@ TEST(Obstacles, ABrickTipsOverAnEdgeOnceItsMiddleIsBeyond) {
 TEST(Obstacles, FrictionHoldsABrickOnASlopeUpToItsAngle) {
   const double angle = std::numbers::pi / 6;
   for (const double friction : {0.2, 0.7}) {
-    Obstacle slope = box(Vector3::Zero(), {4, 4, 1});
+    scene::Obstacle slope = box(Vector3::Zero(), {4, 4, 1});
     slope.pose.rotation = rotationFromVector({0, angle, 0});
     slope.friction = friction;
     slope.pose.position = slope.pose.rotation * Vector3(0, 0, -0.5);
-    Tile tile = rectangle(Vector3::Zero(), 0.4, 0.4);
+    model::Tile tile = rectangle(Vector3::Zero(), 0.4, 0.4);
     for (Vector3& vertex : tile.vertices) vertex = slope.pose.rotation * vertex;
     Moving run(sceneOf({tile}, slope));
     const Vector3 from = place(run);
@@ -116,7 +116,7 @@ TEST(Obstacles, ABrickRocksOnASphereWithTheClosedFormsPeriod) {
   // Rolling without slip: omega^2 = g (R - t / 2) / (t^2 / 4 + (L^2 + t^2) / 12).
   const double radius = 0.5;
   const double length = 0.8;
-  Obstacle round = sphere({0, 0, -radius}, radius);
+  scene::Obstacle round = sphere({0, 0, -radius}, radius);
   round.friction = 10;
   Moving run(sceneOf({rectangle(Vector3::Zero(), length, 0.3)}, round));
   const double tilt = 0.02;
@@ -136,10 +136,10 @@ TEST(Obstacles, ABrickRocksOnASphereWithTheClosedFormsPeriod) {
 }
 
 TEST(Obstacles, NothingPassesThroughAThinFaceHoweverFast) {
-  Obstacle wall;
-  wall.shape = Obstacle::Shape::Mesh;
+  scene::Obstacle wall;
+  wall.shape = scene::Obstacle::Shape::Mesh;
   wall.mesh = {rectangle({0, 0, -1}, 4, 4)};
-  Scene scene = sceneOf({rectangle(Vector3::Zero(), 0.5, 0.5)}, wall);
+  scene::Scene scene = sceneOf({rectangle(Vector3::Zero(), 0.5, 0.5)}, wall);
   Moving run(scene);
   run.motion.velocities[0].linear.z() = -500;  // 20 thicknesses a step
   run.advance(20);
@@ -147,11 +147,11 @@ TEST(Obstacles, NothingPassesThroughAThinFaceHoweverFast) {
 }
 
 TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
-  Scene scene;
-  TessellationShape shape;
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 4;
-  shape.face = JointFace::Bottom;
-  scene.model = makeTessellation(shape);
+  shape.face = model::JointFace::Bottom;
+  scene.model = model::makeTessellation(shape);
   scene.model.target.reset();
   scene.environment.gravity = Vector3(0, 0, -kGravity);
   scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
@@ -159,17 +159,18 @@ TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
       0.5 * (scene.model.tiles.front().vertices[0] + scene.model.tiles.back().vertices[2]);
   scene.environment.obstacles = {sphere(middle - Vector3(0, 0, 1.6), 1.5)};
   scene.stop.duration = 0.6;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_FALSE(result.needs.planar.on);
   EXPECT_EQ(result.needs.planar.reason, "obstacles push out of the plane");
   const Vector3 centre = scene.environment.obstacles[0].pose.position;
   const auto& bricks = result.trajectory.bricks;
   double deepest = 0;
-  for (const Sample& sample : result.trajectory.samples) {
+  for (const trajectory::Sample& sample : result.trajectory.samples) {
     for (std::size_t i = 0; i < bricks.size(); ++i) {
       const Pose& pose = sample.poses[i];
       const Vector3 seen = pose.rotation.conjugate() * (centre - pose.position);
-      deepest = std::max(deepest, 1.5 - nearestPoint(brickFaces(bricks[i]), seen).distance);
+      deepest = std::max(deepest,
+                         1.5 - contacts::nearestPoint(model::brickFaces(bricks[i]), seen).distance);
     }
   }
   EXPECT_GT(deepest, -1e-6);  // they touch
@@ -178,22 +179,22 @@ TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
 }
 
 TEST(Obstacles, AreNamedWhereTheyStopADeployment) {
-  const Tile tile = rectangle({0, 0, 0}, 1, 1);
+  const model::Tile tile = rectangle({0, 0, 0}, 1, 1);
   for (const bool isMesh : {false, true}) {
     const Vector3 middle(2, 0, 0);
-    Scene scene = sceneOf({tile}, isMesh ? cubeMesh(middle) : box(middle, Vector3::Ones()));
+    scene::Scene scene = sceneOf({tile}, isMesh ? cubeMesh(middle) : box(middle, Vector3::Ones()));
     scene.environment.gravity.setZero();
     scene.model.target = {rectangle({3, 0, 0}, 1, 1)};
-    scene.path.kind = PathKind::Straight;
-    const DeploymentResult result = deploy(scene, 0.1, nullptr);
-    EXPECT_EQ(result.outcome, Outcome::Locked);
+    scene.path.kind = scene::PathKind::Straight;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+    EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
     EXPECT_THAT(result.reason, EndsWith("of the target: contact stops tile 0 and obstacle 0"));
   }
 }
 
-std::string refusal(const Scene& scene) {
+std::string refusal(const scene::Scene& scene) {
   try {
-    deploy(scene, 0.1, nullptr);
+    deploy::deploy(scene, 0.1, nullptr);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -208,20 +209,20 @@ TEST(Obstacles, MayNotReachIntoABrickAtTheStart) {
 }
 
 TEST(Obstacles, TilesAreNumberedAsInTheModelsFile) {
-  Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()));
+  scene::Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()));
   scene.model.fileOrder.countsFrom = 1;
   EXPECT_EQ(refusal(scene),
             "error: tile 1 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
 }
 
 TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
-  Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -2}, Vector3::Ones()));
+  scene::Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -2}, Vector3::Ones()));
   scene.solver.planar = true;
   EXPECT_EQ(refusal(scene),
             "error: obstacles need bricks that move in space; leave --planar on away, or the "
             "obstacles");
   scene.solver.planar.reset();
-  scene.solver.kind = SolverKind::Bullet;
+  scene.solver.kind = scene::SolverKind::Bullet;
   EXPECT_EQ(refusal(scene), "error: --solver bullet knows no obstacles; use --solver direct");
 }
 

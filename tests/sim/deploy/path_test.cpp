@@ -26,24 +26,24 @@ using ::testing::StartsWith;
 
 /// From one closed state of the rotating squares to the other: every tile comes back to the height
 /// that it left, so that a straight pull first has to pull away from the target.
-Scene closedToClosed() {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene closedToClosed() {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 3;
   shape.targetAngle = 3.14159265358979323846;
-  scene.model = makeTessellation(shape);
+  scene.model = model::makeTessellation(shape);
   scene.springs.springStiffness = 400;  // place counts more than turn
   scene.springs.torqueStiffness = 10;
   return scene;
 }
 
 /// Two squares side by side, joined at a corner, whose targets are pulled apart by `distance`.
-Scene pulledApart(double distance) {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene pulledApart(double distance) {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  scene.model = makeTessellation(shape);
+  scene.model = model::makeTessellation(shape);
   const Vector3 away(0.5 * distance, 0, 0);
   scene.model.target = scene.model.tiles;
   for (Vector3& vertex : (*scene.model.target)[0].vertices) vertex -= away;
@@ -52,74 +52,76 @@ Scene pulledApart(double distance) {
 }
 
 TEST(AssembledError, IsZeroWhereTheTargetCloses) {
-  EXPECT_LT(assembleAtTarget(closedToClosed()).error, 1e-12);  // measured 3e-15
+  EXPECT_LT(deploy::assembleAtTarget(closedToClosed()).error, 1e-12);  // measured 3e-15
 }
 
 TEST(AssembledError, SharesTheDistanceOfTargetsThatDoNotMeet) {
   // At the start both are off by half of the distance. The springs turn them a little about the
   // joint, which is at a corner: less in squares, but more at one vertex.
-  Scene scene = pulledApart(0.1);
-  const AssembledState nearest = assembleAtTarget(scene);
+  scene::Scene scene = pulledApart(0.1);
+  const deploy::AssembledState nearest = deploy::assembleAtTarget(scene);
   EXPECT_NEAR(nearest.error, 0.05, 1e-12);  // measured 4e-17
   EXPECT_GT(nearest.restError, 0.05);
   EXPECT_LT(nearest.restError, 0.06);  // measured 0.053
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_NEAR(result.accuracy.targetErrorEnd, nearest.restError, 1e-4 * nearest.restError);  // 4e-7
 }
 
 TEST(AssembledError, OfATornTargetIsNotAboveTheRunsEnd) {
   // Half of the sheet's tiles are 1 m off at the target: the state of rest shares that in squares,
   // and leaves the tiles at the tear farther off than the rest.
-  Scene scene;
-  scene.model = makeTessellation({});
-  alignStartToTarget(scene.model);
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  model::alignStartToTarget(scene.model);
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*scene.model.target)[i].vertices) vertex.x() += 1;
   }
-  const AssembledState nearest = assembleAtTarget(scene);
+  const deploy::AssembledState nearest = deploy::assembleAtTarget(scene);
   EXPECT_LE(nearest.error, nearest.restError);
   // The two halves' vertices at the tear are 1 m apart: one of them stays half of that away.
   EXPECT_GE(nearest.error, 0.5 - 1e-9);
   EXPECT_LT(nearest.error, 0.95 * nearest.restError);  // measured 0.546 of 0.597
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  EXPECT_DOUBLE_EQ(targetError(*scene.model.target, bricks, nearest.poses), nearest.error);
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  EXPECT_LT(jointGap(pivots, nearest.poses).max, 1e-9);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  EXPECT_DOUBLE_EQ(trajectory::targetError(*scene.model.target, bricks, nearest.poses),
+                   nearest.error);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  EXPECT_LT(trajectory::jointGap(pivots, nearest.poses).max, 1e-9);
 }
 
 TEST(AssembledError, IsNegativeWithoutTarget) {
-  Scene scene = closedToClosed();
+  scene::Scene scene = closedToClosed();
   scene.model.target.reset();
-  EXPECT_LT(assembleAtTarget(scene).error, 0);
+  EXPECT_LT(deploy::assembleAtTarget(scene).error, 0);
 }
 
 TEST(Path, AStraightPullIsKeptWhereItArrives) {
-  Scene scene;
-  scene.model = makeTessellation({});
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.path.kind, PathKind::Straight);
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.path.kind, scene::PathKind::Straight);
   EXPECT_EQ(result.pathReason, "straight pull arrives");
   EXPECT_EQ(result.accuracy.jointOpeningMax, 0);
 }
 
 /// A target whose nearest state is so many metres away.
-TargetFindings roomAt(double error, bool isBlocked) {
-  TargetFindings atTarget;
+deploy::TargetFindings roomAt(double error, bool isBlocked) {
+  deploy::TargetFindings atTarget;
   atTarget.nearest.error = atTarget.nearest.restError = error;
   atTarget.isBlocked = isBlocked;
   return atTarget;
 }
 
 /// A path, with more budget than any search here needs.
-PathChoice choose(const Scene& scene, const TargetFindings& atTarget, const TrialObserver& observer,
-                  std::vector<TrialEnd>& trials) {
-  SearchBudget budget(1000);
-  return choosePath(scene, atTarget, budget, observer, trials);
+deploy::PathChoice choose(const scene::Scene& scene, const deploy::TargetFindings& atTarget,
+                          const deploy::TrialObserver& observer,
+                          std::vector<deploy::TrialEnd>& trials) {
+  deploy::SearchBudget budget(1000);
+  return deploy::choosePath(scene, atTarget, budget, observer, trials);
 }
 
 /// Notes what is tried, each path once.
-TrialObserver noteOnce(std::vector<std::string>& tried) {
-  return [&tried](const SearchNews& news) {
+deploy::TrialObserver noteOnce(std::vector<std::string>& tried) {
+  return [&tried](const deploy::SearchNews& news) {
     const bool isPath = news.what != "the state nearest to the target";
     if (isPath && (tried.empty() || tried.back() != news.what)) tried.push_back(news.what);
     return true;
@@ -127,16 +129,17 @@ TrialObserver noteOnce(std::vector<std::string>& tried) {
 }
 
 TEST(Path, ALockedModelIsLedWithExactJoints) {
-  Scene straight = closedToClosed();
-  straight.path.kind = PathKind::Straight;
-  const DeploymentResult locked = deploy(straight, 1.0 / 60, nullptr);
-  EXPECT_EQ(locked.outcome, Outcome::Locked) << locked.reason;
+  scene::Scene straight = closedToClosed();
+  straight.path.kind = scene::PathKind::Straight;
+  const deploy::DeploymentResult locked = deploy::deploy(straight, 1.0 / 60, nullptr);
+  EXPECT_EQ(locked.outcome, deploy::Outcome::Locked) << locked.reason;
   EXPECT_THAT(locked.reason, HasSubstr("short of the target: a local minimum of the pull"));
 
   std::vector<std::string> tried;
-  const DeploymentResult guided = deploy(closedToClosed(), 1.0 / 60, nullptr, noteOnce(tried));
-  EXPECT_EQ(guided.outcome, Outcome::Settled) << guided.reason;
-  EXPECT_EQ(guided.path.kind, PathKind::Guided);
+  const deploy::DeploymentResult guided =
+      deploy::deploy(closedToClosed(), 1.0 / 60, nullptr, noteOnce(tried));
+  EXPECT_EQ(guided.outcome, deploy::Outcome::Settled) << guided.reason;
+  EXPECT_EQ(guided.path.kind, scene::PathKind::Guided);
   EXPECT_THAT(tried, SizeIs(2));
   EXPECT_THAT(guided.pathReason, HasSubstr("exact joints arrives"));
   EXPECT_LT(guided.accuracy.targetErrorEnd, 1e-6);  // measured 1e-9
@@ -146,23 +149,23 @@ TEST(Path, ALockedModelIsLedWithExactJoints) {
 
 TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
   // In which local minimum a straight pull ends depends on the steps.
-  Scene scene;
-  scene.model = makeSphereToSaddle({.columns = 6, .rows = 6});
+  scene::Scene scene;
+  scene.model = generate::makeSphereToSaddle({.columns = 6, .rows = 6});
   scene.brick.thickness = 0.001;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 4.4e-9
 }
 
 TEST(Path, JointsThatGiveCloseAgain) {
-  Scene scene = closedToClosed();
-  scene.path.kind = PathKind::Guided;
+  scene::Scene scene = closedToClosed();
+  scene.path.kind = scene::PathKind::Guided;
   scene.path.guideStiffness = 10;
   double before = 1;
   for (const double stiffness : {1e4, 1e6, 1e8}) {
     scene.path.jointStiffness = stiffness;
-    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
     EXPECT_LT(result.accuracy.jointGapEnd, 1e-10);  // measured 1e-13
     EXPECT_GT(result.accuracy.jointOpeningMax, 0);
     EXPECT_LT(result.accuracy.jointOpeningMax, before);  // stiffer joints open less
@@ -171,73 +174,74 @@ TEST(Path, JointsThatGiveCloseAgain) {
 }
 
 /// A flat sheet that deploys into part of a sphere, whose bricks meet on the way.
-Scene flatToCap() {
-  Scene scene;
-  scene.model = makeSphericalCap({.size = 6});
-  scene.environment.contacts = ContactFilter::All;
+scene::Scene flatToCap() {
+  scene::Scene scene;
+  scene.model = generate::makeSphericalCap({.size = 6});
+  scene.environment.contacts = scene::ContactFilter::All;
   return scene;
 }
 
 TEST(Path, PathsAreTriedAmongBricksThatMeet) {
   std::vector<std::string> tried;
-  const Scene scene = flatToCap();
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr, noteOnce(tried));
+  const scene::Scene scene = flatToCap();
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr, noteOnce(tried));
   ASSERT_FALSE(tried.empty());
   EXPECT_EQ(tried.front(), "straight pull");
   EXPECT_THAT(tried.back(), HasSubstr("among touching bricks"));
   EXPECT_THAT(result.pathReason, HasSubstr("among touching bricks arrives"));
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 2e-10
   // In metres; a tile is 0.6. Measured 1.5e-5.
-  EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * tileSize(scene.model));
+  EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * model::tileSize(scene.model));
 }
 
 TEST(Path, OpeningFirstMakesRoomForBricksThatLieFlush) {
-  Scene scene = flatToCap();
-  scene.path = {.kind = PathKind::Guided, .openTime = 1, .guideTime = 2, .guideStiffness = 50};
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  scene::Scene scene = flatToCap();
+  scene.path = {
+      .kind = scene::PathKind::Guided, .openTime = 1, .guideTime = 2, .guideStiffness = 50};
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 7.4e-10
-  EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * tileSize(scene.model));
+  EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * model::tileSize(scene.model));
 }
 
 TEST(Path, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
-  Scene scene = flatToCap();
-  scene.environment.contacts = ContactFilter::Unjoined;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  scene::Scene scene = flatToCap();
+  scene.environment.contacts = scene::ContactFilter::Unjoined;
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.pathReason, "straight pull arrives");
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 3e-11
-  EXPECT_GT(result.accuracy.penetrationGrownMax, 1e-3 * tileSize(scene.model));
+  EXPECT_GT(result.accuracy.penetrationGrownMax, 1e-3 * model::tileSize(scene.model));
 }
 
 TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
-  Scene scene;
-  scene.model = makeMoebiusBand({.columns = 10});
-  scene.environment.contacts = ContactFilter::All;
+  scene::Scene scene;
+  scene.model = generate::makeMoebiusBand({.columns = 10});
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.brick.thickness = 0.08;
   // As if thick bricks had wedged on every path: one arrives, but through each other.
-  std::vector<TrialEnd> trials(7);
+  std::vector<deploy::TrialEnd> trials(7);
   trials.front().arrives = true;
   std::vector<std::string> tried;
-  const PathChoice choice =
-      choose(scene, {assembleAtTarget(scene), false}, noteOnce(tried), trials);
+  const deploy::PathChoice choice =
+      choose(scene, {deploy::assembleAtTarget(scene), false}, noteOnce(tried), trials);
   EXPECT_THAT(choice.reason, HasSubstr("among bricks that touch; bricks 0.02 m thick do ("));
   EXPECT_THAT(tried.back(), EndsWith("among bricks 0.02 m thick"));
   EXPECT_TRUE(trials.back().arrives);
 }
 
 /// How a path with contacts ended.
-TrialEnd endAmongBricks(double error, bool keepsClear) {
-  TrialEnd end;
+deploy::TrialEnd endAmongBricks(double error, bool keepsClear) {
+  deploy::TrialEnd end;
   end.keepsClear = keepsClear;
   end.error = error;
   return end;
 }
 
 TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
-  const Scene scene = flatToCap();
+  const scene::Scene scene = flatToCap();
   // As if the first way to arrive had been the third, with compliant joints, and then six had not,
   // the fourth for overlaps.
-  std::vector<TrialEnd> trials(3);
+  std::vector<deploy::TrialEnd> trials(3);
   trials.back().arrives = true;
   for (const auto& [error, keepsClear] : {std::pair(0.5, true),
                                           {0.3, true},
@@ -247,7 +251,7 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
                                           {0.4, true}}) {
     trials.push_back(endAmongBricks(error, keepsClear));
   }
-  const PathChoice choice = choose(scene, roomAt(0, true), {}, trials);
+  const deploy::PathChoice choice = choose(scene, roomAt(0, true), {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.openTime, 0);
   EXPECT_EQ(choice.path.jointStiffness, std::numeric_limits<double>::infinity());
@@ -258,19 +262,19 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
 }
 
 TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
-  const Scene scene = flatToCap();
-  const double tile = tileSize(scene.model);
+  const scene::Scene scene = flatToCap();
+  const double tile = model::tileSize(scene.model);
   // As if one way had arrived among bricks, and another come near, and none among thinner ones.
-  std::vector<TrialEnd> trials(13);
+  std::vector<deploy::TrialEnd> trials(13);
   trials.front().arrives = true;
   trials[4] = endAmongBricks(0, true);
   trials[4].arrives = true;
   trials[4].opening = 0.02 * tile;
   trials[5] = endAmongBricks(0.3, true);
   trials[5].opening = 0.009 * tile;
-  const PathChoice near = choose(scene, roomAt(0, false), {}, trials);
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  EXPECT_EQ(near.path.jointStiffness, 1e5 * usualStiffness(scene.springs, bricks));
+  const deploy::PathChoice near = choose(scene, roomAt(0, false), {}, trials);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  EXPECT_EQ(near.path.jointStiffness, 1e5 * deploy::usualStiffness(scene.springs, bricks));
   EXPECT_EQ(
       near.reason,
       "straight pull arrives where bricks pass through each other; no path that was tried "
@@ -278,42 +282,42 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
       "open by 0.012 m; guided for 3.75 s, joints of 1e+07 N/m comes nearest among bricks that "
       "touch");
   trials[5].arrives = true;
-  const PathChoice found = choose(scene, roomAt(0, false), {}, trials);
+  const deploy::PathChoice found = choose(scene, roomAt(0, false), {}, trials);
   EXPECT_EQ(found.reason, "guided for 3.75 s, joints of 1e+07 N/m among touching bricks arrives");
   EXPECT_THAT(trials, SizeIs(13));
 }
 
 TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
   // As above, but no way keeps bricks apart.
-  std::vector<TrialEnd> trials(9);
+  std::vector<deploy::TrialEnd> trials(9);
   trials[2].arrives = true;
-  const PathChoice choice = choose(flatToCap(), roomAt(0, true), {}, trials);
+  const deploy::PathChoice choice = choose(flatToCap(), roomAt(0, true), {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
-  EXPECT_EQ(choice.path.kind, PathKind::Straight);
+  EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
   EXPECT_EQ(choice.reason,
             "guided for 3.75 s, joints of 1e+08 N/m arrives where bricks pass through each other");
 }
 
 /// A cube of bricks that lie flush, from which exact joints hardly let them out.
-Scene cubeToSphere() {
-  Scene scene;
-  scene.model = makeCubeToSphere({.size = 4});
-  scene.environment.contacts = ContactFilter::All;
+scene::Scene cubeToSphere() {
+  scene::Scene scene;
+  scene.model = generate::makeCubeToSphere({.size = 4});
+  scene.environment.contacts = scene::ContactFilter::All;
   return scene;
 }
 
 TEST(Path, JointsGiveWhereBricksWedge) {
-  const Scene scene = cubeToSphere();
+  const scene::Scene scene = cubeToSphere();
   // As if all ways with exact joints had wedged.
-  std::vector<TrialEnd> trials(4);
+  std::vector<deploy::TrialEnd> trials(4);
   trials.front().arrives = true;
-  const PathChoice choice = choose(scene, roomAt(0, false), {}, trials);
+  const deploy::PathChoice choice = choose(scene, roomAt(0, false), {}, trials);
   EXPECT_EQ(choice.reason, "guided for 3.75 s, joints of 1e+08 N/m among touching bricks arrives");
-  Scene chosen = scene;
+  scene::Scene chosen = scene;
   chosen.path = choice.path;
-  const DeploymentResult result = deploy(chosen, 1.0 / 60, nullptr);
-  const double tile = tileSize(scene.model);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  const deploy::DeploymentResult result = deploy::deploy(chosen, 1.0 / 60, nullptr);
+  const double tile = model::tileSize(scene.model);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   // Measured 2.5e-14, 9.0e-15, 3.6e-4 and 1.3e-5.
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6 * tile);
   EXPECT_LT(result.accuracy.jointGapEnd, 1e-10 * tile);
@@ -324,21 +328,21 @@ TEST(Path, JointsGiveWhereBricksWedge) {
 
 /// Two squares side by side, 0.1 apart, that are joined at their right corners: closing the joint
 /// pushes one into the other.
-Scene joinedThroughEachOther() {
-  Scene scene = pulledApart(0);
+scene::Scene joinedThroughEachOther() {
+  scene::Scene scene = pulledApart(0);
   for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.x() += 0.1;
   scene.model.joints = {{.a = {0, 1}, .b = {1, 1}}};
   return scene;
 }
 
 TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
-  Scene scene = joinedThroughEachOther();
+  scene::Scene scene = joinedThroughEachOther();
   // Straight on they slip past each other in the end.
   for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.y() += 0.05;
-  scene.environment.contacts = ContactFilter::All;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.path = {
-      .kind = PathKind::Guided, .guideTime = 1, .guideStiffness = 50, .jointStiffness = 1e4};
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+      .kind = scene::PathKind::Guided, .guideTime = 1, .guideStiffness = 50, .jointStiffness = 1e4};
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.pathReason, HasSubstr("bricks are in the way of closing joints"));
   // Of a tile of 1 m. Measured 8.0e-5 and 1.9.
   EXPECT_LT(result.accuracy.penetrationGrownMax, 1e-4);
@@ -346,56 +350,57 @@ TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
 }
 
 TEST(Path, WhatClosingTheStartPushesIntoEachOtherCounts) {
-  Scene scene = joinedThroughEachOther();
-  scene.path.kind = PathKind::Straight;
-  scene.environment.contacts = ContactFilter::All;
-  const DeploymentResult closed = deploy(scene, 1.0 / 60, nullptr);
+  scene::Scene scene = joinedThroughEachOther();
+  scene.path.kind = scene::PathKind::Straight;
+  scene.environment.contacts = scene::ContactFilter::All;
+  const deploy::DeploymentResult closed = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(closed.pathReason, HasSubstr("closing the joints at the start pushes bricks 0.67 m"));
   EXPECT_GT(closed.accuracy.penetrationGrownMax, 0.01);  // measured 0.02
 }
 
 TEST(Path, ClosingTheStartAsGeometrySaysWhatItPushesIntoEachOther) {
-  Scene scene = joinedThroughEachOther();
-  scene.path.kind = PathKind::Continuation;
-  scene.environment.contacts = ContactFilter::Auto;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  scene::Scene scene = joinedThroughEachOther();
+  scene.path.kind = scene::PathKind::Continuation;
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.warnings,
               Contains(StartsWith("closing the joints of the start, which are open by up to 1.1 m, "
                                   "pushes bricks 1 m (1 tiles) into each other")));
-  scene.environment.contacts = ContactFilter::None;
-  EXPECT_THAT(deploy(scene, 1.0 / 60, nullptr).warnings, Not(Contains(StartsWith("closing"))));
+  scene.environment.contacts = scene::ContactFilter::None;
+  EXPECT_THAT(deploy::deploy(scene, 1.0 / 60, nullptr).warnings,
+              Not(Contains(StartsWith("closing"))));
 }
 
 TEST(Path, JointsThatGiveAreNotClosedFirst) {
-  Scene scene = joinedThroughEachOther();
-  scene.path = {.kind = PathKind::Guided, .jointStiffness = 1e4};
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  scene::Scene scene = joinedThroughEachOther();
+  scene.path = {.kind = scene::PathKind::Guided, .jointStiffness = 1e4};
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.accuracy.assemblyMove, 0);
   EXPECT_GT(result.accuracy.jointOpeningMax, 0.5);  // measured 0.76
   EXPECT_LT(result.accuracy.jointGapEnd, 1e-10);    // measured 1.0e-12
 }
 
 /// Moves every vertex by up to `size` along x, by `move` of -1 to 1.
-void disturb(std::vector<Tile>& tiles, double size,
+void disturb(std::vector<model::Tile>& tiles, double size,
              const std::function<double(const Vector3&)>& move) {
-  for (Tile& tile : tiles) {
+  for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex.x() += size * move(vertex);
   }
 }
 
 TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
-  Scene scene;
-  scene.model = makeTessellation({});
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   scene.model.target.reset();
-  scene.actuation.drive = Drive::Expansion;
-  EXPECT_EQ(deploy(scene, 1.0 / 60, nullptr).pathReason, "there is no target");
+  scene.actuation.drive = scene::Drive::Expansion;
+  EXPECT_EQ(deploy::deploy(scene, 1.0 / 60, nullptr).pathReason, "there is no target");
   // Points where tiles meet move together: the start still fits. But lengths that differ in the
   // sixth digit make the redundant joints of the sheet a truss.
   disturb(scene.model.tiles, 5e-7,
           [](const Vector3& point) { return std::sin(37 * point.x() + 91 * point.y()); });
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.pathReason, HasSubstr("exact joints jam"));
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_GT(result.accuracy.jointOpeningMax, 0);
   EXPECT_LT(result.accuracy.jointOpeningMax, 1e-2);  // of a tile of 1 m
   EXPECT_LT(10 * result.cost.took.halved, result.cost.took.steps);
@@ -403,17 +408,17 @@ TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
 
 TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
   for (const double size : {1e-7, 1e-5, 1e-3}) {
-    Scene scene;
-    scene.model = makeTessellation({});
+    scene::Scene scene;
+    scene.model = model::makeTessellation({});
     std::mt19937 generator(1);
     const auto random = [&](const Vector3&) {
       return static_cast<double>(generator()) / 2147483648.0 - 1.0;
     };
     disturb(scene.model.tiles, size, random);
     disturb(*scene.model.target, size, random);
-    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
     EXPECT_THAT(result.pathReason, HasSubstr("do not quite fit"));
-    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
     EXPECT_LT(result.accuracy.targetErrorEnd, 10 * size);  // measured 4.3 times
     EXPECT_LT(result.accuracy.jointGapEnd, 2 * size);      // measured 1.0 times
     EXPECT_LT(result.accuracy.jointGapMax, 1e-3 + size);   // measured 3.7e-4, 1.0e-3
@@ -422,44 +427,44 @@ TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
 }
 
 TEST(Path, AsksNobodyWhereThereIsNoChoice) {
-  const TrialObserver unasked = [](const SearchNews& news) {
+  const deploy::TrialObserver unasked = [](const deploy::SearchNews& news) {
     ADD_FAILURE() << news.what;
     return true;
   };
-  std::vector<TrialEnd> trials;
-  Scene bullet = closedToClosed();
-  bullet.solver.kind = SolverKind::Bullet;
+  std::vector<deploy::TrialEnd> trials;
+  scene::Scene bullet = closedToClosed();
+  bullet.solver.kind = scene::SolverKind::Bullet;
   EXPECT_EQ(choose(bullet, roomAt(0, false), unasked, trials).reason,
             "the baseline tries no others");
-  Scene aimless = closedToClosed();
+  scene::Scene aimless = closedToClosed();
   aimless.model.target.reset();
   EXPECT_EQ(choose(aimless, {}, unasked, trials).reason, "there is no target");
-  Scene asked = closedToClosed();
-  asked.path.kind = PathKind::Guided;
+  scene::Scene asked = closedToClosed();
+  asked.path.kind = scene::PathKind::Guided;
   EXPECT_EQ(choose(asked, roomAt(0, false), unasked, trials).reason, "asked for");
 }
 
 TEST(Path, ASearchThatIsEndedEndsTheRun) {
-  const DeploymentResult result =
-      deploy(closedToClosed(), 1.0 / 60, nullptr, [](const SearchNews&) { return false; });
-  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  const deploy::DeploymentResult result = deploy::deploy(
+      closedToClosed(), 1.0 / 60, nullptr, [](const deploy::SearchNews&) { return false; });
+  EXPECT_EQ(result.outcome, deploy::Outcome::Interrupted);
   EXPECT_THAT(result.trajectory.samples, SizeIs(1));
 }
 
 TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
-  Scene scene = closedToClosed();
-  std::vector<TrialEnd> trials;
-  SearchBudget budget(0.002);
-  const PathChoice choice = choosePath(scene, roomAt(0, false), budget, {}, trials);
+  scene::Scene scene = closedToClosed();
+  std::vector<deploy::TrialEnd> trials;
+  deploy::SearchBudget budget(0.002);
+  const deploy::PathChoice choice = deploy::choosePath(scene, roomAt(0, false), budget, {}, trials);
   ASSERT_FALSE(trials.empty());
-  EXPECT_TRUE(std::ranges::any_of(trials, &TrialEnd::cutShort));
-  EXPECT_EQ(choice.path.kind, PathKind::Straight);
+  EXPECT_TRUE(std::ranges::any_of(trials, &deploy::TrialEnd::cutShort));
+  EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
   EXPECT_THAT(choice.reason, HasSubstr("cut short"));
   EXPECT_THAT(choice.reason, HasSubstr("by the search budget of 0.002 s; raise --search)"));
   // Of the same work, whatever the machine does beside.
-  std::vector<TrialEnd> again;
-  SearchBudget same(0.002);
-  choosePath(scene, roomAt(0, false), same, {}, again);
+  std::vector<deploy::TrialEnd> again;
+  deploy::SearchBudget same(0.002);
+  deploy::choosePath(scene, roomAt(0, false), same, {}, again);
   ASSERT_EQ(again.size(), trials.size());
   for (std::size_t i = 0; i < trials.size(); ++i) EXPECT_EQ(again[i].work, trials[i].work);
   EXPECT_EQ(same.spentSeconds(), budget.spentSeconds());
@@ -468,27 +473,27 @@ TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
 }
 
 TEST(Path, NothingIsTriedWithoutABudget) {
-  Scene scene = closedToClosed();
+  scene::Scene scene = closedToClosed();
   scene.path.searchTime = 0;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.path.kind, PathKind::Straight);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.path.kind, scene::PathKind::Straight);
   EXPECT_EQ(result.pathReason,
             "no path was tried (others not made by the search budget of 0 s; raise --search)");
 }
 
 TEST(Path, AShortRunIsSearchedForLess) {
-  Scene scene = closedToClosed();
+  scene::Scene scene = closedToClosed();
   scene.stop.duration = 0.01;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_DOUBLE_EQ(result.cost.searchBudget, 0.3);
   EXPECT_LT(result.cost.searchSeconds, 0.35);
 }
 
 TEST(Path, ASearchCanBeStopped) {
-  std::vector<TrialEnd> trials;
-  const PathChoice choice = choose(
-      closedToClosed(), roomAt(0, false), [](const SearchNews&) { return false; }, trials);
-  EXPECT_EQ(choice.path.kind, PathKind::Straight);
+  std::vector<deploy::TrialEnd> trials;
+  const deploy::PathChoice choice = choose(
+      closedToClosed(), roomAt(0, false), [](const deploy::SearchNews&) { return false; }, trials);
+  EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
   EXPECT_EQ(choice.reason, "no path was tried");
 }
 

@@ -14,59 +14,59 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-Scene sheet() {
-  Scene scene;
-  scene.model = makeTessellation({});
-  alignStartToTarget(scene.model);
-  scene.path.kind = PathKind::Straight;
+scene::Scene sheet() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  model::alignStartToTarget(scene.model);
+  scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 3;
   return scene;
 }
 
 TEST(Rest, SoftSpringsAreNotAtRest) {
   for (const double stiffness : {1e-3, 1e-5}) {
-    Scene scene = sheet();
+    scene::Scene scene = sheet();
     scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
-    const DeploymentResult result = deploy(scene, 0.25, nullptr);
-    EXPECT_EQ(result.outcome, Outcome::OutOfTime) << result.reason;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 0.25, nullptr);
+    EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime) << result.reason;
     EXPECT_THAT(result.reason, HasSubstr("from the target"));
   }
 }
 
 TEST(Rest, HeavyBricksAreNotAtRest) {
-  Scene scene = sheet();
-  scene.brick.mass = MassRule::Prism;
+  scene::Scene scene = sheet();
+  scene.brick.mass = model::MassRule::Prism;
   scene.brick.density = 1e12;
-  scene.springs = paperSprings();
-  const DeploymentResult result = deploy(scene, 0.25, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::OutOfTime) << result.reason;
+  scene.springs = scene::paperSprings();
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.25, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime) << result.reason;
 }
 
 TEST(Rest, AnArrivedSheetIsAtRest) {
-  Scene scene = sheet();
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  scene::Scene scene = sheet();
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
 }
 
 TEST(Rest, TimeThatIsUpIsToldWithPlaceAndSpeed) {
-  Scene scene = sheet();
+  scene::Scene scene = sheet();
   scene.stop.duration = 0.1;
-  const DeploymentResult result = deploy(scene, 0.05, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::OutOfTime);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime);
   EXPECT_THAT(result.reason, StartsWith("still moving after 0.1 s, at "));
   EXPECT_THAT(result.reason, HasSubstr(" m/s at most, "));
 }
 
 /// Three squares in a ring about a triangle that is closed: joints at three corners leave nothing
 /// to move. Its target is the same ring with one square turned away.
-Scene immobile() {
-  Scene scene;
-  scene.path.kind = PathKind::Straight;
+scene::Scene immobile() {
+  scene::Scene scene;
+  scene.path.kind = scene::PathKind::Straight;
   const double height = std::sqrt(3) / 2;
   const Vector3 a(0, 0, 0), b(1, 0, 0), c(0.5, height, 0);
   const auto outward = [](const Vector3& from, const Vector3& to) {
     const Vector3 out = (to - from).cross(Vector3::UnitZ());
-    return Tile{{from, from + out, to + out, to}};
+    return model::Tile{{from, from + out, to + out, to}};
   };
   scene.model.tiles = {outward(a, b), outward(b, c), outward(c, a)};
   scene.model.joints = {{{0, 3}, {1, 0}}, {{1, 3}, {2, 0}}, {{2, 3}, {0, 0}}};
@@ -77,8 +77,8 @@ Scene immobile() {
 }
 
 TEST(Rest, ASheetWithoutFreedomIsToldSo) {
-  const DeploymentResult result = deploy(immobile(), 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Locked);
+  const deploy::DeploymentResult result = deploy::deploy(immobile(), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("(0 degrees of freedom)")) << result.reason;
 }
 

@@ -10,8 +10,8 @@
 namespace kirireel {
 namespace {
 
-void roundTo(std::vector<Tile>& tiles, int places) {
-  for (Tile& tile : tiles) {
+void roundTo(std::vector<model::Tile>& tiles, int places) {
+  for (model::Tile& tile : tiles) {
     for (Vector3& v : tile.vertices) {
       for (double& x : v) x = std::stod(fmt::format("{:.{}f}", x, places));
     }
@@ -19,62 +19,67 @@ void roundTo(std::vector<Tile>& tiles, int places) {
 }
 
 /// The same sheet as a file with so many decimals holds it.
-Model rounded(Model model, int places) {
+model::Model rounded(model::Model model, int places) {
   roundTo(model.tiles, places);
   if (model.target) roundTo(*model.target, places);
-  model.rounding = roundingOf(model.tiles);
+  model.rounding = model::roundingOf(model.tiles);
   return model;
 }
 
 /// A sheet with a seed: single mechanisms (open irregular quads) in turn with over-constrained
 /// ones.
-Model seededSheet(int seed) {
+model::Model seededSheet(int seed) {
   switch (seed % 4) {
     case 0:
-      return generateModel(familyNamed("quads"), {{"columns", 4},
-                                                  {"rows", 4},
-                                                  {"seed", seed},
-                                                  {"start-angle", 20 + seed % 7},
-                                                  {"target-angle", 80 + seed % 11}});
+      return generate::generateModel(generate::familyNamed("quads"),
+                                     {{"columns", 4},
+                                      {"rows", 4},
+                                      {"seed", seed},
+                                      {"start-angle", 20 + seed % 7},
+                                      {"target-angle", 80 + seed % 11}});
     case 1:
-      return generateModel(familyNamed("tessellation"), {{"columns", 2 + seed % 3},
-                                                         {"rows", 4},
-                                                         {"length", 0.9 + 0.013 * seed},
-                                                         {"skew", seed % 30},
-                                                         {"start-angle", 17 + seed % 9},
-                                                         {"target-angle", 77}});
+      return generate::generateModel(generate::familyNamed("tessellation"),
+                                     {{"columns", 2 + seed % 3},
+                                      {"rows", 4},
+                                      {"length", 0.9 + 0.013 * seed},
+                                      {"skew", seed % 30},
+                                      {"start-angle", 17 + seed % 9},
+                                      {"target-angle", 77}});
     case 2:
-      return generateModel(familyNamed("heart"),
-                           {{"start-angle", 15 + seed % 13}, {"target-angle", 70 + seed % 17}});
+      return generate::generateModel(
+          generate::familyNamed("heart"),
+          {{"start-angle", 15 + seed % 13}, {"target-angle", 70 + seed % 17}});
     default:
-      return generateModel(
-          familyNamed("fan"),
+      return generate::generateModel(
+          generate::familyNamed("fan"),
           {{"columns", 4}, {"rows", 4}, {"start-angle", 20 + seed % 10}, {"target-angle", 90}});
   }
 }
 
 TEST(RoundedSheets, KeepTheirDegreesOfFreedom) {
   for (int seed = 0; seed < 100; ++seed) {
-    const Model exact = seededSheet(seed);
-    const Mobility wanted = mobility(exact, exact.tiles, Freedom::Plane, 0.02);
+    const model::Model exact = seededSheet(seed);
+    const trajectory::Mobility wanted =
+        trajectory::mobility(exact, exact.tiles, trajectory::Freedom::Plane, 0.02);
     for (const int places : {3, 4}) {
-      const Model model = rounded(exact, places);
+      const model::Model model = rounded(exact, places);
       EXPECT_NEAR(model.rounding, std::pow(10, -places), 1e-12) << seed;
-      EXPECT_EQ(mobility(model, model.tiles, Freedom::Plane, 0.02).freedoms, wanted.freedoms)
+      EXPECT_EQ(trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, 0.02).freedoms,
+                wanted.freedoms)
           << "seed " << seed << ", " << places << " decimals";
     }
   }
 }
 
-Scene sceneOf(Model model) {
-  Scene scene = openScene();
+scene::Scene sceneOf(model::Model model) {
+  scene::Scene scene = scene::openScene();
   scene.model = std::move(model);
-  alignStartToTarget(scene.model);
-  fillFromModel(scene);
+  model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
   return scene;
 }
 
-double largestOpening(const DeploymentResult& run) {
+double largestOpening(const deploy::DeploymentResult& run) {
   return std::max(run.accuracy.jointGapMax, run.accuracy.jointOpeningMax);
 }
 
@@ -83,7 +88,8 @@ TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
   double worst = 0, farthest = 0;
   for (int seed = 0; seed < 100; ++seed) {
     const int places = 3 + seed / 4 % 2;
-    const DeploymentResult run = deploy(sceneOf(rounded(seededSheet(seed), places)), 1, nullptr);
+    const deploy::DeploymentResult run =
+        deploy::deploy(sceneOf(rounded(seededSheet(seed), places)), 1, nullptr);
     const double digit = std::pow(10, -places);
     worst = std::max(worst, largestOpening(run) / digit);
     farthest = std::max(farthest, run.accuracy.targetErrorEnd / digit);
@@ -99,9 +105,10 @@ TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
 // Measured: open by 0.66 and 0.82 digits, 2.1 and 2.2 digits from the target at the end.
 TEST(RoundedSheets, LeaveAndReachClosedStates) {
   for (const int places : {3, 4}) {
-    const Model exact =
-        generateModel(familyNamed("heart"), {{"start-angle", 0}, {"target-angle", 180}});
-    const DeploymentResult run = deploy(sceneOf(rounded(exact, places)), 1, nullptr);
+    const model::Model exact = generate::generateModel(generate::familyNamed("heart"),
+                                                       {{"start-angle", 0}, {"target-angle", 180}});
+    const deploy::DeploymentResult run =
+        deploy::deploy(sceneOf(rounded(exact, places)), 1, nullptr);
     const double digit = std::pow(10, -places);
     EXPECT_LE(largestOpening(run), 2 * digit) << run.reason;
     EXPECT_LE(run.accuracy.targetErrorEnd, 5 * digit) << run.reason;
@@ -109,7 +116,8 @@ TEST(RoundedSheets, LeaveAndReachClosedStates) {
 }
 
 TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
-  const DeploymentResult run = deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
+  const deploy::DeploymentResult run =
+      deploy::deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
   EXPECT_NE(run.reason.find("of the last digit, 0.001 m, of the model's coordinates: tiles so "
                             "rounded fit each other no better"),
             std::string::npos)
@@ -118,10 +126,10 @@ TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
 
 // Two rows of tiles close exactly whatever their shapes are. Measured: 1e-12 m.
 TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
-  const Model chain = generateModel(
-      familyNamed("tessellation"),
+  const model::Model chain = generate::generateModel(
+      generate::familyNamed("tessellation"),
       {{"columns", 2}, {"rows", 2}, {"length", 0.913}, {"start-angle", 20}, {"target-angle", 77}});
-  const DeploymentResult run = deploy(sceneOf(rounded(chain, 3)), 1, nullptr);
+  const deploy::DeploymentResult run = deploy::deploy(sceneOf(rounded(chain, 3)), 1, nullptr);
   EXPECT_LE(run.accuracy.jointGapMax, 1e-10);
   EXPECT_EQ(run.accuracy.jointOpeningMax, 0);
   EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
@@ -129,12 +137,12 @@ TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
 
 // Exact joints leave the start hardly or not at all. Measured: 1.2 and 6.0 digits from the target.
 TEST(RoundedSheets, DeployByDynamicsToo) {
-  const Model heart =
-      generateModel(familyNamed("heart"), {{"start-angle", 0}, {"target-angle", 180}});
-  for (const Model& model : {seededSheet(2), heart}) {
-    Scene scene = sceneOf(rounded(model, 3));
-    scene.path.kind = PathKind::Dynamic;
-    const DeploymentResult run = deploy(scene, 1, nullptr);
+  const model::Model heart = generate::generateModel(generate::familyNamed("heart"),
+                                                     {{"start-angle", 0}, {"target-angle", 180}});
+  for (const model::Model& model : {seededSheet(2), heart}) {
+    scene::Scene scene = sceneOf(rounded(model, 3));
+    scene.path.kind = scene::PathKind::Dynamic;
+    const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
     EXPECT_LE(run.accuracy.targetErrorEnd, 10e-3) << run.pathReason << "; " << run.reason;
     EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
   }

@@ -9,48 +9,48 @@
 namespace kirireel {
 namespace {
 
-using namespace timeline;
+using namespace scene::timeline;
 
 constexpr double kGravity = 9.81;
 
 /// A sheet of squares that opens under its springs, by dynamics.
-Scene openingSheet() {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene openingSheet() {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.startAngle = 20 * kDegree;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::None;
-  scene.path.kind = PathKind::Straight;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::None;
+  scene.path.kind = scene::PathKind::Straight;
   scene.springs.adaptive = false;
   scene.stop.duration = 1;
   return scene;
 }
 
 /// Squares without joints, target and damping, `height` above a ground without friction.
-Scene fallingBricks(double height) {
-  Scene scene;
+scene::Scene fallingBricks(double height) {
+  scene::Scene scene;
   scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.brick.thickness = 0.2;
-  scene.environment.contacts = ContactFilter::All;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.environment.gravity = {0, 0, -kGravity};
-  scene.environment.ground = Ground{-height, 0};
-  scene.actuation.drive = Drive::None;
+  scene.environment.ground = scene::Ground{-height, 0};
+  scene.actuation.drive = scene::Drive::None;
   scene.solver.planar = false;
   scene.stop.duration = 1;
   return scene;
 }
 
-std::vector<Sample> samplesOf(const Scene& scene, double interval = 1.0 / 30) {
-  return deploy(scene, interval, nullptr).trajectory.samples;
+std::vector<trajectory::Sample> samplesOf(const scene::Scene& scene, double interval = 1.0 / 30) {
+  return deploy::deploy(scene, interval, nullptr).trajectory.samples;
 }
 
 /// Of all samples, the largest energy that the integrator has taken, as a part of all work.
-double worstBalance(const std::vector<Sample>& samples) {
+double worstBalance(const std::vector<trajectory::Sample>& samples) {
   double worst = 0;
-  for (const Sample& sample : samples) {
-    const Energies& energies = sample.mechanics->energies;
+  for (const trajectory::Sample& sample : samples) {
+    const trajectory::Energies& energies = sample.mechanics->energies;
     worst = std::max(worst, std::abs(energies.integrated()) / energies.work);
   }
   return worst;
@@ -58,15 +58,15 @@ double worstBalance(const std::vector<Sample>& samples) {
 
 TEST(Energies, BalanceToTheTolerance) {
   for (const double damping : {1.0, 0.1}) {
-    Scene scene = openingSheet();
+    scene::Scene scene = openingSheet();
     scene.springs.dampingRatio = damping;
     for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
       scene.solver.tolerance = tolerance;
-      const std::vector<Sample> samples = samplesOf(scene, 1.0 / 97);
+      const std::vector<trajectory::Sample> samples = samplesOf(scene, 1.0 / 97);
       // Measured: 0.24 to 1.2 times the tolerance, and 0.9 to 6.2 times with less damping.
       EXPECT_LT(worstBalance(samples), 10 * tolerance) << tolerance << " " << damping;
       // Most of the work goes into dampers.
-      const Energies& end = samples.back().mechanics->energies;
+      const trajectory::Energies& end = samples.back().mechanics->energies;
       EXPECT_GT(end.damped, 0.5 * end.work);
     }
   }
@@ -75,7 +75,7 @@ TEST(Energies, BalanceToTheTolerance) {
 TEST(Energies, BalanceToFirstOrderInFixedSteps) {
   double before = 0;
   for (const double step : {1.0 / 240, 1.0 / 480, 1.0 / 960}) {
-    Scene scene = openingSheet();
+    scene::Scene scene = openingSheet();
     scene.solver.timestep = step;
     const double worst = worstBalance(samplesOf(scene));
     if (before > 0) {
@@ -87,14 +87,14 @@ TEST(Energies, BalanceToFirstOrderInFixedSteps) {
 }
 
 TEST(Energies, OfAFallAreThoseOfGravity) {
-  Scene scene = fallingBricks(10);
+  scene::Scene scene = fallingBricks(10);
   scene.stop.duration = 0.5;
   for (const double tolerance : {0.0, 1e-6}) {
     scene.solver.tolerance = tolerance;
-    const std::vector<Sample> samples = samplesOf(scene);
-    const Sample &first = samples.front(), &last = samples.back();
+    const std::vector<trajectory::Sample> samples = samplesOf(scene);
+    const trajectory::Sample &first = samples.front(), &last = samples.back();
     const double fallen = first.poses[0].position.z() - last.poses[0].position.z();
-    const Energies& end = last.mechanics->energies;
+    const trajectory::Energies& end = last.mechanics->energies;
     EXPECT_NEAR(end.work, kGravity * fallen, 1e-9 * end.work);  // mass 1
     EXPECT_EQ(end.damped, 0);
     EXPECT_EQ(end.impacted, 0);
@@ -103,8 +103,8 @@ TEST(Energies, OfAFallAreThoseOfGravity) {
 }
 
 TEST(Energies, GoInAnImpact) {
-  Scene scene = fallingBricks(0.5);
-  const Energies end = samplesOf(scene).back().mechanics->energies;
+  scene::Scene scene = fallingBricks(0.5);
+  const trajectory::Energies end = samplesOf(scene).back().mechanics->energies;
   // The bottom falls by half a metre, and all of that energy is lost.
   EXPECT_NEAR(end.work, 0.5 * kGravity, 1e-4);
   EXPECT_NEAR(end.kinetic, 0, 1e-9);
@@ -112,19 +112,19 @@ TEST(Energies, GoInAnImpact) {
 }
 
 TEST(Energies, CountTheWorkOfAGrip) {
-  Scene scene = openingSheet();
-  scene.actuation.drive = Drive::None;
-  scene.timeline = {{Occasion{}, Drag{.tile = 0, .path = {{-2, -1, 0}}, .seconds = 0.8}}};
+  scene::Scene scene = openingSheet();
+  scene.actuation.drive = scene::Drive::None;
+  scene.timeline = {{scene::Occasion{}, Drag{.tile = 0, .path = {{-2, -1, 0}}, .seconds = 0.8}}};
   scene.solver.tolerance = 1e-5;
-  const std::vector<Sample> samples = samplesOf(scene, 1.0 / 60);
+  const std::vector<trajectory::Sample> samples = samplesOf(scene, 1.0 / 60);
   // Once there is work to speak of.
-  const std::vector<Sample> later(samples.begin() + 5, samples.end());
+  const std::vector<trajectory::Sample> later(samples.begin() + 5, samples.end());
   EXPECT_LT(worstBalance(later), 1e-4);  // measured 2.8e-5
   // A grip pulls with its spring, as its hold says, along the path.
   bool isGripped = false;
-  for (const Sample& sample : samples) {
-    for (const Hold& hold : sample.mechanics->holds) {
-      EXPECT_EQ(hold.kind, HoldKind::Grip);
+  for (const trajectory::Sample& sample : samples) {
+    for (const trajectory::Hold& hold : sample.mechanics->holds) {
+      EXPECT_EQ(hold.kind, trajectory::HoldKind::Grip);
       EXPECT_EQ(hold.tile, 0);
       isGripped = isGripped || hold.force.x() < 0;
     }
@@ -133,44 +133,44 @@ TEST(Energies, CountTheWorkOfAGrip) {
 }
 
 TEST(Holds, CarryWhatRestsOnTheGround) {
-  Scene scene = fallingBricks(0);
-  const Mechanics end = *samplesOf(scene).back().mechanics;
+  scene::Scene scene = fallingBricks(0);
+  const trajectory::Mechanics end = *samplesOf(scene).back().mechanics;
   ASSERT_EQ(end.holds.size(), 1U);  // four corners, one resultant
-  EXPECT_EQ(end.holds[0].kind, HoldKind::Contact);
+  EXPECT_EQ(end.holds[0].kind, trajectory::HoldKind::Contact);
   EXPECT_EQ(end.holds[0].tile, 0);
-  EXPECT_EQ(end.holds[0].other, Hold::kGround);
+  EXPECT_EQ(end.holds[0].other, trajectory::Hold::kGround);
   EXPECT_LT((end.holds[0].force - Vector3(0, 0, kGravity)).norm(), 1e-6);  // measured
   EXPECT_LT((end.holds[0].point - Vector3(0.5, 0.5, 0)).norm(), 1e-5);
   EXPECT_LT(end.holds[0].moment.norm(), 1e-6);
 }
 
 /// Squares hung corner to corner between two pinned ones, by gravity along -y in the plane.
-Scene hangingChain(int count) {
-  Scene scene;
+scene::Scene hangingChain(int count) {
+  scene::Scene scene;
   const double r = std::sqrt(0.5);
   for (int i = 0; i < count; ++i) {
     const double x = 2 * r * i;
     scene.model.tiles.push_back({{{x, -r, 0}, {x + r, 0, 0}, {x, r, 0}, {x - r, 0, 0}}});
     if (i > 0) scene.model.joints.push_back({{i - 1, 1}, {i, 3}});
   }
-  scene.environment.contacts = ContactFilter::None;
+  scene.environment.contacts = scene::ContactFilter::None;
   scene.environment.gravity = {0, -kGravity, 0};
   scene.environment.linearDamping = scene.environment.angularDamping = 0.95;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.stop.duration = 60;
   scene.stop.settleSpeed = 1e-8;
-  scene.timeline = {{Occasion{}, Pin{{0}}}};
+  scene.timeline = {{scene::Occasion{}, Pin{{0}}}};
   return scene;
 }
 
 TEST(Holds, OfAHangingChainCarryItsWeight) {
   const int count = 6;
-  const Scene scene = hangingChain(count);
-  const DeploymentResult result = deploy(scene, 1.0, nullptr);
-  const Sample& end = result.trajectory.samples.back();
+  const scene::Scene scene = hangingChain(count);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0, nullptr);
+  const trajectory::Sample& end = result.trajectory.samples.back();
   ASSERT_EQ(end.mechanics->holds.size(), 1U);
-  const Hold& pin = end.mechanics->holds[0];
-  EXPECT_EQ(pin.kind, HoldKind::Pin);
+  const trajectory::Hold& pin = end.mechanics->holds[0];
+  EXPECT_EQ(pin.kind, trajectory::HoldKind::Pin);
   EXPECT_EQ(pin.tile, 0);
   const Vector3 weight(0, kGravity, 0);  // that a tile needs
   EXPECT_LT((pin.force - count * weight).norm(), 1e-6 * count * kGravity)
@@ -184,26 +184,26 @@ TEST(Holds, OfAHangingChainCarryItsWeight) {
 }
 
 TEST(Mechanics, AreTheSameWithMoreSamples) {
-  const Scene scene = openingSheet();
-  const std::vector<Sample> coarse = samplesOf(scene, 1.0 / 24);
-  const std::vector<Sample> fine = samplesOf(scene, 1.0 / 240);
+  const scene::Scene scene = openingSheet();
+  const std::vector<trajectory::Sample> coarse = samplesOf(scene, 1.0 / 24);
+  const std::vector<trajectory::Sample> fine = samplesOf(scene, 1.0 / 240);
   // The last of either is the run's end.
   for (std::size_t k = 0; k + 1 < coarse.size(); ++k) {
-    const Sample& same = fine.at(10 * k);
+    const trajectory::Sample& same = fine.at(10 * k);
     EXPECT_EQ(coarse[k].mechanics->energies.damped, same.mechanics->energies.damped);
     EXPECT_EQ(coarse[k].mechanics->jointForces, same.mechanics->jointForces);
   }
 }
 
 TEST(Mechanics, ArePartOfNoPathAndNoEngine) {
-  Scene scene = openingSheet();
-  scene.path.kind = PathKind::Continuation;
+  scene::Scene scene = openingSheet();
+  scene.path.kind = scene::PathKind::Continuation;
   scene.springs = {};
-  for (const Sample& sample : samplesOf(scene)) EXPECT_FALSE(sample.mechanics);
+  for (const trajectory::Sample& sample : samplesOf(scene)) EXPECT_FALSE(sample.mechanics);
   scene = openingSheet();
-  scene.solver.kind = SolverKind::Bullet;
+  scene.solver.kind = scene::SolverKind::Bullet;
   scene.stop.duration = 0.1;
-  for (const Sample& sample : samplesOf(scene)) EXPECT_FALSE(sample.mechanics);
+  for (const trajectory::Sample& sample : samplesOf(scene)) EXPECT_FALSE(sample.mechanics);
 }
 
 }  // namespace

@@ -12,16 +12,16 @@
 namespace kirireel {
 namespace {
 
-using namespace timeline;
+using namespace scene::timeline;
 
 /// A sheet of 2 x 2 squares, a path of which is guided for 1 s.
-Scene ledSheet() {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene ledSheet() {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 20 * kDegree;
-  scene.model = makeTessellation(shape);
-  scene.path.kind = PathKind::Guided;
+  scene.model = model::makeTessellation(shape);
+  scene.path.kind = scene::PathKind::Guided;
   scene.path.guideTime = 1;
   return scene;
 }
@@ -29,7 +29,7 @@ Scene ledSheet() {
 // ------------------------------------------------------------------------------------------------
 
 TEST(StepClock, CountsLooksWithoutGatheringRounding) {
-  StepClock clock(0.1);
+  deploy::StepClock clock(0.1);
   for (int k = 0; k < 1'000'000; ++k) {
     clock.beginStep(INFINITY);
     clock.endStep();
@@ -38,7 +38,7 @@ TEST(StepClock, CountsLooksWithoutGatheringRounding) {
 }
 
 TEST(StepClock, EndsAStepWhereSomethingIsDueAndTheNextAtItsLook) {
-  StepClock clock(0.1);
+  deploy::StepClock clock(0.1);
   clock.beginStep(0.03);
   EXPECT_EQ(clock.length(), 0.03);
   clock.endStep();
@@ -50,7 +50,7 @@ TEST(StepClock, EndsAStepWhereSomethingIsDueAndTheNextAtItsLook) {
 }
 
 TEST(StepClock, TakesWhatIsDueAtALookButForRoundingAsDueThere) {
-  StepClock clock(0.1);
+  deploy::StepClock clock(0.1);
   clock.beginStep(0.1 - 1e-9);
   EXPECT_EQ(clock.length(), 0.1);
   clock.endStep();
@@ -61,7 +61,7 @@ TEST(StepClock, TakesWhatIsDueAtALookButForRoundingAsDueThere) {
 }
 
 TEST(StepClock, StopsAtTheLookThatIsNearestToTheEnd) {
-  StepClock clock(0.1);
+  deploy::StepClock clock(0.1);
   EXPECT_TRUE(clock.isBefore(0.06));
   EXPECT_FALSE(clock.isBefore(0.04));
   clock.beginStep(0.03);
@@ -72,10 +72,10 @@ TEST(StepClock, StopsAtTheLookThatIsNearestToTheEnd) {
 // ------------------------------------------------------------------------------------------------
 
 TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
-  const Scene scene = ledSheet();
-  const SceneBricks bricks(scene);
-  const Poses start = startPoses(scene.model.tiles, bricks.bricks);
-  CurrentTarget target(bricks, 0.125);
+  const scene::Scene scene = ledSheet();
+  const deploy::SceneBricks bricks(scene);
+  const Poses start = model::startPoses(scene.model.tiles, bricks.bricks);
+  deploy::CurrentTarget target(bricks, 0.125);
   EXPECT_EQ(target.tiles(), nullptr);
   EXPECT_EQ(target.error(start), 0);
   target.set(nullptr, start);
@@ -89,10 +89,10 @@ TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
 }
 
 TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
-  const Scene scene = ledSheet();
-  const SceneBricks bricks(scene);
-  const Poses start = startPoses(scene.model.tiles, bricks.bricks);
-  CurrentTarget target(bricks, 100);
+  const scene::Scene scene = ledSheet();
+  const deploy::SceneBricks bricks(scene);
+  const Poses start = model::startPoses(scene.model.tiles, bricks.bricks);
+  deploy::CurrentTarget target(bricks, 100);
   target.set(nullptr, start);
   EXPECT_TRUE(target.isReachedAt(target.error(start)));
   EXPECT_FALSE(target.hasArrived(start));
@@ -102,15 +102,15 @@ TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
 
 /// The phases of a drive on steps of 1/240 s, each with the time at which its first step began.
 /// The bricks stay where they are.
-std::vector<std::pair<Phase, double>> phasesOf(const Scene& scene) {
-  const SceneBricks bricks(scene);
-  StepClock clock(RunMotion::lookOf(scene));
-  RunMotion motion(bricks, clock);
-  CurrentTarget target(bricks, 0);
-  RunDrive drive(bricks, clock);
+std::vector<std::pair<deploy::Phase, double>> phasesOf(const scene::Scene& scene) {
+  const deploy::SceneBricks bricks(scene);
+  deploy::StepClock clock(deploy::RunMotion::lookOf(scene));
+  deploy::RunMotion motion(bricks, clock);
+  deploy::CurrentTarget target(bricks, 0);
+  deploy::RunDrive drive(bricks, clock);
   target.set(nullptr, motion.poses());
   drive.headFor(target, motion.poses());
-  std::vector<std::pair<Phase, double>> phases;
+  std::vector<std::pair<deploy::Phase, double>> phases;
   while (clock.time() < 4) {
     clock.beginStep(drive.nextMoment());
     const double begin = clock.time();
@@ -124,45 +124,45 @@ std::vector<std::pair<Phase, double>> phasesOf(const Scene& scene) {
 }
 
 TEST(RunDrive, APathThatIsLedGoesThroughItsPhases) {
-  Scene scene = ledSheet();
+  scene::Scene scene = ledSheet();
   scene.path.openTime = 0.31;
   scene.path.jointStiffness = 1e5;
   const auto phases = phasesOf(scene);
   ASSERT_EQ(phases.size(), 4U);
   const double step = 1.0 / 240;
-  EXPECT_EQ(phases[0].first, Phase::Open);
-  EXPECT_EQ(phases[1].first, Phase::Guide);
+  EXPECT_EQ(phases[0].first, deploy::Phase::Open);
+  EXPECT_EQ(phases[1].first, deploy::Phase::Guide);
   EXPECT_NEAR(phases[1].second, 0.31, 1e-12) << "at its own time, however steps lie";
-  EXPECT_EQ(phases[2].first, Phase::Close);
+  EXPECT_EQ(phases[2].first, deploy::Phase::Close);
   EXPECT_NEAR(phases[2].second, 0.31 + 1 + 0.5, step);
-  EXPECT_EQ(phases[3].first, Phase::Settle);
+  EXPECT_EQ(phases[3].first, deploy::Phase::Settle);
   EXPECT_NEAR(phases[3].second, 0.31 + 1 + 1, step);
 }
 
 TEST(RunDrive, ExactJointsNeedNotBeClosed) {
   const auto phases = phasesOf(ledSheet());
   ASSERT_EQ(phases.size(), 2U);
-  EXPECT_EQ(phases[0].first, Phase::Guide);
-  EXPECT_EQ(phases[1].first, Phase::Settle);
+  EXPECT_EQ(phases[0].first, deploy::Phase::Guide);
+  EXPECT_EQ(phases[1].first, deploy::Phase::Settle);
   EXPECT_NEAR(phases[1].second, 1.5, 1.0 / 240);
 }
 
 TEST(RunDrive, AStraightPullSettlesFromTheStart) {
-  Scene scene = ledSheet();
-  scene.path.kind = PathKind::Straight;
+  scene::Scene scene = ledSheet();
+  scene.path.kind = scene::PathKind::Straight;
   const auto phases = phasesOf(scene);
   ASSERT_EQ(phases.size(), 1U);
-  EXPECT_EQ(phases[0].first, Phase::Settle);
+  EXPECT_EQ(phases[0].first, deploy::Phase::Settle);
 }
 
 // The sample at the end of opening shows the state that the expansion led to, in which no spring
 // to the target has pulled yet.
 TEST(RunDrive, SpringsHoldNoEnergyWhileASheetIsOpened) {
-  Scene scene = ledSheet();
-  scene.environment.contacts = ContactFilter::None;
+  scene::Scene scene = ledSheet();
+  scene.environment.contacts = scene::ContactFilter::None;
   scene.path.openTime = 0.25;
   scene.stop.duration = 0.5;
-  const DeploymentResult run = deploy(scene, 0.125, nullptr);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.125, nullptr);
   ASSERT_EQ(run.trajectory.samples.size(), 5U);
   EXPECT_EQ(run.trajectory.samples[1].mechanics->energies.spring, 0);
   EXPECT_EQ(run.trajectory.samples[2].mechanics->energies.spring, 0);
@@ -170,15 +170,16 @@ TEST(RunDrive, SpringsHoldNoEnergyWhileASheetIsOpened) {
 }
 
 TEST(Timelines, AResetLeavesAnotherTargetBehind) {
-  Scene scene = ledSheet();
-  scene.path.kind = PathKind::Straight;
-  scene.environment.contacts = ContactFilter::None;
-  const std::vector<Tile> other = *scene.model.target;
+  scene::Scene scene = ledSheet();
+  scene.path.kind = scene::PathKind::Straight;
+  scene.environment.contacts = scene::ContactFilter::None;
+  const std::vector<model::Tile> other = *scene.model.target;
   scene.model.target.reset();
-  scene.actuation.drive = Drive::Target;
-  scene.timeline = {{{}, GoTo{"other.txt", other}}, {{Occasion::Kind::AtTime, 0.5}, Reset{}}};
+  scene.actuation.drive = scene::Drive::Target;
+  scene.timeline = {{{}, GoTo{"other.txt", other}},
+                    {{scene::Occasion::Kind::AtTime, 0.5}, Reset{}}};
   scene.stop.duration = 2;
-  const DeploymentResult run = deploy(scene, 0.25, nullptr);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.25, nullptr);
   const auto& samples = run.trajectory.samples;
   EXPECT_GT((samples[1].poses[0].position - samples[0].poses[0].position).norm(), 0.01);
   const Poses& end = samples.back().poses;

@@ -11,9 +11,9 @@
 namespace kirireel {
 namespace {
 
-Scene scaled(Scene scene, double factor) {
-  for (std::vector<Tile>* tiles : {&scene.model.tiles, &*scene.model.target}) {
-    for (Tile& tile : *tiles) {
+scene::Scene scaled(scene::Scene scene, double factor) {
+  for (std::vector<model::Tile>* tiles : {&scene.model.tiles, &*scene.model.target}) {
+    for (model::Tile& tile : *tiles) {
       for (Vector3& vertex : tile.vertices) vertex *= factor;
     }
   }
@@ -23,7 +23,8 @@ Scene scaled(Scene scene, double factor) {
 
 /// The largest distance between the bricks of two runs at any sample, the second's lengths divided
 /// by `factor`, metres.
-double difference(const DeploymentResult& run, const DeploymentResult& other, double factor) {
+double difference(const deploy::DeploymentResult& run, const deploy::DeploymentResult& other,
+                  double factor) {
   double largest = 0;
   for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
     const Poses& poses = run.trajectory.samples[k].poses;
@@ -37,25 +38,25 @@ double difference(const DeploymentResult& run, const DeploymentResult& other, do
   return largest;
 }
 
-void expectSameAtScale(const Scene& scene, double factor, double tolerance) {
-  const DeploymentResult run = deploy(scene, 1.0 / 60, nullptr);
-  const DeploymentResult other = deploy(scaled(scene, factor), 1.0 / 60, nullptr);
+void expectSameAtScale(const scene::Scene& scene, double factor, double tolerance) {
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult other = deploy::deploy(scaled(scene, factor), 1.0 / 60, nullptr);
   EXPECT_EQ(run.outcome, other.outcome) << factor;
   EXPECT_EQ(run.pathReason, other.pathReason) << factor;
   ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size()) << factor;
   EXPECT_LE(difference(run, other, factor), tolerance) << factor;
 }
 
-Scene sheet() {
-  Scene scene;
-  scene.model = makeTessellation({});
+scene::Scene sheet() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   return scene;
 }
 
 /// Tiles of 0.6 m, in space.
-Scene cap() {
-  Scene scene;
-  scene.model = makeSphericalCap({.size = 4});
+scene::Scene cap() {
+  scene::Scene scene;
+  scene.model = generate::makeSphericalCap({.size = 4});
   return scene;
 }
 
@@ -73,8 +74,8 @@ TEST(Scale, MillimetresTakeTheSamePath) {
 }
 
 /// Bricks may touch: those of the cap do on the way.
-Scene amongBricks(Scene scene) {
-  scene.environment.contacts = ContactFilter::All;
+scene::Scene amongBricks(scene::Scene scene) {
+  scene.environment.contacts = scene::ContactFilter::All;
   return scene;
 }
 
@@ -86,47 +87,47 @@ TEST(Scale, PowersOfTwoChangeExponentsAloneAmongBricks) {
 }
 
 /// As the program has it, but for a path that is geometry.
-Scene byDynamics(Scene scene) {
-  const Model model = std::move(scene.model);
-  scene = openScene();
+scene::Scene byDynamics(scene::Scene scene) {
+  const model::Model model = std::move(scene.model);
+  scene = scene::openScene();
   scene.model = model;
-  scene.path.kind = PathKind::Dynamic;
-  fillFromModel(scene);
+  scene.path.kind = scene::PathKind::Dynamic;
+  scene::fillFromModel(scene);
   return scene;
 }
 
 TEST(Scale, StepsToAToleranceMoveAlike) {
-  for (const Scene& scene : {byDynamics(sheet()), byDynamics(cap())}) {
+  for (const scene::Scene& scene : {byDynamics(sheet()), byDynamics(cap())}) {
     expectSameAtScale(scene, std::ldexp(1, -10), 0);
     expectSameAtScale(scene, std::ldexp(1, 10), 0);
-    Scene through = scene;
-    through.environment.contacts = ContactFilter::None;
+    scene::Scene through = scene;
+    through.environment.contacts = scene::ContactFilter::None;
     expectSameAtScale(through, 1e-3, 2e-9);  // measured 1.9e-10 and 7.1e-10
     expectSameAtScale(through, 1e3, 2e-9);   // measured 1.8e-10 and 5.7e-10
   }
 }
 
-Scene weighing(Scene scene, double density) {
-  scene.brick.mass = MassRule::Prism;
+scene::Scene weighing(scene::Scene scene, double density) {
+  scene.brick.mass = model::MassRule::Prism;
   scene.brick.density = density;
   return scene;
 }
 
-void expectSameMotion(const Scene& scene, const Scene& other, double tolerance) {
-  const DeploymentResult run = deploy(scene, 1.0 / 60, nullptr);
-  const DeploymentResult same = deploy(other, 1.0 / 60, nullptr);
+void expectSameMotion(const scene::Scene& scene, const scene::Scene& other, double tolerance) {
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult same = deploy::deploy(other, 1.0 / 60, nullptr);
   EXPECT_EQ(run.pathReason, same.pathReason);
   ASSERT_EQ(run.trajectory.samples.size(), same.trajectory.samples.size());
   EXPECT_LE(difference(run, same, 1), tolerance);
 }
 
 TEST(Scale, HeavierBricksMoveAlikeByDefault) {
-  for (const Scene& scene : {sheet(), cap(), amongBricks(cap())}) {
+  for (const scene::Scene& scene : {sheet(), cap(), amongBricks(cap())}) {
     // Square roots of masses change exponents alone where these change by a power of four.
     expectSameMotion(weighing(scene, 1000), weighing(scene, 4000), 0);
     expectSameAtScale(weighing(scene, 1000), 0.25, 0);
   }
-  for (const Scene& scene : {sheet(), cap()}) {
+  for (const scene::Scene& scene : {sheet(), cap()}) {
     // Measured 4.3e-9 and 2.6e-8.
     expectSameMotion(weighing(scene, 1000), weighing(scene, 8000), 1e-6);
     expectSameAtScale(weighing(scene, 1000), 0.5, 1e-6);
@@ -134,14 +135,14 @@ TEST(Scale, HeavierBricksMoveAlikeByDefault) {
 }
 
 TEST(Scale, ThickerBricksMoveAlikeInThePlane) {
-  Scene thick = weighing(sheet(), 300);
+  scene::Scene thick = weighing(sheet(), 300);
   thick.brick.thickness *= 3;
-  DeploymentResult run = deploy(weighing(sheet(), 1000), 1.0 / 60, nullptr);
-  DeploymentResult other = deploy(thick, 1.0 / 60, nullptr);
+  deploy::DeploymentResult run = deploy::deploy(weighing(sheet(), 1000), 1.0 / 60, nullptr);
+  deploy::DeploymentResult other = deploy::deploy(thick, 1.0 / 60, nullptr);
   ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
   // Centres of mass are at half the thickness.
-  for (Trajectory* trajectory : {&run.trajectory, &other.trajectory}) {
-    for (Sample& sample : trajectory->samples) {
+  for (trajectory::Trajectory* trajectory : {&run.trajectory, &other.trajectory}) {
+    for (trajectory::Sample& sample : trajectory->samples) {
       for (Pose& pose : sample.poses) pose.position.z() = 0;
     }
   }
@@ -149,12 +150,12 @@ TEST(Scale, ThickerBricksMoveAlikeInThePlane) {
 }
 
 TEST(Scale, SpringsInNewtonsMoveHeavierBricksLess) {
-  Scene scene = weighing(sheet(), 1000);
-  scene.springs = paperSprings();
+  scene::Scene scene = weighing(sheet(), 1000);
+  scene.springs = scene::paperSprings();
   scene.stop.duration = 0.5;
-  const double error = deploy(scene, 0.5, nullptr).accuracy.targetErrorEnd;
+  const double error = deploy::deploy(scene, 0.5, nullptr).accuracy.targetErrorEnd;
   scene.brick.density = 8000;
-  EXPECT_GT(deploy(scene, 0.5, nullptr).accuracy.targetErrorEnd, error);
+  EXPECT_GT(deploy::deploy(scene, 0.5, nullptr).accuracy.targetErrorEnd, error);
 }
 
 }  // namespace

@@ -8,32 +8,32 @@
 namespace kirireel {
 namespace {
 
-Scene shipped(const std::string& name) {
-  Scene scene;
+scene::Scene shipped(const std::string& name) {
+  scene::Scene scene;
   std::vector<std::string> warnings;
   scene.model =
-      readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
-  scene.springs = paperSprings();
+      model::readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
+  scene.springs = scene::paperSprings();
   return scene;
 }
 
-Scene capScene() {
-  Scene scene = shipped("cap");
+scene::Scene capScene() {
+  scene::Scene scene = shipped("cap");
   scene.springs.adaptive = false;
-  scene.path.kind = PathKind::Straight;
+  scene.path.kind = scene::PathKind::Straight;
   return scene;
 }
 
 /// When the run has halved its error, seconds.
-double halfTime(const DeploymentResult& result) {
-  for (const Sample& sample : result.trajectory.samples) {
+double halfTime(const deploy::DeploymentResult& result) {
+  for (const trajectory::Sample& sample : result.trajectory.samples) {
     if (sample.targetError <= 0.5 * result.accuracy.targetErrorStart) return sample.time;
   }
   return result.trajectory.samples.back().time;
 }
 
-void expectArrived(const DeploymentResult& result) {
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+void expectArrived(const deploy::DeploymentResult& result) {
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-4);
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);
 }
@@ -41,9 +41,9 @@ void expectArrived(const DeploymentResult& result) {
 TEST(Sensitivity, DampingSlowsADeploymentAndLeavesItsEnd) {
   double before = 0;
   for (const double damping : {10, 50, 250}) {
-    Scene scene = capScene();
+    scene::Scene scene = capScene();
     scene.springs.forceDamping = damping;
-    const DeploymentResult result = deploy(scene, 1.0 / 240, nullptr);
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
     expectArrived(result);
     EXPECT_GT(halfTime(result), before);
     before = halfTime(result);
@@ -53,9 +53,9 @@ TEST(Sensitivity, DampingSlowsADeploymentAndLeavesItsEnd) {
 TEST(Sensitivity, StiffnessQuickensADeploymentAndLeavesItsEnd) {
   double before = 100;
   for (const double stiffness : {25, 100, 400}) {
-    Scene scene = capScene();
+    scene::Scene scene = capScene();
     scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
-    const DeploymentResult result = deploy(scene, 1.0 / 240, nullptr);
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
     expectArrived(result);
     EXPECT_LT(halfTime(result), before);
     before = halfTime(result);
@@ -64,9 +64,9 @@ TEST(Sensitivity, StiffnessQuickensADeploymentAndLeavesItsEnd) {
 
 TEST(Sensitivity, ThicknessLeavesTheEndWhereBricksMayOverlap) {
   for (const double thickness : {0.005, 0.02, 0.1}) {
-    Scene scene = capScene();
+    scene::Scene scene = capScene();
     scene.brick.thickness = thickness;
-    expectArrived(deploy(scene, 1.0 / 60, nullptr));
+    expectArrived(deploy::deploy(scene, 1.0 / 60, nullptr));
   }
 }
 
@@ -85,16 +85,16 @@ TEST_P(Expansion, EndsAtTheSheetsLimitWhateverItsStrengthAndInItsPlane) {
   std::vector<double> ends;
   for (const double stiffness : {25, 100}) {
     for (const std::optional<bool> planar : {std::optional<bool>{}, std::optional<bool>{false}}) {
-      Scene scene = shipped(GetParam());
-      scene.actuation.drive = Drive::Expansion;
+      scene::Scene scene = shipped(GetParam());
+      scene.actuation.drive = scene::Drive::Expansion;
       scene.springs.springStiffness = stiffness;
       scene.solver.planar = planar;
-      const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-      EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+      const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+      EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
       const auto& samples = result.trajectory.samples;
       ends.push_back(spread(samples.back().poses));
       EXPECT_GT(ends.back(), 1.5 * spread(samples.front().poses));
-      for (const Sample& sample : samples) {
+      for (const trajectory::Sample& sample : samples) {
         for (std::size_t i = 0; i < sample.poses.size(); ++i) {
           const double start = samples.front().poses[i].position.z();
           EXPECT_NEAR(sample.poses[i].position.z(), start, 1e-6);  // measured 6e-8: the nudge

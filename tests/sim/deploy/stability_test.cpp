@@ -21,8 +21,8 @@ constexpr double kStepRates[] = {960, 240, 60, 30};
 constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
 
 /// Every stiffness with every damping, steps and thicknesses taken in turn so that each meets each.
-void expectStable(Scene scene, int steps) {
-  alignStartToTarget(scene.model);
+void expectStable(scene::Scene scene, int steps) {
+  model::alignStartToTarget(scene.model);
   for (int s = 0; s < 5; ++s) {
     for (int d = 0; d < 5; ++d) {
       const double rate = kStepRates[(s + d) % 4];
@@ -32,8 +32,8 @@ void expectStable(Scene scene, int steps) {
       scene.brick.thickness = kThicknesses[(s + 2 * d + s / 2) % 4];
       SCOPED_TRACE(fmt::format("k_f {}, mu_v {}, step 1/{}, thickness {}", kStiffnesses[s],
                                kDampings[d], rate, scene.brick.thickness));
-      SteppedScene run(scene);
-      const Stability result = watchStability(run, steps);
+      study::SteppedScene run(scene);
+      const study::Stability result = study::watchStability(run, steps);
       EXPECT_TRUE(result.finite);
       EXPECT_LT(result.growth, 1e-12);  // measured 4e-16
       EXPECT_LT(result.gap, 1e-10);     // measured 2e-12
@@ -42,29 +42,29 @@ void expectStable(Scene scene, int steps) {
   }
 }
 
-Scene sheet(bool planar, ContactFilter contacts) {
-  Scene scene;
-  scene.model = makeTessellation({});
+scene::Scene sheet(bool planar, scene::ContactFilter contacts) {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   scene.solver.planar = planar;
   scene.environment.contacts = contacts;
   return scene;
 }
 
 TEST(Stability, OfASheetInThePlane) {
-  expectStable(sheet(true, ContactFilter::None), 120);
+  expectStable(sheet(true, scene::ContactFilter::None), 120);
 }
 
 TEST(Stability, OfASheetInSpace) {
-  expectStable(sheet(false, ContactFilter::None), 120);
+  expectStable(sheet(false, scene::ContactFilter::None), 120);
 }
 
 TEST(Stability, OfASheetWithContacts) {
-  expectStable(sheet(true, ContactFilter::All), 60);
+  expectStable(sheet(true, scene::ContactFilter::All), 60);
 }
 
 /// The same in steps to a tolerance, where the energy may grow by its share.
-void expectStableToATolerance(Scene scene, double tolerance, int steps) {
-  alignStartToTarget(scene.model);
+void expectStableToATolerance(scene::Scene scene, double tolerance, int steps) {
+  model::alignStartToTarget(scene.model);
   for (int s = 0; s < 5; ++s) {
     for (int d = 0; d < 5; ++d) {
       scene.springs.springStiffness = kStiffnesses[s];
@@ -72,8 +72,9 @@ void expectStableToATolerance(Scene scene, double tolerance, int steps) {
       scene.brick.thickness = kThicknesses[(s + 2 * d + s / 2) % 4];
       SCOPED_TRACE(fmt::format("k_f {}, mu_v {}, to {}, thickness {}", kStiffnesses[s],
                                kDampings[d], tolerance, scene.brick.thickness));
-      SteppedScene run(scene, {.engine = Engine::Direct, .rate = 60, .tolerance = tolerance});
-      const Stability result = watchStability(run, steps);
+      study::SteppedScene run(
+          scene, {.engine = study::Engine::Direct, .rate = 60, .tolerance = tolerance});
+      const study::Stability result = study::watchStability(run, steps);
       EXPECT_TRUE(result.finite);
       EXPECT_LT(result.growth, tolerance);  // measured 0.76 times, and falls at 1e-4
       EXPECT_LT(result.gap, 1e-10);
@@ -84,20 +85,20 @@ void expectStableToATolerance(Scene scene, double tolerance, int steps) {
 
 TEST(Stability, OfSheetsInStepsToATolerance) {
   for (const double tolerance : {1e-2, 1e-4}) {
-    expectStableToATolerance(sheet(true, ContactFilter::None), tolerance, 60);
-    expectStableToATolerance(sheet(false, ContactFilter::None), tolerance, 60);
-    expectStableToATolerance(sheet(true, ContactFilter::All), tolerance, 30);
+    expectStableToATolerance(sheet(true, scene::ContactFilter::None), tolerance, 60);
+    expectStableToATolerance(sheet(false, scene::ContactFilter::None), tolerance, 60);
+    expectStableToATolerance(sheet(true, scene::ContactFilter::All), tolerance, 30);
   }
 }
 
-std::vector<Model> sheetAndCap() {
-  return {makeTessellation({.startAngle = 0.3}), makeSphericalCap({.size = 4})};
+std::vector<model::Model> sheetAndCap() {
+  return {model::makeTessellation({.startAngle = 0.3}), generate::makeSphericalCap({.size = 4})};
 }
 
-Scene undamped(const Model& model) {
-  Scene scene;
+scene::Scene undamped(const model::Model& model) {
+  scene::Scene scene;
   scene.model = model;
-  scene.environment.contacts = ContactFilter::None;
+  scene.environment.contacts = scene::ContactFilter::None;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.springs.forceDamping = scene.springs.torqueDamping = 0;
   scene.solver.planar = false;
@@ -106,10 +107,11 @@ Scene undamped(const Model& model) {
 }
 
 TEST(Conservation, OfEnergyUnderUndampedSprings) {
-  for (const Model& model : sheetAndCap()) {
-    Scene scene = undamped(model);
-    alignStartToTarget(scene.model);
-    SteppedScene run(scene, {.engine = Engine::Direct, .rate = 60, .tolerance = 1e-6});
+  for (const model::Model& model : sheetAndCap()) {
+    scene::Scene scene = undamped(model);
+    model::alignStartToTarget(scene.model);
+    study::SteppedScene run(scene,
+                            {.engine = study::Engine::Direct, .rate = 60, .tolerance = 1e-6});
     const double start = run.energy();
     for (int k = 0; k < 600; ++k) run.advance();
     EXPECT_NEAR(run.energy(), start, 1e-3 * start);  // measured 6e-5 and 1e-5
@@ -121,7 +123,7 @@ TEST(Conservation, OfEnergyUnderUndampedSprings) {
 struct Momenta {
   explicit Momenta(const test::Moving& moving) {
     for (std::size_t i = 0; i < moving.bricks.size(); ++i) {
-      const Brick& brick = moving.bricks[i];
+      const model::Brick& brick = moving.bricks[i];
       const auto& [linear, angular] = moving.motion.velocities[i];
       const auto& [position, rotation] = moving.motion.poses[i];
       const Vector3 own = rotation * (brick.inertia * (rotation.conjugate() * angular));
@@ -138,18 +140,19 @@ struct Momenta {
 };
 
 TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
-  for (const Model& model : sheetAndCap()) {
-    Scene scene = undamped(model);
-    alignStartToTarget(scene.model);
-    SteppedScene pulled(scene, {.engine = Engine::Direct, .rate = 60, .tolerance = 1e-6});
+  for (const model::Model& model : sheetAndCap()) {
+    scene::Scene scene = undamped(model);
+    model::alignStartToTarget(scene.model);
+    study::SteppedScene pulled(scene,
+                               {.engine = study::Engine::Direct, .rate = 60, .tolerance = 1e-6});
     for (int k = 0; k < 30; ++k) pulled.advance();
     scene.model.target.reset();
     test::Moving moving(scene);
     moving.dynamics->setTolerance({1e-6, 1.0 / 240, 1.0 / 60});
     moving.motion = pulled.motion();
     const Momenta before(moving);
-    const TimedLoads none = [](double, const Poses&, std::vector<Load>& loads) {
-      std::ranges::fill(loads, Load{});
+    const mechanics::TimedLoads none = [](double, const Poses&, std::vector<model::Load>& loads) {
+      std::ranges::fill(loads, model::Load{});
     };
     StepReport report;
     for (int k = 0; k < 600; ++k) {
@@ -164,19 +167,19 @@ TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
 
 /// Bricks that lie flush and are folded: they wedge, and their contacts' impulses do not converge.
 TEST(Stability, OfBricksThatWedge) {
-  Scene cap;
-  cap.model = makeSphericalCap({.size = 4});
-  Scene band;
-  band.model = makeMoebiusBand({.columns = 10});
-  for (Scene& scene : {std::ref(cap), std::ref(band)}) {
-    alignStartToTarget(scene.model);
-    scene.environment.contacts = ContactFilter::All;
+  scene::Scene cap;
+  cap.model = generate::makeSphericalCap({.size = 4});
+  scene::Scene band;
+  band.model = generate::makeMoebiusBand({.columns = 10});
+  for (scene::Scene& scene : {std::ref(cap), std::ref(band)}) {
+    model::alignStartToTarget(scene.model);
+    scene.environment.contacts = scene::ContactFilter::All;
     scene.springs.springStiffness = 25;
     scene.springs.forceDamping = 0.1;
     scene.brick.thickness = 0.001;
     scene.solver.timestep = 1.0 / 960;
-    SteppedScene run(scene);
-    const Stability result = watchStability(run, 960);
+    study::SteppedScene run(scene);
+    const study::Stability result = study::watchStability(run, 960);
     EXPECT_TRUE(result.finite);
     EXPECT_LT(result.growth, 1e-12);  // measured 0; 2e-4 and 8e-4 where impulses may do work
     EXPECT_LT(result.gap, 1e-10);     // measured 2e-12
@@ -189,10 +192,10 @@ TEST_P(StabilityOfModel, HoldsWithoutContacts) {
   const std::filesystem::path folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models" / GetParam();
   if (!exists(folder)) GTEST_SKIP() << folder << " is not here";
-  Scene scene;
+  scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model = readModelFolder(folder, warnings);
-  scene.environment.contacts = ContactFilter::None;
+  scene.model = model::readModelFolder(folder, warnings);
+  scene.environment.contacts = scene::ContactFilter::None;
   expectStable(scene, 60);
 }
 
@@ -202,15 +205,15 @@ TEST(StabilityOfPartialSphere, HoldsWhereBricksWedge) {
   const std::filesystem::path folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models/partialSphere";
   if (!exists(folder)) GTEST_SKIP() << folder << " is not here";
-  Scene scene;
+  scene::Scene scene;
   std::vector<std::string> warnings;
-  scene.model = readModelFolder(folder, warnings);
-  alignStartToTarget(scene.model);
-  scene.environment.contacts = ContactFilter::All;
+  scene.model = model::readModelFolder(folder, warnings);
+  model::alignStartToTarget(scene.model);
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.springs.springStiffness = 25;
   scene.springs.forceDamping = 2;
-  SteppedScene run(scene);
-  const Stability result = watchStability(run, 120);
+  study::SteppedScene run(scene);
+  const study::Stability result = study::watchStability(run, 120);
   EXPECT_TRUE(result.finite);
   EXPECT_LT(result.growth, 1e-12);  // measured 0; 7e-6 where closing costs nothing
   EXPECT_LT(result.gap, 1e-10);     // measured 2e-12

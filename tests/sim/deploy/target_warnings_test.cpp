@@ -15,16 +15,16 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-Scene sheet() {
-  Scene scene;
-  scene.model = makeTessellation({});
-  alignStartToTarget(scene.model);
+scene::Scene sheet() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  model::alignStartToTarget(scene.model);
   return scene;
 }
 
 /// The sheet with the targets of its upper half moved away.
-Scene tornSheet(double distance) {
-  Scene scene = sheet();
+scene::Scene tornSheet(double distance) {
+  scene::Scene scene = sheet();
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*scene.model.target)[i].vertices) vertex.x() += distance;
   }
@@ -32,66 +32,67 @@ Scene tornSheet(double distance) {
 }
 
 /// The sheet with its target seen in a mirror, face down.
-Scene mirroredSheet() {
-  Scene scene;
-  scene.model = makeTessellation({});
-  for (Tile& tile : *scene.model.target) {
+scene::Scene mirroredSheet() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.x() = -vertex.x();
   }
-  alignStartToTarget(scene.model);
+  model::alignStartToTarget(scene.model);
   return scene;
 }
 
 TEST(TargetWarnings, NoneWhereTheTargetFits) {
-  EXPECT_THAT(targetWarnings(sheet()), IsEmpty());
-  EXPECT_EQ(reachWarning(sheet(), assembleAtTarget(sheet())), "");
+  EXPECT_THAT(deploy::targetWarnings(sheet()), IsEmpty());
+  EXPECT_EQ(deploy::reachWarning(sheet(), deploy::assembleAtTarget(sheet())), "");
 }
 
 TEST(TargetWarnings, ATornTargetIsTold) {
-  EXPECT_THAT(targetWarnings(tornSheet(1)),
+  EXPECT_THAT(deploy::targetWarnings(tornSheet(1)),
               ElementsAre("the target is torn: its own joints are open by 1 m there (1 tiles), so "
                           "that closed joints cannot reach it"));
-  EXPECT_THAT(targetWarnings(tornSheet(1e-4)), IsEmpty());
+  EXPECT_THAT(deploy::targetWarnings(tornSheet(1e-4)), IsEmpty());
 }
 
 TEST(TargetWarnings, ATurnedOverTargetIsToldAndLeavesThePlane) {
-  const Scene scene = mirroredSheet();
-  EXPECT_THAT(targetWarnings(scene),
+  const scene::Scene scene = mirroredSheet();
+  EXPECT_THAT(deploy::targetWarnings(scene),
               ElementsAre("the target is turned over: 16 of 16 tiles face the other way there than "
                           "at the start"));
-  EXPECT_EQ(sceneNeeds(scene).planar.reason, "tiles are turned over at the target");
-  EXPECT_FALSE(sceneNeeds(scene).planar.on);
+  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "tiles are turned over at the target");
+  EXPECT_FALSE(scene::sceneNeeds(scene).planar.on);
 }
 
 TEST(TargetWarnings, ATurnedOverSheetArrivesThroughSpace) {
-  const DeploymentResult result = deploy(mirroredSheet(), 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  const deploy::DeploymentResult result = deploy::deploy(mirroredSheet(), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 1.9e-9
 }
 
 TEST(TargetWarnings, TilesOfOtherShapesAreOutOfReach) {
-  Scene scene = sheet();
-  for (Tile& tile : *scene.model.target) {
+  scene::Scene scene = sheet();
+  for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 1.5;
   }
   // A square's corner lies sqrt(1/2) from its middle.
-  EXPECT_THAT(targetWarnings(scene),
+  EXPECT_THAT(deploy::targetWarnings(scene),
               Contains("the target is out of reach: its tiles have other shapes, and rigid ones "
                        "cannot come nearer than 0.354 m (0.35 tiles)"));
 }
 
 TEST(TargetWarnings, AMovedStartIsToldWhereItsPlaceCounts) {
-  Scene scene = sheet();
+  scene::Scene scene = sheet();
   scene.alignment.moved = 2;
-  EXPECT_THAT(targetWarnings(scene), IsEmpty());
-  scene.environment.ground = Ground{};
-  EXPECT_THAT(targetWarnings(scene), ElementsAre(StartsWith("the start was moved by up to 2 m")));
+  EXPECT_THAT(deploy::targetWarnings(scene), IsEmpty());
+  scene.environment.ground = scene::Ground{};
+  EXPECT_THAT(deploy::targetWarnings(scene),
+              ElementsAre(StartsWith("the start was moved by up to 2 m")));
 }
 
 TEST(TargetWarnings, ARunToATornTargetSaysSoAtItsBeginningAndDoesNotClaimToArrive) {
   std::vector<std::string> told;
-  const DeploymentResult result =
-      deploy(tornSheet(1), 1.0 / 60, nullptr, [&told](const SearchNews& news) {
+  const deploy::DeploymentResult result =
+      deploy::deploy(tornSheet(1), 1.0 / 60, nullptr, [&told](const deploy::SearchNews& news) {
         if (!news.warning.empty()) told.push_back(news.warning);
         return true;
       });
@@ -99,7 +100,7 @@ TEST(TargetWarnings, ARunToATornTargetSaysSoAtItsBeginningAndDoesNotClaimToArriv
                                 StartsWith("the target is out of reach: the search for the nearest "
                                            "state with closed joints ended 0.5")));
   EXPECT_EQ(result.warnings, told);
-  EXPECT_EQ(result.outcome, Outcome::Locked);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("short of the target: no state with closed joints"));
   EXPECT_THAT(result.pathReason,
               HasSubstr("comes as near as joints that stay closed were found to"));

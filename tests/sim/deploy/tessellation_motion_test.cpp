@@ -10,9 +10,9 @@
 namespace kirireel {
 namespace {
 
-std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
+std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> vertices;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
   }
   return vertices;
@@ -25,11 +25,12 @@ double openingAngle(const Poses& poses) {
 }
 
 /// Largest distance of a vertex from the exact motion at the same angle, best rigid fit.
-double positionError(const TessellationShape& shape, const std::vector<Brick>& bricks,
+double positionError(const model::TessellationShape& shape, const std::vector<model::Brick>& bricks,
                      const Poses& poses) {
-  const std::vector<Vector3> found = verticesOf(bottomTiles(bricks, poses));
-  const std::vector<Vector3> exact = verticesOf(tessellationTiles(shape, openingAngle(poses)));
-  const RigidMotion fit = bestRigidMotion(exact, found);
+  const std::vector<Vector3> found = verticesOf(model::bottomTiles(bricks, poses));
+  const std::vector<Vector3> exact =
+      verticesOf(model::tessellationTiles(shape, openingAngle(poses)));
+  const model::RigidMotion fit = model::bestRigidMotion(exact, found);
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
     largest = std::max(largest, (fit.apply(exact[k]) - found[k]).norm());
@@ -47,24 +48,24 @@ struct MotionErrors {
 };
 
 MotionErrors deployedErrors(int side, bool planar, double stiffness) {
-  Scene scene;
-  TessellationShape shape;
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::None;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::None;
   scene.solver.planar = planar;
-  scene.springs = paperSprings();
+  scene.springs = scene::paperSprings();
   scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   MotionErrors errors;
-  for (const Sample& sample : result.trajectory.samples) {
+  for (const trajectory::Sample& sample : result.trajectory.samples) {
     errors.lastAngle = openingAngle(sample.poses);
     if (errors.lastAngle < 0.04) ++errors.compactSamples;
     double& largest = errors.lastAngle < 0.04 ? errors.compact : errors.open;
     const double error = positionError(shape, result.trajectory.bricks, sample.poses);
     largest = std::max(largest, error);
   }
-  errors.gap = result.accuracy.jointGapMax / modelSize(scene.model);
+  errors.gap = result.accuracy.jointGapMax / model::modelSize(scene.model);
   return errors;
 }
 

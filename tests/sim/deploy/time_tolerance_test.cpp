@@ -12,34 +12,34 @@ namespace kirireel {
 namespace {
 
 /// A sheet of squares that opens under its springs.
-Scene openingSheet(double tolerance) {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene openingSheet(double tolerance) {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 4;
   shape.startAngle = 5 * kDegree;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::None;
-  scene.path.kind = PathKind::Straight;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::None;
+  scene.path.kind = scene::PathKind::Straight;
   scene.solver.tolerance = tolerance;
   scene.stop.duration = 0.5;
   return scene;
 }
 
-DeploymentResult deployed(const Scene& scene, double rate) {
-  return deploy(scene, 1 / rate, nullptr);
+deploy::DeploymentResult deployed(const scene::Scene& scene, double rate) {
+  return deploy::deploy(scene, 1 / rate, nullptr);
 }
 
 /// The farthest that a vertex of one run is from its place in another at a common time.
-double largestDifference(const DeploymentResult& a, const DeploymentResult& b) {
+double largestDifference(const deploy::DeploymentResult& a, const deploy::DeploymentResult& b) {
   double largest = 0;
-  const std::vector<Brick>& bricks = a.trajectory.bricks;
-  for (const Sample& sample : a.trajectory.samples) {
-    const auto same = std::ranges::find_if(b.trajectory.samples, [&](const Sample& other) {
-      return std::abs(other.time - sample.time) < 1e-9;
-    });
+  const std::vector<model::Brick>& bricks = a.trajectory.bricks;
+  for (const trajectory::Sample& sample : a.trajectory.samples) {
+    const auto same = std::ranges::find_if(
+        b.trajectory.samples,
+        [&](const trajectory::Sample& other) { return std::abs(other.time - sample.time) < 1e-9; });
     if (same == b.trajectory.samples.end()) continue;
-    const std::vector<Tile> here = bottomTiles(bricks, sample.poses);
-    const std::vector<Tile> there = bottomTiles(bricks, same->poses);
+    const std::vector<model::Tile> here = model::bottomTiles(bricks, sample.poses);
+    const std::vector<model::Tile> there = model::bottomTiles(bricks, same->poses);
     for (std::size_t i = 0; i < here.size(); ++i) {
       for (std::size_t k = 0; k < here[i].vertices.size(); ++k) {
         largest = std::max(largest, (here[i].vertices[k] - there[i].vertices[k]).norm());
@@ -52,7 +52,7 @@ double largestDifference(const DeploymentResult& a, const DeploymentResult& b) {
 TEST(TimeTolerance, SamplesBetweenStepsFollowBothSides) {
   // The same times are between the steps of one run and at the steps of the other.
   const double tolerance = 1e-5;
-  Scene aligned = openingSheet(tolerance);
+  scene::Scene aligned = openingSheet(tolerance);
   aligned.solver.timestep = 1.0 / (4 * 97);
   const double difference =
       largestDifference(deployed(openingSheet(tolerance), 97), deployed(aligned, 97));
@@ -62,9 +62,9 @@ TEST(TimeTolerance, SamplesBetweenStepsFollowBothSides) {
 }
 
 TEST(TimeTolerance, IsKeptBySteps) {
-  const DeploymentResult exact = deployed(openingSheet(1e-7), 60);
+  const deploy::DeploymentResult exact = deployed(openingSheet(1e-7), 60);
   for (const double tolerance : {1e-3, 1e-5}) {
-    const DeploymentResult run = deployed(openingSheet(tolerance), 60);
+    const deploy::DeploymentResult run = deployed(openingSheet(tolerance), 60);
     EXPECT_LT(largestDifference(run, exact), 10 * tolerance)
         << tolerance;  // measured 0.3 and 0.9 times
     EXPECT_LT(largestDifference(run, exact),
@@ -72,18 +72,19 @@ TEST(TimeTolerance, IsKeptBySteps) {
     EXPECT_GT(run.cost.took.timeError, 0);
     EXPECT_EQ(run.cost.took.touchingTime, 0);
     EXPECT_EQ(run.cost.took.singularTime, 0);
-    for (const Sample& sample : run.trajectory.samples) EXPECT_LT(sample.jointGap, 1e-9);
+    for (const trajectory::Sample& sample : run.trajectory.samples)
+      EXPECT_LT(sample.jointGap, 1e-9);
   }
 }
 
 TEST(TimeTolerance, FixedStepsAreFarFromIt) {
-  const DeploymentResult exact = deployed(openingSheet(1e-6), 60);
+  const deploy::DeploymentResult exact = deployed(openingSheet(1e-6), 60);
   EXPECT_GT(largestDifference(deployed(openingSheet(0), 60), exact), 1e-3);  // measured 0.04
 }
 
 TEST(TimeTolerance, SamplesDependOnNoOtherSample) {
-  const DeploymentResult sparse = deployed(openingSheet(1e-4), 30);
-  const DeploymentResult dense = deployed(openingSheet(1e-4), 120);
+  const deploy::DeploymentResult sparse = deployed(openingSheet(1e-4), 30);
+  const deploy::DeploymentResult dense = deployed(openingSheet(1e-4), 120);
   EXPECT_EQ(largestDifference(sparse, dense), 0);
   EXPECT_EQ(sparse.cost.took.steps, dense.cost.took.steps);
   EXPECT_EQ(sparse.cost.took.timeError, dense.cost.took.timeError);
@@ -91,18 +92,18 @@ TEST(TimeTolerance, SamplesDependOnNoOtherSample) {
 
 TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {
   // A brick falls by 0.2 m on the ground and rests there.
-  Scene scene;
+  scene::Scene scene;
   scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.brick.thickness = 0.1;
   scene.environment.gravity = {0, 0, -10};
-  scene.environment.ground = Ground{-0.2, 0.5};
+  scene.environment.ground = scene::Ground{-0.2, 0.5};
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.solver.tolerance = 1e-4;
   scene.stop.duration = 1;
-  const DeploymentResult run = deployed(scene, 60);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
-  for (const Sample& sample : run.trajectory.samples) {
+  const deploy::DeploymentResult run = deployed(scene, 60);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  for (const trajectory::Sample& sample : run.trajectory.samples) {
     const double fallen = std::min(0.2, 5 * sample.time * sample.time);
     EXPECT_NEAR(sample.poses[0].position.z(), 0.05 - fallen, 1e-6);  // measured 5e-8
   }
@@ -112,33 +113,33 @@ TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {
 
 TEST(TimeTolerance, SaysForHowLongContactsWereTooMany) {
   // Weights fall on a heap: their corners come down one after the other, and slide.
-  Scene scene;
+  scene::Scene scene;
   for (int layer = 0; layer < 6; ++layer) {
     const double x = 0.3 * layer, z = 0.15 * layer;
     scene.model.tiles.push_back({{{x, 0, z}, {x + 1, 0, z}, {x + 1, 1, z}, {x, 1, z}}});
   }
   scene.brick.thickness = 0.1;
-  scene.environment.contacts = ContactFilter::All;
+  scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = {0, 0, -10};
-  scene.environment.ground = Ground{-0.2, 0.5};
+  scene.environment.ground = scene::Ground{-0.2, 0.5};
   scene.environment.brickFriction = 0.5;
-  scene.actuation.drive = Drive::None;
+  scene.actuation.drive = scene::Drive::None;
   scene.solver.tolerance = 1e-4;
   scene.stop.duration = 1;
-  const DeploymentResult run = deployed(scene, 60);
+  const deploy::DeploymentResult run = deployed(scene, 60);
   EXPECT_GT(run.cost.took.touchingTime, 0);
   EXPECT_LT(run.cost.took.touchingTime, run.trajectory.samples.back().time - 0.15);
   EXPECT_LT(run.accuracy.penetrationGrownMax, 1e-4);
 }
 
 TEST(TimeTolerance, GoesOnThroughSingularStarts) {
-  Scene scene = openingSheet(1e-4);
-  TessellationShape shape;
+  scene::Scene scene = openingSheet(1e-4);
+  model::TessellationShape shape;
   shape.columns = shape.rows = 4;
-  scene.model = makeTessellation(shape);  // closed
+  scene.model = model::makeTessellation(shape);  // closed
   scene.stop.duration = 5;
-  const DeploymentResult run = deployed(scene, 60);
-  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const deploy::DeploymentResult run = deployed(scene, 60);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
   EXPECT_LT(run.accuracy.targetErrorEnd, 1e-5);
   EXPECT_LT(run.accuracy.jointGapMax, 1e-10);
 }

@@ -1,22 +1,25 @@
+#include "sim/deploy/timeline_runner.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/deploy/timeline_runner.h"
 #include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
 
-using namespace timeline;
+using namespace scene::timeline;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 /// Notes what it is told to do.
-struct NotingStage : TimelineStage {
+struct NotingStage : deploy::TimelineStage {
   void setPinned(const std::vector<bool>& pinned) override {
     done.push_back("pinned " + std::to_string(std::count(pinned.begin(), pinned.end(), true)));
   }
-  void goTo(const std::vector<Tile>* target) override { done.push_back(target ? "go" : "home"); }
+  void goTo(const std::vector<model::Tile>* target) override {
+    done.push_back(target ? "go" : "home");
+  }
   void reset() override { done.push_back("reset"); }
   void quit() override { done.push_back("quit"); }
   std::vector<std::string> done;
@@ -24,20 +27,20 @@ struct NotingStage : TimelineStage {
 
 class TimelineRunnerTest : public testing::Test {
  protected:
-  Model model = makeTessellation({});
-  std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  Poses poses = startPoses(model.tiles, bricks);
+  model::Model model = model::makeTessellation({});
+  std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  Poses poses = model::startPoses(model.tiles, bricks);
   NotingStage stage;
-  std::vector<Event> events;
+  std::vector<trajectory::Event> events;
 
-  TimelineView viewAt(double time) { return {time, false, 1, 1, false, &poses}; }
+  deploy::TimelineView viewAt(double time) { return {time, false, 1, 1, false, &poses}; }
 };
 
 TEST_F(TimelineRunnerTest, DoesWhatIsDueAtItsTime) {
-  const Timeline timeline = {{{Occasion::Kind::AtTime, 0.5}, Pin{{3, 1}}},
-                             {{Occasion::Kind::After, 0.25}, Unpin{}},
-                             {{}, Quit{}}};
-  TimelineRunner runner(timeline, bricks);
+  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtTime, 0.5}, Pin{{3, 1}}},
+                                    {{scene::Occasion::Kind::After, 0.25}, Unpin{}},
+                                    {{}, Quit{}}};
+  deploy::TimelineRunner runner(timeline, bricks);
   EXPECT_FALSE(runner.carryOut(viewAt(0.49), stage, events));
   EXPECT_TRUE(runner.carryOut(viewAt(0.5), stage, events));
   EXPECT_THAT(runner.pinnedTiles(), ElementsAre(1, 3));
@@ -54,18 +57,18 @@ TEST_F(TimelineRunnerTest, DoesWhatIsDueAtItsTime) {
 }
 
 TEST_F(TimelineRunnerTest, TimesThatAreSumsOfStepsAreMet) {
-  const Timeline timeline = {{{Occasion::Kind::AtTime, 0.3}, Quit{}}};
-  TimelineRunner runner(timeline, bricks);
+  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtTime, 0.3}, Quit{}}};
+  deploy::TimelineRunner runner(timeline, bricks);
   EXPECT_TRUE(runner.carryOut(viewAt(0.1 + 0.2 - 1e-12), stage, events));
 }
 
 TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
-  const Timeline timeline = {{{Occasion::Kind::AtRest}, Snapshot{}},
-                             {{Occasion::Kind::ErrorBelow, 0.1}, Export{}},
-                             {{Occasion::Kind::ProgressAbove, 0.95}, Forces{false}},
-                             {{Occasion::Kind::AtTarget}, Reset{}}};
-  TimelineRunner runner(timeline, bricks);
-  TimelineView view = viewAt(0);
+  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtRest}, Snapshot{}},
+                                    {{scene::Occasion::Kind::ErrorBelow, 0.1}, Export{}},
+                                    {{scene::Occasion::Kind::ProgressAbove, 0.95}, Forces{false}},
+                                    {{scene::Occasion::Kind::AtTarget}, Reset{}}};
+  deploy::TimelineRunner runner(timeline, bricks);
+  deploy::TimelineView view = viewAt(0);
   EXPECT_FALSE(runner.carryOut(view, stage, events));
   EXPECT_EQ(runner.pending(), "the timeline still waits for rest to snapshot");
   view.atRest = true;
@@ -85,10 +88,10 @@ TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
 
 TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
   // What the first does changes the state that the second waits for.
-  const Timeline timeline = {{{Occasion::Kind::AtRest}, GoTo{}},
-                             {{Occasion::Kind::AtRest}, Quit{}}};
-  TimelineRunner runner(timeline, bricks);
-  TimelineView view = viewAt(0);
+  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtRest}, GoTo{}},
+                                    {{scene::Occasion::Kind::AtRest}, Quit{}}};
+  deploy::TimelineRunner runner(timeline, bricks);
+  deploy::TimelineView view = viewAt(0);
   view.atRest = true;
   EXPECT_TRUE(runner.carryOut(view, stage, events));
   EXPECT_THAT(stage.done, ElementsAre("home"));
@@ -97,8 +100,8 @@ TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
 }
 
 TEST_F(TimelineRunnerTest, PausesForItsTime) {
-  const Timeline timeline = {{{Occasion::Kind::AtTime, 1}, Pause{0.5}}};
-  TimelineRunner runner(timeline, bricks);
+  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtTime, 1}, Pause{0.5}}};
+  deploy::TimelineRunner runner(timeline, bricks);
   runner.carryOut(viewAt(1), stage, events);
   EXPECT_TRUE(runner.isPaused(1.49));
   EXPECT_FALSE(runner.isOver(1.49));
@@ -110,10 +113,11 @@ TEST_F(TimelineRunnerTest, DragsAlongThePathAtEvenSpeed) {
   // second.
   const Vector3 start = poses[2].position;
   const Vector3 corner = start + Vector3(1, 0, 0);
-  const Timeline timeline = {{{}, Drag{2, {}, {corner, corner + Vector3(0, 3, 0)}, 4, 10, 7}}};
-  TimelineRunner runner(timeline, bricks);
+  const scene::Timeline timeline = {
+      {{}, Drag{2, {}, {corner, corner + Vector3(0, 3, 0)}, 4, 10, 7}}};
+  deploy::TimelineRunner runner(timeline, bricks);
   runner.carryOut(viewAt(0), stage, events);
-  std::vector<Load> loads(bricks.size());
+  std::vector<model::Load> loads(bricks.size());
   runner.addDrags(2, poses, loads);
   const Vector3 force = loads[2].force.head<3>();
   EXPECT_LT((force - 10 * Vector3(1, 1, 0)).norm(), 1e-12);
@@ -121,7 +125,7 @@ TEST_F(TimelineRunnerTest, DragsAlongThePathAtEvenSpeed) {
   EXPECT_TRUE(loads[1].force.isZero(0));
   // Let go at the end.
   runner.carryOut(viewAt(4), stage, events);
-  loads.assign(bricks.size(), Load{});
+  loads.assign(bricks.size(), model::Load{});
   runner.addDrags(4, poses, loads);
   EXPECT_TRUE(loads[2].force.isZero(0));
   EXPECT_TRUE(runner.isOver(4));

@@ -9,19 +9,19 @@
 namespace kirireel {
 namespace {
 
-using namespace timeline;
+using namespace scene::timeline;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr double kPi = 3.14159265358979323846;
 
 /// A 3 x 3 sheet that opens by 90 degrees.
-Scene sheetScene(double startAngle = 0.3) {
-  Scene scene;
-  TessellationShape shape;
+scene::Scene sheetScene(double startAngle = 0.3) {
+  scene::Scene scene;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 3;
   shape.startAngle = startAngle;
-  scene.model = makeTessellation(shape);
+  scene.model = model::makeTessellation(shape);
   return scene;
 }
 
@@ -40,12 +40,12 @@ double largestMove(const Poses& a, const Poses& b) {
 TEST(Drives, ExpansionOpensASheetToItsGeometricLimit) {
   // Rotating squares are widest half way round, each tile turned by 45 degrees from closed.
   for (const std::optional<bool> planar : {std::optional<bool>{}, std::optional<bool>{false}}) {
-    Scene scene = sheetScene();
+    scene::Scene scene = sheetScene();
     scene.model.target.reset();
-    scene.actuation.drive = Drive::Expansion;
+    scene.actuation.drive = scene::Drive::Expansion;
     scene.solver.planar = planar;
-    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
     const Poses& end = result.trajectory.samples.back().poses;
     const double between = turnOf(end[1]) - turnOf(end[0]);
     EXPECT_NEAR(std::abs(between) + 0.3, kPi / 2, 1e-4);  // measured below
@@ -57,31 +57,31 @@ TEST(Drives, ExpansionOpensASheetToItsGeometricLimit) {
 }
 
 TEST(Drives, BoundarySpringsOpenASheet) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.model.target.reset();
-  scene.actuation.drive = Drive::Boundary;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  scene.actuation.drive = scene::Drive::Boundary;
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
   const Poses& end = result.trajectory.samples.back().poses;
   // Springs to points, not a push without end: the sheet stops short of its limit of 1.57.
   EXPECT_GT(std::abs(turnOf(end[1]) - turnOf(end[0])) + 0.3, 1.3);  // measured 1.380
 }
 
 TEST(Drives, NoneLeavesTheSheetAlone) {
-  Scene scene = sheetScene();
-  scene.actuation.drive = Drive::None;
+  scene::Scene scene = sheetScene();
+  scene.actuation.drive = scene::Drive::None;
   scene.stop.duration = 1;
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_LT(largestMove(samples.front().poses, samples.back().poses), 1e-4);  // the nudge
-  EXPECT_EQ(result.outcome, Outcome::Settled);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled);
 }
 
 TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{}, Pin{{0, 8}}}, {{Occasion::Kind::AtTime, 1}, Unpin{{8}}}};
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{}, Pin{{0, 8}}}, {{scene::Occasion::Kind::AtTime, 1}, Unpin{{8}}}};
   scene.stop.duration = 1.5;
-  const DeploymentResult result = deploy(scene, 0.05, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_THAT(samples[1].pinned, ElementsAre(0, 8));
   EXPECT_THAT(samples.back().pinned, ElementsAre(0));
@@ -94,12 +94,12 @@ TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
 }
 
 TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{Occasion::Kind::AtTime, 0.5}, Pause{0.5}}};
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{scene::Occasion::Kind::AtTime, 0.5}, Pause{0.5}}};
   scene.stop.duration = 2;
-  const DeploymentResult paused = deploy(scene, 0.05, nullptr);
+  const deploy::DeploymentResult paused = deploy::deploy(scene, 0.05, nullptr);
   scene.timeline.clear();
-  const DeploymentResult whole = deploy(scene, 0.05, nullptr);
+  const deploy::DeploymentResult whole = deploy::deploy(scene, 0.05, nullptr);
   const auto& a = paused.trajectory.samples;
   const auto& b = whole.trajectory.samples;
   EXPECT_EQ(largestMove(a[10].poses, a[20].poses), 0);
@@ -108,39 +108,42 @@ TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
 }
 
 TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
-  Scene scene = sheetScene(0.05);
-  const DeploymentResult direct = deploy(scene, 1.0 / 60, nullptr);
-  const Scene half = sheetScene(0.8);
-  scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTarget}, GoTo{}}};
+  scene::Scene scene = sheetScene(0.05);
+  const deploy::DeploymentResult direct = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const scene::Scene half = sheetScene(0.8);
+  scene.timeline = {{{}, GoTo{"half", half.model.tiles}},
+                    {{scene::Occasion::Kind::AtTarget}, GoTo{}}};
   scene.stop.duration = 60;
-  const DeploymentResult chain = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(chain.outcome, Outcome::Settled) << chain.reason;
-  ASSERT_EQ(chain.trajectory.events.size(), 3u);                            // and the end
-  EXPECT_LT(chain.accuracy.targetErrorEnd, 1e-6 * modelSize(scene.model));  // measured 1.1e-6
+  const deploy::DeploymentResult chain = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(chain.outcome, deploy::Outcome::Settled) << chain.reason;
+  ASSERT_EQ(chain.trajectory.events.size(), 3u);  // and the end
+  EXPECT_LT(chain.accuracy.targetErrorEnd,
+            1e-6 * model::modelSize(scene.model));  // measured 1.1e-6
   EXPECT_LT(
       largestMove(direct.trajectory.samples.back().poses, chain.trajectory.samples.back().poses),
-      1e-6 * modelSize(scene.model));
+      1e-6 * model::modelSize(scene.model));
 }
 
 TEST(Timelines, ForcesOffAndOnAgain) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{}, Forces{false}}, {{Occasion::Kind::AtTime, 1}, Forces{true}}};
-  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{}, Forces{false}}, {{scene::Occasion::Kind::AtTime, 1}, Forces{true}}};
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_LT(largestMove(samples[0].poses, samples[9].poses), 1e-4);
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);
-  EXPECT_EQ(result.outcome, Outcome::Settled);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Settled);
 }
 
 TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.model.target.reset();
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const Vector3 goal = startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const Vector3 goal =
+      model::startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
   scene.timeline = {{{}, Drag{8, {}, {goal}, 1, 1e4, 50}},
-                    {{Occasion::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
+                    {{scene::Occasion::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
   scene.stop.duration = 1.9;
-  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_TRUE(result.needs.planar.on) << result.needs.planar.reason;
   EXPECT_LT((samples.back().poses[8].position - goal).norm(), 0.01);
@@ -148,13 +151,13 @@ TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
 }
 
 TEST(Timelines, ResetGoesBackToTheStart) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{Occasion::Kind::AtTime, 1}, Pin{{0}}},
-                    {{Occasion::Kind::AtTime, 1}, Reset{}},
-                    {{Occasion::Kind::AtTime, 2}, Quit{}}};
-  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{scene::Occasion::Kind::AtTime, 1}, Pin{{0}}},
+                    {{scene::Occasion::Kind::AtTime, 1}, Reset{}},
+                    {{scene::Occasion::Kind::AtTime, 2}, Quit{}}};
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
-  EXPECT_EQ(result.outcome, Outcome::OutOfTime);
+  EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime);
   EXPECT_THAT(result.reason, HasSubstr("the timeline ended the run at 2 s"));
   ASSERT_EQ(samples.size(), 21u);
   // From the reset on everything happens again, to the bit.
@@ -163,17 +166,17 @@ TEST(Timelines, ResetGoesBackToTheStart) {
 }
 
 TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.solver.tolerance = 1e-6;
-  scene.timeline = {{{Occasion::Kind::AtTime, 0.21}, Forces{false}},
-                    {{Occasion::Kind::After, 0.0123}, Pause{0.1}},
-                    {{Occasion::Kind::AtTime, 0.43}, Forces{true}}};
+  scene.timeline = {{{scene::Occasion::Kind::AtTime, 0.21}, Forces{false}},
+                    {{scene::Occasion::Kind::After, 0.0123}, Pause{0.1}},
+                    {{scene::Occasion::Kind::AtTime, 0.43}, Forces{true}}};
   scene.stop.duration = 0.5;
-  std::vector<DeploymentResult> runs;
+  std::vector<deploy::DeploymentResult> runs;
   for (const double timestep : {1.0 / 240, 1.0 / 80}) {
     scene.solver.timestep = timestep;
-    runs.push_back(deploy(scene, 0.05, nullptr));
-    const std::vector<Event>& events = runs.back().trajectory.events;
+    runs.push_back(deploy::deploy(scene, 0.05, nullptr));
+    const std::vector<trajectory::Event>& events = runs.back().trajectory.events;
     ASSERT_EQ(events.size(), 4u);  // and the end
     EXPECT_NEAR(events[0].time, 0.21, 1e-12);
     EXPECT_NEAR(events[1].time, 0.2223, 1e-12);
@@ -188,15 +191,15 @@ TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
 }
 
 TEST(Deploy, ComesToRestAtATimeThatStepsDoNotMove) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.springs.adaptive = false;
   scene.solver.tolerance = 1e-6;
   scene.stop.settleSpeed = 1e-3;  // far above what the tolerance leaves of speeds
   std::vector<double> ends;
   for (const double timestep : {1.0 / 480, 1.0 / 240, 1.0 / 80}) {
     scene.solver.timestep = timestep;
-    const DeploymentResult result = deploy(scene, 0.05, nullptr);
-    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
+    EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
     ends.push_back(result.trajectory.samples.back().time);
   }
   // Measured 1.1e-3 s apart; the run is looked at every 1/120 to 1/20 s.
@@ -204,28 +207,28 @@ TEST(Deploy, ComesToRestAtATimeThatStepsDoNotMove) {
 }
 
 TEST(Timelines, AnEntryJustBeforeTheEndDoesNotShortenTheRun) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{Occasion::Kind::AtTime, 0.495}, Forces{false}}};
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{scene::Occasion::Kind::AtTime, 0.495}, Forces{false}}};
   scene.stop.duration = 0.5;
-  const DeploymentResult result = deploy(scene, 0.05, nullptr);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
   EXPECT_NEAR(result.trajectory.samples.back().time, 0.5, 1e-12);
   EXPECT_NEAR(result.trajectory.events.front().time, 0.495, 1e-12);
 }
 
 TEST(Timelines, WaitingInVainEndsTheRun) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{Occasion::Kind::ErrorBelow, 0}, Quit{}}};
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Locked);
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{scene::Occasion::Kind::ErrorBelow, 0}, Quit{}}};
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_EQ(result.reason,
             "came to rest, yet the timeline still waits for an error below 0 m to quit");
 }
 
 TEST(Timelines, AnEntryAfterTheEndIsRefused) {
-  Scene scene = sheetScene();
-  scene.timeline = {{{Occasion::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
+  scene::Scene scene = sheetScene();
+  scene.timeline = {{{scene::Occasion::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
   try {
-    deploy(scene, 0.1, nullptr);
+    deploy::deploy(scene, 0.1, nullptr);
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -237,20 +240,20 @@ TEST(Timelines, AnEntryAfterTheEndIsRefused) {
 /// Two opposite corners pinned hold a mechanism of one degree of freedom; but its closed state is
 /// singular, and to first order it could move.
 TEST(Timelines, PinsThatHoldTheMechanismLockItSoon) {
-  Scene scene;
-  scene.model = makeTessellation({});
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   scene.timeline = {{{}, Pin{{0, 15}}}};
-  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Locked);
+  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("exact joints leave the tiles no way on"));
   EXPECT_LT(result.trajectory.samples.back().time, 2);  // measured 0.78 s
 }
 
 TEST(Timelines, BulletRefusesPins) {
-  Scene scene = sheetScene();
-  scene.solver.kind = SolverKind::Bullet;
+  scene::Scene scene = sheetScene();
+  scene.solver.kind = scene::SolverKind::Bullet;
   scene.timeline = {{{}, Pin{{0}}}};
-  EXPECT_THROW(deploy(scene, 0.1, nullptr), InputError);
+  EXPECT_THROW(deploy::deploy(scene, 0.1, nullptr), InputError);
 }
 
 }  // namespace

@@ -10,38 +10,41 @@ namespace kirireel {
 namespace {
 
 /// Two triangles about the y axis, folded by an angle; neither is isosceles.
-FoldPoints valley(double angle) {
+mechanics::FoldPoints valley(double angle) {
   return {Vector3(0, 0, 0), Vector3(0, 2, 0), Vector3(-1.5, 0.7, 0),
           Vector3(1.1 * std::cos(angle), 1.4, 1.1 * std::sin(angle))};
 }
 
 TEST(Folds, HaveTheAngleOfFold) {
   for (const double angle : {-3.0, -1.2, -1e-9, 0.0, 0.4, 1.7, 3.1}) {
-    EXPECT_NEAR(foldAngle(valley(angle)), angle, 1e-14);
+    EXPECT_NEAR(mechanics::foldAngle(valley(angle)), angle, 1e-14);
   }
 }
 
 TEST(Folds, HaveTheDerivativesOfTheirAngle) {
   const double h = 1e-5;
   for (const double angle : {-2.8, -1.0, 0.0, 0.6, 2.2}) {
-    const FoldPoints points = valley(angle);
-    const Vector12 slope = foldSlope(points);
-    const Matrix12 bend = foldBend(points);
+    const mechanics::FoldPoints points = valley(angle);
+    const Vector12 slope = mechanics::foldSlope(points);
+    const Matrix12 bend = mechanics::foldBend(points);
     EXPECT_LT((bend - bend.transpose()).norm(), 1e-13);
     for (int k = 0; k < 12; ++k) {
-      FoldPoints more = points, less = points;
+      mechanics::FoldPoints more = points, less = points;
       more[static_cast<std::size_t>(k / 3)][k % 3] += h;
       less[static_cast<std::size_t>(k / 3)][k % 3] -= h;
-      EXPECT_NEAR(slope[k], (foldAngle(more) - foldAngle(less)) / (2 * h), 1e-9);
-      EXPECT_LT((bend.col(k) - (foldSlope(more) - foldSlope(less)) / (2 * h)).norm(), 1e-8);
+      EXPECT_NEAR(slope[k], (mechanics::foldAngle(more) - mechanics::foldAngle(less)) / (2 * h),
+                  1e-9);
+      EXPECT_LT((bend.col(k) - (mechanics::foldSlope(more) - mechanics::foldSlope(less)) / (2 * h))
+                    .norm(),
+                1e-8);
     }
   }
 }
 
 /// The two triangles with bars at their edges and a fold; the left one stays.
-BarHingeModel flap(double angle, double stiffness) {
-  BarHingeModel model;
-  const FoldPoints points = valley(angle);
+mechanics::BarHingeModel flap(double angle, double stiffness) {
+  mechanics::BarHingeModel model;
+  const mechanics::FoldPoints points = valley(angle);
   model.nodes.assign(points.begin(), points.end());
   for (const auto& [a, b] : {std::pair(0, 1), {0, 2}, {1, 2}, {0, 3}, {1, 3}}) {
     const double length =
@@ -57,30 +60,30 @@ BarHingeModel flap(double angle, double stiffness) {
 }
 
 TEST(BarHingeSheets, HaveTheDerivativesOfTheirEnergy) {
-  const BarHingeSheet sheet(flap(0.5, 0.7), {{{{3}}, Vector3::UnitZ(), 2, true}});
-  const LoadedSheet::Vector start = sheet.startCoordinates();
-  LoadedSheet::Vector q = start;
+  const mechanics::BarHingeSheet sheet(flap(0.5, 0.7), {{{{3}}, Vector3::UnitZ(), 2, true}});
+  const mechanics::LoadedSheet::Vector start = sheet.startCoordinates();
+  mechanics::LoadedSheet::Vector q = start;
   for (Eigen::Index k = 0; k < q.size(); ++k) q[k] += 0.1 * std::sin(3.7 * static_cast<double>(k));
   const double h = 1e-5, load = 0.3;
-  const auto total = [&](const LoadedSheet::Vector& at) {
+  const auto total = [&](const mechanics::LoadedSheet::Vector& at) {
     return sheet.energy(at) - load * sheet.pull(at).dot(at - start);
   };
-  const LoadedSheet::Vector slope = sheet.gradient(q, load), none;
+  const mechanics::LoadedSheet::Vector slope = sheet.gradient(q, load), none;
   const Eigen::MatrixXd bend = sheet.hessian(q, load, none);
   for (Eigen::Index k = 0; k < q.size(); ++k) {
-    LoadedSheet::Vector more = q, less = q;
+    mechanics::LoadedSheet::Vector more = q, less = q;
     more[k] += h;
     less[k] -= h;
     EXPECT_NEAR(slope[k], (total(more) - total(less)) / (2 * h), 1e-7);
-    const LoadedSheet::Vector change =
+    const mechanics::LoadedSheet::Vector change =
         (sheet.gradient(more, load) - sheet.gradient(less, load)) / (2 * h);
     EXPECT_LT((bend.col(k) - change).norm(), 1e-6);
   }
 }
 
 TEST(BarHingeSheets, HoldNothingAsTheWholeMoves) {
-  const BarHingeSheet sheet(flap(0.5, 0.7), {});
-  LoadedSheet::Vector q = sheet.startCoordinates();
+  const mechanics::BarHingeSheet sheet(flap(0.5, 0.7), {});
+  mechanics::LoadedSheet::Vector q = sheet.startCoordinates();
   const Quaternion turn(Eigen::AngleAxisd(1.3, Vector3(1, 2, -1).normalized()));
   for (Eigen::Index k = 0; k < q.size(); k += 3) {
     q.segment<3>(k) = (turn * q.segment<3>(k) + Vector3(3, -2, 5)).eval();
@@ -92,13 +95,13 @@ TEST(BarHingeSheets, HoldNothingAsTheWholeMoves) {
 // A flap that is lifted at its wing turns by M = F r: with stiff bars, the height r sin(angle) asks
 // for F = k (angle - rest) / (r cos(angle)).
 TEST(BarHingeSheets, FollowAFlapThatIsLifted) {
-  BarHingeModel model = flap(0.2, 0.7);
-  for (Bar& bar : model.bars) bar.stiffness = 1e6;
+  mechanics::BarHingeModel model = flap(0.2, 0.7);
+  for (mechanics::Bar& bar : model.bars) bar.stiffness = 1e6;
   const double r = 1.1, rise = r * (std::sin(1.1) - std::sin(0.2));
-  const BarHingeSheet sheet(model, {{{{3}}, Vector3::UnitZ(), rise, false}});
-  const LoadPath path = followLoad(sheet, 0, {}, {});
+  const mechanics::BarHingeSheet sheet(model, {{{{3}}, Vector3::UnitZ(), rise, false}});
+  const mechanics::LoadPath path = mechanics::followLoad(sheet, 0, {}, {});
   EXPECT_TRUE(path.arrives) << path.trouble;
-  for (const Equilibrium& state : path.states) {
+  for (const mechanics::Equilibrium& state : path.states) {
     const double angle = std::asin(std::sin(0.2) + state.displacements[0] / r);
     const double force = 0.7 * (angle - 0.2) / (r * std::cos(angle));
     EXPECT_NEAR(state.forces[0], force, 1e-5 * force + 1e-6);  // bars give by F / 1e6
@@ -112,22 +115,23 @@ TEST(BarHingeSheets, FollowAFlapThatIsLifted) {
 /// through: von Mises' truss, F = 2 k y (1 - l0 / l).
 TEST(BarHingeSheets, SnapThroughAsVonMisesTrussDoes) {
   const double b = 1, h = 0.3, stiffness = 40, rest = std::hypot(b, h);
-  BarHingeModel model;
+  mechanics::BarHingeModel model;
   model.nodes = {Vector3(-b, 0, 0), Vector3(b, 0, 0), Vector3(0, 0, h)};
   model.bars = {{0, 2, rest, stiffness}, {1, 2, rest, stiffness}};
   model.fixed = {0, 1};
-  const std::vector<NodeGrip> grips = {{{{2}}, Vector3::UnitZ(), -2 * h, false},
-                                       {{{2}}, Vector3::UnitX(), 0, false},
-                                       {{{2}}, Vector3::UnitY(), 0, false}};
-  const BarHingeSheet sheet(model, grips);
-  const LoadPath path = followLoad(sheet, 0, {}, {});
+  const std::vector<mechanics::NodeGrip> grips = {{{{2}}, Vector3::UnitZ(), -2 * h, false},
+                                                  {{{2}}, Vector3::UnitX(), 0, false},
+                                                  {{{2}}, Vector3::UnitY(), 0, false}};
+  const mechanics::BarHingeSheet sheet(model, grips);
+  const mechanics::LoadPath path = mechanics::followLoad(sheet, 0, {}, {});
   EXPECT_TRUE(path.arrives) << path.trouble;
   const auto force = [&](double y) { return 2 * stiffness * y * (1 - rest / std::hypot(b, y)); };
   const double snap = std::sqrt(std::pow(rest * b * b, 2.0 / 3) - b * b);
   double largest = 0;
-  for (const Equilibrium& state : path.states) {
+  for (const mechanics::Equilibrium& state : path.states) {
     EXPECT_NEAR(state.forces[0], force(h + state.displacements[0]), 1e-10);
-    if (state.turning == Turning::ForceLimit) largest = std::max(largest, -state.forces[0]);
+    if (state.turning == mechanics::Turning::ForceLimit)
+      largest = std::max(largest, -state.forces[0]);
   }
   EXPECT_NEAR(largest, -force(snap), 1e-10);
   EXPECT_NEAR(path.states.back().energy, 0, 1e-14);

@@ -18,15 +18,17 @@ using Complex = std::complex<double>;
 
 /// A ligament between two bricks at given places and turns.
 struct Two {
-  Ligament ligament{.pointA = {0.3, 0.1, 0}, .pointB = {-0.2, 0.25, 0}, .start = {0.4, 0.2, 0}};
+  model::Ligament ligament{
+      .pointA = {0.3, 0.1, 0}, .pointB = {-0.2, 0.25, 0}, .start = {0.4, 0.2, 0}};
   Two() {
     ligament.stretchStiffness = 3;
     ligament.shearStiffness = 0.7;
   }
-  PlanarEnergy at(const Vector6& u) const {
+  model::PlanarEnergy at(const Vector6& u) const {
     const Vector3 armA = rotationFromVector({0, 0, u[2]}) * ligament.pointA;
     const Vector3 armB = rotationFromVector({0, 0, u[5]}) * ligament.pointB;
-    return ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2], u[5]);
+    return model::ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2],
+                                 u[5]);
   }
   /// Where the ligament is at rest.
   Vector6 rest() const {
@@ -42,12 +44,12 @@ TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
   for (const double size : {0.1, 0.5, 1.2}) {
     Vector6 u = two.rest();
     u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
-    const PlanarEnergy found = two.at(u);
+    const model::PlanarEnergy found = two.at(u);
     for (int k = 0; k < 6; ++k) {
       Vector6 more = u, less = u;
       more[k] += h;
       less[k] -= h;
-      const PlanarEnergy above = two.at(more), below = two.at(less);
+      const model::PlanarEnergy above = two.at(more), below = two.at(less);
       EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
@@ -69,12 +71,12 @@ TEST(Ligaments, WithoutLengthHaveTheDerivativesOfTheirEnergy) {
   for (const double size : {0.0, 0.1, 0.5, 1.2}) {
     Vector6 u = two.rest();
     u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
-    const PlanarEnergy found = two.at(u);
+    const model::PlanarEnergy found = two.at(u);
     for (int k = 0; k < 6; ++k) {
       Vector6 more = u, less = u;
       more[k] += h;
       less[k] -= h;
-      const PlanarEnergy above = two.at(more), below = two.at(less);
+      const model::PlanarEnergy above = two.at(more), below = two.at(less);
       EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
@@ -109,13 +111,14 @@ TEST(Ligaments, HoldNothingAsTheWholeTurns) {
 TEST(Ligaments, WithTheirBendingAreBeams) {
   const double youngs = 2e6, width = 0.01, length = 1, thickness = 0.02;
   const double bending = youngs * thickness * width * width * width / 12;
-  Ligament ligament;
+  model::Ligament ligament;
   ligament.pointA = ligament.pointB = Vector3::Zero();
   ligament.start = Vector3(length, 0, 0);
-  setNeckStiffness(youngs, 0.3, thickness, width, length, ligament);
+  model::setNeckStiffness(youngs, 0.3, thickness, width, length, ligament);
   EXPECT_NEAR(ligament.stretchStiffness, youngs * width * thickness / length, 1e-9);
   Matrix6 hessian =
-      ligamentEnergy(ligament, ligament.start, Vector3::Zero(), Vector3::Zero(), 0, 0).hessian;
+      model::ligamentEnergy(ligament, ligament.start, Vector3::Zero(), Vector3::Zero(), 0, 0)
+          .hessian;
   hessian(5, 5) += bending / length;  // of the hinge's spring
   const Matrix3 free = hessian.bottomRightCorner<3, 3>();
   const Vector3 byForce = free.inverse() * Vector3(0, 1, 0);
@@ -129,8 +132,8 @@ TEST(Ligaments, WithTheirBendingAreBeams) {
 
 /// A slender neck along x between two points, as a ligament and the spring at its hinge.
 struct ClampedBeam {
-  Ligament ligament;
-  HingeSpring spring{{0, 1, Vector3::UnitZ(), 0, -4, 4}};
+  model::Ligament ligament;
+  model::HingeSpring spring{{0, 1, Vector3::UnitZ(), 0, -4, 4}};
   double bending = 0;  // E I
   static constexpr double kLength = 0.5;
 
@@ -141,7 +144,7 @@ struct ClampedBeam {
     ligament.start = Vector3(kLength, 0, 0);
     ligament.pointA = Vector3(0.3, 0.2, 0);
     ligament.pointB = Vector3(-0.1, 0.4, 0);
-    setNeckStiffness(youngs, 0.3, thickness, width, kLength, ligament);
+    model::setNeckStiffness(youngs, 0.3, thickness, width, kLength, ligament);
     spring.stiffness = bending / kLength;
   }
   /// Brick A as at the start; the neck's end at brick B moved, and that brick turned about it.
@@ -151,7 +154,7 @@ struct ClampedBeam {
     return {Pose{}, {end - turn * ligament.pointB, turn}};
   }
   std::array<double, 2> momentsAt(const Vector3& moved, double turned) const {
-    return endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
+    return model::endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
   }
 };
 
@@ -187,30 +190,30 @@ TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
 TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
   const ClampedBeam beam;
   const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
-  const Elasticity found =
-      elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
+  const model::Elasticity found =
+      model::elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
   EXPECT_EQ(found.count("springs"), 1);
   EXPECT_EQ(found.count("ligaments"), 1);
   EXPECT_NEAR(found.energyStart, 0, 1e-25);
-  EXPECT_EQ(found.energyEnd, ligamentEnergy(beam.ligament, end).energy);
+  EXPECT_EQ(found.energyEnd, model::ligamentEnergy(beam.ligament, end).energy);
   EXPECT_NEAR(found.momentEnd, 6e-4 * beam.bending / 0.25, 1e-9 * beam.bending);
 }
 
 /// A sheet of squares whose hinges are ligaments of a length, along x.
 struct LigamentSheet {
   LigamentSheet(int side, double angle, double stretch, double shear, double length) {
-    TessellationShape shape;
+    model::TessellationShape shape;
     shape.columns = shape.rows = side;
     shape.startAngle = angle;
-    model = makeTessellation(shape);
-    bricks = makeBricks(model.tiles, {0.02, MassRule::Unit, 1});
-    pivots = makePivots(model.joints, bricks);
-    for (const Hinge& hinge : findHinges(bricks, pivots, true).hinges) {
+    model = model::makeTessellation(shape);
+    bricks = model::makeBricks(model.tiles, {0.02, model::MassRule::Unit, 1});
+    pivots = model::makePivots(model.joints, bricks);
+    for (const model::Hinge& hinge : model::findHinges(bricks, pivots, true).hinges) {
       springs.push_back({hinge, 1, hinge.start, 0});
     }
-    for (const Pivot& pivot : pivots) {
+    for (const model::Pivot& pivot : pivots) {
       if (pivot.isUpper) continue;
-      Ligament ligament{pivot.brickA, pivot.brickB};
+      model::Ligament ligament{pivot.brickA, pivot.brickB};
       ligament.start = Vector3(length, 0, 0);
       ligament.pointA = pivot.pointA - 0.5 * ligament.start;
       ligament.pointB = pivot.pointB + 0.5 * ligament.start;
@@ -219,20 +222,21 @@ struct LigamentSheet {
       ligaments.push_back(ligament);
     }
   }
-  Poses start() const { return startPoses(model.tiles, bricks); }
+  Poses start() const { return model::startPoses(model.tiles, bricks); }
 
-  Model model;
-  std::vector<Brick> bricks;
-  std::vector<Pivot> pivots;
-  std::vector<HingeSpring> springs;
-  std::vector<Ligament> ligaments;
+  model::Model model;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Pivot> pivots;
+  std::vector<model::HingeSpring> springs;
+  std::vector<model::Ligament> ligaments;
 };
 
 /// Holds the left column's middles and moves those of the right.
-std::vector<Grip> squeeze(const LigamentSheet& sheet, int side, double amount) {
-  std::vector<Grip> grips(3);
+std::vector<mechanics::Grip> squeeze(const LigamentSheet& sheet, int side, double amount) {
+  std::vector<mechanics::Grip> grips(3);
   const auto middle = [&](int tile) {
-    return GripHandle{tile, meanPoint(sheet.bricks[static_cast<std::size_t>(tile)].bottom)};
+    return mechanics::GripHandle{tile,
+                                 meanPoint(sheet.bricks[static_cast<std::size_t>(tile)].bottom)};
   };
   for (int k = 0; k < side; ++k) {
     grips[0].handles.push_back(middle(k));
@@ -248,7 +252,7 @@ std::vector<Grip> squeeze(const LigamentSheet& sheet, int side, double amount) {
 double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places,
                   const std::vector<double>& turns) {
   double sum = 0;
-  for (const Ligament& ligament : sheet.ligaments) {
+  for (const model::Ligament& ligament : sheet.ligaments) {
     const auto point = [&](int brick, const Vector3& r) {
       const auto i = static_cast<std::size_t>(brick);
       return places[i] + Complex(r.x(), r.y()) * std::polar(1.0, turns[i]);
@@ -263,7 +267,7 @@ double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places
     sum += 0.5 * (ligament.stretchStiffness * stretch * stretch +
                   ligament.shearStiffness * shear * shear);
   }
-  for (const HingeSpring& spring : sheet.springs) {
+  for (const model::HingeSpring& spring : sheet.springs) {
     const double turn = turns[static_cast<std::size_t>(spring.hinge.brickB)] -
                         turns[static_cast<std::size_t>(spring.hinge.brickA)];
     sum += 0.5 * spring.stiffness * turn * turn;
@@ -276,12 +280,12 @@ double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places
 TEST(Ligaments, BalanceInASheetUnderCompression) {
   const int side = 8;
   const LigamentSheet sheet(side, 0.5, 50, 2, 0.1);
-  const ElasticSheet elastic(sheet.bricks, sheet.start(),
-                             test::pairForces(sheet.springs, sheet.ligaments), {}, {},
-                             squeeze(sheet, side, -0.6));
-  const LoadPath path = followLoad(elastic, 2, {}, {});
+  const mechanics::ElasticSheet elastic(sheet.bricks, sheet.start(),
+                                        test::pairForces(sheet.springs, sheet.ligaments), {}, {},
+                                        squeeze(sheet, side, -0.6));
+  const mechanics::LoadPath path = mechanics::followLoad(elastic, 2, {}, {});
   ASSERT_TRUE(path.arrives) << path.trouble;
-  const Equilibrium& state = path.states.back();
+  const mechanics::Equilibrium& state = path.states.back();
   std::vector<Complex> places;
   std::vector<double> turns;
   for (const Pose& pose : state.poses) {
@@ -316,12 +320,14 @@ TEST(Ligaments, ThatAreStiffAreExactJoints) {
   for (const double stiffness : {1e3, 1e4, 1e5}) {
     const double length = 10 / stiffness;
     const LigamentSheet sheet(side, 0.3, stiffness, stiffness * length * length, length);
-    const std::vector<Grip> grips = squeeze(sheet, side, 0.4);
-    const ElasticSheet soft(sheet.bricks, sheet.start(),
-                            test::pairForces(sheet.springs, sheet.ligaments), {}, {}, grips);
-    const ElasticSheet exact(sheet.bricks, sheet.start(), test::pairForces(sheet.springs),
-                             sheet.pivots, {}, grips);
-    const LoadPath path = followLoad(soft, 2, {}, {}), wanted = followLoad(exact, 2, {}, {});
+    const std::vector<mechanics::Grip> grips = squeeze(sheet, side, 0.4);
+    const mechanics::ElasticSheet soft(sheet.bricks, sheet.start(),
+                                       test::pairForces(sheet.springs, sheet.ligaments), {}, {},
+                                       grips);
+    const mechanics::ElasticSheet exact(sheet.bricks, sheet.start(),
+                                        test::pairForces(sheet.springs), sheet.pivots, {}, grips);
+    const mechanics::LoadPath path = mechanics::followLoad(soft, 2, {}, {}),
+                              wanted = mechanics::followLoad(exact, 2, {}, {});
     ASSERT_TRUE(path.arrives && wanted.arrives) << path.trouble << wanted.trouble;
     const double off = std::abs(path.states.back().forces[2] / wanted.states.back().forces[2] - 1);
     EXPECT_LT(off, before);

@@ -20,53 +20,54 @@ constexpr double kPi = std::numbers::pi;
 
 /// Tiles and joints with springs at all hinges, and how they are held.
 struct Held {
-  explicit Held(const Model& start, double stiffness)
+  explicit Held(const model::Model& start, double stiffness)
       : model(start),
-        bricks(makeBricks(start.tiles, {0.02, MassRule::Unit, 1})),
-        pivots(makePivots(start.joints, bricks)) {
-    for (const Hinge& hinge : findHinges(bricks, pivots, true).hinges) {
+        bricks(model::makeBricks(start.tiles, {0.02, model::MassRule::Unit, 1})),
+        pivots(model::makePivots(start.joints, bricks)) {
+    for (const model::Hinge& hinge : model::findHinges(bricks, pivots, true).hinges) {
       springs.push_back({hinge, stiffness, hinge.start, 0});
     }
   }
-  GripHandle vertex(int tile, int vertex) const {
+  mechanics::GripHandle vertex(int tile, int vertex) const {
     return {tile, bricks[static_cast<std::size_t>(tile)].bottom[static_cast<std::size_t>(vertex)]};
   }
-  void hold(const GripHandle& handle, const Vector3& direction) {
+  void hold(const mechanics::GripHandle& handle, const Vector3& direction) {
     grips.push_back({{handle}, direction, 0, false});
   }
-  ElasticSheet sheet() const {
-    return ElasticSheet(bricks, startPoses(model.tiles, bricks), test::pairForces(springs), pivots,
-                        pinned, grips);
+  mechanics::ElasticSheet sheet() const {
+    return mechanics::ElasticSheet(bricks, model::startPoses(model.tiles, bricks),
+                                   test::pairForces(springs), pivots, pinned, grips);
   }
-  LoadPath follow(std::size_t leading, double longestStep = 0.05) const {
-    return followLoad(sheet(), leading, {.longestStep = longestStep}, {});
+  mechanics::LoadPath follow(std::size_t leading, double longestStep = 0.05) const {
+    return mechanics::followLoad(sheet(), leading, {.longestStep = longestStep}, {});
   }
 
-  Model model;
-  std::vector<Brick> bricks;
-  std::vector<Pivot> pivots;
-  std::vector<HingeSpring> springs;
+  model::Model model;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Pivot> pivots;
+  std::vector<model::HingeSpring> springs;
   std::vector<int> pinned;
-  std::vector<Grip> grips;
+  std::vector<mechanics::Grip> grips;
 };
 
-const Equilibrium& firstTurning(const LoadPath& path, Turning turning) {
-  const auto found = std::ranges::find(path.states, turning, &Equilibrium::turning);
+const mechanics::Equilibrium& firstTurning(const mechanics::LoadPath& path,
+                                           mechanics::Turning turning) {
+  const auto found = std::ranges::find(path.states, turning, &mechanics::Equilibrium::turning);
   return found == path.states.end() ? path.states.front() : *found;
 }
 
 // A unit of four squares, one held and one turned by t, has four hinges that turn by t each:
 // energy 2 k t^2, moment 4 k t.
 TEST(LoadPath, OfARotatingSquareUnitIsItsClosedForm) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.2;
-  Held unit(makeTessellation(shape), 3);
+  Held unit(model::makeTessellation(shape), 3);
   unit.pinned = {0};
   unit.grips = {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), 1.5, false}};
-  const LoadPath path = unit.follow(0);
+  const mechanics::LoadPath path = unit.follow(0);
   EXPECT_TRUE(path.arrives) << path.trouble;
-  for (const Equilibrium& state : path.states) {
+  for (const mechanics::Equilibrium& state : path.states) {
     const double turn = state.displacements[0];
     EXPECT_NEAR(turn, 1.5 * state.load, 1e-12);
     EXPECT_NEAR(state.energy, 6 * turn * turn, 1e-10);
@@ -77,8 +78,8 @@ TEST(LoadPath, OfARotatingSquareUnitIsItsClosedForm) {
 }
 
 /// Unit diamonds in a row, corner to corner, the k-th turned by an angle.
-Model chain(const std::vector<double>& angles) {
-  Model model;
+model::Model chain(const std::vector<double>& angles) {
+  model::Model model;
   Vector3 at = Vector3::Zero();
   for (const double angle : angles) {
     const Vector3 along(std::cos(angle), std::sin(angle), 0);
@@ -88,7 +89,7 @@ Model chain(const std::vector<double>& angles) {
     at += along;
   }
   for (int k = 0; k + 1 < static_cast<int>(angles.size()); ++k) {
-    model.joints.push_back({{k, 2}, {k + 1, 0}, JointFace::Both});
+    model.joints.push_back({{k, 2}, {k + 1, 0}, model::JointFace::Both});
   }
   return model;
 }
@@ -109,12 +110,12 @@ Held chainAlongX(const std::vector<double>& angles, double amount, bool isForce)
 TEST(LoadPath, OfAChainUnderTensionIsItsClosedForm) {
   for (const bool isForce : {false, true}) {
     const double start = 0.9;
-    const LoadPath path =
+    const mechanics::LoadPath path =
         chainAlongX({start, -start}, isForce ? 20 : 2 * (std::cos(0.15) - std::cos(start)), isForce)
             .follow(3);
     EXPECT_TRUE(path.arrives) << path.trouble;
     EXPECT_GT(path.states.size(), 10u);
-    for (const Equilibrium& state : path.states) {
+    for (const mechanics::Equilibrium& state : path.states) {
       const double slope = std::acos(0.5 * (2 * std::cos(start) + state.displacements[3]));
       const double force = 4 * (start - slope) / std::sin(slope);
       EXPECT_NEAR(state.forces[3], force, 1e-8);
@@ -127,9 +128,9 @@ TEST(LoadPath, OfAChainUnderTensionIsItsClosedForm) {
 // A straight chain of n rigid links with springs between them buckles at 2 k (1 - cos(pi / n)).
 TEST(LoadPath, FindsTheBucklingLoadOfAChain) {
   for (const int count : {2, 3, 5, 12}) {
-    const LoadPath path =
+    const mechanics::LoadPath path =
         chainAlongX(std::vector<double>(static_cast<std::size_t>(count), 0.0), -5, true).follow(3);
-    const Equilibrium& critical = firstTurning(path, Turning::Bifurcation);
+    const mechanics::Equilibrium& critical = firstTurning(path, mechanics::Turning::Bifurcation);
     const double wanted = 4 * (1 - std::cos(kPi / count));
     EXPECT_NEAR(-critical.forces[3], wanted, 1e-7 * wanted) << count;  // measured 6e-9 at most
   }
@@ -168,18 +169,18 @@ Held fourBar(const FourBar& bars, double crank, double stiffness) {
   const auto bar = [](const Vector3& from, const Vector3& to, double side) {
     const Vector3 along = to - from;
     const Vector3 across = 0.05 * Vector3(-along.y(), along.x(), 0);
-    return side > 0 ? Tile{{from, to, 0.5 * (from + to) + across}}
-                    : Tile{{to, from, 0.5 * (from + to) - across}};
+    return side > 0 ? model::Tile{{from, to, 0.5 * (from + to) + across}}
+                    : model::Tile{{to, from, 0.5 * (from + to) - across}};
   };
-  Model model;
+  model::Model model;
   model.tiles = {bar(foot, base, -1), bar(foot, p, 1), bar(base, q, -1), bar(p, q, 1)};
-  model.joints = {{{0, 1}, {1, 0}, JointFace::Both},
-                  {{0, 0}, {2, 1}, JointFace::Both},
-                  {{1, 1}, {3, 0}, JointFace::Both},
-                  {{2, 0}, {3, 1}, JointFace::Both}};
+  model.joints = {{{0, 1}, {1, 0}, model::JointFace::Both},
+                  {{0, 0}, {2, 1}, model::JointFace::Both},
+                  {{1, 1}, {3, 0}, model::JointFace::Both},
+                  {{2, 0}, {3, 1}, model::JointFace::Both}};
   Held held(model, stiffness);
   held.pinned = {0};
-  for (HingeSpring& spring : held.springs) {
+  for (model::HingeSpring& spring : held.springs) {
     const bool isAtFoot = spring.hinge.brickA + spring.hinge.brickB == 1;
     if (!isAtFoot) spring.stiffness = 0;
   }
@@ -217,14 +218,14 @@ TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
                    Vector3::UnitX(),
                    isForce ? 1.5 * snap : low - start,
                    isForce}};
-    const LoadPath path = held.follow(0);
+    const mechanics::LoadPath path = held.follow(0);
     EXPECT_TRUE(path.arrives) << path.trouble;
-    for (const Equilibrium& state : path.states) {
+    for (const mechanics::Equilibrium& state : path.states) {
       const double wanted = moment(start + state.displacements[0]);
       EXPECT_NEAR(state.forces[0], wanted, 1e-7) << state.displacements[0];
     }
-    const Equilibrium& limit =
-        firstTurning(path, isForce ? Turning::LoadLimit : Turning::ForceLimit);
+    const mechanics::Equilibrium& limit = firstTurning(
+        path, isForce ? mechanics::Turning::LoadLimit : mechanics::Turning::ForceLimit);
     EXPECT_NEAR(limit.forces[0], snap, 1e-8 * snap);  // measured 3e-13
     if (isForce) continue;
     EXPECT_NEAR(path.states.back().forces[0], 0, 1e-8);
@@ -250,31 +251,32 @@ struct TurningTriangle {
     return 3 * stiffness * (1 - length(rest) / length(angle)) * a * b * std::sin(angle);
   }
   /// The frame is a big triangle, whose corners play no part; tile 1 turns in it.
-  ElasticSheet sheet(double amount, bool isForce) const {
+  mechanics::ElasticSheet sheet(double amount, bool isForce) const {
     const auto corner = [](double radius, double angle) {
       return Vector3(radius * std::cos(angle), radius * std::sin(angle), 0);
     };
-    Tile frame, inner;
+    model::Tile frame, inner;
     for (int k = 0; k < 3; ++k) {
       frame.vertices.push_back(corner(3, 2 * kPi * k / 3));
       inner.vertices.push_back(corner(a, 2 * kPi * k / 3 - rest));
     }
-    const std::vector<Brick> bricks = makeBricks({frame, inner}, {0.02, MassRule::Unit, 1});
-    std::vector<Ligament> ligaments;
+    const std::vector<model::Brick> bricks =
+        model::makeBricks({frame, inner}, {0.02, model::MassRule::Unit, 1});
+    std::vector<model::Ligament> ligaments;
     for (int k = 0; k < 3; ++k) {
-      Ligament ligament{.brickA = 1, .brickB = 0};
+      model::Ligament ligament{.brickA = 1, .brickB = 0};
       ligament.pointA = inner.vertices[static_cast<std::size_t>(k)];
       ligament.pointB = corner(b, 2 * kPi * k / 3);
       ligament.start = ligament.pointB - ligament.pointA;
       ligament.stretchStiffness = stiffness;
       ligaments.push_back(ligament);
     }
-    const GripHandle middle{.brick = 1};
-    return ElasticSheet(bricks, startPoses({frame, inner}, bricks), test::pairForces({}, ligaments),
-                        {}, {0},
-                        {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), amount, isForce},
-                         {{middle}, Vector3::UnitX(), 0, false},
-                         {{middle}, Vector3::UnitY(), 0, false}});
+    const mechanics::GripHandle middle{.brick = 1};
+    return mechanics::ElasticSheet(
+        bricks, model::startPoses({frame, inner}, bricks), test::pairForces({}, ligaments), {}, {0},
+        {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), amount, isForce},
+         {{middle}, Vector3::UnitX(), 0, false},
+         {{middle}, Vector3::UnitY(), 0, false}});
   }
 };
 
@@ -285,20 +287,20 @@ TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
   const double peak = -maximum([&](double angle) { return unit.moment(-angle); }, 0, unit.rest);
   const double snap = unit.moment(peak);
   for (const bool isForce : {false, true}) {
-    const LoadPath path = followLoad(unit.sheet(isForce ? 1.5 * snap : 2 * unit.rest, isForce), 0,
-                                     {.longestStep = 0.05}, {});
+    const mechanics::LoadPath path = mechanics::followLoad(
+        unit.sheet(isForce ? 1.5 * snap : 2 * unit.rest, isForce), 0, {.longestStep = 0.05}, {});
     EXPECT_TRUE(path.arrives) << path.trouble;
-    for (const Equilibrium& state : path.states) {
+    for (const mechanics::Equilibrium& state : path.states) {
       const double angle = state.displacements[0] - unit.rest;
       EXPECT_NEAR(state.forces[0], unit.moment(angle), 1e-7 * snap);  // measured 1.2e-8
       EXPECT_NEAR(state.energy, unit.energy(angle), 1e-9);
     }
-    const Equilibrium& limit =
-        firstTurning(path, isForce ? Turning::LoadLimit : Turning::ForceLimit);
+    const mechanics::Equilibrium& limit = firstTurning(
+        path, isForce ? mechanics::Turning::LoadLimit : mechanics::Turning::ForceLimit);
     EXPECT_NEAR(limit.forces[0], snap, 1e-9 * snap);
     EXPECT_NEAR(limit.displacements[0] - unit.rest, peak, 1e-6);
     if (isForce) continue;
-    const Equilibrium& other = path.states.back();
+    const mechanics::Equilibrium& other = path.states.back();
     EXPECT_NEAR(other.forces[0], 0, 1e-7 * snap);
     EXPECT_NEAR(other.energy, 0, 1e-12);
     EXPECT_GT(other.stiffness, 0);
@@ -311,21 +313,21 @@ TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
 // at t = 0, and nearly so round it.
 TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
   const double open = kPi / 6, stiffness = 0.02;
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.startAngle = open;
-  Held held(makeTessellation(shape), stiffness);
+  Held held(model::makeTessellation(shape), stiffness);
   const auto middles = [&](int column) {
-    std::vector<GripHandle> handles;
+    std::vector<mechanics::GripHandle> handles;
     for (int tile = 4 * column; tile < 4 * column + 4; ++tile) handles.push_back({.brick = tile});
     return handles;
   };
   held.grips = {{middles(0), Vector3::UnitX(), 0, false},
                 {{{.brick = 0}}, Vector3::UnitY(), 0, false},
                 {middles(3), Vector3::UnitX(), -0.4, true}};
-  const LoadPath path = held.follow(2);
+  const mechanics::LoadPath path = held.follow(2);
   EXPECT_TRUE(path.arrives) << path.trouble;
   EXPECT_LT(path.states.back().displacements[2], -0.7);  // shut at -0.674
-  for (const Equilibrium& state : path.states) {
+  for (const mechanics::Equilibrium& state : path.states) {
     // width = 3 sqrt(2) sin(t/2 + pi/4)
     const double width = 3 * (std::cos(open / 2) + std::sin(open / 2)) + state.displacements[2];
     const double angle = 2 * std::asin(width / std::sqrt(18.0)) - kPi / 2;
@@ -334,21 +336,21 @@ TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
     EXPECT_NEAR(state.forces[2], force, 1e-9) << angle;
     EXPECT_NEAR(state.energy, 12 * stiffness * (angle - open) * (angle - open), 1e-9);
     EXPECT_EQ(state.unstableModes, 0);
-    EXPECT_EQ(state.turning, Turning::None);
+    EXPECT_EQ(state.turning, mechanics::Turning::None);
   }
 }
 
 // Squares at 90 degrees are as long as they get, and can turn back to two sides.
 TEST(LoadPath, SaysWhyItDoesNotLeaveALimitOfTheMechanism) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.5 * kPi;
-  Held unit(makeTessellation(shape), 3);
-  const auto middle = [](int tile) { return GripHandle{.brick = tile}; };
+  Held unit(model::makeTessellation(shape), 3);
+  const auto middle = [](int tile) { return mechanics::GripHandle{.brick = tile}; };
   for (const int tile : {0, 1}) unit.hold(middle(tile), Vector3::UnitX());
   unit.hold(middle(0), Vector3::UnitY());
   unit.grips.push_back({{middle(2), middle(3)}, Vector3::UnitX(), -0.2, false});
-  const LoadPath path = unit.follow(3);
+  const mechanics::LoadPath path = unit.follow(3);
   EXPECT_FALSE(path.arrives);
   EXPECT_EQ(path.trouble,
             "no equilibrium was found beyond the load 0; start a little beside where the sheet may "
@@ -356,10 +358,10 @@ TEST(LoadPath, SaysWhyItDoesNotLeaveALimitOfTheMechanism) {
 }
 
 TEST(LoadPath, IsRefusedWhereNothingResists) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 0.2;
-  Held unit(makeTessellation(shape), 3);
+  Held unit(model::makeTessellation(shape), 3);
   unit.grips = {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), 1.5, false}};
   try {
     unit.follow(0);

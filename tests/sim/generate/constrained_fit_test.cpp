@@ -9,7 +9,7 @@ namespace {
 
 TEST(ConstrainedFit, FindsThePointOfACircleNearestToAPoint) {
   // Closed form: the point of the unit circle in the direction of (0.66, 0.88).
-  const auto source = [](const Eigen::VectorXd& x, DesignEquations& equations) {
+  const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
     for (const int k : {0, 1}) {
       equations.wanted.begin(x[k] - (k == 0 ? 0.66 : 0.88));
       equations.wanted.slope(k, 1);
@@ -17,14 +17,14 @@ TEST(ConstrainedFit, FindsThePointOfACircleNearestToAPoint) {
     equations.exact.begin(x.squaredNorm() - 1);
     for (const int k : {0, 1}) equations.exact.slope(k, 2 * x[k]);
   };
-  const Fit fit = fitDesign(source, Eigen::Vector2d(1, 0.1), {});
+  const generate::Fit fit = generate::fitDesign(source, Eigen::Vector2d(1, 0.1), {});
   EXPECT_NEAR(fit.unknowns[0], 0.6, 1e-7);  // measured 2e-10
   EXPECT_NEAR(fit.unknowns[1], 0.8, 1e-7);
   EXPECT_LT(fit.violation, 1e-13);  // measured 0
 }
 
 TEST(ConstrainedFit, MindsNoRepeatedEquations) {
-  const auto source = [](const Eigen::VectorXd& x, DesignEquations& equations) {
+  const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
     equations.wanted.begin(x[0]);
     equations.wanted.slope(0, 1);
     for (const double scale : {1.0, 2.0, 1.0}) {
@@ -33,20 +33,20 @@ TEST(ConstrainedFit, MindsNoRepeatedEquations) {
       equations.exact.slope(1, scale);
     }
   };
-  const Fit fit = fitDesign(source, Eigen::Vector2d(5, 5), {});
+  const generate::Fit fit = generate::fitDesign(source, Eigen::Vector2d(5, 5), {});
   EXPECT_NEAR(fit.unknowns[0], 0, 1e-7);
   EXPECT_NEAR(fit.unknowns[1], 2, 1e-7);
   EXPECT_LT(fit.violation, 1e-13);
 }
 
 TEST(ConstrainedFit, SaysWhenEquationsContradictEachOther) {
-  const auto source = [](const Eigen::VectorXd& x, DesignEquations& equations) {
+  const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
     for (const double value : {1.0, 2.0}) {
       equations.exact.begin(x[0] - value);
       equations.exact.slope(0, 1);
     }
   };
-  EXPECT_GT(fitDesign(source, Eigen::VectorXd::Zero(1), {}).violation, 0.4);
+  EXPECT_GT(generate::fitDesign(source, Eigen::VectorXd::Zero(1), {}).violation, 0.4);
 }
 
 }  // namespace

@@ -24,26 +24,26 @@ void PrintTo(const Request& request, std::ostream* stream) {
   for (const auto& [name, value] : request.given) *stream << ' ' << name << ' ' << value;
 }
 
-Model made(const Request& request) {
-  return generateModel(familyNamed(request.family), request.given);
+model::Model made(const Request& request) {
+  return generate::generateModel(generate::familyNamed(request.family), request.given);
 }
 
-bool isFlat(const std::vector<Tile>& tiles) {
-  return liesFlat(tiles, 1e-12);
+bool isFlat(const std::vector<model::Tile>& tiles) {
+  return model::liesFlat(tiles, 1e-12);
 }
 
 class GeneratedSheet : public testing::TestWithParam<Request> {};
 
 TEST_P(GeneratedSheet, IsCongruentClosedConvexAndFreeOfOverlap) {
-  const Model model = made(GetParam());
+  const model::Model model = made(GetParam());
   ASSERT_FALSE(model.tiles.empty());
-  std::vector<const std::vector<Tile>*> states = {&model.tiles};
+  std::vector<const std::vector<model::Tile>*> states = {&model.tiles};
   if (model.target) states.push_back(&*model.target);
-  for (const std::vector<Tile>* tiles : states) {
+  for (const std::vector<model::Tile>* tiles : states) {
     EXPECT_LT(test::opening(model, *tiles), 1e-9);  // measured 1.1e-14 at most
     EXPECT_LT(test::warp(*tiles), 1e-9);            // measured 2e-15 at most
     const bool flat = isFlat(*tiles);
-    for (const Tile& tile : *tiles) {
+    for (const model::Tile& tile : *tiles) {
       const Vector3 up = flat ? Vector3(0, 0, 1) : test::cornerNormal(tile);
       EXPECT_GT(test::convexity(tile, up), 1e-3);
     }
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
 class ConcaveSheet : public testing::TestWithParam<Request> {};
 
 /// The judge is brute force over all sides of all pairs.
-int overlappingPairs(const std::vector<Tile>& tiles) {
+int overlappingPairs(const std::vector<model::Tile>& tiles) {
   int count = 0;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -126,13 +126,13 @@ int overlappingPairs(const std::vector<Tile>& tiles) {
 }
 
 TEST_P(ConcaveSheet, IsCongruentClosedAndFreeOfOverlap) {
-  const Model model = made(GetParam());
+  const model::Model model = made(GetParam());
   EXPECT_LT(test::incongruence(model), 1e-9);  // measured 3e-15 at most
   double least = 1;
-  for (const std::vector<Tile>* tiles : {&model.tiles, &*model.target}) {
+  for (const std::vector<model::Tile>* tiles : {&model.tiles, &*model.target}) {
     EXPECT_LT(test::opening(model, *tiles), 1e-9);
     EXPECT_EQ(overlappingPairs(*tiles), 0);
-    for (const Tile& tile : *tiles) {
+    for (const model::Tile& tile : *tiles) {
       least = std::min(least, test::convexity(tile, Vector3::UnitZ()));
     }
   }
@@ -164,7 +164,7 @@ TEST(Families, HaveThePublishedCounts) {
                    {{"stampfli-chain", {}}, 24, 24},
                    {{"stampfli-removal", {}}, 108, 132}};
   for (const auto& [request, tiles, joints] : published) {
-    const Model model = made(request);
+    const model::Model model = made(request);
     EXPECT_EQ(model.tiles.size(), tiles) << request.family;
     EXPECT_EQ(model.joints.size(), joints) << request.family;
   }
@@ -207,7 +207,7 @@ TEST(Families, RefuseSheetsThatAreNone) {
 
 TEST(Families, GiveTheSameModelEveryTime) {
   for (const char* family : {"moebius", "penrose-chain", "quads"}) {
-    const Model first = made({family, {}}), second = made({family, {}});
+    const model::Model first = made({family, {}}), second = made({family, {}});
     for (std::size_t i = 0; i < first.tiles.size(); ++i) {
       EXPECT_EQ(first.tiles[i].vertices, second.tiles[i].vertices) << family;
     }

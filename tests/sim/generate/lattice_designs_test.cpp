@@ -10,29 +10,29 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-double area(const std::vector<Tile>& tiles) {
+double area(const std::vector<model::Tile>& tiles) {
   double sum = 0;
-  for (const Tile& tile : tiles) sum += tileArea(tile);
+  for (const model::Tile& tile : tiles) sum += model::tileArea(tile);
   return sum;
 }
 
 /// Area of the tiles' outline by going round the given corners.
-double outlineArea(const TurningField& field, const std::vector<LatticeCorner>& round,
-                   double angle) {
+double outlineArea(const model::TurningField& field,
+                   const std::vector<generate::LatticeCorner>& round, double angle) {
   double sum = 0;
   for (std::size_t k = 0; k < round.size(); ++k) {
-    const LatticeCorner& next = round[(k + 1) % round.size()];
-    const Complex a = field.corner(round[k].cell, round[k].corner, angle);
-    const Complex b = field.corner(next.cell, next.corner, angle);
+    const generate::LatticeCorner& next = round[(k + 1) % round.size()];
+    const model::Complex a = field.corner(round[k].cell, round[k].corner, angle);
+    const model::Complex b = field.corner(next.cell, next.corner, angle);
     sum += 0.5 * (std::conj(a) * b).imag();
   }
   return sum;
 }
 
 /// Least and largest distance of the tips from the origin.
-std::pair<double, double> tipDistances(const TurningField& field, double angle) {
+std::pair<double, double> tipDistances(const model::TurningField& field, double angle) {
   std::vector<double> distances;
-  for (const LatticeCorner& tip : tips(field.lattice())) {
+  for (const generate::LatticeCorner& tip : generate::tips(field.lattice())) {
     distances.push_back(std::abs(field.corner(tip.cell, tip.corner, angle)));
   }
   const auto [least, most] = std::minmax_element(distances.begin(), distances.end());
@@ -40,17 +40,19 @@ std::pair<double, double> tipDistances(const TurningField& field, double angle) 
 }
 
 TEST(LatticeDesigns, ClosedSheetsHaveNoVoids) {
-  for (const TurningField& field :
-       {heartField({4, 4}), fanField({}), squareToDiskField(5), irregularField({6, 4}, 0.2, 3)}) {
+  for (const model::TurningField& field :
+       {generate::heartField({4, 4}), generate::fanField({}), generate::squareToDiskField(5),
+        generate::irregularField({6, 4}, 0.2, 3)}) {
     const double tiles = area(field.tiles(0));
-    EXPECT_NEAR(outlineArea(field, closedBoundary(field.lattice()), 0), tiles, 1e-12 * tiles);
+    EXPECT_NEAR(outlineArea(field, generate::closedBoundary(field.lattice()), 0), tiles,
+                1e-12 * tiles);
     // At pi the tips go round the outline, those that close half slits twice.
     EXPECT_NEAR(area(field.tiles(kPi)), tiles, 1e-12 * tiles);
   }
 }
 
 TEST(LatticeDesigns, SquareBecomesADisk) {
-  const TurningField field = squareToDiskField(5);
+  const model::TurningField field = generate::squareToDiskField(5);
   const auto [least, most] = tipDistances(field, kPi);
   EXPECT_NEAR(least, most, 1e-12);  // measured 9e-16
   EXPECT_NEAR(most, 2.8998, 1e-4);  // an independent solution of the same equations
@@ -58,15 +60,16 @@ TEST(LatticeDesigns, SquareBecomesADisk) {
 }
 
 TEST(LatticeDesigns, SquaresTipsStandOnACircle) {
-  const auto [least, most] = tipDistances(squareToCircleField(6), kPi / 2);
+  const auto [least, most] = tipDistances(generate::squareToCircleField(6), kPi / 2);
   EXPECT_NEAR(least, most, 1e-12);  // measured 3e-15
   EXPECT_NEAR(most, 4.89, 0.05);    // 4.8915 by an independent solution with other soft weights
 }
 
 TEST(LatticeDesigns, OpenAsOneMechanism) {
   // v(theta) = cos(theta / 2) v(0) + sin(theta / 2) v(pi), corner by corner.
-  const TurningField field = heartField({4, 4});
-  const std::vector<Tile> start = field.tiles(0), end = field.tiles(kPi), between = field.tiles(1);
+  const model::TurningField field = generate::heartField({4, 4});
+  const std::vector<model::Tile> start = field.tiles(0), end = field.tiles(kPi),
+                                 between = field.tiles(1);
   for (std::size_t tile = 0; tile < start.size(); ++tile) {
     for (std::size_t k = 0; k < 4; ++k) {
       const Vector3 wanted =

@@ -10,7 +10,7 @@
 namespace kirireel::test {
 
 /// Largest change of any distance between two vertices of a tile.
-inline double incongruence(const Model& model) {
+inline double incongruence(const model::Model& model) {
   double worst = 0;
   for (std::size_t i = 0; i < model.tiles.size(); ++i) {
     const auto& before = model.tiles[i].vertices;
@@ -26,9 +26,9 @@ inline double incongruence(const Model& model) {
 }
 
 /// Largest distance between the corners of a joint.
-inline double opening(const Model& model, const std::vector<Tile>& tiles) {
+inline double opening(const model::Model& model, const std::vector<model::Tile>& tiles) {
   double worst = 0;
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     worst = std::max(worst, (tiles.at(joint.a.tile).vertices.at(joint.a.vertex) -
                              tiles.at(joint.b.tile).vertices.at(joint.b.vertex))
                                 .norm());
@@ -38,7 +38,7 @@ inline double opening(const Model& model, const std::vector<Tile>& tiles) {
 
 /// Least signed distance of any vertex of a tile from the line of any edge that it is not on, over
 /// the tile's longest edge: above 0 for convex tiles that run anticlockwise about `up`.
-inline double convexity(const Tile& tile, const Vector3& up) {
+inline double convexity(const model::Tile& tile, const Vector3& up) {
   const std::size_t count = tile.vertices.size();
   double least = std::numeric_limits<double>::infinity(), longest = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -54,16 +54,16 @@ inline double convexity(const Tile& tile, const Vector3& up) {
 }
 
 /// The normal from two edges at the first corner.
-inline Vector3 cornerNormal(const Tile& tile) {
+inline Vector3 cornerNormal(const model::Tile& tile) {
   return (tile.vertices[1] - tile.vertices[0])
       .cross(tile.vertices.back() - tile.vertices[0])
       .normalized();
 }
 
 /// Largest distance of a vertex from the plane of its tile's first corner.
-inline double warp(const std::vector<Tile>& tiles) {
+inline double warp(const std::vector<model::Tile>& tiles) {
   double worst = 0;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) {
       worst = std::max(worst, std::abs(cornerNormal(tile).dot(vertex - tile.vertices[0])));
     }
@@ -73,15 +73,15 @@ inline double warp(const std::vector<Tile>& tiles) {
 
 /// Whether a tile's interior, shrunk to 97 %, holds a point that another one's edge passes through:
 /// brute force over edges and triangles, in space.
-inline bool pierces(const Tile& tile, const Tile& edges) {
-  const auto shrunk = [](const Tile& whole) {
+inline bool pierces(const model::Tile& tile, const model::Tile& edges) {
+  const auto shrunk = [](const model::Tile& whole) {
     Vector3 middle = Vector3::Zero();
     for (const Vector3& vertex : whole.vertices) middle += vertex / double(whole.vertices.size());
-    Tile small = whole;
+    model::Tile small = whole;
     for (Vector3& vertex : small.vertices) vertex = middle + 0.97 * (vertex - middle);
     return small;
   };
-  const Tile face = shrunk(tile), wire = shrunk(edges);
+  const model::Tile face = shrunk(tile), wire = shrunk(edges);
   const Vector3 normal = cornerNormal(face);
   for (std::size_t k = 0; k < wire.vertices.size(); ++k) {
     const Vector3& from = wire.vertices[k];
@@ -103,9 +103,9 @@ inline bool pierces(const Tile& tile, const Tile& edges) {
 
 /// Whether two convex tiles in one horizontal plane share an area: some line along an edge of
 /// either keeps those apart that do not.
-inline bool overlapFlat(const Tile& a, const Tile& b) {
-  for (const Tile* tile : {&a, &b}) {
-    const Tile& other = tile == &a ? b : a;
+inline bool overlapFlat(const model::Tile& a, const model::Tile& b) {
+  for (const model::Tile* tile : {&a, &b}) {
+    const model::Tile& other = tile == &a ? b : a;
     for (std::size_t k = 0; k < tile->vertices.size(); ++k) {
       const Vector3& from = tile->vertices[k];
       const Vector3 edge = tile->vertices[(k + 1) % tile->vertices.size()] - from;
@@ -120,7 +120,7 @@ inline bool overlapFlat(const Tile& a, const Tile& b) {
 }
 
 /// Pairs of tiles that overlap.
-inline int overlaps(const std::vector<Tile>& tiles, bool flat) {
+inline int overlaps(const std::vector<model::Tile>& tiles, bool flat) {
   int count = 0;
   for (std::size_t a = 0; a < tiles.size(); ++a) {
     Eigen::AlignedBox3d box;

@@ -31,7 +31,7 @@ Figure leastReading(Figure figure) {
 }
 
 /// The figures of all vertices that have tiles all round.
-std::map<Figure, int> innerFigures(const Tiling& tiling, double unit) {
+std::map<Figure, int> innerFigures(const generate::Tiling& tiling, double unit) {
   struct Wedge {
     double from;
     double angle;
@@ -67,16 +67,16 @@ std::set<std::size_t> sizes(const std::map<Figure, int>& figures) {
   return found;
 }
 
-double thinShare(const Tiling& tiling) {
+double thinShare(const generate::Tiling& tiling) {
   const auto thin = std::count(tiling.isThin.begin(), tiling.isThin.end(), true);
   return static_cast<double>(thin) / static_cast<double>(tiling.tiles.size());
 }
 
 TEST(Tiling, StampfliHasThePublishedRings) {
   for (const int count : {12, 24, 48, 84, 132}) {
-    EXPECT_EQ(stampfliTiling(count).tiles.size(), std::size_t(count));
+    EXPECT_EQ(generate::stampfliTiling(count).tiles.size(), std::size_t(count));
   }
-  const Tiling tiling = stampfliTiling(132);
+  const generate::Tiling tiling = generate::stampfliTiling(132);
   std::map<std::size_t, int> byVertices;
   for (const auto& tile : tiling.tiles) ++byVertices[tile.size()];
   EXPECT_EQ(byVertices[3], 84);  // the published 84 triangles, 24 squares and 24 narrow rhombi
@@ -85,7 +85,7 @@ TEST(Tiling, StampfliHasThePublishedRings) {
 }
 
 TEST(Tiling, PenroseHasItsSevenVertexFigures) {
-  const Tiling tiling = penroseTiling(3000);
+  const generate::Tiling tiling = generate::penroseTiling(3000);
   const std::map<Figure, int> figures = innerFigures(tiling, kPi / 5);
   // De Bruijn 1981: D, J, K, Q, S3, S4, and S and S5, which differ by their arrows alone.
   EXPECT_EQ(figures.size(), 7U);
@@ -95,7 +95,7 @@ TEST(Tiling, PenroseHasItsSevenVertexFigures) {
 }
 
 TEST(Tiling, AmmannBeenkerHasItsSixVertexFigures) {
-  const Tiling tiling = ammannBeenkerTiling(3000);
+  const generate::Tiling tiling = generate::ammannBeenkerTiling(3000);
   const std::map<Figure, int> figures = innerFigures(tiling, kPi / 4);
   EXPECT_EQ(figures.size(), 6U);  // one each of 3 to 8 tiles
   EXPECT_EQ(sizes(figures), (std::set<std::size_t>{3, 4, 5, 6, 7, 8}));
@@ -106,8 +106,9 @@ TEST(Tiling, AmmannBeenkerHasItsSixVertexFigures) {
 TEST(Tiling, CoversItsPatchOnce) {
   // All inner vertices have 360 degrees round them, and the tiles' area is that of a disk as far as
   // the patch is round.
-  for (const Tiling& tiling :
-       {penroseTiling(1000), ammannBeenkerTiling(1000), stampfliTiling(1000)}) {
+  for (const generate::Tiling& tiling :
+       {generate::penroseTiling(1000), generate::ammannBeenkerTiling(1000),
+        generate::stampfliTiling(1000)}) {
     double area = 0, reach = 0;
     for (const std::vector<int>& tile : tiling.tiles) {
       for (std::size_t k = 0; k < tile.size(); ++k) {

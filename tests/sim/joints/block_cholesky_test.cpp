@@ -50,7 +50,7 @@ class BothMatrices {
   }
 
   using Block = Eigen::Matrix<double, D, D>;
-  BlockCholesky<D> sparse;
+  mechanics::BlockCholesky<D> sparse;
   Eigen::MatrixXd dense;
 
  private:

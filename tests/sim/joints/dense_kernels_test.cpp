@@ -11,15 +11,16 @@ using Vector = Eigen::VectorXd;
 
 /// With the columns padded as kernels want them, and what may be read behind them.
 Vector padded(const Matrix& matrix) {
-  const auto rows = paddedRows(static_cast<int>(matrix.rows()));
-  Vector numbers = Vector::Zero(rows * matrix.cols() + kRowsTogether);
+  const auto rows = mechanics::paddedRows(static_cast<int>(matrix.rows()));
+  Vector numbers = Vector::Zero(rows * matrix.cols() + mechanics::kRowsTogether);
   Eigen::Map<Matrix>(numbers.data(), rows, matrix.cols()).topRows(matrix.rows()) = matrix;
   return numbers;
 }
 
 /// The lower triangle of what was padded.
 Matrix lowerPart(const Vector& numbers, int rows, int columns) {
-  Matrix matrix = Eigen::Map<const Matrix>(numbers.data(), paddedRows(rows), columns).topRows(rows);
+  Matrix matrix =
+      Eigen::Map<const Matrix>(numbers.data(), mechanics::paddedRows(rows), columns).topRows(rows);
   matrix.topRows(columns).triangularView<Eigen::StrictlyUpper>().setZero();
   return matrix;
 }
@@ -35,7 +36,7 @@ struct Front {
     L = whole.llt().matrixL();
   }
 
-  bool eliminate(const DenseKernels& kernels) {
+  bool eliminate(const mechanics::DenseKernels& kernels) {
     return kernels.eliminate(panel.data(), rows, columns, update.data());
   }
 
@@ -45,15 +46,15 @@ struct Front {
 };
 
 /// The baseline's kernels and the fastest that this processor runs.
-std::vector<const DenseKernels*> kernelSets() {
-  return {&baseline::kKernels, &denseKernels()};
+std::vector<const mechanics::DenseKernels*> kernelSets() {
+  return {&mechanics::baseline::kKernels, &mechanics::denseKernels()};
 }
 
 constexpr int kShapes[][2] = {{3, 3},   {6, 6},   {9, 3},   {15, 6},
                               {30, 12}, {33, 15}, {96, 48}, {150, 90}};
 
 TEST(DenseKernels, EliminateAsADenseFactorisationDoes) {
-  for (const DenseKernels* kernels : kernelSets()) {
+  for (const mechanics::DenseKernels* kernels : kernelSets()) {
     for (const auto& [rows, columns] : kShapes) {
       Front front(rows, columns);
       ASSERT_TRUE(front.eliminate(*kernels)) << kernels->name;
@@ -72,7 +73,7 @@ TEST(DenseKernels, EliminateAsADenseFactorisationDoes) {
 }
 
 TEST(DenseKernels, SolveForwardAndBackward) {
-  for (const DenseKernels* kernels : kernelSets()) {
+  for (const mechanics::DenseKernels* kernels : kernelSets()) {
     for (const auto& [rows, columns] : kShapes) {
       Front front(rows, columns);
       ASSERT_TRUE(front.eliminate(*kernels));
@@ -96,18 +97,18 @@ TEST(DenseKernels, SolveForwardAndBackward) {
 }
 
 TEST(DenseKernels, TellThatAPivotIsNotPositive) {
-  for (const DenseKernels* kernels : kernelSets()) {
+  for (const mechanics::DenseKernels* kernels : kernelSets()) {
     for (const auto& [rows, columns] : kShapes) {
       Front front(rows, columns);
-      front.panel[(columns - 1) * (paddedRows(rows) + 1)] = -1;
+      front.panel[(columns - 1) * (mechanics::paddedRows(rows) + 1)] = -1;
       EXPECT_FALSE(front.eliminate(*kernels)) << kernels->name << rows;
     }
   }
 }
 
 TEST(DenseKernels, HaveNames) {
-  EXPECT_STREQ(baseline::kKernels.name, "baseline");
-  const std::string fastest = denseKernels().name;
+  EXPECT_STREQ(mechanics::baseline::kKernels.name, "baseline");
+  const std::string fastest = mechanics::denseKernels().name;
   EXPECT_TRUE(fastest == "baseline" || fastest == "avx2") << fastest;
 }
 

@@ -12,7 +12,7 @@ namespace {
 using test::Graph;
 
 /// All rows of a front: its own columns, then those below.
-std::vector<int> frontRows(const Supernode& node) {
+std::vector<int> frontRows(const mechanics::Supernode& node) {
   std::vector<int> rows;
   for (int c = 0; c < node.columnCount; ++c) rows.push_back(node.firstColumn + c);
   rows.insert(rows.end(), node.rows.begin(), node.rows.end());
@@ -22,7 +22,7 @@ std::vector<int> frontRows(const Supernode& node) {
 /// The sample graphs with their plans.
 struct Planned {
   Graph graph;
-  Elimination plan = planElimination(graph.nodeCount, graph.edges);
+  mechanics::Elimination plan = mechanics::planElimination(graph.nodeCount, graph.edges);
 };
 
 std::vector<Planned> samplePlans() {
@@ -45,7 +45,7 @@ TEST(Elimination, SupernodesPartitionTheColumnsInOrder) {
   for (const auto& [graph, plan] : samplePlans()) {
     SCOPED_TRACE(graph.name);
     int next = 0;
-    for (const Supernode& node : plan.supernodes) {
+    for (const mechanics::Supernode& node : plan.supernodes) {
       EXPECT_EQ(node.firstColumn, next);
       EXPECT_GE(node.columnCount, 1);
       next += node.columnCount;
@@ -57,7 +57,7 @@ TEST(Elimination, SupernodesPartitionTheColumnsInOrder) {
 TEST(Elimination, RowsAscendBelowTheColumns) {
   for (const auto& [graph, plan] : samplePlans()) {
     SCOPED_TRACE(graph.name);
-    for (const Supernode& node : plan.supernodes) {
+    for (const mechanics::Supernode& node : plan.supernodes) {
       const std::vector<int> rows = frontRows(node);
       EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end()));
       EXPECT_TRUE(std::adjacent_find(rows.begin(), rows.end()) == rows.end());
@@ -73,7 +73,7 @@ TEST(Elimination, EveryPairHasAPlaceInItsFront) {
       const auto [column, row] = std::minmax(plan.place[a], plan.place[b]);
       const auto after = std::upper_bound(
           plan.supernodes.begin(), plan.supernodes.end(), column,
-          [](int wanted, const Supernode& node) { return wanted < node.firstColumn; });
+          [](int wanted, const mechanics::Supernode& node) { return wanted < node.firstColumn; });
       const std::vector<int> rows = frontRows(*std::prev(after));
       EXPECT_TRUE(std::binary_search(rows.begin(), rows.end(), row));
     }
@@ -99,7 +99,7 @@ TEST(Elimination, ChildrenComeBeforeTheOneParentThatTakesThemIn) {
 TEST(Elimination, ChildPlacesPointAtTheChildsRows) {
   for (const auto& [graph, plan] : samplePlans()) {
     SCOPED_TRACE(graph.name);
-    for (const Supernode& node : plan.supernodes) {
+    for (const mechanics::Supernode& node : plan.supernodes) {
       const std::vector<int> rows = frontRows(node);
       ASSERT_EQ(node.childPlaces.size(), node.children.size());
       for (std::size_t c = 0; c < node.children.size(); ++c) {
@@ -116,9 +116,9 @@ TEST(Elimination, ChildPlacesPointAtTheChildsRows) {
 }
 
 /// Blocks in the factor: each supernode's triangle and the rows below it.
-double factorBlocks(const Elimination& plan) {
+double factorBlocks(const mechanics::Elimination& plan) {
   double sum = 0;
-  for (const Supernode& node : plan.supernodes) {
+  for (const mechanics::Supernode& node : plan.supernodes) {
     sum += node.columnCount * (0.5 * (node.columnCount + 1) + node.rows.size());
   }
   return sum;
@@ -129,7 +129,7 @@ TEST(Elimination, FillGrowsAsNLogNOnSheets) {
   for (const int side : {10, 20, 40}) {
     const Graph graph = test::gridGraph(side, side);
     const double n = graph.nodeCount;
-    const double blocks = factorBlocks(planElimination(graph.nodeCount, graph.edges));
+    const double blocks = factorBlocks(mechanics::planElimination(graph.nodeCount, graph.edges));
     EXPECT_LT(blocks, 2 * n * std::log2(n)) << side;  // measured 1.59 at 40 x 40
   }
 }
@@ -138,7 +138,7 @@ TEST(Elimination, ATreeFillsNothing) {
   Graph path{"path", 200, {}};
   for (int i = 0; i + 1 < path.nodeCount; ++i) path.edges.emplace_back(i, i + 1);
   // Merging small fronts may store some zeros, at most a third.
-  EXPECT_LT(factorBlocks(planElimination(path.nodeCount, path.edges)), 1.5 * 399);
+  EXPECT_LT(factorBlocks(mechanics::planElimination(path.nodeCount, path.edges)), 1.5 * 399);
 }
 
 }  // namespace

@@ -20,11 +20,11 @@ struct Case {
 /// The largest growth of kinetic plus spring energy in any one step, relative to the energy put in.
 double largestGrowth(const Case& c) {
   JoinedBricks sheet(test::openSheet(4, c.startAngle));
-  TargetSpringSettings settings;
+  scene::TargetSpringSettings settings;
   settings.springStiffness = settings.torqueStiffness = c.stiffness;
   settings.forceDamping = c.forceDamping;
   settings.torqueDamping = 0;
-  const TargetSprings springs(sheet.bricks, *sheet.model.target, {}, settings);
+  const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, settings);
   test::Numbers numbers(2);
   for (Velocity& velocity : sheet.motion.velocities) {
     velocity.linear = numbers.vector();
@@ -32,7 +32,8 @@ double largestGrowth(const Case& c) {
     if (c.planar) velocity.linear.z() = 0;
   }
   const auto energy = [&] {
-    return kineticEnergy(sheet.bricks, sheet.motion) + springs.energy(sheet.motion.poses, 1);
+    return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
+           springs.energy(sheet.motion.poses, 1);
   };
   const auto solver = sheet.solver(c.planar);
   const double start = energy();
@@ -71,7 +72,7 @@ TEST(Energy, NeverGrowsAsACompactSheetOpens) {
 TEST(Energy, OfATumblingBrickKeepsToItsMomentum) {
   // Three unequal axes, where explicit gyroscopic terms blow up. The momentum is carried exactly,
   // so that the energy stays within what the momentum allows: L^2 / 2 times 1 / inertia.
-  JoinedBricks brick(makeTessellation({1, 1, 3, 1}), 0.2);
+  JoinedBricks brick(model::makeTessellation({1, 1, 3, 1}), 0.2);
   brick.motion.velocities[0].angular = {0.1, 9, 0.1};
   const Matrix3& inertia = brick.bricks[0].inertia;
   const double momentum = (inertia * brick.motion.velocities[0].angular).norm();
@@ -81,7 +82,7 @@ TEST(Energy, OfATumblingBrickKeepsToItsMomentum) {
     const Quaternion& R = brick.motion.poses[0].rotation;
     const Vector3 spin = R.conjugate() * brick.motion.velocities[0].angular;
     EXPECT_NEAR((inertia * spin).norm(), momentum, 1e-11 * momentum);
-    EXPECT_LT(kineticEnergy(brick.bricks, brick.motion),
+    EXPECT_LT(trajectory::kineticEnergy(brick.bricks, brick.motion),
               0.5 * momentum * momentum / inertia.diagonal().minCoeff());
   }
 }

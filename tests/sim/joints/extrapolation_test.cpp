@@ -18,8 +18,8 @@ using test::JoinedBricks;
 constexpr double kLongest = 1.0 / 60;
 
 /// Loads that do not change by time.
-TimedLoads timeless(const LoadSource& loads) {
-  return [loads](double, const Poses& poses, std::vector<Load>& out) { loads(poses, out); };
+mechanics::TimedLoads timeless(const mechanics::LoadSource& loads) {
+  return [loads](double, const Poses& poses, std::vector<model::Load>& out) { loads(poses, out); };
 }
 
 /// Steps to a tolerance without contacts.
@@ -30,17 +30,17 @@ struct Stepping {
         extrapolation(moving.bricks, *solver,
                       {.tolerance = tolerance,
                        .longestStep = kLongest,
-                       .lengthScale = tileSize(moving.model)}) {}
+                       .lengthScale = model::tileSize(moving.model)}) {}
   Stepping(const Stepping&) = delete;
   Stepping& operator=(const Stepping&) = delete;
 
-  void advance(double seconds, const TimedLoads& loads) {
+  void advance(double seconds, const mechanics::TimedLoads& loads) {
     double done = 0;
     while (done < seconds * (1 - 1e-9)) {
       const double begin = done;
       const auto taken = extrapolation.step(
           bricks.motion, seconds - done,
-          [&](double after, const Poses& poses, std::vector<Load>& out) {
+          [&](double after, const Poses& poses, std::vector<model::Load>& out) {
             loads(begin + after, poses, out);
           },
           {}, report);
@@ -51,8 +51,8 @@ struct Stepping {
   }
 
   JoinedBricks& bricks;
-  std::unique_ptr<JointSolver> solver;
-  Extrapolation extrapolation;
+  std::unique_ptr<mechanics::JointSolver> solver;
+  mechanics::Extrapolation extrapolation;
   StepReport report;
   int steps = 0;
 };
@@ -90,12 +90,13 @@ const std::vector<double> kTolerances = {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 /// / 4.
 class OneAngleSheet {
  public:
-  OneAngleSheet(const JoinedBricks& sheet, int side, double startAngle, const LoadSource& loads)
+  OneAngleSheet(const JoinedBricks& sheet, int side, double startAngle,
+                const mechanics::LoadSource& loads)
       : sheet_(sheet), side_(side), startAngle_(startAngle), loads_(loads), angle_{startAngle, 0} {
-    TessellationShape shape;
+    model::TessellationShape shape;
     shape.columns = shape.rows = side;
-    const std::vector<Tile> flat = tessellationTiles(shape, 0);
-    const std::vector<Tile> open = tessellationTiles(shape, std::numbers::pi / 2);
+    const std::vector<model::Tile> flat = model::tessellationTiles(shape, 0);
+    const std::vector<model::Tile> open = model::tessellationTiles(shape, std::numbers::pi / 2);
     for (std::size_t i = 0; i < flat.size(); ++i) {
       const Vector3 a = meanPoint(flat[i].vertices);
       a_.push_back(a);
@@ -132,10 +133,10 @@ class OneAngleSheet {
     return poses;
   }
   double acceleration(double angle, double rate) {
-    loads_(posesAt(angle), scratch_ = std::vector<Load>(a_.size()));
+    loads_(posesAt(angle), scratch_ = std::vector<model::Load>(a_.size()));
     double mass = 0, massSlope = 0, force = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      const Brick& brick = sheet_.bricks[i];
+      const model::Brick& brick = sheet_.bricks[i];
       const Vector3 direction = along(i, angle);
       const Vector3 bend = -0.25 * (a_[i] * std::cos(angle / 2) + b_[i] * std::sin(angle / 2));
       mass += brick.mass * direction.squaredNorm() + brick.inertia(2, 2) / 4;
@@ -150,14 +151,15 @@ class OneAngleSheet {
   const JoinedBricks& sheet_;
   int side_;
   double startAngle_;
-  LoadSource loads_;
+  mechanics::LoadSource loads_;
   std::array<double, 2> angle_;
   std::vector<Vector3> a_, b_;
-  std::vector<Load> scratch_;
+  std::vector<model::Load> scratch_;
 };
 
 double farthest(const JoinedBricks& bricks, const Poses& wanted) {
-  return targetError(bottomTiles(bricks.bricks, wanted), bricks.bricks, bricks.motion.poses);
+  return trajectory::targetError(model::bottomTiles(bricks.bricks, wanted), bricks.bricks,
+                                 bricks.motion.poses);
 }
 
 class SheetOfSquares : public testing::TestWithParam<int> {};
@@ -169,8 +171,8 @@ TEST_P(SheetOfSquares, FollowsItsEquationOfMotionToTheTolerance) {
   for (const double tolerance : kTolerances) {
     JoinedBricks sheet(test::openSheet(side, start));
     const JoinedBricks still = sheet;
-    const TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
-    const LoadSource loads = test::springLoads(still, springs, {});
+    const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
+    const mechanics::LoadSource loads = test::springLoads(still, springs, {});
     OneAngleSheet exact(still, side, start, loads);
     ASSERT_LT(farthest(sheet, exact.poses()), 1e-12);
     Stepping stepping(sheet, true, tolerance);
@@ -179,7 +181,8 @@ TEST_P(SheetOfSquares, FollowsItsEquationOfMotionToTheTolerance) {
       stepping.advance(0.1, timeless(loads));
       exact.advance(0.1);
       error = std::max(error, farthest(sheet, exact.poses()));
-      EXPECT_LT(jointGap(sheet.pivots, sheet.motion.poses).max, 1e-11);  // measured 1e-12
+      EXPECT_LT(trajectory::jointGap(sheet.pivots, sheet.motion.poses).max,
+                1e-11);  // measured 1e-12
     }
     EXPECT_LT(error, 10 * tolerance);                 // measured 0.1 to 0.9 times
     EXPECT_LT(error, 3 * stepping.report.timeError);  // measured 0.01 to 1.04 times
@@ -194,7 +197,7 @@ INSTANTIATE_TEST_SUITE_P(Of, SheetOfSquares, testing::Values(4, 10));
 
 /// Three squares in a chain, the first to be pinned: a double pendulum at 45 degrees.
 JoinedBricks chainOfSquares() {
-  Model model;
+  model::Model model;
   for (const double at : {0.0, 1.0, 2.0}) {
     const Vector3 low(at, at, 0);
     model.tiles.push_back(
@@ -208,7 +211,7 @@ JoinedBricks chainOfSquares() {
 /// centre and L from joint to joint,
 ///   (I + m d^2 + m L^2) a" + m L d cos(a - b) b" = -m L d sin(a - b) b'^2 + m (d + L) g.n(a),
 ///   m L d cos(a - b) a" + (I + m d^2) b" = m L d sin(a - b) a'^2 + m d g.n(b).
-std::array<double, 4> doublePendulum(const std::array<double, 4>& y, const Brick& brick,
+std::array<double, 4> doublePendulum(const std::array<double, 4>& y, const model::Brick& brick,
                                      const Vector3& gravity) {
   const double d = std::sqrt(0.5), length = 2 * d, m = brick.mass, inertia = brick.inertia(2, 2);
   const auto pull = [&](double angle) {
@@ -226,14 +229,14 @@ std::array<double, 4> doublePendulum(const std::array<double, 4>& y, const Brick
 
 TEST(DoublePendulum, FollowsItsEquationsOfMotionToTheTolerance) {
   const Vector3 gravity = 9.81 * Vector3(std::cos(-0.25), std::sin(-0.25), 0);
-  const LoadSource weight = [&](const Poses&, std::vector<Load>& loads) {
-    std::fill(loads.begin(), loads.end(), Load{});
-    for (Load& load : loads) load.force.head<3>() = gravity;  // every mass is 1
+  const mechanics::LoadSource weight = [&](const Poses&, std::vector<model::Load>& loads) {
+    std::fill(loads.begin(), loads.end(), model::Load{});
+    for (model::Load& load : loads) load.force.head<3>() = gravity;  // every mass is 1
   };
   std::vector<double> errors;
   for (const double tolerance : kTolerances) {
     JoinedBricks chain = chainOfSquares();
-    const Brick brick = chain.bricks[1];
+    const model::Brick brick = chain.bricks[1];
     Stepping stepping(chain, true, tolerance);
     stepping.solver->setPinned({true, false, false});
     stepping.extrapolation.setSupported(true);
@@ -283,7 +286,7 @@ Vector3 angularMomentum(const JoinedBricks& bricks) {
 
 /// A brick of 3 x 1 x 0.02 that spins about its middle axis, which is unstable.
 JoinedBricks spinningBrick() {
-  Model model;
+  model::Model model;
   model.tiles = {{{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}}};
   JoinedBricks bricks(model, 0.02);
   bricks.motion.velocities[0].angular = Vector3(0.3, 3.3, 0.1);

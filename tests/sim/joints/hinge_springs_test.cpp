@@ -18,14 +18,14 @@ using test::JoinedBricks;
 
 /// Puts springs at all hinges, at rest at an angle.
 void addSprings(JoinedBricks& sheet, bool planar, double stiffness, double rest, double damping) {
-  for (const Hinge& hinge : findHinges(sheet.bricks, sheet.pivots, planar).hinges) {
+  for (const model::Hinge& hinge : model::findHinges(sheet.bricks, sheet.pivots, planar).hinges) {
     sheet.springs.push_back({hinge, stiffness, rest, damping});
   }
 }
 
 double energyOf(const JoinedBricks& sheet) {
-  return kineticEnergy(sheet.bricks, sheet.motion) +
-         elasticEnergy(sheet.springs, sheet.motion.poses);
+  return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
+         model::elasticEnergy(sheet.springs, sheet.motion.poses);
 }
 
 /// Moves sprung bricks without other loads to a tolerance in time.
@@ -35,7 +35,7 @@ class SprungMotion {
       : sheet_(sheet),
         solver_(sheet.solver(planar)),
         extrapolation_(sheet.bricks, *solver_,
-                       {.tolerance = tolerance, .lengthScale = tileSize(sheet.model)}) {}
+                       {.tolerance = tolerance, .lengthScale = model::tileSize(sheet.model)}) {}
 
   void pin(const std::vector<bool>& pinned) {
     solver_->setPinned(pinned);
@@ -43,7 +43,8 @@ class SprungMotion {
   }
 
   void advance(double seconds) {
-    const TimedLoads none = [](double, const Poses& poses, std::vector<Load>& loads) {
+    const mechanics::TimedLoads none = [](double, const Poses& poses,
+                                          std::vector<model::Load>& loads) {
       test::noLoads(poses, loads);
     };
     for (double done = 0; done < seconds * (1 - 1e-9);) {
@@ -55,20 +56,20 @@ class SprungMotion {
 
  private:
   JoinedBricks& sheet_;
-  std::unique_ptr<JointSolver> solver_;
-  Extrapolation extrapolation_;
+  std::unique_ptr<mechanics::JointSolver> solver_;
+  mechanics::Extrapolation extrapolation_;
   StepReport report_;
 };
 
 /// Two squares that are joined at a corner on both faces.
 JoinedBricks twoSquares() {
-  Model model;
+  model::Model model;
   for (const double at : {0.0, 1.0}) {
     const Vector3 low(at, at, 0);
     model.tiles.push_back(
         {{low, low + Vector3(1, 0, 0), low + Vector3(1, 1, 0), low + Vector3(0, 1, 0)}});
   }
-  model.joints = {{{0, 2}, {1, 0}, JointFace::Both}};
+  model.joints = {{{0, 2}, {1, 0}, model::JointFace::Both}};
   return JoinedBricks(model);
 }
 
@@ -79,15 +80,15 @@ TEST(SpringPendulum, SwingsWithTheFrequencyOfItsClosedForm) {
     JoinedBricks squares = twoSquares();
     const double stiffness = 7, swing = 0.4;
     addSprings(squares, planar, stiffness, 90 * kDegree + swing, 0);
-    const Brick& brick = squares.bricks[1];
+    const model::Brick& brick = squares.bricks[1];
     const double frequency = std::sqrt(stiffness / (brick.inertia(2, 2) + 0.5 * brick.mass));
     SprungMotion motion(squares, planar, 1e-9);
     motion.pin({true, false});
     double phase = 0;
     for (double time = 0.05; time < 10.02; time += 0.05) {
       motion.advance(0.05);
-      const HingeSpring& spring = squares.springs[0];
-      const double off = spring.rest - hingeAngle(spring.hinge, squares.motion.poses);
+      const model::HingeSpring& spring = squares.springs[0];
+      const double off = spring.rest - model::hingeAngle(spring.hinge, squares.motion.poses);
       const double rate =
           spring.hinge.axis.z() * squares.motion.velocities[1].angular.z() / frequency;
       phase += std::remainder(std::atan2(rate, off) - phase, 2 * std::numbers::pi);
@@ -104,10 +105,10 @@ TEST(SpringPendulum, SwingsWithTheFrequencyOfItsClosedForm) {
 class OneAngle {
  public:
   OneAngle(const JoinedBricks& sheet, int side, double angle) : sheet_(sheet), angle_(angle) {
-    TessellationShape shape;
+    model::TessellationShape shape;
     shape.columns = shape.rows = side;
-    const std::vector<Tile> flat = tessellationTiles(shape, 0);
-    const std::vector<Tile> open = tessellationTiles(shape, std::numbers::pi / 2);
+    const std::vector<model::Tile> flat = model::tessellationTiles(shape, 0);
+    const std::vector<model::Tile> open = model::tessellationTiles(shape, std::numbers::pi / 2);
     for (std::size_t i = 0; i < flat.size(); ++i) {
       a_.push_back(meanPoint(flat[i].vertices));
       b_.push_back(std::sqrt(2.0) * meanPoint(open[i].vertices) - a_.back());
@@ -134,7 +135,7 @@ class OneAngle {
   std::pair<double, double> slope(double angle, double rate) const {
     double mass = 0, massSlope = 0;
     for (std::size_t i = 0; i < a_.size(); ++i) {
-      const Brick& brick = sheet_.bricks[i];
+      const model::Brick& brick = sheet_.bricks[i];
       const double c = std::cos(angle / 2), s = std::sin(angle / 2);
       const Vector3 along = 0.5 * (b_[i] * c - a_[i] * s);
       const Vector3 bend = -0.25 * (a_[i] * c + b_[i] * s);
@@ -142,7 +143,7 @@ class OneAngle {
       massSlope += 2 * brick.mass * along.dot(bend);
     }
     double moment = 0;
-    for (const HingeSpring& spring : sheet_.springs) {
+    for (const model::HingeSpring& spring : sheet_.springs) {
       moment += spring.stiffness * (spring.rest - angle) - spring.damping * rate;
     }
     return {rate, (moment - 0.5 * massSlope * rate * rate) / mass};
@@ -166,9 +167,9 @@ TEST(RotatingSquares, SwingByTheirEquationOfMotion) {
       for (int k = 0; k < 20; ++k) {
         motion.advance(0.1);
         exact.advance(0.1);
-        for (const HingeSpring& spring : sheet.springs) {
-          worst = std::max(worst,
-                           std::abs(hingeAngle(spring.hinge, sheet.motion.poses) - exact.angle()));
+        for (const model::HingeSpring& spring : sheet.springs) {
+          worst = std::max(
+              worst, std::abs(model::hingeAngle(spring.hinge, sheet.motion.poses) - exact.angle()));
         }
       }
       EXPECT_LT(worst, 1e-6) << side;  // measured 3e-9 to 5e-8
@@ -215,7 +216,7 @@ Fate fateOf(bool planar, double stiffness, double step, double damping) {
     fate.unconverged += solver->advance(sheet.motion, step, test::noLoads, nullptr).unconverged;
     const double after = energyOf(sheet);
     if (!(after - before <= fate.growth * start)) fate.growth = (after - before) / start;
-    fate.gap = std::max(fate.gap, jointGap(sheet.pivots, sheet.motion.poses).max);
+    fate.gap = std::max(fate.gap, trajectory::jointGap(sheet.pivots, sheet.motion.poses).max);
     before = after;
   }
   return fate;

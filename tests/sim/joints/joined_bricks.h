@@ -16,55 +16,55 @@ namespace kirireel::test {
 
 /// What a joint solver works on, at rest in the model's start.
 struct JoinedBricks {
-  explicit JoinedBricks(const Model& start, double thickness = 0.02)
+  explicit JoinedBricks(const model::Model& start, double thickness = 0.02)
       : model(start),
-        bricks(makeBricks(start.tiles, {thickness, MassRule::Unit, 1})),
-        pivots(makePivots(start.joints, bricks)),
-        motion{startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
+        bricks(model::makeBricks(start.tiles, {thickness, model::MassRule::Unit, 1})),
+        pivots(model::makePivots(start.joints, bricks)),
+        motion{model::startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
 
-  std::unique_ptr<JointSolver> solver(bool planar) const {
-    return makeJointSolver(bricks, pivots,
-                           {planar, tileSize(model), {}, pairForces(springs, ligaments)});
+  std::unique_ptr<mechanics::JointSolver> solver(bool planar) const {
+    return mechanics::makeJointSolver(
+        bricks, pivots, {planar, model::tileSize(model), {}, pairForces(springs, ligaments)});
   }
 
-  Model model;
-  std::vector<Brick> bricks;
-  std::vector<Pivot> pivots;
+  model::Model model;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Pivot> pivots;
   Motion motion;
-  std::vector<HingeSpring> springs;  // at hinges
-  std::vector<Ligament> ligaments;
+  std::vector<model::HingeSpring> springs;  // at hinges
+  std::vector<model::Ligament> ligaments;
 };
 
 /// An opened sheet of unit squares, whose target is half open.
-inline Model openSheet(int side, double startAngle) {
-  TessellationShape shape;
+inline model::Model openSheet(int side, double startAngle) {
+  model::TessellationShape shape;
   shape.columns = shape.rows = side;
   shape.startAngle = startAngle;
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
 /// Target springs and the environment's damping, as a deployment has them.
-inline LoadSource springLoads(const JoinedBricks& sheet, const TargetSprings& springs,
-                              Environment environment) {
-  return [&sheet, &springs, environment](const Poses& poses, std::vector<Load>& loads) {
+inline mechanics::LoadSource springLoads(const JoinedBricks& sheet,
+                                         const deploy::TargetSprings& springs,
+                                         scene::Environment environment) {
+  return [&sheet, &springs, environment](const Poses& poses, std::vector<model::Load>& loads) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), poses[i], 1);
     }
-    addEnvironmentLoads(environment, sheet.bricks, poses, loads);
+    deploy::addEnvironmentLoads(environment, sheet.bricks, poses, loads);
   };
 }
 
 /// Loads that push nothing.
-inline void noLoads(const Poses&, std::vector<Load>& loads) {
-  std::fill(loads.begin(), loads.end(), Load{});
+inline void noLoads(const Poses&, std::vector<model::Load>& loads) {
+  std::fill(loads.begin(), loads.end(), model::Load{});
 }
 
 /// Moves a sheet for so many seconds to a tolerance in time, no loads but those of its solver.
-inline void advance(JoinedBricks& sheet, Extrapolation& extrapolation, double seconds) {
+inline void advance(JoinedBricks& sheet, mechanics::Extrapolation& extrapolation, double seconds) {
   StepReport report;
-  const TimedLoads none = [](double, const Poses& poses, std::vector<Load>& loads) {
-    noLoads(poses, loads);
-  };
+  const mechanics::TimedLoads none = [](double, const Poses& poses,
+                                        std::vector<model::Load>& loads) { noLoads(poses, loads); };
   for (double done = 0; done < seconds * (1 - 1e-9);) {
     const auto taken = extrapolation.step(sheet.motion, seconds - done, none, {}, report);
     ASSERT_TRUE(taken.has_value());

@@ -12,11 +12,11 @@ using test::JoinedBricks;
 
 /// Two hinged bricks that tumble in free space, their joint closed in speed too.
 JoinedBricks tumblingPair() {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
   shape.startAngle = 0.5;
-  JoinedBricks pair(makeTessellation(shape), 0.3);
+  JoinedBricks pair(model::makeTessellation(shape), 0.3);
   const Vector3 turn(0.7, -0.4, 1.1);
   for (std::size_t i = 0; i < 2; ++i) {
     pair.motion.velocities[i] = {Vector3(0.2, 0.1, 3) + turn.cross(pair.motion.poses[i].position),
@@ -50,8 +50,8 @@ Vector3 angularMomentum(const JoinedBricks& pair) {
   return sum;
 }
 
-void advance(JoinedBricks& sheet, JointSolver& solver, double step, int steps,
-             const LoadSource& loads) {
+void advance(JoinedBricks& sheet, mechanics::JointSolver& solver, double step, int steps,
+             const mechanics::LoadSource& loads) {
   for (int i = 0; i < steps; ++i) solver.advance(sheet.motion, step, loads, nullptr);
 }
 
@@ -63,7 +63,7 @@ TEST(JointSolver, KeepsTheLinearMomentumOfFreeBricks) {
   EXPECT_LT((linearMomentum(pair) - before).norm(), 1e-10);  // measured 6e-12
   // Closing moves the bricks by the rounding of an ill-conditioned solve: measured 6e-9.
   EXPECT_LT((massCentre(pair) - start - 2 * before / 2).norm(), 1e-7);
-  EXPECT_LT(jointGap(pair.pivots, pair.motion.poses).max, 1e-11);
+  EXPECT_LT(trajectory::jointGap(pair.pivots, pair.motion.poses).max, 1e-11);
 }
 
 TEST(JointSolver, AngularMomentumErrsInProportionToTheStep) {
@@ -84,8 +84,8 @@ TEST(JointSolver, FreeFallIsTheSumOverSteps) {
   JoinedBricks pair = tumblingPair();
   const Vector3 start = massCentre(pair);
   const Vector3 speed = linearMomentum(pair) / 2;
-  const LoadSource gravity = [](const Poses&, std::vector<Load>& loads) {
-    for (Load& load : loads) {
+  const mechanics::LoadSource gravity = [](const Poses&, std::vector<model::Load>& loads) {
+    for (model::Load& load : loads) {
       load = {};
       load.force[2] = -10;
     }
@@ -100,7 +100,7 @@ TEST(JointSolver, ClosesTheJointsOfOpeningSheetsAfterEveryStep) {
   for (const bool planar : {true, false}) {
     for (const int side : {2, 4, 10}) {
       JoinedBricks sheet(test::openSheet(side, 0));
-      const TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
+      const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
       const Poses start = sheet.motion.poses;
       const auto solver = sheet.solver(planar);
       test::Numbers numbers(1);
@@ -110,12 +110,14 @@ TEST(JointSolver, ClosesTheJointsOfOpeningSheetsAfterEveryStep) {
         const StepReport report = solver->advance(sheet.motion, 1.0 / 240,
                                                   test::springLoads(sheet, springs, {}), nullptr);
         EXPECT_EQ(report.unconverged, 0);
-        largest = std::max(largest, jointGap(sheet.pivots, sheet.motion.poses).max);
+        largest = std::max(largest, trajectory::jointGap(sheet.pivots, sheet.motion.poses).max);
       }
       // measured 1e-12 of 14
-      EXPECT_LT(largest, 1e-10 * modelSize(sheet.model)) << side << (planar ? " planar" : "");
-      const double error = targetError(*sheet.model.target, sheet.bricks, sheet.motion.poses);
-      EXPECT_LT(error, 0.9 * targetError(*sheet.model.target, sheet.bricks, start));
+      EXPECT_LT(largest, 1e-10 * model::modelSize(sheet.model))
+          << side << (planar ? " planar" : "");
+      const double error =
+          trajectory::targetError(*sheet.model.target, sheet.bricks, sheet.motion.poses);
+      EXPECT_LT(error, 0.9 * trajectory::targetError(*sheet.model.target, sheet.bricks, start));
     }
   }
 }
@@ -130,7 +132,7 @@ TEST(JointSolver, ClosesTheJointsOfSheetsThatFlyApart) {
   const auto solver = sheet.solver(false);
   for (int step = 0; step < 240; ++step) {
     solver->advance(sheet.motion, 1.0 / 60, test::noLoads, nullptr);
-    EXPECT_LT(jointGap(sheet.pivots, sheet.motion.poses).max, 1e-10);  // measured 1e-12
+    EXPECT_LT(trajectory::jointGap(sheet.pivots, sheet.motion.poses).max, 1e-10);  // measured 1e-12
   }
 }
 
@@ -144,11 +146,11 @@ TEST(JointSolver, AssemblesAnOpenStart) {
       pose.position += 0.02 * move;
       pose.rotation = rotationFromVector(0.02 * turn) * pose.rotation;
     }
-    EXPECT_GT(jointGap(sheet.pivots, sheet.motion.poses).max, 0.01);
+    EXPECT_GT(trajectory::jointGap(sheet.pivots, sheet.motion.poses).max, 0.01);
     const double left = sheet.solver(planar)->assemble(sheet.motion.poses);
     EXPECT_LT(left, 1e-12);  // measured 2e-15
     // The solver's rows are compared one by one, the measure takes the distance.
-    EXPECT_LT(jointGap(sheet.pivots, sheet.motion.poses).max, 2e-12);
+    EXPECT_LT(trajectory::jointGap(sheet.pivots, sheet.motion.poses).max, 2e-12);
   }
 }
 
@@ -181,17 +183,17 @@ TEST(StepReport, AddsUp) {
 }
 
 TEST(JointSolver, JointsThatGiveStretchByTheirLoad) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  JoinedBricks pair(makeTessellation(shape));
+  JoinedBricks pair(model::makeTessellation(shape));
   ASSERT_EQ(pair.pivots.size(), 2U);
   constexpr double kForce = 3;
   constexpr double kStiffness = 1e4;
   // Both bricks are pulled at their joint, half way between its pivots.
-  const auto pull = [&](const Poses& poses, std::vector<Load>& loads) {
-    const Pivot& low = pair.pivots[0];
-    const Pivot& high = pair.pivots[1];
+  const auto pull = [&](const Poses& poses, std::vector<model::Load>& loads) {
+    const model::Pivot& low = pair.pivots[0];
+    const model::Pivot& high = pair.pivots[1];
     const auto set = [&](int brick, const Vector3& point, const Vector3& force) {
       const Vector3 arm = poses[brick].rotation * point;
       loads[brick] = {};
@@ -201,16 +203,16 @@ TEST(JointSolver, JointsThatGiveStretchByTheirLoad) {
     set(low.brickA, 0.5 * (low.pointA + high.pointA), Vector3(-kForce, 0, 0));
     set(low.brickB, 0.5 * (low.pointB + high.pointB), Vector3(kForce, 0, 0));
   };
-  const std::unique_ptr<JointSolver> solver = pair.solver(false);
+  const std::unique_ptr<mechanics::JointSolver> solver = pair.solver(false);
   solver->setJointStiffness(kStiffness);
   advance(pair, *solver, 1.0 / 60, 600, pull);
-  const double gap = jointGap(pair.pivots, pair.motion.poses).max;
+  const double gap = trajectory::jointGap(pair.pivots, pair.motion.poses).max;
   EXPECT_NEAR(gap, kForce / (2 * kStiffness), 1e-9);  // measured 1e-13
 
   solver->setJointStiffness(std::numeric_limits<double>::infinity());
   solver->assemble(pair.motion.poses);
   advance(pair, *solver, 1.0 / 60, 10, pull);
-  EXPECT_LT(jointGap(pair.pivots, pair.motion.poses).max, 1e-12);
+  EXPECT_LT(trajectory::jointGap(pair.pivots, pair.motion.poses).max, 1e-12);
 }
 
 }  // namespace

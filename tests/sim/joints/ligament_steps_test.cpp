@@ -21,17 +21,17 @@ using test::JoinedBricks;
 JoinedBricks ligamentSheet(int side, double length, double stiffness, double bending,
                            double damping, int exact = 0) {
   JoinedBricks sheet(test::openSheet(side, 0.6));
-  for (const Hinge& hinge : findHinges(sheet.bricks, sheet.pivots, true).hinges) {
+  for (const model::Hinge& hinge : model::findHinges(sheet.bricks, sheet.pivots, true).hinges) {
     sheet.springs.push_back({hinge, bending, 0.8, damping});
   }
-  std::vector<Pivot> kept;
-  for (const Pivot& pivot : sheet.pivots) {
+  std::vector<model::Pivot> kept;
+  for (const model::Pivot& pivot : sheet.pivots) {
     if (pivot.isUpper) continue;
     if (std::max(pivot.brickA, pivot.brickB) < exact) {
       kept.push_back(pivot);
       continue;
     }
-    Ligament ligament{pivot.brickA, pivot.brickB};
+    model::Ligament ligament{pivot.brickA, pivot.brickB};
     ligament.across = Vector3(0.6, 0.8, 0);
     ligament.start = length * ligament.across;
     ligament.pointA = pivot.pointA - 0.5 * ligament.start;
@@ -46,9 +46,9 @@ JoinedBricks ligamentSheet(int side, double length, double stiffness, double ben
 }
 
 double energyOf(const JoinedBricks& sheet) {
-  return kineticEnergy(sheet.bricks, sheet.motion) +
-         elasticEnergy(sheet.springs, sheet.motion.poses) +
-         elasticEnergy(sheet.ligaments, sheet.motion.poses);
+  return trajectory::kineticEnergy(sheet.bricks, sheet.motion) +
+         model::elasticEnergy(sheet.springs, sheet.motion.poses) +
+         model::elasticEnergy(sheet.ligaments, sheet.motion.poses);
 }
 
 void throwAbout(JoinedBricks& sheet) {
@@ -70,7 +70,7 @@ TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
     squares.motion.poses.resize(2);
     squares.motion.velocities.resize(2);
     const Vector3 apart = squares.motion.poses[1].position - squares.motion.poses[0].position;
-    Ligament ligament{0, 1};
+    model::Ligament ligament{0, 1};
     ligament.across = apart.normalized();
     ligament.start = length * ligament.across;
     ligament.pointA = 0.5 * (apart - ligament.start);
@@ -82,7 +82,7 @@ TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
     squares.motion.velocities[1].linear = 0.1 * ligament.across;
     const double w = std::sqrt(2 * ligament.stretchStiffness / squares.bricks[0].mass);
     const auto solver = squares.solver(true);
-    Extrapolation extrapolation(squares.bricks, *solver, {.tolerance = 1e-9});
+    mechanics::Extrapolation extrapolation(squares.bricks, *solver, {.tolerance = 1e-9});
     double worst = 0;
     for (int k = 1; k <= 50; ++k) {
       test::advance(squares, extrapolation, 0.1);
@@ -99,7 +99,8 @@ double strayOf(double length, double stiffness, double tolerance) {
   JoinedBricks sheet = ligamentSheet(4, length, stiffness, 2, 0);
   const double energy = energyOf(sheet);
   const auto solver = sheet.solver(true);
-  Extrapolation extrapolation(sheet.bricks, *solver, {.tolerance = tolerance, .keepsEnergy = true});
+  mechanics::Extrapolation extrapolation(sheet.bricks, *solver,
+                                         {.tolerance = tolerance, .keepsEnergy = true});
   double worst = 0;
   for (int k = 0; k < 20; ++k) {
     test::advance(sheet, extrapolation, 0.1);
@@ -129,12 +130,12 @@ TEST(LigamentSteps, KeepAccountOfLoadsAndDampers) {
   for (const double tolerance : {1e-4, 1e-6}) {
     JoinedBricks sheet = ligamentSheet(4, 0.1, 2e4, 2, 0.05);
     const auto solver = sheet.solver(true);
-    Extrapolation extrapolation(sheet.bricks, *solver,
-                                {.tolerance = tolerance, .keepsEnergy = true});
+    mechanics::Extrapolation extrapolation(sheet.bricks, *solver,
+                                           {.tolerance = tolerance, .keepsEnergy = true});
     const double pull = 0.5, drag = 0.3;
-    const TimedLoads loads = [&](double, const Poses&, std::vector<Load>& out) {
+    const mechanics::TimedLoads loads = [&](double, const Poses&, std::vector<model::Load>& out) {
       test::noLoads({}, out);
-      for (Load& load : out) load.damping.diagonal().setConstant(drag);
+      for (model::Load& load : out) load.damping.diagonal().setConstant(drag);
       out.front().force.x() = -pull;
       out.back().force.x() = pull;
     };
@@ -176,7 +177,7 @@ LigamentFate fateOf(double length, int exact, double stiffness, double step, dou
     const double after = energyOf(sheet);
     if (!(after - before <= fate.growth * start)) fate.growth = (after - before) / start;
     if (!sheet.pivots.empty()) {
-      fate.gap = std::max(fate.gap, jointGap(sheet.pivots, sheet.motion.poses).max);
+      fate.gap = std::max(fate.gap, trajectory::jointGap(sheet.pivots, sheet.motion.poses).max);
     }
     before = after;
   }

@@ -13,27 +13,27 @@ using test::JoinedBricks;
 
 /// A sheet's motion and all that it depends on.
 struct Story {
-  Model model = test::openSheet(4, 0.3);
+  model::Model model = test::openSheet(4, 0.3);
   double thickness = 0.05;
-  TargetSpringSettings springs;
+  scene::TargetSpringSettings springs;
   Vector3 gravity = Vector3::Zero();
   Vector3 speed = Vector3::Zero();  // of every brick at the start
   Vector3 turn = Vector3::Zero();
 };
 
 /// The bottom tiles after half a second.
-std::vector<Tile> tilesAfter(const Story& story, bool planar) {
+std::vector<model::Tile> tilesAfter(const Story& story, bool planar) {
   JoinedBricks sheet(story.model, story.thickness);
   for (Velocity& velocity : sheet.motion.velocities) velocity = {story.speed, story.turn};
-  const TargetSprings springs(sheet.bricks, *story.model.target, {}, story.springs);
-  Environment environment;
+  const deploy::TargetSprings springs(sheet.bricks, *story.model.target, {}, story.springs);
+  scene::Environment environment;
   environment.gravity = story.gravity;
   const auto solver = sheet.solver(planar);
-  const LoadSource loads = test::springLoads(sheet, springs, environment);
+  const mechanics::LoadSource loads = test::springLoads(sheet, springs, environment);
   for (int step = 0; step < 120; ++step) {
     solver->advance(sheet.motion, 1.0 / 240, loads, nullptr);
   }
-  return bottomTiles(sheet.bricks, sheet.motion.poses);
+  return model::bottomTiles(sheet.bricks, sheet.motion.poses);
 }
 
 /// A sheet that opens while it flies: in space it tumbles too.
@@ -45,7 +45,7 @@ Story movingSheet(bool planar) {
   return story;
 }
 
-double largestDistance(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+double largestDistance(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = 0; k < a[i].vertices.size(); ++k) {
@@ -58,17 +58,17 @@ double largestDistance(const std::vector<Tile>& a, const std::vector<Tile>& b) {
 /// How far the motion of `changed` is from that of `story` after its vertices went through `back`.
 template <typename Back>
 double difference(const Story& story, const Story& changed, bool planar, const Back& back) {
-  std::vector<Tile> tiles = tilesAfter(changed, planar);
-  for (Tile& tile : tiles) {
+  std::vector<model::Tile> tiles = tilesAfter(changed, planar);
+  for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex = back(vertex);
   }
-  const std::vector<Tile> expected = tilesAfter(story, planar);
+  const std::vector<model::Tile> expected = tilesAfter(story, planar);
   EXPECT_GT(largestDistance(expected, story.model.tiles), 0.1);  // it did move
   return largestDistance(tiles, expected);
 }
 
-void moveTiles(std::vector<Tile>& tiles, const Matrix3& linear, const Vector3& shift) {
-  for (Tile& tile : tiles) {
+void moveTiles(std::vector<model::Tile>& tiles, const Matrix3& linear, const Vector3& shift) {
+  for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex = linear * vertex + shift;
   }
 }
@@ -129,13 +129,13 @@ double renumberedDifference(bool planar) {
   }
   std::reverse(renumbered.model.joints.begin(), renumbered.model.joints.end());
   for (std::size_t j = 0; j < renumbered.model.joints.size(); ++j) {
-    Joint& joint = renumbered.model.joints[j];
+    model::Joint& joint = renumbered.model.joints[j];
     joint.a.tile = newNumber[joint.a.tile];
     joint.b.tile = newNumber[joint.b.tile];
     if (j % 2 == 0) std::swap(joint.a, joint.b);
   }
-  const std::vector<Tile> found = tilesAfter(renumbered, planar);
-  std::vector<Tile> inOldOrder(count);
+  const std::vector<model::Tile> found = tilesAfter(renumbered, planar);
+  std::vector<model::Tile> inOldOrder(count);
   for (std::size_t i = 0; i < count; ++i) inOldOrder[i] = found[newNumber[i]];
   return largestDistance(inOldOrder, tilesAfter(story, planar));
 }

@@ -12,8 +12,8 @@ using test::JoinedBricks;
 constexpr double kStep = 1.0 / 240;
 
 /// Two unit squares beside each other with the joints given.
-Model pairOfSquares(const std::vector<Joint>& joints) {
-  Model model;
+model::Model pairOfSquares(const std::vector<model::Joint>& joints) {
+  model::Model model;
   for (const double x : {0.0, 1.5}) {
     model.tiles.push_back({{{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}}});
   }
@@ -22,14 +22,14 @@ Model pairOfSquares(const std::vector<Joint>& joints) {
 }
 
 JoinedBricks linkedPair() {
-  Model model = pairOfSquares({});
-  model.joints = {makeLink(model.tiles, {0, 1}, {1, 3})};
+  model::Model model = pairOfSquares({});
+  model.joints = {model::makeLink(model.tiles, {0, 1}, {1, 3})};
   return JoinedBricks(model, 0.3);
 }
 
 JoinedBricks fixedPair() {
-  Model model = pairOfSquares({});
-  model.joints = {makeFixedJoint(model.tiles, 0, 1)};
+  model::Model model = pairOfSquares({});
+  model.joints = {model::makeFixedJoint(model.tiles, 0, 1)};
   return JoinedBricks(model, 0.3);
 }
 
@@ -43,20 +43,20 @@ TEST(PinnedBricks, StayWhereTheyAre) {
   const auto solver = pair.solver(false);
   solver->setPinned({true, false, false, false});
   const Pose before = pair.motion.poses[0];
-  const auto push = [](const Poses&, std::vector<Load>& loads) {
-    for (Load& load : loads) load.force << 3, -2, 1, 0.5, 0.1, 1;
+  const auto push = [](const Poses&, std::vector<model::Load>& loads) {
+    for (model::Load& load : loads) load.force << 3, -2, 1, 0.5, 0.1, 1;
   };
   for (int i = 0; i < 100; ++i) solver->advance(pair.motion, kStep, push, nullptr);
   EXPECT_EQ(pair.motion.poses[0].position, before.position);
   EXPECT_EQ(pair.motion.poses[0].rotation.coeffs(), before.rotation.coeffs());
   EXPECT_EQ(pair.motion.velocities[0].linear, Vector3::Zero());
   EXPECT_GT((pair.motion.poses[3].position - before.position).norm(), 0.1);
-  EXPECT_LT(jointGap(pair.pivots, pair.motion.poses).max, 1e-11);  // measured 4e-16
+  EXPECT_LT(trajectory::jointGap(pair.pivots, pair.motion.poses).max, 1e-11);  // measured 4e-16
 }
 
 TEST(PinnedBricks, AreThePivotOfAPendulum) {
   // A square that turns about its joint to a pinned one keeps its speed.
-  Model model = pairOfSquares({{{0, 2}, {1, 0}}});
+  model::Model model = pairOfSquares({{{0, 2}, {1, 0}}});
   for (Vector3& vertex : model.tiles[1].vertices) vertex += Vector3(-0.5, 1, 0);
   JoinedBricks pendulum(model);
   const double turn = 1.25;
@@ -75,8 +75,8 @@ TEST(PinnedBricks, AreThePivotOfAPendulum) {
 TEST(PinnedBricks, AreFreeAgainOnceUnpinned) {
   JoinedBricks pair(test::openSheet(2, 0.5));
   const auto solver = pair.solver(false);
-  const auto push = [](const Poses&, std::vector<Load>& loads) {
-    for (Load& load : loads) load.force << 1, 0, 0, 0, 0, 0;
+  const auto push = [](const Poses&, std::vector<model::Load>& loads) {
+    for (model::Load& load : loads) load.force << 1, 0, 0, 0, 0, 0;
   };
   solver->setPinned({true, true, true, true});
   solver->advance(pair.motion, kStep, push, nullptr);
@@ -97,7 +97,7 @@ TEST(Links, KeepTheirLengthAndTheMomentum) {
   double gap = 0;
   for (int i = 0; i < 480; ++i) {
     solver->advance(pair.motion, kStep, test::noLoads, nullptr);
-    gap = std::max(gap, jointGap(pair.pivots, pair.motion.poses).max);
+    gap = std::max(gap, trajectory::jointGap(pair.pivots, pair.motion.poses).max);
   }
   EXPECT_LT(gap, 1e-11);  // measured 1e-12
   const Vector3 after = pair.motion.velocities[0].linear + pair.motion.velocities[1].linear;
@@ -112,7 +112,7 @@ TEST(Links, HoldInThePlane) {
                             {Vector3(1, 0.5, 0), Vector3(0, 0, -2)}};
   const auto solver = pair.solver(true);
   for (int i = 0; i < 240; ++i) solver->advance(pair.motion, kStep, test::noLoads, nullptr);
-  EXPECT_LT(jointGap(pair.pivots, pair.motion.poses).max, 1e-11);  // measured 4e-16
+  EXPECT_LT(trajectory::jointGap(pair.pivots, pair.motion.poses).max, 1e-11);  // measured 4e-16
 }
 
 TEST(FixedJoints, MakeOneBodyOfTwo) {
@@ -121,7 +121,7 @@ TEST(FixedJoints, MakeOneBodyOfTwo) {
     const Vector3 between = pair.motion.poses[1].position - pair.motion.poses[0].position;
     // A force at the middle of the second brick: the pair turns as one about its common centre,
     // with both inertias and twice m (1.5 / 2)^2.
-    const auto push = [](const Poses&, std::vector<Load>& loads) {
+    const auto push = [](const Poses&, std::vector<model::Load>& loads) {
       loads[0] = loads[1] = {};
       loads[1].force[1] = 6;
     };

@@ -15,8 +15,9 @@ using test::JoinedBricks;
 
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
-std::unique_ptr<ReactionSolver> reactionSolver(const JoinedBricks& bricks, bool planar) {
-  return makeReactionSolver(bricks.bricks, bricks.pivots, planar, tileSize(bricks.model));
+std::unique_ptr<mechanics::ReactionSolver> reactionSolver(const JoinedBricks& bricks, bool planar) {
+  return mechanics::makeReactionSolver(bricks.bricks, bricks.pivots, planar,
+                                       model::tileSize(bricks.model));
 }
 
 std::vector<Vector6> evenLoads(const JoinedBricks& bricks, const Vector3& force) {
@@ -39,13 +40,13 @@ std::vector<Vector6> randomLoads(std::size_t count, bool planar, unsigned seed) 
 }
 
 /// A unit square hanging by its upper corner from the lower corner of the one above it.
-Model hangingChain(int count) {
-  Model model;
+model::Model hangingChain(int count) {
+  model::Model model;
   const double r = std::sqrt(0.5);
   for (int i = 0; i < count; ++i) {
     const double y = -2 * r * i;
     model.tiles.push_back({{{0, y - r, 0}, {r, y, 0}, {0, y + r, 0}, {-r, y, 0}}});
-    if (i > 0) model.joints.push_back({{i - 1, 0}, {i, 2}, JointFace::Both});
+    if (i > 0) model.joints.push_back({{i - 1, 0}, {i, 2}, model::JointFace::Both});
   }
   return model;
 }
@@ -57,7 +58,8 @@ TEST(Reactions, OfAHangingChainAreItsWeight) {
   pinned[0] = true;
   for (const bool planar : {true, false}) {
     const auto solver = reactionSolver(chain, planar);
-    const Reactions found = solver->solve(chain.motion, evenLoads(chain, weight), pinned, kExact);
+    const mechanics::Reactions found =
+        solver->solve(chain.motion, evenLoads(chain, weight), pinned, kExact);
     EXPECT_LT((found.pinForces[0].head<3>() + 12 * weight).norm(), 1e-9);  // measured 1e-13
     EXPECT_LT(found.pinForces[0].tail<3>().norm(), 1e-9);
     std::vector<Vector3> forces(11, Vector3::Zero());
@@ -74,17 +76,18 @@ TEST(Reactions, OfAHangingChainAreItsWeight) {
 
 /// Two bars that lean on each other over a span, and on a pinned tile each: hinges at (0, 0), at
 /// the top and at (span, 0).
-Model threeHingedArch(const Vector3& top, double span) {
+model::Model threeHingedArch(const Vector3& top, double span) {
   const auto bar = [](const Vector3& from, const Vector3& to) {
     const Vector3 side = 0.1 * (to - from).normalized().cross(Vector3::UnitZ());
     const Vector3 middle = 0.5 * (from + to);
-    return Tile{{from, middle + side, to, middle - side}};
+    return model::Tile{{from, middle + side, to, middle - side}};
   };
-  Model model;
+  model::Model model;
   const Vector3 end(span, 0, 0);
-  model.tiles = {Tile{{{-1, -1, 0}, {0, -1, 0}, {0, 0, 0}, {-1, 0, 0}}}, bar({0, 0, 0}, top),
-                 bar(end, top), Tile{{{span, -1, 0}, {span + 1, -1, 0}, {span + 1, 0, 0}, end}}};
-  constexpr JointFace kHinge = JointFace::Both;
+  model.tiles = {model::Tile{{{-1, -1, 0}, {0, -1, 0}, {0, 0, 0}, {-1, 0, 0}}}, bar({0, 0, 0}, top),
+                 bar(end, top),
+                 model::Tile{{{span, -1, 0}, {span + 1, -1, 0}, {span + 1, 0, 0}, end}}};
+  constexpr model::JointFace kHinge = model::JointFace::Both;
   model.joints = {{{0, 2}, {1, 0}, kHinge}, {{1, 2}, {2, 2}, kHinge}, {{2, 0}, {3, 3}, kHinge}};
   return model;
 }
@@ -111,7 +114,8 @@ TEST(Reactions, OfAThreeHingedArchAreThoseOfStatics) {
   const double thrust = (left * top.x() - P * (top.x() - atP.x())) / top.y();
   for (const bool planar : {true, false}) {
     const auto solver = reactionSolver(arch, planar);
-    const Reactions found = solver->solve(arch.motion, loads, {true, false, false, true}, kExact);
+    const mechanics::Reactions found =
+        solver->solve(arch.motion, loads, {true, false, false, true}, kExact);
     const Vector3 pinLeft = found.pinForces[0].head<3>(), pinRight = found.pinForces[3].head<3>();
     EXPECT_LT((pinLeft - Vector3(thrust, left, 0)).norm(), 1e-9) << planar;
     EXPECT_LT((pinRight - Vector3(Q - thrust, right, 0)).norm(), 1e-9) << planar;
@@ -123,12 +127,12 @@ TEST(Reactions, OfAThreeHingedArchAreThoseOfStatics) {
 
 TEST(Reactions, TurnAPendulum) {
   // A square on a pinned corner that turns at rate w is pulled in by m w^2 r.
-  Model model = hangingChain(2);
+  model::Model model = hangingChain(2);
   JoinedBricks pendulum(model);
   const double turn = 3, radius = std::sqrt(0.5);
   pendulum.motion.velocities[1] = {Vector3(turn * radius, 0, 0), Vector3(0, 0, turn)};
   for (const bool planar : {true, false}) {
-    const Reactions found =
+    const mechanics::Reactions found =
         reactionSolver(pendulum, planar)
             ->solve(pendulum.motion, evenLoads(pendulum, Vector3::Zero()), {true, false}, kExact);
     const Vector3 pull = found.pinForces[0].head<3>();
@@ -138,11 +142,11 @@ TEST(Reactions, TurnAPendulum) {
 
 TEST(Reactions, AlongALinkKeepItsLength) {
   // Two squares on a link that go round each other: the link pulls with m w^2 r.
-  Model model;
+  model::Model model;
   for (const double x : {0.0, 3.0}) {
     model.tiles.push_back({{{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}}});
   }
-  model.joints = {makeLink(model.tiles, {0, 1}, {1, 0})};
+  model.joints = {model::makeLink(model.tiles, {0, 1}, {1, 0})};
   JoinedBricks pair(model);
   // Both squares go round the middle of the link, each with the link's turn, at the corner's
   // height.
@@ -153,7 +157,7 @@ TEST(Reactions, AlongALinkKeepItsLength) {
   }
   for (const bool planar : {true, false}) {
     const auto solver = reactionSolver(pair, planar);
-    const Reactions found =
+    const mechanics::Reactions found =
         solver->solve(pair.motion, evenLoads(pair, Vector3::Zero()), {false, false}, kExact);
     // Both ends are half an edge beyond the squares' centres, which alone would not keep the length
     // 2 of the link: w^2 / 2 each, and (2 w)^2 / 2 across; against it works what a force along the
@@ -173,7 +177,7 @@ Eigen::MatrixXd denseRows(const JoinedBricks& sheet, const std::vector<bool>& pi
   const auto rows = static_cast<Eigen::Index>(3 * sheet.pivots.size());
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, columns);
   for (std::size_t p = 0; p < sheet.pivots.size(); ++p) {
-    const Pivot& pivot = sheet.pivots[p];
+    const model::Pivot& pivot = sheet.pivots[p];
     const auto put = [&](int brick, const Vector3& point, double sign) {
       if (pinned[static_cast<std::size_t>(brick)]) return;
       Eigen::Matrix<double, 3, 6> block;
@@ -234,7 +238,7 @@ TEST_P(RedundantSheet, HasTheLeastForces) {
   pinned[0] = true;
   const std::vector<Vector6> loads = randomLoads(sheet.bricks.size(), planar, 3);
   const auto solver = reactionSolver(sheet, planar);
-  const Reactions found = solver->solve(sheet.motion, loads, pinned, kExact);
+  const mechanics::Reactions found = solver->solve(sheet.motion, loads, pinned, kExact);
   const Eigen::VectorXd wanted =
       leastForces(denseRows(sheet, pinned, planar), denseMasses(sheet), stacked(loads));
   double difference = 0;
@@ -286,7 +290,7 @@ TEST_P(RedundantSheet, MarksWhatIsIndeterminate) {
 
 /// A chain of squares that branches off a sheet: its joints alone are determinate.
 TEST(Reactions, AreDeterminateInATree) {
-  Model model = test::openSheet(3, 0.4);
+  model::Model model = test::openSheet(3, 0.4);
   const auto loops = static_cast<int>(model.tiles.size());
   const std::size_t before = model.joints.size();
   for (int k = 0; k < 3; ++k) {
@@ -318,8 +322,8 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
     dynamics->setPinned(pinned);
     dynamics->setJointStiffness(stiffness);
     Motion motion = sheet.motion;
-    const LoadSource pulled = [&](const Poses& poses, std::vector<Load>& loads) {
-      for (Load& load : loads) {
+    const mechanics::LoadSource pulled = [&](const Poses& poses, std::vector<model::Load>& loads) {
+      for (model::Load& load : loads) {
         load = {};
         load.damping.diagonal().setConstant(20);
       }
@@ -327,7 +331,7 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
         const Pose& start = sheet.motion.poses[i];
         for (const Vector3& corner : sheet.bricks[i].bottom) {
-          addPointSpring({corner, start.apply(corner), 5, 0}, poses[i], loads[i]);
+          deploy::addPointSpring({corner, start.apply(corner), 5, 0}, poses[i], loads[i]);
         }
       }
       const Vector3 arm = poses.back().rotation * sheet.bricks.back().bottom[2];
@@ -335,13 +339,13 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
       loads.back().force.tail<3>() += arm.cross(pull);
     };
     for (int step = 0; step < 400; ++step) dynamics->advance(motion, 0.5, pulled, nullptr);
-    std::vector<Load> loads(sheet.bricks.size());
+    std::vector<model::Load> loads(sheet.bricks.size());
     pulled(motion.poses, loads);
     std::vector<Vector6> applied;
-    for (const Load& load : loads) applied.push_back(load.force);
+    for (const model::Load& load : loads) applied.push_back(load.force);
     const auto solver = reactionSolver(sheet, planar);
-    const Reactions springs = solver->solve(motion, applied, pinned, stiffness);
-    const Reactions exact = solver->solve(motion, applied, pinned, kExact);
+    const mechanics::Reactions springs = solver->solve(motion, applied, pinned, stiffness);
+    const mechanics::Reactions exact = solver->solve(motion, applied, pinned, kExact);
     double largest = 0, difference = 0;
     for (std::size_t p = 0; p < sheet.pivots.size(); ++p) {
       largest = std::max(largest, springs.pivotForces[p].norm());

@@ -26,9 +26,9 @@ class StandstillTest : public testing::Test {
     return count;
   }
 
-  Standstill standstill_;
+  mechanics::Standstill standstill_;
   Motion motion_ = {Poses(2), std::vector<Velocity>(2)};
-  std::vector<Load> loads_ = std::vector<Load>(2);
+  std::vector<model::Load> loads_ = std::vector<model::Load>(2);
 };
 
 TEST_F(StandstillTest, WhatFailedInHalvesIsNotTriedAgain) {
@@ -81,7 +81,7 @@ TEST_F(StandstillTest, ComesBackFromATape) {
   StateTape tape;
   tape.transfer(standstill_);
   StateTape played(tape.numbers());
-  Standstill other;
+  mechanics::Standstill other;
   played.transfer(other);
   EXPECT_TRUE(played.isOver());
   EXPECT_FALSE(other.beginStep(motion_, loads_, kStep));

@@ -16,9 +16,9 @@ double largest(const std::vector<double>& values) {
 
 /// A tessellation with every brick moved and turned in its own way.
 struct ScatteredTiles {
-  Model model = makeTessellation({});
-  std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  Poses start = startPoses(model.tiles, bricks);
+  model::Model model = model::makeTessellation({});
+  std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  Poses start = model::startPoses(model.tiles, bricks);
   Poses poses = start;
 
   ScatteredTiles() {
@@ -31,16 +31,17 @@ struct ScatteredTiles {
 
 TEST(BrickMeasures, HaveTheWholeRunsMeasuresAsTheirLargest) {
   const ScatteredTiles tiles;
-  const std::vector<Pivot> pivots = makePivots(tiles.model.joints, tiles.bricks);
-  EXPECT_EQ(largest(brickTargetErrors(*tiles.model.target, tiles.bricks, tiles.poses)),
-            targetError(*tiles.model.target, tiles.bricks, tiles.poses));
-  EXPECT_EQ(largest(brickJointGaps(pivots, tiles.poses)), jointGap(pivots, tiles.poses).max);
+  const std::vector<model::Pivot> pivots = model::makePivots(tiles.model.joints, tiles.bricks);
+  EXPECT_EQ(largest(trajectory::brickTargetErrors(*tiles.model.target, tiles.bricks, tiles.poses)),
+            trajectory::targetError(*tiles.model.target, tiles.bricks, tiles.poses));
+  EXPECT_EQ(largest(trajectory::brickJointGaps(pivots, tiles.poses)),
+            trajectory::jointGap(pivots, tiles.poses).max);
 }
 
 TEST(BrickMeasures, TellHowFarEachBrickWentAndTurned) {
   const ScatteredTiles tiles;
-  const std::vector<double> moved = brickDisplacements(tiles.start, tiles.poses);
-  const std::vector<double> turned = brickRotations(tiles.start, tiles.poses);
+  const std::vector<double> moved = trajectory::brickDisplacements(tiles.start, tiles.poses);
+  const std::vector<double> turned = trajectory::brickRotations(tiles.start, tiles.poses);
   for (std::size_t k = 0; k < tiles.poses.size(); ++k) {
     EXPECT_NEAR(moved[k], std::hypot(0.1, 0.05) * k, 1e-12);
     EXPECT_NEAR(turned[k], std::min(0.2 * k, 2 * M_PI - 0.2 * k), 1e-7);  // measured 3e-8
@@ -49,7 +50,7 @@ TEST(BrickMeasures, TellHowFarEachBrickWentAndTurned) {
 
 TEST(BrickMeasures, AreZeroForABrickWithoutJoints) {
   const ScatteredTiles tiles;
-  EXPECT_EQ(largest(brickJointGaps({}, tiles.poses)), 0);
+  EXPECT_EQ(largest(trajectory::brickJointGaps({}, tiles.poses)), 0);
 }
 
 }  // namespace

@@ -13,66 +13,68 @@ namespace kirireel {
 namespace {
 
 struct Sheet {
-  Model model = makeTessellation({});
-  std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  std::vector<Pivot> pivots = makePivots(model.joints, bricks);
-  Poses poses = startPoses(model.tiles, bricks);
+  model::Model model = model::makeTessellation({});
+  std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
+  Poses poses = model::startPoses(model.tiles, bricks);
 };
 
 TEST(JointGap, ClosedSheetHasNone) {
   const Sheet sheet;
-  EXPECT_LT(jointGap(sheet.pivots, sheet.poses).max, 1e-14);  // measured 0
+  EXPECT_LT(trajectory::jointGap(sheet.pivots, sheet.poses).max, 1e-14);  // measured 0
 }
 
 TEST(JointGap, OneMovedBrickOpensItsJoints) {
   Sheet sheet;
   sheet.poses[0].position += Vector3(0.03, 0, 0.04);
-  const JointGap gap = jointGap(sheet.pivots, sheet.poses);
+  const trajectory::JointGap gap = trajectory::jointGap(sheet.pivots, sheet.poses);
   EXPECT_NEAR(gap.max, 0.05, 1e-15);
   // A corner tile has two joints on both faces: four pivots of 48.
   EXPECT_NEAR(gap.mean, 4 * 0.05 / 48, 1e-15);
 }
 
 TEST(JointGap, ZeroWithoutJoints) {
-  EXPECT_EQ(jointGap({}, {}).max, 0);
-  EXPECT_EQ(jointGap({}, {}).mean, 0);
+  EXPECT_EQ(trajectory::jointGap({}, {}).max, 0);
+  EXPECT_EQ(trajectory::jointGap({}, {}).mean, 0);
 }
 
 TEST(JointGap, PosesThatAreNoNumbersAreNoSmallGap) {
   Sheet sheet;
   sheet.poses[0].position.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(std::isnan(jointGap(sheet.pivots, sheet.poses).max));
-  EXPECT_TRUE(std::isnan(targetError(sheet.model.tiles, sheet.bricks, sheet.poses)));
+  EXPECT_TRUE(std::isnan(trajectory::jointGap(sheet.pivots, sheet.poses).max));
+  EXPECT_TRUE(std::isnan(trajectory::targetError(sheet.model.tiles, sheet.bricks, sheet.poses)));
 }
 
 TEST(TargetError, IsTheLargestVertexDistance) {
   Sheet sheet;
-  EXPECT_LT(targetError(sheet.model.tiles, sheet.bricks, sheet.poses), 1e-14);
+  EXPECT_LT(trajectory::targetError(sheet.model.tiles, sheet.bricks, sheet.poses), 1e-14);
   // A unit square turned by 60 degrees about its middle: each corner moves by sqrt(1/2).
   const double half = 0.5 * sheet.bricks[5].thickness;
   sheet.poses[5].rotation = rotationFromVector({0, 0, 1.0471975511965976});
-  EXPECT_NEAR(targetError(sheet.model.tiles, sheet.bricks, sheet.poses), std::sqrt(0.5), 1e-14);
+  EXPECT_NEAR(trajectory::targetError(sheet.model.tiles, sheet.bricks, sheet.poses), std::sqrt(0.5),
+              1e-14);
   sheet.poses[5] = {{0, 0, half}, Quaternion::Identity()};
   sheet.poses[5].position = sheet.poses[5].position + Vector3(-0.5, -0.5, 2);
-  EXPECT_NEAR(targetError(sheet.model.tiles, sheet.bricks, sheet.poses), 2, 1e-14);
+  EXPECT_NEAR(trajectory::targetError(sheet.model.tiles, sheet.bricks, sheet.poses), 2, 1e-14);
 }
 
 TEST(RigidBound, IsZeroForMovedTiles) {
   const Sheet sheet;
-  EXPECT_LT(rigidBound(sheet.model.tiles, *sheet.model.target), 1e-14);  // measured 5e-16
+  EXPECT_LT(trajectory::rigidBound(sheet.model.tiles, *sheet.model.target),
+            1e-14);  // measured 5e-16
 }
 
 TEST(RigidBound, OfAStretchedTileIsHalfTheStretch) {
-  const std::vector<Tile> square{{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
-  const std::vector<Tile> longer{{{{3, 0, 0}, {3, 1.2, 0}, {2, 1.2, 0}, {2, 0, 0}}}};
-  EXPECT_NEAR(rigidBound(square, longer), 0.1, 1e-15);
+  const std::vector<model::Tile> square{{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  const std::vector<model::Tile> longer{{{{3, 0, 0}, {3, 1.2, 0}, {2, 1.2, 0}, {2, 0, 0}}}};
+  EXPECT_NEAR(trajectory::rigidBound(square, longer), 0.1, 1e-15);
 }
 
 /// The least largest residual over plane motions, by search: turns in steps that are refined about
 /// the best one, for each turn the smallest circle round the vertices' misfits.
 class PlaneSearch {
  public:
-  PlaneSearch(const Tile& tile, const Tile& target) : tile_(tile), target_(target) {}
+  PlaneSearch(const model::Tile& tile, const model::Tile& target) : tile_(tile), target_(target) {}
 
   double least() const {
     double best = 0;
@@ -127,14 +129,14 @@ class PlaneSearch {
     return least;
   }
 
-  const Tile& tile_;
-  const Tile& target_;
+  const model::Tile& tile_;
+  const model::Tile& target_;
 };
 
 /// A regular polygon with every coordinate off by up to `noise`.
-Tile roughPolygon(int corners, double noise, bool flat, std::mt19937& random) {
+model::Tile roughPolygon(int corners, double noise, bool flat, std::mt19937& random) {
   std::uniform_real_distribution<double> off(-noise, noise);
-  Tile tile;
+  model::Tile tile;
   for (int k = 0; k < corners; ++k) {
     const double angle = 2 * 3.14159265358979323846 * k / corners;
     tile.vertices.emplace_back(std::cos(angle) + off(random), std::sin(angle) + off(random),
@@ -147,10 +149,10 @@ TEST(RigidBound, AgreesWithASearchInThePlane) {
   std::mt19937 random(4);
   for (int trial = 0; trial < 12; ++trial) {
     const int corners = 3 + trial % 4;
-    const Tile tile = roughPolygon(corners, 0.1, true, random);
-    const Tile target = roughPolygon(corners, 0.1, true, random);
+    const model::Tile tile = roughPolygon(corners, 0.1, true, random);
+    const model::Tile target = roughPolygon(corners, 0.1, true, random);
     const double least = PlaneSearch(tile, target).least();
-    EXPECT_NEAR(rigidBound({tile}, {target}), least, 1e-7 * least);
+    EXPECT_NEAR(trajectory::rigidBound({tile}, {target}), least, 1e-7 * least);
   }
 }
 
@@ -159,12 +161,12 @@ TEST(RigidBound, NoMotionInSpaceGoesBelow) {
   std::normal_distribution<double> normal;
   const auto vector = [&] { return Vector3(normal(random), normal(random), normal(random)); };
   for (int trial = 0; trial < 10; ++trial) {
-    const Tile tile = roughPolygon(4, 0.2, false, random);
-    const Tile target = roughPolygon(4, 0.2, false, random);
-    const double bound = rigidBound({tile}, {target});
+    const model::Tile tile = roughPolygon(4, 0.2, false, random);
+    const model::Tile target = roughPolygon(4, 0.2, false, random);
+    const double bound = trajectory::rigidBound({tile}, {target});
     for (int i = 0; i < 3000; ++i) {
       const double size = std::pow(10, -i % 5);
-      const RigidMotion best = bestRigidMotion(tile.vertices, target.vertices);
+      const model::RigidMotion best = model::bestRigidMotion(tile.vertices, target.vertices);
       const Matrix3 turn = rotationFromVector(size * vector()).toRotationMatrix() * best.rotation;
       const Vector3 move = best.translation + size * vector();
       double largest = 0;
@@ -179,39 +181,40 @@ TEST(RigidBound, NoMotionInSpaceGoesBelow) {
 TEST(RigidBound, LiesBelowTheBestFitInSquares) {
   // One corner of a square stands off: the best fit in squares leaves most of that to this corner,
   // the minimax fit shares it among all.
-  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
-  Tile bent = square;
+  const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  model::Tile bent = square;
   bent.vertices[2] += Vector3(0.2, 0.2, 0);
-  const RigidMotion fit = bestRigidMotion(square.vertices, bent.vertices);
+  const model::RigidMotion fit = model::bestRigidMotion(square.vertices, bent.vertices);
   const double ofSquares = (fit.apply(square.vertices[2]) - bent.vertices[2]).norm();
-  const double bound = rigidBound({square}, {bent});
+  const double bound = trajectory::rigidBound({square}, {bent});
   EXPECT_LT(bound / ofSquares, 0.7);  // measured 0.667
   EXPECT_NEAR(bound, PlaneSearch(square, bent).least(), 1e-9);
 }
 
 TEST(RigidBound, IsThatOfTheWorstTile) {
   std::mt19937 random(6);
-  std::vector<Tile> tiles, targets;
+  std::vector<model::Tile> tiles, targets;
   double largest = 0;
   for (int i = 0; i < 30; ++i) {
     tiles.push_back(roughPolygon(3 + i % 4, 0.1, false, random));
     targets.push_back(roughPolygon(3 + i % 4, 0.1, false, random));
-    largest = std::max(largest, rigidBound({tiles.back()}, {targets.back()}));
+    largest = std::max(largest, trajectory::rigidBound({tiles.back()}, {targets.back()}));
   }
-  EXPECT_NEAR(rigidBound(tiles, targets), largest, 1e-11 * largest);
+  EXPECT_NEAR(trajectory::rigidBound(tiles, targets), largest, 1e-11 * largest);
 }
 
 TEST(KineticEnergy, OfABoxHasTheClosedForm) {
-  BrickRule rule;
+  model::BrickRule rule;
   rule.thickness = 0.2;
-  const std::vector<Brick> bricks{makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}}}, rule)};
+  const std::vector<model::Brick> bricks{
+      model::makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}}}, rule)};
   Motion motion{Poses(1), std::vector<Velocity>(1)};
   motion.velocities[0].linear = {1, -2, 2};
-  EXPECT_NEAR(kineticEnergy(bricks, motion), 4.5, 1e-14);
+  EXPECT_NEAR(trajectory::kineticEnergy(bricks, motion), 4.5, 1e-14);
   // Standing upright, the brick's z axis points along the world's -y.
   motion.poses[0].rotation = rotationFromVector({1.5707963267948966, 0, 0});
   motion.velocities[0].angular = {0, 4, 0};
-  EXPECT_NEAR(kineticEnergy(bricks, motion), 4.5 + 0.5 * (9 + 4) / 12.0 * 16, 1e-13);
+  EXPECT_NEAR(trajectory::kineticEnergy(bricks, motion), 4.5 + 0.5 * (9 + 4) / 12.0 * 16, 1e-13);
 }
 
 }  // namespace

@@ -12,36 +12,37 @@ namespace {
 
 constexpr double kThickness = 0.02;
 
-Model tessellation(int columns, int rows, double angle, JointFace face = JointFace::Both) {
-  TessellationShape shape;
+model::Model tessellation(int columns, int rows, double angle,
+                          model::JointFace face = model::JointFace::Both) {
+  model::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
   shape.startAngle = angle;
   shape.face = face;
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
-int planarFreedoms(const Model& model) {
-  return mobility(model, model.tiles, Freedom::Plane, kThickness).freedoms;
+int planarFreedoms(const model::Model& model) {
+  return trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness).freedoms;
 }
 
 /// Central differences of the joints' gaps over poses, and the rank by a full-pivot factorisation:
 /// nothing in common with the measure but the definition.
-int rankByDifferences(const Model& model) {
+int rankByDifferences(const model::Model& model) {
   const int tiles = static_cast<int>(model.tiles.size());
   const auto gaps = [&](int unknown, double step) {
-    std::vector<Tile> moved = model.tiles;
+    std::vector<model::Tile> moved = model.tiles;
     const int tile = unknown / 6, axis = unknown % 6;
-    const Vector3 centre = tileCentroid(moved[tile]);
+    const Vector3 centre = model::tileCentroid(moved[tile]);
     const Eigen::AngleAxisd turn(axis < 3 ? 0 : step, Vector3::Unit(axis % 3));
     const Vector3 shift = axis < 3 ? Vector3(step * Vector3::Unit(axis)) : Vector3::Zero();
     for (Vector3& vertex : moved[tile].vertices) vertex = centre + turn * (vertex - centre) + shift;
     Eigen::VectorXd all(6 * static_cast<int>(model.joints.size()));
     for (int j = 0; j < std::ssize(model.joints); ++j) {
-      const Joint& joint = model.joints[j];
-      const auto place = [&](const Corner& corner, double rise) {
+      const model::Joint& joint = model.joints[j];
+      const auto place = [&](const model::Corner& corner, double rise) {
         return Vector3(moved[corner.tile].vertices[corner.vertex] +
-                       rise * tileNormal(moved[corner.tile]));
+                       rise * model::tileNormal(moved[corner.tile]));
       };
       all.segment<3>(6 * j) = place(joint.a, 0) - place(joint.b, 0);
       all.segment<3>(6 * j + 3) = place(joint.a, kThickness) - place(joint.b, kThickness);
@@ -70,30 +71,38 @@ TEST(Mobility, ClosedTessellationIsSingular) {
 }
 
 TEST(Mobility, LooseAndPairedTiles) {
-  Model model = tessellation(2, 1, 0.5);
+  model::Model model = tessellation(2, 1, 0.5);
   EXPECT_EQ(planarFreedoms(model), 1);
-  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 1);  // a hinge
-  model.joints[0].face = JointFace::Bottom;
-  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 3);  // a ball joint
+  EXPECT_EQ(
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, kThickness).freedoms,
+      1);  // a hinge
+  model.joints[0].face = model::JointFace::Bottom;
+  EXPECT_EQ(
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, kThickness).freedoms,
+      3);  // a ball joint
   model.joints.clear();
   EXPECT_EQ(planarFreedoms(model), 3);
-  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 6);
+  EXPECT_EQ(
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, kThickness).freedoms, 6);
 }
 
 TEST(Mobility, LinksAndFixedJointsCount) {
-  Model model = tessellation(2, 1, 0.5);
-  model.joints = {makeLink(model.tiles, {0, 0}, {1, 1})};
+  model::Model model = tessellation(2, 1, 0.5);
+  model.joints = {model::makeLink(model.tiles, {0, 0}, {1, 1})};
   EXPECT_EQ(planarFreedoms(model), 2);
-  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 5);
-  model.joints = {makeFixedJoint(model.tiles, 0, 1)};
+  EXPECT_EQ(
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, kThickness).freedoms, 5);
+  model.joints = {model::makeFixedJoint(model.tiles, 0, 1)};
   EXPECT_EQ(planarFreedoms(model), 0);
-  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 0);
+  EXPECT_EQ(
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, kThickness).freedoms, 0);
 }
 
 TEST(Mobility, AgreesWithDifferencesInSpace) {
   for (const double angle : {0.0, 0.7}) {
-    const Model model = tessellation(4, 3, angle);
-    const Mobility found = mobility(model, model.tiles, Freedom::Space, kThickness);
+    const model::Model model = tessellation(4, 3, angle);
+    const trajectory::Mobility found =
+        trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, kThickness);
     EXPECT_EQ(found.rank, rankByDifferences(model)) << angle;
     EXPECT_EQ(found.redundant, found.equations - found.rank);
   }
@@ -101,16 +110,18 @@ TEST(Mobility, AgreesWithDifferencesInSpace) {
 
 TEST(Mobility, SignCountsAgreeWithSingularValues) {
   // 20 x 20 tiles take the sparse way, and have one freedom all the same.
-  const Model model = tessellation(20, 20, 0.8);
-  const Mobility found = mobility(model, model.tiles, Freedom::Plane, kThickness);
+  const model::Model model = tessellation(20, 20, 0.8);
+  const trajectory::Mobility found =
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
   EXPECT_GT(found.unknowns, 900);
   EXPECT_EQ(found.freedoms, 1);
   EXPECT_GT(found.leastKept, 10 * found.largestDropped);
 }
 
 TEST(Mobility, SpectrumHasAClearGap) {
-  const Model model = tessellation(6, 6, 0.8);
-  const Mobility found = mobility(model, model.tiles, Freedom::Plane, kThickness);
+  const model::Model model = tessellation(6, 6, 0.8);
+  const trajectory::Mobility found =
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
   EXPECT_GT(found.leastKept, 1e-2);
   EXPECT_LT(found.largestDropped, 1e-13);
 }
@@ -123,15 +134,16 @@ TEST(Mobility, MatchesThePublishedModels) {
       {"square2disk", 8}, {"demo_nonrigid", 1}, {"stampfli24", 21}, {"quad_tessellation", 6}};
   for (const auto& [name, freedoms] : published) {
     std::vector<std::string> warnings;
-    EXPECT_EQ(planarFreedoms(readModelFolder(shared / name, warnings)), freedoms) << name;
+    EXPECT_EQ(planarFreedoms(model::readModelFolder(shared / name, warnings)), freedoms) << name;
   }
 }
 
 TEST(Mobility, OfTooManyTilesIsNotCounted) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 101;
-  const Model model = makeTessellation(shape);
-  const Mobility found = mobility(model, model.tiles, Freedom::Space, 0.02);
+  const model::Model model = model::makeTessellation(shape);
+  const trajectory::Mobility found =
+      trajectory::mobility(model, model.tiles, trajectory::Freedom::Space, 0.02);
   EXPECT_FALSE(found.isCounted);
   EXPECT_EQ(found.unknowns, 6 * 101 * 101);
 }

@@ -11,28 +11,28 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Brick box(double length, double width, double thickness) {
-  BrickRule rule;
+model::Brick box(double length, double width, double thickness) {
+  model::BrickRule rule;
   rule.thickness = thickness;
-  return makeBrick({{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}, rule);
+  return model::makeBrick({{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}, rule);
 }
 
-Brick polygon(int corners, double radius, double thickness) {
-  BrickRule rule;
+model::Brick polygon(int corners, double radius, double thickness) {
+  model::BrickRule rule;
   rule.thickness = thickness;
-  Tile tile;
+  model::Tile tile;
   for (int k = 0; k < corners; ++k) {
     const double angle = 2 * kPi * k / corners;
     tile.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
   }
-  return makeBrick(tile, rule);
+  return model::makeBrick(tile, rule);
 }
 
-double depthOf(const Brick& a, const Pose& poseA, const Brick& b, const Pose& poseB) {
-  return deepestPenetration({a, b}, {poseA, poseB}).depth;
+double depthOf(const model::Brick& a, const Pose& poseA, const model::Brick& b, const Pose& poseB) {
+  return trajectory::deepestPenetration({a, b}, {poseA, poseB}).depth;
 }
 
-std::vector<Vector3> cornersOf(const Brick& brick, const Pose& pose) {
+std::vector<Vector3> cornersOf(const model::Brick& brick, const Pose& pose) {
   std::vector<Vector3> corners;
   for (const Vector3& point : brick.bottom) corners.push_back(pose.apply(point));
   for (const Vector3& point : brick.top) corners.push_back(pose.apply(point));
@@ -79,7 +79,7 @@ double overlapBySampling(const std::vector<Vector3>& a, const std::vector<Vector
 }
 
 TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
-  const Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
+  const model::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
   const Pose origin;
   // Side by side, overlapping by 0.01 along x: less than the thickness.
   EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
@@ -91,7 +91,7 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
 }
 
 TEST(Penetration, InOneLayerCountsWithinIt) {
-  const Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
+  const model::Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
   const Pose poseB{{1.2, 0.3, 0}};
   EXPECT_NEAR(depthOf(a, {}, b, poseB), 0.3, 1e-15);
   // A little above it, the way out is over the other.
@@ -106,14 +106,14 @@ TEST(Penetration, InOneLayerCountsWithinIt) {
 }
 
 TEST(Penetration, OfACornerInASideHasTheClosedForm) {
-  const Brick a = box(1, 1, 1);
+  const model::Brick a = box(1, 1, 1);
   const Pose turned{{0.5 + std::sqrt(0.5) - 0.05, 0, 0}, rotationFromVector({0, 0, kPi / 4})};
   EXPECT_NEAR(depthOf(a, {}, a, turned), 0.05, 1e-14);  // measured 4e-17
 }
 
 TEST(Penetration, OfCrossedEdgesHasTheClosedForm) {
   // Two bars on edge, crossing at right angles: only the product of their long edges separates.
-  const Brick bar = box(10, 1, 1);
+  const model::Brick bar = box(10, 1, 1);
   const Pose lower{Vector3::Zero(), rotationFromVector({kPi / 4, 0, 0})};
   Pose upper{{0, 0, 2 * std::sqrt(0.5) - 0.1},
              rotationFromVector({0, 0, kPi / 2}) * rotationFromVector({kPi / 4, 0, 0})};
@@ -127,8 +127,8 @@ TEST(Penetration, MatchesSampledDirections) {
   std::normal_distribution<double> normal;
   int overlapping = 0;
   for (int i = 0; i < 60; ++i) {
-    const Brick a = polygon(3 + i % 5, 1, i % 2 == 0 ? 0.4 : 0.01);
-    const Brick b = polygon(3 + i % 4, 0.8, 0.3);
+    const model::Brick a = polygon(3 + i % 5, 1, i % 2 == 0 ? 0.4 : 0.01);
+    const model::Brick b = polygon(3 + i % 4, 0.8, 0.3);
     const auto randomPose = [&](double reach) {
       const Quaternion turn(normal(random), normal(random), normal(random), normal(random));
       return Pose{reach * Vector3(normal(random), normal(random), normal(random)),
@@ -146,7 +146,7 @@ TEST(Penetration, MatchesSampledDirections) {
 }
 
 TEST(Penetration, IsTheSameForMovedAndSwappedBricks) {
-  const Brick a = polygon(5, 1, 0.3), b = polygon(3, 1, 0.2);
+  const model::Brick a = polygon(5, 1, 0.3), b = polygon(3, 1, 0.2);
   const Pose poseB{{0.6, 0.2, 0.1}, rotationFromVector({0.5, 1, -0.3})};
   const double depth = depthOf(a, {}, b, poseB);
   EXPECT_GT(depth, 0.05);
@@ -160,28 +160,29 @@ TEST(Penetration, IsTheSameForMovedAndSwappedBricks) {
 TEST(Penetration, TouchingSheetsHaveOnlyRounding) {
   for (const double thickness : {0.001, 0.02, 1.0}) {
     for (const double angle : {0.0, 0.5, kPi / 2}) {
-      TessellationShape shape;
+      model::TessellationShape shape;
       shape.columns = 7;
       shape.rows = 6;
-      const std::vector<Tile> tiles = tessellationTiles(shape, angle);
-      BrickRule rule;
+      const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
+      model::BrickRule rule;
       rule.thickness = thickness;
-      const std::vector<Brick> bricks = makeBricks(tiles, rule);
+      const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
       // measured 1e-16
-      EXPECT_LT(deepestPenetration(bricks, startPoses(tiles, bricks)).depth, 1e-14);
+      EXPECT_LT(trajectory::deepestPenetration(bricks, model::startPoses(tiles, bricks)).depth,
+                1e-14);
     }
   }
 }
 
 TEST(Penetration, FindsTheDeepestPairOfASheet) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 12;
-  const std::vector<Tile> tiles = tessellationTiles(shape, 0.5);
-  const std::vector<Brick> bricks = makeBricks(tiles, {});
-  Poses poses = startPoses(tiles, bricks);
+  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, 0.5);
+  const std::vector<model::Brick> bricks = model::makeBricks(tiles, {});
+  Poses poses = model::startPoses(tiles, bricks);
   poses[40].position.x() += 0.005;
   poses[100].position.y() += 0.015;
-  const Penetration found = deepestPenetration(bricks, poses);
+  const trajectory::Penetration found = trajectory::deepestPenetration(bricks, poses);
   EXPECT_TRUE(found.brickA == 100 || found.brickB == 100);
   // The second method: every pair by itself.
   double deepest = 0;
@@ -194,7 +195,7 @@ TEST(Penetration, FindsTheDeepestPairOfASheet) {
 }
 
 TEST(Penetration, NoBricksNoDepth) {
-  const Penetration found = deepestPenetration({}, {});
+  const trajectory::Penetration found = trajectory::deepestPenetration({}, {});
   EXPECT_EQ(found.depth, 0);
   EXPECT_EQ(found.brickA, -1);
 }
@@ -203,52 +204,54 @@ TEST(Penetration, OutsidePivotsLeavesOutTheSharedCorners) {
   // Two squares joined at a corner, turned into each other by an angle: whole, a side of one has
   // its far end in the other; nothing changes there without the pivot's corners. Moved apart along
   // the sides' common line so that only the corners overlap, nothing is left.
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  const Model model = makeTessellation(shape);
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
-  const std::vector<Pivot> pivots = makePivots(model.joints, bricks);
-  Poses poses = startPoses(model.tiles, bricks);
+  const model::Model model = model::makeTessellation(shape);
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {});
+  const std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
+  Poses poses = model::startPoses(model.tiles, bricks);
   poses[1].position.x() -= 0.01;
-  EXPECT_NEAR(deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
-  EXPECT_NEAR(deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0.01, 1e-12);
+  EXPECT_NEAR(trajectory::deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
+  EXPECT_NEAR(trajectory::deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0.01,
+              1e-12);
   const Vector3 pivot = poses[0].apply(pivots[0].pointA);
   const double side = poses[0].position.y() < pivot.y() ? 1 : -1;
   poses[1].position.y() += side * 0.97;
-  EXPECT_NEAR(deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
-  EXPECT_EQ(deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0);
+  EXPECT_NEAR(trajectory::deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
+  EXPECT_EQ(trajectory::deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0);
 }
 
 TEST(Penetration, AllPairsAreListedTheDeepestFirst) {
-  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
-  std::vector<Tile> tiles(4, square);
+  const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  std::vector<model::Tile> tiles(4, square);
   const double shifts[] = {0, 0.9, 1.7, 2.8};  // overlaps 0.1, 0.2 and none
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (Vector3& vertex : tiles[i].vertices) vertex.x() += shifts[i];
   }
-  const std::vector<Brick> bricks = makeBricks(tiles, {.thickness = 1});
-  const Poses poses = startPoses(tiles, bricks);
-  const std::vector<Penetration> all = penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.05);
+  const std::vector<model::Brick> bricks = model::makeBricks(tiles, {.thickness = 1});
+  const Poses poses = model::startPoses(tiles, bricks);
+  const std::vector<trajectory::Penetration> all =
+      trajectory::penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.05);
   ASSERT_EQ(all.size(), 2u);
   EXPECT_NEAR(all[0].depth, 0.2, 1e-12);
   EXPECT_EQ(all[0].brickA, 1);
   EXPECT_EQ(all[0].brickB, 2);
   EXPECT_NEAR(all[1].depth, 0.1, 1e-12);
-  EXPECT_EQ(deepestPenetration(bricks, poses).depth, all[0].depth);
-  EXPECT_EQ(penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.15).size(), 1u);
+  EXPECT_EQ(trajectory::deepestPenetration(bricks, poses).depth, all[0].depth);
+  EXPECT_EQ(trajectory::penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.15).size(), 1u);
 }
 
 TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
-  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
-  std::vector<Tile> tiles(3, square);
+  const model::Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  std::vector<model::Tile> tiles(3, square);
   const double shifts[] = {0, 0.9, 2};  // overlaps 0.1 and none
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (Vector3& vertex : tiles[i].vertices) vertex.x() += shifts[i];
   }
-  const std::vector<Brick> bricks = makeBricks(tiles, {.thickness = 1});
-  Poses poses = startPoses(tiles, bricks);
-  PenetrationMeter meter(bricks, {}, 0.05, poses, 1e-9);
+  const std::vector<model::Brick> bricks = model::makeBricks(tiles, {.thickness = 1});
+  Poses poses = model::startPoses(tiles, bricks);
+  trajectory::PenetrationMeter meter(bricks, {}, 0.05, poses, 1e-9);
   EXPECT_NEAR(meter.at(poses).outsidePivots, 0.1, 1e-12);
   EXPECT_NEAR(meter.at(poses).grown, 0, 1e-12);
   poses[1].position.x() += 0.13;  // the first pair parts, the second meets
@@ -260,13 +263,15 @@ TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
 }
 
 /// The same figures from the functions that look at one state alone.
-PenetrationDepths depthsOf(const std::vector<Brick>& bricks, const std::vector<Pivot>& pivots,
-                           double zone, const Poses& start, const Poses& poses) {
-  PenetrationDepths depths{deepestPenetration(bricks, poses).depth};
-  const auto before = penetrationsOutsidePivots(bricks, pivots, zone, start, 0);
-  for (const Penetration& pair : penetrationsOutsidePivots(bricks, pivots, zone, poses, 0)) {
+trajectory::PenetrationDepths depthsOf(const std::vector<model::Brick>& bricks,
+                                       const std::vector<model::Pivot>& pivots, double zone,
+                                       const Poses& start, const Poses& poses) {
+  trajectory::PenetrationDepths depths{trajectory::deepestPenetration(bricks, poses).depth};
+  const auto before = trajectory::penetrationsOutsidePivots(bricks, pivots, zone, start, 0);
+  for (const trajectory::Penetration& pair :
+       trajectory::penetrationsOutsidePivots(bricks, pivots, zone, poses, 0)) {
     double kept = 0;
-    for (const Penetration& other : before) {
+    for (const trajectory::Penetration& other : before) {
       if (other.brickA == pair.brickA && other.brickB == pair.brickB) kept = other.depth;
     }
     depths.outsidePivots = std::max(depths.outsidePivots, pair.depth);
@@ -277,29 +282,29 @@ PenetrationDepths depthsOf(const std::vector<Brick>& bricks, const std::vector<P
 
 // Second method: what the meter remembers of earlier states must not change a bit of its figures.
 TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
-  const Model model = makeTessellation({.columns = 4, .rows = 3});
-  const std::vector<Brick> bricks = makeBricks(model.tiles, {.thickness = 0.2});
-  const std::vector<Pivot> pivots = makePivots(model.joints, bricks);
-  const Poses start = startPoses(model.tiles, bricks);
-  PenetrationMeter meter(bricks, pivots, 0.05, start, 0);
+  const model::Model model = model::makeTessellation({.columns = 4, .rows = 3});
+  const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = 0.2});
+  const std::vector<model::Pivot> pivots = model::makePivots(model.joints, bricks);
+  const Poses start = model::startPoses(model.tiles, bricks);
+  trajectory::PenetrationMeter meter(bricks, pivots, 0.05, start, 0);
   std::mt19937_64 generator(7);
   std::normal_distribution<double> normal(0, 0.05);
   const auto vector = [&] {
     return Vector3(normal(generator), normal(generator), normal(generator));
   };
   Poses poses = start;
-  PenetrationDepths largest;
+  trajectory::PenetrationDepths largest;
   for (int state = 0; state < 60; ++state) {
     for (Pose& pose : poses) {
       pose.position += vector();
       pose.rotation = (rotationFromVector(vector()) * pose.rotation).normalized();
     }
-    const PenetrationDepths expected = depthsOf(bricks, pivots, 0.05, start, poses);
-    const PenetrationDepths found = meter.at(poses);
+    const trajectory::PenetrationDepths expected = depthsOf(bricks, pivots, 0.05, start, poses);
+    const trajectory::PenetrationDepths found = meter.at(poses);
     EXPECT_EQ(found.whole, expected.whole) << state;
     EXPECT_EQ(found.outsidePivots, expected.outsidePivots) << state;
     EXPECT_EQ(found.grown, expected.grown) << state;
-    const PenetrationDepths record = meter.atLeast(largest, poses);
+    const trajectory::PenetrationDepths record = meter.atLeast(largest, poses);
     EXPECT_EQ(record.whole, std::max(largest.whole, expected.whole));
     EXPECT_EQ(record.outsidePivots, std::max(largest.outsidePivots, expected.outsidePivots));
     EXPECT_EQ(record.grown, std::max(largest.grown, expected.grown));
@@ -309,8 +314,8 @@ TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
 
 TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
   const Poses few(1'000), many(1'500);  // 0.5 and 1.1 million pairs
-  const std::vector<Brick> bricks(many.size(), box(1, 1, 0.1));
-  PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);
+  const std::vector<model::Brick> bricks(many.size(), box(1, 1, 0.1));
+  trajectory::PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);
   EXPECT_FALSE(heap.seesAllPairs());
   EXPECT_NEAR(heap.at(many).whole, 1, 1e-12);
   EXPECT_NEAR(heap.at(many).grown, 0, 1e-12);
@@ -318,8 +323,8 @@ TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
   Poses moved = many;
   for (std::size_t i = 0; i < moved.size(); ++i) moved[i].position.x() = -1e-9 * double(i);
   EXPECT_NEAR(heap.at(moved).grown, 0, 1e-8);
-  const std::vector<Brick> fewer(few.size(), bricks.front());
-  EXPECT_TRUE(PenetrationMeter(fewer, {}, 0.05, few, 1e-9).seesAllPairs());
+  const std::vector<model::Brick> fewer(few.size(), bricks.front());
+  EXPECT_TRUE(trajectory::PenetrationMeter(fewer, {}, 0.05, few, 1e-9).seesAllPairs());
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ constexpr double kTolerance = 1e-9;
 struct RotatingSquares {
   explicit RotatingSquares(double halfOpening)
       : turn(halfOpening),
-        tiles(tessellationTiles(test::squares(kColumns, kRows, 0), 2 * halfOpening)) {}
+        tiles(model::tessellationTiles(test::squares(kColumns, kRows, 0), 2 * halfOpening)) {}
 
   double cell() const { return std::cos(turn) + std::sin(turn); }
   /// The box without a triangle at each corner, whose sides are sin and cos.
@@ -30,60 +30,63 @@ struct RotatingSquares {
   double hullPerimeter() const { return 2 * (kColumns + kRows) * cell() - 4 * cell() + 4; }
 
   double turn;
-  std::vector<Tile> tiles;
+  std::vector<model::Tile> tiles;
 };
 
 TEST(Shape, OfRotatingSquaresIsThatOfTheirClosedForms) {
-  const Vector3 start = boxSides(RotatingSquares(0).tiles);
+  const Vector3 start = trajectory::boxSides(RotatingSquares(0).tiles);
   for (const double turn : {0.0, 0.1, 0.3, 0.6, 0.785}) {
     const RotatingSquares squares(turn);
-    const Vector3 sides = boxSides(squares.tiles);
+    const Vector3 sides = trajectory::boxSides(squares.tiles);
     const double width = std::max(sides.x(), sides.y()), height = std::min(sides.x(), sides.y());
     EXPECT_NEAR(width, kColumns * squares.cell(), kTolerance);  // measured 2e-15
     EXPECT_NEAR(height, kRows * squares.cell(), kTolerance);
-    const HullSize hull = hullSize(squares.tiles);
+    const trajectory::HullSize hull = trajectory::hullSize(squares.tiles);
     EXPECT_NEAR(hull.area, squares.hullArea(), kTolerance);  // measured 1e-14
     EXPECT_NEAR(hull.perimeter, squares.hullPerimeter(), kTolerance);
-    EXPECT_NEAR(*coveredArea(squares.tiles), kColumns * kRows, kTolerance);
+    EXPECT_NEAR(*trajectory::coveredArea(squares.tiles), kColumns * kRows, kTolerance);
     if (turn > 0) {
-      EXPECT_NEAR(*poissonsRatio(start, sides), -1, kTolerance);
+      EXPECT_NEAR(*trajectory::poissonsRatio(start, sides), -1, kTolerance);
     }  // measured 7e-16
   }
-  EXPECT_FALSE(poissonsRatio(start, start));
+  EXPECT_FALSE(trajectory::poissonsRatio(start, start));
 }
 
 TEST(Shape, CoversNothingKnownInSpace) {
-  std::vector<Tile> tiles = RotatingSquares(0.1).tiles;
+  std::vector<model::Tile> tiles = RotatingSquares(0.1).tiles;
   tiles[0].vertices[0].z() += 0.1;
-  EXPECT_FALSE(coveredArea(tiles));
+  EXPECT_FALSE(trajectory::coveredArea(tiles));
 }
 
 /// The run of the squares from shut to an opening of `end`, radians, at an even pace in 1 s.
-Trajectory openingSquares(double end, int samples) {
-  Trajectory run;
-  run.model = makeTessellation(test::squares(kColumns, kRows, 0));
+trajectory::Trajectory openingSquares(double end, int samples) {
+  trajectory::Trajectory run;
+  run.model = model::makeTessellation(test::squares(kColumns, kRows, 0));
   run.model.target.reset();
-  run.bricks = makeBricks(run.model.tiles, run.brickRule);
+  run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
   for (int k = 0; k < samples; ++k) {
-    Sample sample;
+    trajectory::Sample sample;
     sample.time = static_cast<double>(k) / (samples - 1);
     const double opening = end * sample.time;
-    const std::vector<Tile> tiles = tessellationTiles(test::squares(kColumns, kRows, 0), opening);
+    const std::vector<model::Tile> tiles =
+        model::tessellationTiles(test::squares(kColumns, kRows, 0), opening);
     for (std::size_t t = 0; t < tiles.size(); ++t) {
       const Vector3 side = tiles[t].vertices[1] - tiles[t].vertices[0];
       const Vector3 shut = run.model.tiles[t].vertices[1] - run.model.tiles[t].vertices[0];
       const double turn = std::atan2(shut.cross(side).z(), shut.dot(side));
       const Vector3 middle(0, 0, 0.5 * run.brickRule.thickness);
-      sample.poses.push_back({tileCentroid(tiles[t]) + middle, rotationFromVector({0, 0, turn})});
+      sample.poses.push_back(
+          {model::tileCentroid(tiles[t]) + middle, rotationFromVector({0, 0, turn})});
     }
     run.samples.push_back(sample);
   }
   return run;
 }
 
-const Curve& curveNamed(const RunCurves& curves, const std::string& column) {
-  for (const CurveGroup& group : curves.groups) {
-    for (const Curve& curve : group.curves) {
+const trajectory::Curve& curveNamed(const trajectory::RunCurves& curves,
+                                    const std::string& column) {
+  for (const trajectory::CurveGroup& group : curves.groups) {
+    for (const trajectory::Curve& curve : group.curves) {
       if (curve.column == column) return curve;
     }
   }
@@ -96,8 +99,8 @@ class RunCurvesOfSquares : public testing::Test {
   static constexpr int kSamples = 41;
 
   RunCurvesOfSquares() {
-    writeTrajectory(openingSquares(kEnd, kSamples), folder_ / "trajectory.h5");
-    curves_ = curvesOf(TrajectoryReader(folder_ / "trajectory.h5"));
+    trajectory::writeTrajectory(openingSquares(kEnd, kSamples), folder_ / "trajectory.h5");
+    curves_ = trajectory::curvesOf(trajectory::TrajectoryReader(folder_ / "trajectory.h5"));
   }
 
   double at(const char* column, int sample) const {
@@ -105,7 +108,7 @@ class RunCurvesOfSquares : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  RunCurves curves_;
+  trajectory::RunCurves curves_;
 };
 
 TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
@@ -117,7 +120,7 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
     EXPECT_NEAR(at("hull_area_m2", k), squares.hullArea(), kTolerance);
     EXPECT_NEAR(at("hull_perimeter_m", k), squares.hullPerimeter(), kTolerance);
     EXPECT_NEAR(at("covered_area_m2", k), kColumns * kRows, kTolerance);
-    for (const Curve& joint : curves_.joints) {
+    for (const trajectory::Curve& joint : curves_.joints) {
       EXPECT_NEAR(joint.values.at(k) * kDegree, opening, kTolerance);  // measured 1e-15
     }
     EXPECT_NEAR(at("porosity", k), 1 - kColumns * kRows / squares.hullArea(), kTolerance);
@@ -134,43 +137,45 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
 }
 
 TEST_F(RunCurvesOfSquares, AreChannelsOfTheTrajectory) {
-  const Trajectory run = openingSquares(kEnd, kSamples);
+  const trajectory::Trajectory run = openingSquares(kEnd, kSamples);
   const std::filesystem::path path = folder_ / "curves.h5";
-  TrajectoryWriter writer(path, run, makeCurveMeter(run));
-  for (const Sample& sample : run.samples) writer.append(sample);
+  trajectory::TrajectoryWriter writer(path, run, trajectory::makeCurveMeter(run));
+  for (const trajectory::Sample& sample : run.samples) writer.append(sample);
   writer.finish(run);
-  const ArrayReader file(path);
+  const trajectory::ArrayReader file(path);
   EXPECT_EQ(file.doubles("curves/width"), curveNamed(curves_, "width_m").values);
   EXPECT_EQ(file.doubles("curves/opening_mean"), curveNamed(curves_, "opening_mean_deg").values);
   EXPECT_EQ(file.textAttribute("curves/hull_area", "unit"), "m^2");
   EXPECT_EQ(file.textAttribute("curves/porosity", "description"), "1 - covered / hull");
-  EXPECT_EQ(file.shape("curves/opening"), (Shape{kSamples, run.model.joints.size()}));
+  EXPECT_EQ(file.shape("curves/opening"), (trajectory::Shape{kSamples, run.model.joints.size()}));
   for (std::size_t j = 0; j < run.model.joints.size(); ++j) {
     EXPECT_EQ(file.row("curves/opening", 7).at(j), curves_.joints.at(j).values.at(7));
   }
   // A path has neither energies nor forces.
-  EXPECT_FALSE(TrajectoryReader(path).hasMechanics());
+  EXPECT_FALSE(trajectory::TrajectoryReader(path).hasMechanics());
   EXPECT_FALSE(file.has("energy"));
   EXPECT_EQ(curves_.joints.size(), run.model.joints.size());
 }
 
 TEST(RunCurves, TellEnergiesAndForces) {
-  Trajectory run = openingSquares(1, 2);
+  trajectory::Trajectory run = openingSquares(1, 2);
   const std::size_t joints = run.model.joints.size();
-  for (Sample& sample : run.samples) {
-    Mechanics& mechanics = sample.mechanics.emplace();
+  for (trajectory::Sample& sample : run.samples) {
+    trajectory::Mechanics& mechanics = sample.mechanics.emplace();
     mechanics.energies = {1, 2, 0, 10, 3, 1.5};
     mechanics.jointForces.assign(joints, Vector3(3, 4, 0));
     mechanics.jointForces[0] = {0, 0, 30};
     mechanics.isIndeterminate.assign(joints, false);
     mechanics.isIndeterminate[1] = true;
-    mechanics.holds = {{HoldKind::Pin, 0, -1, Vector3(0, 6, 8), Vector3::Zero(), Vector3::Zero()},
-                       {HoldKind::Pin, 1, -1, Vector3(1, 0, 0), Vector3::Zero(), Vector3::Zero()},
-                       {HoldKind::Contact, 0, 3, Vector3(2, 0, 0), Vector3(), Vector3()}};
+    mechanics.holds = {
+        {trajectory::HoldKind::Pin, 0, -1, Vector3(0, 6, 8), Vector3::Zero(), Vector3::Zero()},
+        {trajectory::HoldKind::Pin, 1, -1, Vector3(1, 0, 0), Vector3::Zero(), Vector3::Zero()},
+        {trajectory::HoldKind::Contact, 0, 3, Vector3(2, 0, 0), Vector3(), Vector3()}};
   }
   const test::TemporaryFolder folder;
-  writeTrajectory(run, folder / "trajectory.h5");
-  const RunCurves curves = curvesOf(TrajectoryReader(folder / "trajectory.h5"));
+  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  const trajectory::RunCurves curves =
+      trajectory::curvesOf(trajectory::TrajectoryReader(folder / "trajectory.h5"));
   const auto last = [&](const char* column) { return curveNamed(curves, column).values.back(); };
   EXPECT_EQ(last("kinetic_energy_J"), 1);
   EXPECT_EQ(last("spring_energy_J"), 2);
@@ -196,8 +201,9 @@ TEST(RunCurves, TellEnergiesAndForces) {
 TEST_F(RunCurvesOfSquares, TellTheKineticEnergyToSecondOrder) {
   const int k = kSamples / 2;
   const double turn = 0.25 * kEnd, rate = 0.5 * kEnd;
-  const double mass =
-      BrickRule().mass == MassRule::Unit ? 1 : BrickRule().density * BrickRule().thickness;
+  const double mass = model::BrickRule().mass == model::MassRule::Unit
+                          ? 1
+                          : model::BrickRule().density * model::BrickRule().thickness;
   double places = 0;  // squared, from the middle, in boxes
   for (int column = 0; column < kColumns; ++column) {
     for (int row = 0; row < kRows; ++row) {
@@ -211,8 +217,8 @@ TEST_F(RunCurvesOfSquares, TellTheKineticEnergyToSecondOrder) {
 }
 
 TEST_F(RunCurvesOfSquares, AreStraightBetweenSamples) {
-  const RunCurves between = curvesAt(curves_, {0, 0.0125, 0.025, 1});
-  const Curve& width = curveNamed(between, "width_m");
+  const trajectory::RunCurves between = trajectory::curvesAt(curves_, {0, 0.0125, 0.025, 1});
+  const trajectory::Curve& width = curveNamed(between, "width_m");
   EXPECT_EQ(width.values[0], at("width_m", 0));
   EXPECT_NEAR(width.values[1], 0.5 * (at("width_m", 0) + at("width_m", 1)), 1e-14);
   EXPECT_EQ(width.values[3], at("width_m", kSamples - 1));

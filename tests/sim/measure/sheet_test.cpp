@@ -7,19 +7,19 @@
 namespace kirireel {
 namespace {
 
-Tile unitSquare(const Vector3& corner) {
+model::Tile unitSquare(const Vector3& corner) {
   return {
       {corner, corner + Vector3(1, 0, 0), corner + Vector3(1, 1, 0), corner + Vector3(0, 1, 0)}};
 }
 
-Tile turned(Tile tile, const Vector3& axis, double angle) {
+model::Tile turned(model::Tile tile, const Vector3& axis, double angle) {
   for (Vector3& vertex : tile.vertices) vertex = Eigen::AngleAxisd(angle, axis) * vertex;
   return tile;
 }
 
 TEST(Sheet, FlatOverlapIsTheShortestWayApart) {
-  const std::vector<TileOverlap> found =
-      tileOverlaps({unitSquare({0, 0, 0}), unitSquare({0.75, 0.1, 0})}, 1e-9);
+  const std::vector<trajectory::TileOverlap> found =
+      trajectory::tileOverlaps({unitSquare({0, 0, 0}), unitSquare({0.75, 0.1, 0})}, 1e-9);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].depth, 0.25, 1e-15);
   EXPECT_EQ(found[0].tileA, 0);
@@ -27,41 +27,45 @@ TEST(Sheet, FlatOverlapIsTheShortestWayApart) {
 }
 
 TEST(Sheet, TouchingTilesDoNotOverlap) {
-  const Tile square = unitSquare({0, 0, 0});
-  EXPECT_TRUE(tileOverlaps({square, unitSquare({1, 0.3, 0})}, 1e-9).empty());
-  EXPECT_TRUE(tileOverlaps({square, unitSquare({0.2, 0.2, 0.1})}, 1e-9).empty());
+  const model::Tile square = unitSquare({0, 0, 0});
+  EXPECT_TRUE(trajectory::tileOverlaps({square, unitSquare({1, 0.3, 0})}, 1e-9).empty());
+  EXPECT_TRUE(trajectory::tileOverlaps({square, unitSquare({0.2, 0.2, 0.1})}, 1e-9).empty());
   // Folded about the shared edge, and about a shared corner.
-  EXPECT_TRUE(tileOverlaps({square, turned(square, Vector3::UnitX(), 1)}, 1e-9).empty());
   EXPECT_TRUE(
-      tileOverlaps({square, turned(unitSquare({-1, -1, 0}), Vector3::UnitX(), 1)}, 1e-9).empty());
+      trajectory::tileOverlaps({square, turned(square, Vector3::UnitX(), 1)}, 1e-9).empty());
+  EXPECT_TRUE(
+      trajectory::tileOverlaps({square, turned(unitSquare({-1, -1, 0}), Vector3::UnitX(), 1)}, 1e-9)
+          .empty());
 }
 
 TEST(Sheet, CrossingTilesOverlapAsFarAsTheyReachThrough) {
   // A wall through the floor at x = 0.3: it reaches 0.2 below, 0.8 above, 0.3 and 0.7 aside.
-  Tile wall{{{0.3, 0, -0.2}, {0.3, 1, -0.2}, {0.3, 1, 0.8}, {0.3, 0, 0.8}}};
-  const std::vector<TileOverlap> found = tileOverlaps({unitSquare({0, 0, 0}), wall}, 1e-9);
+  model::Tile wall{{{0.3, 0, -0.2}, {0.3, 1, -0.2}, {0.3, 1, 0.8}, {0.3, 0, 0.8}}};
+  const std::vector<trajectory::TileOverlap> found =
+      trajectory::tileOverlaps({unitSquare({0, 0, 0}), wall}, 1e-9);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].depth, 0.2, 1e-15);
   // The same, turned and moved.
   const Vector3 axis = Vector3(1, 2, 3).normalized();
-  const std::vector<TileOverlap> again =
-      tileOverlaps({turned(unitSquare({0, 0, 0}), axis, 0.7), turned(wall, axis, 0.7)}, 1e-9);
+  const std::vector<trajectory::TileOverlap> again = trajectory::tileOverlaps(
+      {turned(unitSquare({0, 0, 0}), axis, 0.7), turned(wall, axis, 0.7)}, 1e-9);
   ASSERT_EQ(again.size(), 1U);
   EXPECT_NEAR(again[0].depth, 0.2, 1e-14);
 }
 
 TEST(Sheet, MeasuresWhatIsWrong) {
-  std::vector<Tile> tiles = {unitSquare({0, 0, 0}), unitSquare({1, 0, 0.25})};
-  const std::vector<Joint> joints = {{{0, 1}, {1, 0}}};
-  EXPECT_EQ(largestJointGap(joints, tiles), 0.25);
-  EXPECT_EQ(largestUnevenness(tiles), 0);
-  EXPECT_EQ(leastCornerSine(tiles), 1);
-  const std::vector<Tile> start = tiles;
+  std::vector<model::Tile> tiles = {unitSquare({0, 0, 0}), unitSquare({1, 0, 0.25})};
+  const std::vector<model::Joint> joints = {{{0, 1}, {1, 0}}};
+  EXPECT_EQ(trajectory::largestJointGap(joints, tiles), 0.25);
+  EXPECT_EQ(trajectory::largestUnevenness(tiles), 0);
+  EXPECT_EQ(trajectory::leastCornerSine(tiles), 1);
+  const std::vector<model::Tile> start = tiles;
   tiles[0].vertices[2] = Vector3(0.25, 0.25, 0);
-  EXPECT_LT(leastCornerSine(tiles), 0);
-  EXPECT_NEAR(largestShapeChange(start, tiles), 0.75 * std::numbers::sqrt2, 1e-15);
+  EXPECT_LT(trajectory::leastCornerSine(tiles), 0);
+  EXPECT_NEAR(trajectory::largestShapeChange(start, tiles), 0.75 * std::numbers::sqrt2, 1e-15);
   tiles[1].vertices[2].z() += 0.4;
-  EXPECT_NEAR(largestUnevenness(tiles), 0.1, 0.02);  // saddle: a quarter of it at every corner
+  EXPECT_NEAR(trajectory::largestUnevenness(tiles), 0.1,
+              0.02);  // saddle: a quarter of it at every corner
 }
 
 }  // namespace

@@ -15,14 +15,14 @@ using test::lShape;
 using test::randomStar;
 using test::starShape;
 
-Tile partOf(const Tile& tile, const PolygonPart& part) {
-  Tile piece;
+model::Tile partOf(const model::Tile& tile, const model::PolygonPart& part) {
+  model::Tile piece;
   for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
   return piece;
 }
 
 /// The sines of the turns at a tile's corners; negative where it is reflex.
-std::vector<double> cornerSines(const Tile& tile) {
+std::vector<double> cornerSines(const model::Tile& tile) {
   std::vector<double> sines;
   const std::size_t count = tile.vertices.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -33,37 +33,37 @@ std::vector<double> cornerSines(const Tile& tile) {
   return sines;
 }
 
-double leastSine(const Tile& tile) {
+double leastSine(const model::Tile& tile) {
   return std::min(1.0, std::ranges::min(cornerSines(tile)));
 }
 
-int reflexCorners(const Tile& tile) {
+int reflexCorners(const model::Tile& tile) {
   return static_cast<int>(
       std::ranges::count_if(cornerSines(tile), [](double sine) { return sine < 0; }));
 }
 
-void expectSoundParts(const Tile& tile) {
-  const std::vector<PolygonPart> parts = convexParts(tile.vertices, Vector3::UnitZ());
+void expectSoundParts(const model::Tile& tile) {
+  const std::vector<model::PolygonPart> parts = model::convexParts(tile.vertices, Vector3::UnitZ());
   double area = 0;
   std::set<int> corners;
-  for (const PolygonPart& part : parts) {
-    const Tile piece = partOf(tile, part);
+  for (const model::PolygonPart& part : parts) {
+    const model::Tile piece = partOf(tile, part);
     EXPECT_GE(leastSine(piece), -1e-3);
-    EXPECT_GT(tileNormal(piece).z(), 0);
-    area += tileArea(piece);
+    EXPECT_GT(model::tileNormal(piece).z(), 0);
+    area += model::tileArea(piece);
     corners.insert(part.begin(), part.end());
   }
-  EXPECT_NEAR(area, tileArea(tile), 1e-13 * tileArea(tile));  // measured 1e-15
+  EXPECT_NEAR(area, model::tileArea(tile), 1e-13 * model::tileArea(tile));  // measured 1e-15
   EXPECT_EQ(corners.size(), tile.vertices.size());
   // Hertel and Mehlhorn: no diagonal can go, so each ends at a reflex corner, at most two at each.
   EXPECT_LE(static_cast<int>(parts.size()), 2 * reflexCorners(tile) + 1);
   double ofTriangles = 0;
-  const auto triangles = trianglesOf(tile.vertices, Vector3::UnitZ());
+  const auto triangles = model::trianglesOf(tile.vertices, Vector3::UnitZ());
   EXPECT_EQ(triangles.size(), tile.vertices.size() - 2);
   for (const auto& triangle : triangles) {
-    ofTriangles += tileArea(partOf(tile, {triangle.begin(), triangle.end()}));
+    ofTriangles += model::tileArea(partOf(tile, {triangle.begin(), triangle.end()}));
   }
-  EXPECT_NEAR(ofTriangles, tileArea(tile), 1e-13 * tileArea(tile));
+  EXPECT_NEAR(ofTriangles, model::tileArea(tile), 1e-13 * model::tileArea(tile));
 }
 
 TEST(ConvexParts, AreSoundForKnownShapes) {
@@ -71,7 +71,7 @@ TEST(ConvexParts, AreSoundForKnownShapes) {
   expectSoundParts(starShape(4, 2, 0.7));
   expectSoundParts(starShape(5, 2, 0.3));
   expectSoundParts(starShape(9, 1, 0.9));
-  EXPECT_EQ(convexParts(lShape().vertices, Vector3::UnitZ()).size(), 2U);
+  EXPECT_EQ(model::convexParts(lShape().vertices, Vector3::UnitZ()).size(), 2U);
   // A comb, and corners in the middle of straight sides.
   expectSoundParts({{{0, 0, 0},
                      {7, 0, 0},
@@ -111,15 +111,16 @@ TEST(ConvexParts, AreSoundForRandomShapes) {
 
 TEST(ConvexParts, ConvexTilesStayWhole) {
   const std::vector<Vector3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  EXPECT_EQ(convexParts(square, Vector3::UnitZ()), (std::vector<PolygonPart>{{0, 1, 2, 3}}));
+  EXPECT_EQ(model::convexParts(square, Vector3::UnitZ()),
+            (std::vector<model::PolygonPart>{{0, 1, 2, 3}}));
   // A dent of one degree is what optimised designs carry; one of four is a bay.
   const auto dented = [](double degrees) {
     const double depth = std::tan(0.5 * degrees * kDegree);
     return std::vector<Vector3>{{0, 0, 0}, {1, depth, 0}, {2, 0, 0}, {1, 2, 0}};
   };
-  EXPECT_TRUE(isConvexPolygon(dented(1), Vector3::UnitZ()));
-  EXPECT_FALSE(isConvexPolygon(dented(4), Vector3::UnitZ()));
-  EXPECT_EQ(convexParts(dented(4), Vector3::UnitZ()).size(), 2U);
+  EXPECT_TRUE(model::isConvexPolygon(dented(1), Vector3::UnitZ()));
+  EXPECT_FALSE(model::isConvexPolygon(dented(4), Vector3::UnitZ()));
+  EXPECT_EQ(model::convexParts(dented(4), Vector3::UnitZ()).size(), 2U);
 }
 
 TEST(ConvexParts, ManySmallTurnsAreABay) {
@@ -131,33 +132,33 @@ TEST(ConvexParts, ManySmallTurnsAreABay) {
   for (int k = 90; k >= 0; --k) {
     crescent.emplace_back(0.7 * std::cos(k * kDegree), 0.7 * std::sin(k * kDegree), 0);
   }
-  EXPECT_FALSE(isConvexPolygon(crescent, Vector3::UnitZ()));
-  EXPECT_GT(convexParts(crescent, Vector3::UnitZ()).size(), 1U);
+  EXPECT_FALSE(model::isConvexPolygon(crescent, Vector3::UnitZ()));
+  EXPECT_GT(model::convexParts(crescent, Vector3::UnitZ()).size(), 1U);
 }
 
 TEST(ConvexParts, CrossingSidesAreFound) {
   const Vector3 up = Vector3::UnitZ();
-  EXPECT_FALSE(crossingSides(lShape().vertices, up, 1e-9));
-  EXPECT_FALSE(crossingSides(starShape(7, 2, 0.1).vertices, up, 1e-9));
+  EXPECT_FALSE(model::crossingSides(lShape().vertices, up, 1e-9));
+  EXPECT_FALSE(model::crossingSides(starShape(7, 2, 0.1).vertices, up, 1e-9));
   const std::vector<Vector3> dented = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {2, 2, 0}, {0, 2, 0}};
   const std::vector<Vector3> crossed = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {1, -1, 0}, {0, 2, 0}};
-  EXPECT_FALSE(crossingSides(dented, up, 1e-9));
-  EXPECT_TRUE(crossingSides(crossed, up, 1e-9));
+  EXPECT_FALSE(model::crossingSides(dented, up, 1e-9));
+  EXPECT_TRUE(model::crossingSides(crossed, up, 1e-9));
   // A corner that touches a far side: two pieces.
-  EXPECT_TRUE(crossingSides(
+  EXPECT_TRUE(model::crossingSides(
       std::vector<Vector3>{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 0, 0}, {0, 2, 0}}, up, 1e-9));
 }
 
 TEST(ConvexParts, SplitTilesAreHingedAlongTheirCuts) {
-  Model model;
+  model::Model model;
   model.tiles = {starShape(5, 2, 0.8)};
-  const Model split = splitTiles(model, {});
+  const model::Model split = model::splitTiles(model, {});
   ASSERT_EQ(split.tiles.size(), 8U);
   EXPECT_EQ(split.joints.size(), 2U * 7);
   double area = 0;
-  for (const Tile& tile : split.tiles) area += tileArea(tile);
-  EXPECT_NEAR(area, tileArea(model.tiles[0]), 1e-14);
-  for (const Joint& joint : split.joints) {
+  for (const model::Tile& tile : split.tiles) area += model::tileArea(tile);
+  EXPECT_NEAR(area, model::tileArea(model.tiles[0]), 1e-14);
+  for (const model::Joint& joint : split.joints) {
     EXPECT_EQ(split.tiles[joint.a.tile].vertices[joint.a.vertex],
               split.tiles[joint.b.tile].vertices[joint.b.vertex]);
   }

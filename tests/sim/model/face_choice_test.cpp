@@ -10,8 +10,8 @@ namespace kirireel {
 namespace {
 
 /// Two unit squares that share an edge and are folded about it: up (a valley) for positive heights.
-Model foldedPair(double height) {
-  Model model;
+model::Model foldedPair(double height) {
+  model::Model model;
   model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
                  {{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
   model.joints = {{{0, 1}, {1, 0}}};
@@ -21,16 +21,16 @@ Model foldedPair(double height) {
   return model;
 }
 
-JointFace chosenFace(Model model, FaceRule rule = FaceRule::Fold) {
-  chooseJointFaces(model, rule);
+model::JointFace chosenFace(model::Model model, model::FaceRule rule = model::FaceRule::Fold) {
+  model::chooseJointFaces(model, rule);
   return model.joints.front().face;
 }
 
 /// The same with tiles and vertices renumbered.
-Model renumbered(Model model) {
-  for (std::vector<Tile>* tiles : {&model.tiles, &*model.target}) {
+model::Model renumbered(model::Model model) {
+  for (std::vector<model::Tile>* tiles : {&model.tiles, &*model.target}) {
     std::swap((*tiles)[0], (*tiles)[1]);
-    for (Tile& tile : *tiles)
+    for (model::Tile& tile : *tiles)
       std::rotate(tile.vertices.begin(), tile.vertices.begin() + 1, tile.vertices.end());
   }
   model.joints = {{{1, 0}, {0, 3}}};
@@ -38,59 +38,60 @@ Model renumbered(Model model) {
 }
 
 TEST(FaceChoice, ValleyIsJoinedAtTheTop) {
-  EXPECT_EQ(chosenFace(foldedPair(0.3)), JointFace::Top);
-  EXPECT_EQ(chosenFace(foldedPair(-0.3)), JointFace::Bottom);
+  EXPECT_EQ(chosenFace(foldedPair(0.3)), model::JointFace::Top);
+  EXPECT_EQ(chosenFace(foldedPair(-0.3)), model::JointFace::Bottom);
 }
 
 TEST(FaceChoice, DoesNotDependOnNumbers) {
-  EXPECT_EQ(chosenFace(renumbered(foldedPair(0.3))), JointFace::Top);
-  EXPECT_EQ(chosenFace(renumbered(foldedPair(-0.3))), JointFace::Bottom);
+  EXPECT_EQ(chosenFace(renumbered(foldedPair(0.3))), model::JointFace::Top);
+  EXPECT_EQ(chosenFace(renumbered(foldedPair(-0.3))), model::JointFace::Bottom);
 }
 
 TEST(FaceChoice, SingleVertexIsJudgedByItsNormals) {
-  Model model = foldedPair(0.3);
+  model::Model model = foldedPair(0.3);
   // Turned in its own plane about the joint, the second tile shares only the vertex.
   for (Vector3& vertex : (*model.target)[1].vertices) {
-    const Vector3 normal = tileNormal((*foldedPair(0.3).target)[1]);
+    const Vector3 normal = model::tileNormal((*foldedPair(0.3).target)[1]);
     vertex = Vector3(1, 0, 0) + Eigen::AngleAxisd(-0.5, normal) * (vertex - Vector3(1, 0, 0));
   }
-  EXPECT_EQ(chosenFace(model), JointFace::Top);
+  EXPECT_EQ(chosenFace(model), model::JointFace::Top);
 }
 
 TEST(FaceChoice, FlatSheetsAreJoinedOnBothFaces) {
-  TessellationShape shape;
-  shape.face = JointFace::Bottom;
-  EXPECT_EQ(chosenFace(makeTessellation(shape)), JointFace::Both);
+  model::TessellationShape shape;
+  shape.face = model::JointFace::Bottom;
+  EXPECT_EQ(chosenFace(model::makeTessellation(shape)), model::JointFace::Both);
 }
 
 TEST(FaceChoice, SheetWithoutTargetIsJudgedAtTheStart) {
-  Model model = foldedPair(0.3);
+  model::Model model = foldedPair(0.3);
   model.tiles = *model.target;
   model.target.reset();
-  EXPECT_EQ(chosenFace(model), JointFace::Top);
+  EXPECT_EQ(chosenFace(model), model::JointFace::Top);
 }
 
 /// Joints at the top of the published sphere to saddle, or -1 where it is not there.
-std::ptrdiff_t topsOfPublishedSaddle(FaceRule rule) {
+std::ptrdiff_t topsOfPublishedSaddle(model::FaceRule rule) {
   const auto folder =
       std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models/sphere-to-saddle";
   if (!std::filesystem::exists(folder)) return -1;
   std::vector<std::string> warnings;
-  Model model = readModelFolder(folder, warnings);
-  chooseJointFaces(model, rule);
+  model::Model model = model::readModelFolder(folder, warnings);
+  model::chooseJointFaces(model, rule);
   EXPECT_EQ(model.joints.size(), 180U);
-  return std::count_if(model.joints.begin(), model.joints.end(),
-                       [](const Joint& joint) { return joint.face == JointFace::Top; });
+  return std::count_if(model.joints.begin(), model.joints.end(), [](const model::Joint& joint) {
+    return joint.face == model::JointFace::Top;
+  });
 }
 
 TEST(FaceChoice, PublishedSaddleHasNinetyValleys) {
-  const std::ptrdiff_t tops = topsOfPublishedSaddle(FaceRule::Fold);
+  const std::ptrdiff_t tops = topsOfPublishedSaddle(model::FaceRule::Fold);
   if (tops < 0) GTEST_SKIP() << "../shared/models/sphere-to-saddle is not there";
   EXPECT_EQ(tops, 90);
 }
 
 TEST(FaceChoice, PublishedSaddleIsJoinedAsByPyKirigami) {
-  const std::ptrdiff_t tops = topsOfPublishedSaddle(FaceRule::PyKirigami);
+  const std::ptrdiff_t tops = topsOfPublishedSaddle(model::FaceRule::PyKirigami);
   if (tops < 0) GTEST_SKIP() << "../shared/models/sphere-to-saddle is not there";
   EXPECT_EQ(tops, 45);
 }

@@ -36,7 +36,7 @@ std::string messageFor(Files files) {
   std::vector<std::string> warnings;
   std::string message;
   try {
-    readModelFolder(folder.path(), warnings);
+    model::readModelFolder(folder.path(), warnings);
     for (const std::string& warning : warnings) message += warning;
   } catch (const InputError& error) {
     message = error.what();
@@ -91,7 +91,7 @@ TEST(FolderErrors, NumbersThatAreAmbiguousAreNot) {
 TEST(FolderErrors, MissingFolder) {
   std::vector<std::string> warnings;
   try {
-    readModelFolder("/nowhere/model", warnings);
+    model::readModelFolder("/nowhere/model", warnings);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -105,7 +105,7 @@ TEST(FolderErrors, FileInsteadOfFolder) {
   folder.write("model", "0 0 0\n");
   std::vector<std::string> warnings;
   try {
-    readModelFolder(folder.path() / "model", warnings);
+    model::readModelFolder(folder.path() / "model", warnings);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
@@ -128,7 +128,7 @@ TEST(FolderErrors, FolderInsteadOfFile) {
   std::filesystem::create_directory(folder.path() / "vertices.txt");
   std::vector<std::string> warnings;
   try {
-    readModelFolder(folder.path(), warnings);
+    model::readModelFolder(folder.path(), warnings);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
@@ -157,7 +157,7 @@ TEST(FolderErrors, FileTooLarge) {
   std::filesystem::resize_file(folder.path() / "vertices.txt", 67108865);  // sparse
   std::vector<std::string> warnings;
   try {
-    readModelFolder(folder.path(), warnings);
+    model::readModelFolder(folder.path(), warnings);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
@@ -359,13 +359,13 @@ TEST(FolderErrors, TargetOfOtherShape) {
 TEST(FolderErrors, TargetTilesAreNumberedAsTheModelsAre) {
   const auto refusal = [](const std::string& text) {
     const TemporaryFolder folder;
-    const Model square = {.name = "sheet",
-                          .tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}},
-                          .fileOrder = {.countsFrom = 1}};
+    const model::Model square = {.name = "sheet",
+                                 .tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}},
+                                 .fileOrder = {.countsFrom = 1}};
     folder.write("target.txt", text);
     std::vector<std::string> warnings;
     try {
-      readTargetFile(folder.path() / "target.txt", square, warnings);
+      model::readTargetFile(folder.path() / "target.txt", square, warnings);
     } catch (const InputError& error) {
       return withoutFolder(error.what(), folder.path().string());
     }

@@ -14,19 +14,19 @@ namespace fs = std::filesystem;
 
 const fs::path kSharedModels = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models";
 
-Model read(const fs::path& folder) {
+model::Model read(const fs::path& folder) {
   std::vector<std::string> warnings;
-  Model model = readModelFolder(folder, warnings);
+  model::Model model = model::readModelFolder(folder, warnings);
   EXPECT_TRUE(warnings.empty()) << warnings.front();
   return model;
 }
 
-void expectSameTiles(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+void expectSameTiles(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].vertices, b[i].vertices) << "tile " << i;
 }
 
-void expectSameModel(const Model& a, const Model& b) {
+void expectSameModel(const model::Model& a, const model::Model& b) {
   expectSameTiles(a.tiles, b.tiles);
   ASSERT_EQ(a.joints.size(), b.joints.size());
   for (size_t i = 0; i < a.joints.size(); ++i) {
@@ -40,38 +40,38 @@ void expectSameModel(const Model& a, const Model& b) {
 }
 
 TEST(Folder, RoundTripKeepsEveryBit) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.length = 1.0 / 3;
   shape.startAngle = 0.1;
-  Model model = makeTessellation(shape);
+  model::Model model = model::makeTessellation(shape);
   model.pulledTiles = std::vector<int>{0, 15};
   const TemporaryFolder folder;
-  writeModelFolder(model, folder.path() / "deep" / "model");
-  const Model again = read(folder.path() / "deep" / "model");
+  model::writeModelFolder(model, folder.path() / "deep" / "model");
+  const model::Model again = read(folder.path() / "deep" / "model");
   EXPECT_EQ(again.name, "model");
   expectSameModel(again, model);
 }
 
 TEST(Folder, RoundTripOfLooseTile) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = shape.rows = 1;
-  Model model = makeTessellation(shape);
+  model::Model model = model::makeTessellation(shape);
   model.target.reset();
   const TemporaryFolder folder;
-  writeModelFolder(model, folder.path());
+  model::writeModelFolder(model, folder.path());
   EXPECT_EQ(readWhole(folder.path() / "constraints.txt"), "# no joints\n");
   expectSameModel(read(folder.path()), model);
 }
 
 TEST(Folder, NeverTakesThePlaceOfAnotherModel) {
   const TemporaryFolder folder;
-  Model model = makeTessellation({});
+  model::Model model = model::makeTessellation({});
   model.pulledTiles = std::vector<int>{3};
-  writeModelFolder(model, folder.path());
-  const Model whole = model;
+  model::writeModelFolder(model, folder.path());
+  const model::Model whole = model;
   const auto expectRefused = [&](const char* name) {
     try {
-      writeModelFolder(model, folder.path());
+      model::writeModelFolder(model, folder.path());
       FAIL();
     } catch (const InputError& error) {
       EXPECT_EQ(std::string(error.what()),
@@ -85,7 +85,7 @@ TEST(Folder, NeverTakesThePlaceOfAnotherModel) {
   expectRefused("pull.txt");
   model.target.reset();
   expectRefused("target.txt");
-  writeModelFolder(whole, folder.path());  // the same again
+  model::writeModelFolder(whole, folder.path());  // the same again
   expectSameModel(read(folder.path()), whole);
 }
 
@@ -95,17 +95,17 @@ TEST(Folder, ReadsWhatOtherProgramsWrite) {
                "\xEF\xBB\xBF# tiles\r\n\r\n0 0 0\t+1 0 0  1 1 -0.0 \r\n 1e0 0 0 2 0 0 2 1 0");
   folder.write("constraints.txt", "0 1 1 0\r\n");
   folder.write("pull.txt", "1\r\n0 1");
-  const Model model = read(folder.path());
+  const model::Model model = read(folder.path());
   ASSERT_EQ(model.tiles.size(), 2u);
   EXPECT_EQ(model.tiles[0].vertices[1], Vector3(1, 0, 0));
   EXPECT_EQ(model.tiles[1].vertices[2], Vector3(2, 1, 0));
-  EXPECT_EQ(model.joints[0].face, JointFace::Bottom);
+  EXPECT_EQ(model.joints[0].face, model::JointFace::Bottom);
   EXPECT_EQ(model.pulledTiles, (std::vector<int>{1, 0, 1}));
 }
 
 TEST(Folder, NameIsTheFoldersHoweverItIsWritten) {
   const TemporaryFolder folder;
-  writeModelFolder(makeTessellation({}), folder.path() / "sheet");
+  model::writeModelFolder(model::makeTessellation({}), folder.path() / "sheet");
   EXPECT_EQ(read(folder.path() / "sheet" / "").name, "sheet");
   EXPECT_EQ(read(folder.path() / "sheet" / ".").name, "sheet");
 }
@@ -115,7 +115,7 @@ TEST(Folder, CannotBeMadeUnderAFile) {
   folder.write("file", "");
   const fs::path below = folder.path() / "file" / "model";
   try {
-    writeModelFolder(makeTessellation({}), below);
+    model::writeModelFolder(model::makeTessellation({}), below);
     FAIL();
   } catch (const OutputError& error) {
     EXPECT_EQ(std::string(error.what()),
@@ -141,7 +141,7 @@ TEST(Folder, DamagedFilesReadOrAreRefused) {
     }
     std::vector<std::string> warnings;
     try {
-      readModelFolder(folder.path(), warnings);
+      model::readModelFolder(folder.path(), warnings);
     } catch (const InputError& error) {
       EXPECT_TRUE(std::string(error.what()).starts_with(folder.path().string()));
       ++refused;
@@ -156,7 +156,7 @@ TEST(Folder, ReadsEverySharedModel) {
   for (const auto& entry : fs::directory_iterator(kSharedModels)) {
     if (!fs::exists(entry.path() / "vertices.txt")) continue;
     std::vector<std::string> warnings;
-    const Model model = readModelFolder(entry.path(), warnings);
+    const model::Model model = model::readModelFolder(entry.path(), warnings);
     EXPECT_FALSE(model.tiles.empty());
     EXPECT_FALSE(model.joints.empty());
     ++count;

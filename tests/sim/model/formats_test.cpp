@@ -21,18 +21,18 @@ namespace fs = std::filesystem;
 
 const fs::path kPairs = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models/obj-pairs";
 
-Model read(const fs::path& path) {
+model::Model read(const fs::path& path) {
   std::vector<std::string> warnings;
-  return readModel(path, std::nullopt, warnings);
+  return model::readModel(path, std::nullopt, warnings);
 }
 
-void expectSameTiles(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+void expectSameTiles(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i)
     EXPECT_EQ(a[i].vertices, b[i].vertices) << "tile " << i;
 }
 
-void expectSameModel(const Model& a, const Model& b) {
+void expectSameModel(const model::Model& a, const model::Model& b) {
   expectSameTiles(a.tiles, b.tiles);
   ASSERT_EQ(a.joints.size(), b.joints.size());
   for (std::size_t i = 0; i < a.joints.size(); ++i) {
@@ -48,13 +48,13 @@ void expectSameModel(const Model& a, const Model& b) {
 }
 
 /// A model with everything that formats can lose: odd digits, all faces, an order of its own.
-Model awkwardModel() {
-  TessellationShape shape;
+model::Model awkwardModel() {
+  model::TessellationShape shape;
   shape.length = 1.0 / 3;
   shape.startAngle = 0.1;
-  Model model = makeTessellation(shape);
+  model::Model model = model::makeTessellation(shape);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
-    model.joints[k].face = static_cast<JointFace>(1 + k % 3);
+    model.joints[k].face = static_cast<model::JointFace>(1 + k % 3);
   }
   std::reverse(model.joints.begin(), model.joints.end());
   std::swap(model.joints[2].a, model.joints[2].b);
@@ -64,22 +64,22 @@ Model awkwardModel() {
 }
 
 TEST(Formats, FoldKeepsEverything) {
-  Model model = awkwardModel();
-  model.joints.push_back(makeLink(model.tiles, {0, 0}, {15, 2}));
-  model.joints.push_back(makeFixedJoint(model.tiles, 3, 4));
+  model::Model model = awkwardModel();
+  model.joints.push_back(model::makeLink(model.tiles, {0, 0}, {15, 2}));
+  model.joints.push_back(model::makeFixedJoint(model.tiles, 3, 4));
   const TemporaryFolder folder;
-  writeModel(model, folder.path() / "sheet.fold");
-  const Model again = read(folder.path() / "sheet.fold");
+  model::writeModel(model, folder.path() / "sheet.fold");
+  const model::Model again = read(folder.path() / "sheet.fold");
   EXPECT_EQ(again.name, "sheet");
   expectSameModel(again, model);
 }
 
 TEST(Formats, ObjPairKeepsEverythingButLinks) {
-  const Model model = awkwardModel();
+  const model::Model model = awkwardModel();
   const TemporaryFolder folder;
-  writeModel(model, folder.path() / "sheet_contracted.obj");
+  model::writeModel(model, folder.path() / "sheet_contracted.obj");
   EXPECT_TRUE(fs::exists(folder.path() / "sheet_deployed.obj"));
-  const Model again = read(folder.path() / "sheet_contracted.obj");
+  const model::Model again = read(folder.path() / "sheet_contracted.obj");
   EXPECT_EQ(again.name, "sheet");
   expectSameModel(again, model);
 }
@@ -88,12 +88,12 @@ TEST(Formats, SharedNumbersAreJoints) {
   const TemporaryFolder folder;
   folder.write("a.obj",
                "# two\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nf 1/9 2 3/1/1\nf 2// 4// 3//\n");
-  const Model model = read(folder.path() / "a.obj");
+  const model::Model model = read(folder.path() / "a.obj");
   ASSERT_EQ(model.joints.size(), 2U);  // a shared edge is a hinge
-  EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
-  EXPECT_EQ(model.joints[0].b, (Corner{1, 0}));
-  EXPECT_EQ(model.joints[1].a, (Corner{0, 2}));
-  EXPECT_EQ(model.joints[1].b, (Corner{1, 2}));
+  EXPECT_EQ(model.joints[0].a, (model::Corner{0, 1}));
+  EXPECT_EQ(model.joints[0].b, (model::Corner{1, 0}));
+  EXPECT_EQ(model.joints[1].a, (model::Corner{0, 2}));
+  EXPECT_EQ(model.joints[1].b, (model::Corner{1, 2}));
 }
 
 TEST(Formats, CornersThatStayTogetherAreJoints) {
@@ -105,13 +105,14 @@ TEST(Formats, CornersThatStayTogetherAreJoints) {
   folder.write(
       "a_deployed.obj",
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 1 -1 0\nv 2 -1 0\nv 2 0 0\n" + faces);
-  const Model model = read(folder.path() / "a_contracted.obj");
+  const model::Model model = read(folder.path() / "a_contracted.obj");
   ASSERT_EQ(model.joints.size(), 1U);
-  EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
-  EXPECT_EQ(model.joints[0].b, (Corner{1, 0}));
+  EXPECT_EQ(model.joints[0].a, (model::Corner{0, 1}));
+  EXPECT_EQ(model.joints[0].b, (model::Corner{1, 0}));
   std::vector<std::string> warnings;
-  EXPECT_EQ(readObjPair(folder.path() / "a_contracted.obj", std::nullopt, warnings).joints.size(),
-            2U);
+  EXPECT_EQ(
+      model::readObjPair(folder.path() / "a_contracted.obj", std::nullopt, warnings).joints.size(),
+      2U);
 }
 
 TEST(Formats, ManyCornersThatCoincideAreJoinedOnce) {
@@ -139,7 +140,7 @@ TEST(Formats, ReadsFoldOfOtherPrograms) {
     "edges_vertices": [[1,2]], "edges_assignment": ["M"], "faces_vertices": [[0,1,2],[1,3,2]],
     "file_frames": [{"frame_title": "half"},
                     {"vertices_coords": [[0,0,0],[1,0,0],[1,1,0],[1,0,1]]}]})");
-  const Model model = read(folder.path() / "fan.fold");
+  const model::Model model = read(folder.path() / "fan.fold");
   EXPECT_EQ(model.tiles.size(), 2U);
   EXPECT_EQ(model.joints.size(), 2U);
   ASSERT_TRUE(model.target);
@@ -151,14 +152,14 @@ TEST(Formats, ReadsPlanarFiles) {
   const TemporaryFolder folder;
   folder.write("vertices.txt", "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n3 0 3 1 4 1\n");
   folder.write("constraints.txt", "1 4 2 1\n2 4 3 1\n");
-  const Model model = read(folder.path());
+  const model::Model model = read(folder.path());
   ASSERT_EQ(model.tiles.size(), 3U);
-  for (const Tile& tile : model.tiles) EXPECT_GT(tileNormal(tile).z(), 0);
-  EXPECT_EQ(model.joints[0].kind, JointKind::Pivot);
-  EXPECT_EQ(model.joints[0].face, JointFace::Both);
-  EXPECT_EQ(model.joints[0].a, (Corner{0, 0}));
-  EXPECT_EQ(model.joints[0].b, (Corner{1, 3}));
-  EXPECT_EQ(model.joints[1].kind, JointKind::Link);
+  for (const model::Tile& tile : model.tiles) EXPECT_GT(model::tileNormal(tile).z(), 0);
+  EXPECT_EQ(model.joints[0].kind, model::JointKind::Pivot);
+  EXPECT_EQ(model.joints[0].face, model::JointFace::Both);
+  EXPECT_EQ(model.joints[0].a, (model::Corner{0, 0}));
+  EXPECT_EQ(model.joints[0].b, (model::Corner{1, 3}));
+  EXPECT_EQ(model.joints[1].kind, model::JointKind::Link);
   EXPECT_EQ(model.joints[1].apart.norm(), 1);
 }
 
@@ -183,17 +184,17 @@ TEST(Formats, FoldAnglesMakeTheTarget) {
   const TemporaryFolder folder;
   folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","V","B","B","B","B","B"],
       "edges_foldAngle": [null,90,null,null,null,null,null])"));
-  const Model valley = read(folder.path() / "a.fold");
+  const model::Model valley = read(folder.path() / "a.fold");
   EXPECT_EQ(valley.joints.size(), 2U);
   ASSERT_TRUE(valley.target);
   // A valley folds the other square up, towards the side from which the faces run anticlockwise.
   EXPECT_LT(((*valley.target)[1].vertices[1] - Vector3(1, 0, 1)).norm(), 1e-15);
   folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","M","B","B","B","B","B"],
       "edges_foldAngle": [null,-90,null,null,null,null,null])"));
-  const Model mountain = read(folder.path() / "b.fold");
+  const model::Model mountain = read(folder.path() / "b.fold");
   EXPECT_LT(((*mountain.target)[1].vertices[1] - Vector3(1, 0, -1)).norm(), 1e-15);
   // Written again, the crease has its angle.
-  writeModel(valley, folder.path() / "c.fold");
+  model::writeModel(valley, folder.path() / "c.fold");
   const std::string text = readWhole(folder.path() / "c.fold");
   EXPECT_NE(text.find("\"V\""), text.npos);
   EXPECT_NE(text.find("90.0"), text.npos);
@@ -217,12 +218,12 @@ TEST(Formats, FoldAnglesAreKeptForSprings) {
   // Whatever the start is folded by.
   folder.write("b.fold", standingSquares(R"("edges_assignment": ["B","M","B"],
       "edges_foldAngle": [null,-30,null])"));
-  const Model standing = read(folder.path() / "b.fold");
+  const model::Model standing = read(folder.path() / "b.fold");
   EXPECT_FALSE(standing.target);
   const FoldAngles mountain = {{{0, 1}, -30 * kDegree}, {{1, 0}, -30 * kDegree}};
   EXPECT_EQ(standing.foldAngles, mountain);
   // Written again too.
-  writeModel(standing, folder.path() / "c.fold");
+  model::writeModel(standing, folder.path() / "c.fold");
   EXPECT_NEAR(read(folder.path() / "c.fold").foldAngles.at({0, 1}), -30 * kDegree, 1e-15);
   EXPECT_NE(readWhole(folder.path() / "c.fold").find("\"M\""), std::string::npos);
   for (const char* unfolded :
@@ -256,9 +257,9 @@ TEST(Formats, FoldCutsPartAndJoinsFix) {
   folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","C","B","B","B","B","B"])"));
   EXPECT_TRUE(read(folder.path() / "a.fold").joints.empty());
   folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","J","B","B","B","B","B"])"));
-  const Model joined = read(folder.path() / "b.fold");
+  const model::Model joined = read(folder.path() / "b.fold");
   ASSERT_EQ(joined.joints.size(), 1U);
-  EXPECT_EQ(joined.joints[0].kind, JointKind::Fixed);
+  EXPECT_EQ(joined.joints[0].kind, model::JointKind::Fixed);
 }
 
 TEST(Formats, ReadsPlyOfAllThreeKinds) {
@@ -284,24 +285,25 @@ TEST(Formats, ReadsPlyOfAllThreeKinds) {
   const TemporaryFolder folder;
   for (const std::string& text : {ascii, binary(false), binary(true)}) {
     folder.write("a.ply", text);
-    const Model model = read(folder.path() / "a.ply");
+    const model::Model model = read(folder.path() / "a.ply");
     ASSERT_EQ(model.tiles.size(), 2U);
     EXPECT_EQ(model.tiles[1].vertices[1], Vector3(2, 0, 0.5));
     ASSERT_EQ(model.joints.size(), 2U);  // a shared edge is a hinge
-    EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
-    EXPECT_EQ(model.joints[1].b, (Corner{1, 2}));
+    EXPECT_EQ(model.joints[0].a, (model::Corner{0, 1}));
+    EXPECT_EQ(model.joints[1].b, (model::Corner{1, 2}));
   }
 }
 
 TEST(Formats, AnotherModelCanBeTheTarget) {
   const TemporaryFolder folder;
-  TessellationShape shape;
-  writeModel(makeTessellation(shape), folder.path() / "start");
+  model::TessellationShape shape;
+  model::writeModel(model::makeTessellation(shape), folder.path() / "start");
   shape.startAngle = 0.5;
-  const Model open = makeTessellation(shape);
-  writeModel(open, folder.path() / "open.fold");
+  const model::Model open = model::makeTessellation(shape);
+  model::writeModel(open, folder.path() / "open.fold");
   std::vector<std::string> warnings;
-  const Model model = readModel(folder.path() / "start", folder.path() / "open.fold", warnings);
+  const model::Model model =
+      model::readModel(folder.path() / "start", folder.path() / "open.fold", warnings);
   expectSameTiles(*model.target, open.tiles);
 }
 
@@ -314,7 +316,7 @@ TEST(Formats, ReadsThePublishedPairs) {
       {"triangle_circle_w3_h3_i3_f1_r1", {72, 96}},
       {"triangle_sphere_w3_h4_i3_f0_r0", {96, 130}}};
   for (const auto& [name, counts] : published) {
-    const Model model = read(kPairs / (name + "_contracted.obj"));
+    const model::Model model = read(kPairs / (name + "_contracted.obj"));
     EXPECT_EQ(model.name, name);
     EXPECT_EQ(model.tiles.size(), counts.first) << name;
     EXPECT_EQ(model.joints.size(), counts.second) << name;
@@ -332,7 +334,7 @@ std::string messageFor(const std::map<std::string, std::string>& files, const st
   try {
     std::optional<fs::path> other;
     if (!target.empty()) other = folder.path() / target;
-    readModel(folder.path() / name, other, warnings);
+    model::readModel(folder.path() / name, other, warnings);
     for (const std::string& warning : warnings) message += warning;
   } catch (const InputError& error) {
     message = error.what();
@@ -592,7 +594,7 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
       "@/b.obj: error: the target has 1 tiles of other vertex counts than the model's 1; give "
       "the same tiles in the same order");
   try {
-    writeModel(makeTessellation({}), "/tmp/sheet.stl");
+    model::writeModel(model::makeTessellation({}), "/tmp/sheet.stl");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(
@@ -600,10 +602,10 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
         "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, a name "
         "that ends with vertices.txt for planar files, or no ending for a folder");
   }
-  Model linked = makeTessellation({});
-  linked.joints = {makeLink(linked.tiles, {0, 0}, {5, 2})};
+  model::Model linked = model::makeTessellation({});
+  linked.joints = {model::makeLink(linked.tiles, {0, 0}, {5, 2})};
   try {
-    writeModel(linked, "/tmp/sheet.obj");
+    model::writeModel(linked, "/tmp/sheet.obj");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -613,24 +615,24 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
 }
 
 TEST(FormatErrors, WritersNumberTilesAsTheModelsFileDoes) {
-  const auto refusal = [](Model model, const char* file) -> std::string {
+  const auto refusal = [](model::Model model, const char* file) -> std::string {
     model.fileOrder.countsFrom = 1;
     try {
-      writeModel(model, file);
+      model::writeModel(model, file);
     } catch (const InputError& error) {
       return error.what();
     }
     return "written";
   };
-  Model model = makeTessellation({});
-  model.joints = {makeLink(model.tiles, {0, 0}, {5, 2})};
+  model::Model model = model::makeTessellation({});
+  model.joints = {model::makeLink(model.tiles, {0, 0}, {5, 2})};
   EXPECT_EQ(refusal(model, "/tmp/sheet.obj"),
             "/tmp/sheet.obj: error: OBJ holds joints at shared vertices, not the link between "
             "tiles 1 and 6; convert to a .fold file");
   EXPECT_EQ(refusal(model, "/tmp/sheet"),
             "/tmp/sheet: error: constraints.txt holds joints at corners, not the link between "
             "tiles 1 and 6; convert to a .fold file");
-  model.joints = {makeFixedJoint(model.tiles, 0, 5)};
+  model.joints = {model::makeFixedJoint(model.tiles, 0, 5)};
   EXPECT_EQ(refusal(model, "/tmp/sheet_vertices.txt"),
             "/tmp/sheet_vertices.txt: error: planar files hold corners that stay together, not the "
             "fixed tiles 1 and 6; convert to a .fold file");

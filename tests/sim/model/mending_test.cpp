@@ -29,19 +29,20 @@ std::string withoutPlace(std::string text, const std::string& place) {
 }
 
 struct Reading {
-  Model model;
+  model::Model model;
   std::vector<std::string> warnings;
   std::string error;  ///< where reading was refused
 };
 
 /// Files of a folder, read by the name of one of them.
-Reading readFiles(const Files& files, const std::string& named, const ReadSettings& settings = {}) {
+Reading readFiles(const Files& files, const std::string& named,
+                  const model::ReadSettings& settings = {}) {
   const TemporaryFolder folder;
   for (const auto& [name, text] : files) folder.write(name, text);
   Reading reading;
   const fs::path path = named.empty() ? folder.path() : folder.path() / named;
   try {
-    reading.model = readModel(path, std::nullopt, reading.warnings, settings);
+    reading.model = model::readModel(path, std::nullopt, reading.warnings, settings);
   } catch (const InputError& error) {
     reading.error = withoutPlace(error.what(), folder.path().string());
   }
@@ -56,15 +57,15 @@ std::string decimals(double value, int count) {
 }
 
 /// A planar model's files: "x y" with so many decimals, joints from 1.
-Files planarFiles(const Model& model, int places, const std::string& name = "sheet") {
+Files planarFiles(const model::Model& model, int places, const std::string& name = "sheet") {
   std::string vertices, joints;
-  for (const Tile& tile : model.tiles) {
+  for (const model::Tile& tile : model.tiles) {
     for (const Vector3& v : tile.vertices) {
       vertices += decimals(v.x(), places) + " " + decimals(v.y(), places) + " ";
     }
     vertices += "\n";
   }
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     joints += fmt::format("{} {} {} {}\n", joint.a.tile + 1, joint.a.vertex + 1, joint.b.tile + 1,
                           joint.b.vertex + 1);
   }
@@ -72,11 +73,11 @@ Files planarFiles(const Model& model, int places, const std::string& name = "she
 }
 
 /// An open sheet with coordinates that no short decimals hold.
-Model openSheet(double length = 1) {
-  TessellationShape shape;
+model::Model openSheet(double length = 1) {
+  model::TessellationShape shape;
   shape.length = shape.width = length;
   shape.startAngle = 0.7;
-  Model model = makeTessellation(shape);
+  model::Model model = model::makeTessellation(shape);
   model.target.reset();
   return model;
 }
@@ -90,7 +91,7 @@ TEST(Mending, RepeatedJointsCountOnce) {
       {{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n1 0 0 1 3\n0 1 1 0 1\n"}},
       "");
   ASSERT_EQ(read.model.joints.size(), 1U);
-  EXPECT_EQ(read.model.joints[0].face, JointFace::Both);
+  EXPECT_EQ(read.model.joints[0].face, model::JointFace::Both);
   EXPECT_THAT(read.warnings,
               ElementsAre("@/constraints.txt:2: mended: 2 joints are listed again, here that of "
                           "line 1; each counts once, whichever end comes first"));
@@ -102,11 +103,11 @@ TEST(Mending, ARepeatedJointKeepsItsNewFace) {
   const Reading read =
       readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 1\n1 0 0 1 3\n"}}, "");
   ASSERT_EQ(read.model.joints.size(), 2U);
-  EXPECT_EQ(read.model.joints[1].face, JointFace::Top);
+  EXPECT_EQ(read.model.joints[1].face, model::JointFace::Top);
 }
 
 TEST(Mending, StrictRefusesAndSaysHowToMend) {
-  ReadSettings strict;
+  model::ReadSettings strict;
   strict.strict = true;
   EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0\n1 0 0 1\n"}},
                       "", strict)
@@ -135,21 +136,22 @@ TEST(Mending, StrictRefusesAndSaysHowToMend) {
 
 TEST(Mending, OneDigitApartIsOneCorner) {
   // A sheet 300 wide with three decimals, one corner of one joint off by the last of them.
-  Model model = openSheet(75);
-  const Corner moved = model.joints[3].b;
+  model::Model model = openSheet(75);
+  const model::Corner moved = model.joints[3].b;
   Files files = planarFiles(model, 3);
-  for (Tile& tile : model.tiles) {
+  for (model::Tile& tile : model.tiles) {
     for (Vector3& v : tile.vertices) v = (v * 1000).array().round().matrix() / 1000;
   }
   model.tiles[moved.tile].vertices[moved.vertex].x() += 0.001;
   files["sheet_vertices.txt"] = planarFiles(model, 3)["sheet_vertices.txt"];
   const Reading read = readFiles(files, "sheet_vertices.txt");
-  for (const Joint& joint : read.model.joints) EXPECT_EQ(joint.kind, JointKind::Pivot);
+  for (const model::Joint& joint : read.model.joints)
+    EXPECT_EQ(joint.kind, model::JointKind::Pivot);
   ASSERT_EQ(read.warnings.size(), 1U);
   EXPECT_THAT(read.warnings[0], HasSubstr("are 0.001 m apart, by rounding to 0.001 m; they are one "
                                           "corner"));
   EXPECT_NEAR(read.model.rounding, 1e-3, 1e-12);
-  ReadSettings strict;
+  model::ReadSettings strict;
   strict.strict = true;
   EXPECT_THAT(readFiles(files, "sheet_vertices.txt", strict).error,
               HasSubstr("write the same numbers for both corners"));
@@ -160,26 +162,26 @@ TEST(Mending, RodsAreSaidWithTheirLength) {
       {"a_vertices.txt", "0 0 1 0 1 1 0 1\n1 0 2 0 2 1 1 1\n2.125 0 3.125 0 3.125 1 2.125 1\n"},
       {"a_constraints.txt", "1 2 2 1\n2 2 3 1\n"}};
   const Reading read = readFiles(files, "a_vertices.txt");
-  EXPECT_EQ(read.model.joints[0].kind, JointKind::Pivot);
-  EXPECT_EQ(read.model.joints[1].kind, JointKind::Link);
+  EXPECT_EQ(read.model.joints[0].kind, model::JointKind::Pivot);
+  EXPECT_EQ(read.model.joints[1].kind, model::JointKind::Link);
   EXPECT_THAT(read.warnings,
               ElementsAre("@/a_constraints.txt:2: note: 1 joint holds corners clearly apart: a rod "
                           "0.125 m long, which keeps this distance"));
 }
 
 TEST(Mending, DigitsAreFoundInTheNumbers) {
-  const std::vector<Tile> exact = openSheet().tiles;
+  const std::vector<model::Tile> exact = openSheet().tiles;
   const auto rounded = [&](const std::function<double(double)>& round) {
-    std::vector<Tile> tiles = exact;
-    for (Tile& tile : tiles) {
+    std::vector<model::Tile> tiles = exact;
+    for (model::Tile& tile : tiles) {
       for (Vector3& v : tile.vertices) v = v.unaryExpr(round);
     }
     return tiles;
   };
-  EXPECT_EQ(lastPlace(exact), 0);
+  EXPECT_EQ(model::lastPlace(exact), 0);
   for (const int places : {2, 3, 4, 6}) {
     const auto tiles = rounded([&](double x) { return std::stod(decimals(x, places)); });
-    EXPECT_NEAR(lastPlace(tiles) * std::pow(10, places), 1, 1e-12) << places;
+    EXPECT_NEAR(model::lastPlace(tiles) * std::pow(10, places), 1, 1e-12) << places;
   }
   // Significant digits: coordinates reach from 0.05 to 3, so three of them are hundredths.
   const auto tiles = rounded([](double x) { return std::stod(fmt::format("{:.3g}", x)); });
@@ -187,21 +189,21 @@ TEST(Mending, DigitsAreFoundInTheNumbers) {
 }
 
 TEST(Mending, NumbersThatAreExactAreNotRounded) {
-  TessellationShape shape;  // unit squares
-  EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
+  model::TessellationShape shape;  // unit squares
+  EXPECT_EQ(model::roundingOf(model::makeTessellation(shape).tiles), 0);
   shape.length = 0.25;
-  EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
+  EXPECT_EQ(model::roundingOf(model::makeTessellation(shape).tiles), 0);
   // Tiles of one metre written to the decimetre: that is what was meant.
   shape.length = 1.1;
-  EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
+  EXPECT_EQ(model::roundingOf(model::makeTessellation(shape).tiles), 0);
 }
 
 TEST(Mending, RegularTilingsThatAreEvenByChanceAreRounded) {
   // 0.866 and 0.5 are both even in the third decimal.
-  const Tile triangle{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}}};
-  EXPECT_NEAR(roundingOf({triangle}), 1e-3, 1e-15);
-  const Tile finer{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866025, 0}}};
-  EXPECT_NEAR(roundingOf({finer}), 1e-6, 1e-18);
+  const model::Tile triangle{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}}};
+  EXPECT_NEAR(model::roundingOf({triangle}), 1e-3, 1e-15);
+  const model::Tile finer{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866025, 0}}};
+  EXPECT_NEAR(model::roundingOf({finer}), 1e-6, 1e-18);
 }
 
 TEST(Mending, CoincidingCornersOfRoundedMeshesAreJoined) {
@@ -212,7 +214,7 @@ TEST(Mending, CoincidingCornersOfRoundedMeshesAreJoined) {
                   "v 1.107 0.640 0\nv 1.924 0.064 0\nv 2.501 0.881 0\nf 1 2 3 4\nf 5 6 7\n"}},
                 "a.obj");
   ASSERT_EQ(read.model.joints.size(), 1U);
-  EXPECT_EQ(read.model.joints[0].a, (Corner{0, 1}));
+  EXPECT_EQ(read.model.joints[0].a, (model::Corner{0, 1}));
 }
 
 TEST(Mending, PairsWithJointsOfFourColumnsArePlanar) {
@@ -220,11 +222,11 @@ TEST(Mending, PairsWithJointsOfFourColumnsArePlanar) {
   Reading read = readFiles(
       {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "1 2 2 1\n"}}, "");
   ASSERT_EQ(read.model.tiles.size(), 2U);
-  EXPECT_EQ(read.model.joints[0].face, JointFace::Both);
+  EXPECT_EQ(read.model.joints[0].face, model::JointFace::Both);
   // Counted from 0, as in folders.
   read = readFiles(
       {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "0 1 1 0\n"}}, "");
-  EXPECT_EQ(read.model.joints[0].a, (Corner{0, 1}));
+  EXPECT_EQ(read.model.joints[0].a, (model::Corner{0, 1}));
   EXPECT_THAT(read.warnings[0], HasSubstr("count from 0, not from 1"));
 }
 
@@ -244,7 +246,8 @@ TEST(PlanarNames, OpensFromAnyOfItsFiles) {
     EXPECT_EQ(read.model.name, "penrose10");
     EXPECT_EQ(read.model.joints.size(), 24U) << named;
     ASSERT_TRUE(read.model.hull) << named;
-    EXPECT_THAT(*read.model.hull, ElementsAre(Corner{0, 0}, Corner{3, 1}, Corner{15, 2}));
+    EXPECT_THAT(*read.model.hull,
+                ElementsAre(model::Corner{0, 0}, model::Corner{3, 1}, model::Corner{15, 2}));
   }
 }
 
@@ -263,7 +266,7 @@ TEST(PlanarNames, SeveralListsAreChosenFrom) {
             "@/a_vertices.txt: error: there are 2 lists of joints beside it: "
             "a_expansion_constraints.txt, a_hamiltonian_constraints.txt; choose one with "
             "--joints-file");
-  ReadSettings settings;
+  model::ReadSettings settings;
   settings.jointsFile = "a_expansion_constraints.txt";
   read = readFiles(files, "a_vertices.txt", settings);
   EXPECT_EQ(read.model.joints.size(), 1U);
@@ -276,7 +279,7 @@ TEST(PlanarNames, SeveralListsAreChosenFrom) {
 }
 
 TEST(PlanarNames, FoldersTakeAnotherListToo) {
-  ReadSettings settings;
+  model::ReadSettings settings;
   settings.jointsFile = "other.txt";
   const Files files = {{"vertices.txt", kTwoSquares},
                        {"constraints.txt", "0 1 1 0 3\n0 2 1 3 3\n"},
@@ -300,40 +303,41 @@ TEST(PlanarNames, AHullThatIsWrongIsLeftOutWithAWord) {
 
 /// Shuffles the tiles and reverses some of them, with joints, hull and target. Gives a model whose
 /// file would hold all that in this order.
-Model mixedUp(const Model& model, std::mt19937& random) {
-  Model mixed = model;
+model::Model mixedUp(const model::Model& model, std::mt19937& random) {
+  model::Model mixed = model;
   std::vector<int> place(model.tiles.size());
   for (std::size_t i = 0; i < place.size(); ++i) place[i] = static_cast<int>(i);
   std::shuffle(place.begin(), place.end(), random);
   std::vector<bool> reversed(place.size());
   for (std::size_t i = 0; i < place.size(); ++i) reversed[i] = random() % 2 == 0;
-  const auto move = [&](Corner& corner) { corner.tile = place[corner.tile]; };
+  const auto move = [&](model::Corner& corner) { corner.tile = place[corner.tile]; };
   for (std::size_t i = 0; i < place.size(); ++i) {
     mixed.tiles[place[i]] = model.tiles[i];
     if (model.target) (*mixed.target)[place[i]] = (*model.target)[i];
   }
-  for (Joint& joint : mixed.joints) {
+  for (model::Joint& joint : mixed.joints) {
     move(joint.a);
     move(joint.b);
   }
   mixed.fileOrder.isReversed = reversed;
-  return inFileOrder(mixed);
+  return model::inFileOrder(mixed);
 }
 
 TEST(FileOrder, ConversionsKeepTheOrderOfTilesAndVertices) {
   std::mt19937 random(7);
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.startAngle = 0.3;
   for (int seed = 0; seed < 20; ++seed) {
-    const Model mixed = mixedUp(makeTessellation(shape), random);
+    const model::Model mixed = mixedUp(model::makeTessellation(shape), random);
     const TemporaryFolder folder;
-    writeModelFolder(mixed, folder.path() / "first");
+    model::writeModelFolder(mixed, folder.path() / "first");
     for (const char* name : {"second", "sheet.fold", "sheet_contracted.obj"}) {
       std::vector<std::string> warnings;
-      const Model read = readModel(folder.path() / "first", std::nullopt, warnings);
-      for (const Tile& tile : read.tiles) EXPECT_GT(tileNormal(tile).z(), 0);
-      writeModel(read, folder.path() / name);
-      const Model again = inFileOrder(readModel(folder.path() / name, std::nullopt, warnings));
+      const model::Model read = model::readModel(folder.path() / "first", std::nullopt, warnings);
+      for (const model::Tile& tile : read.tiles) EXPECT_GT(model::tileNormal(tile).z(), 0);
+      model::writeModel(read, folder.path() / name);
+      const model::Model again =
+          model::inFileOrder(model::readModel(folder.path() / name, std::nullopt, warnings));
       ASSERT_EQ(again.tiles.size(), mixed.tiles.size());
       for (std::size_t i = 0; i < mixed.tiles.size(); ++i) {
         EXPECT_EQ(again.tiles[i].vertices, mixed.tiles[i].vertices) << name << " tile " << i;
@@ -349,19 +353,20 @@ TEST(FileOrder, ConversionsKeepTheOrderOfTilesAndVertices) {
 
 TEST(FileOrder, PlanarFilesGoRound) {
   std::mt19937 random(3);
-  Model mixed = mixedUp(openSheet(), random);
-  mixed.hull = std::vector<Corner>{{0, 1}, {5, 2}, {12, 3}};
+  model::Model mixed = mixedUp(openSheet(), random);
+  mixed.hull = std::vector<model::Corner>{{0, 1}, {5, 2}, {12, 3}};
   const TemporaryFolder folder;
-  writeModel(mixed, folder.path() / "sheet_vertices.txt");
+  model::writeModel(mixed, folder.path() / "sheet_vertices.txt");
   std::vector<std::string> warnings;
-  const Model read = readModel(folder.path() / "sheet_hull.txt", std::nullopt, warnings);
+  const model::Model read =
+      model::readModel(folder.path() / "sheet_hull.txt", std::nullopt, warnings);
   // What corners the hull names does not depend on the sense of their tiles.
   for (std::size_t k = 0; k < 3; ++k) {
-    const Corner& was = (*mixed.hull)[k];
-    const Corner& is = (*read.hull)[k];
+    const model::Corner& was = (*mixed.hull)[k];
+    const model::Corner& is = (*read.hull)[k];
     EXPECT_EQ(read.tiles[is.tile].vertices[is.vertex], mixed.tiles[was.tile].vertices[was.vertex]);
   }
-  writeModel(read, folder.path() / "again_vertices.txt");
+  model::writeModel(read, folder.path() / "again_vertices.txt");
   for (const char* part : {"vertices", "constraints", "hull"}) {
     EXPECT_EQ(readWhole(folder.path() / fmt::format("again_{}.txt", part)),
               readWhole(folder.path() / fmt::format("sheet_{}.txt", part)))
@@ -371,14 +376,16 @@ TEST(FileOrder, PlanarFilesGoRound) {
 
 TEST(FileOrder, TargetsAreInTheModelsOwnOrder) {
   std::mt19937 random(5);
-  const Model mixed = mixedUp(makeTessellation({}), random);
+  const model::Model mixed = mixedUp(model::makeTessellation({}), random);
   const TemporaryFolder folder;
-  writeModelFolder(mixed, folder.path() / "model");
+  model::writeModelFolder(mixed, folder.path() / "model");
   std::vector<std::string> warnings;
-  const Model read = readModel(folder.path() / "model", std::nullopt, warnings);
-  writeTiles(*mixed.target, folder.path() / "final_vertices.txt");
-  const std::vector<Tile> byFile = readTarget(folder.path() / "final_vertices.txt", read, warnings);
-  const std::vector<Tile> byModel = readTarget(folder.path() / "model", read, warnings);
+  const model::Model read = model::readModel(folder.path() / "model", std::nullopt, warnings);
+  model::writeTiles(*mixed.target, folder.path() / "final_vertices.txt");
+  const std::vector<model::Tile> byFile =
+      model::readTarget(folder.path() / "final_vertices.txt", read, warnings);
+  const std::vector<model::Tile> byModel =
+      model::readTarget(folder.path() / "model", read, warnings);
   for (std::size_t i = 0; i < read.tiles.size(); ++i) {
     EXPECT_EQ(byFile[i].vertices, (*read.target)[i].vertices);
     EXPECT_EQ(byModel[i].vertices, read.tiles[i].vertices);

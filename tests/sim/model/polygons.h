@@ -13,16 +13,16 @@
 namespace kirireel::test {
 
 /// An L of two arms: `length` long along both axes, `width` wide, its outer corner at (x, y).
-inline Tile lShape(double length = 3, double width = 1, double x = 0, double y = 0) {
+inline model::Tile lShape(double length = 3, double width = 1, double x = 0, double y = 0) {
   const auto at = [&](double u, double v) { return Vector3(x + u, y + v, 0); };
   return {{at(0, 0), at(length, 0), at(length, width), at(width, width), at(width, length),
            at(0, length)}};
 }
 
 /// A star of so many tips round (x, y), its first tip at `angle`.
-inline Tile starShape(int tips, double outer, double inner, double x = 0, double y = 0,
-                      double angle = 0) {
-  Tile star;
+inline model::Tile starShape(int tips, double outer, double inner, double x = 0, double y = 0,
+                             double angle = 0) {
+  model::Tile star;
   for (int k = 0; k < 2 * tips; ++k) {
     const double radius = k % 2 == 0 ? outer : inner;
     const double turn = angle + std::numbers::pi * k / tips;
@@ -32,7 +32,7 @@ inline Tile starShape(int tips, double outer, double inner, double x = 0, double
 }
 
 /// A polygon that goes once round the origin in steps of random length and radius.
-inline Tile randomStar(std::mt19937& random, int corners) {
+inline model::Tile randomStar(std::mt19937& random, int corners) {
   std::uniform_real_distribution<double> share(0.2, 1);
   std::vector<double> steps;
   double sum = 0;
@@ -40,7 +40,7 @@ inline Tile randomStar(std::mt19937& random, int corners) {
     steps.push_back(share(random));
     sum += steps.back();
   }
-  Tile tile;
+  model::Tile tile;
   double turn = 0;
   for (const double step : steps) {
     const double radius = share(random);
@@ -55,7 +55,7 @@ inline double cross2(const Vector3& a, const Vector3& b) {
 }
 
 /// Whether a point lies within a polygon in the plane, by the even-odd rule.
-inline bool isInside(const Tile& tile, const Vector3& p) {
+inline bool isInside(const model::Tile& tile, const Vector3& p) {
   bool inside = false;
   const std::size_t count = tile.vertices.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -75,7 +75,7 @@ inline double distanceToSegment(const Vector3& p, const Vector3& a, const Vector
 
 /// The distance of two polygons' outlines in the plane, metres; 0 where they cross. Brute force
 /// over all sides.
-inline double outlineDistance(const Tile& s, const Tile& t) {
+inline double outlineDistance(const model::Tile& s, const model::Tile& t) {
   double least = std::numeric_limits<double>::max();
   const std::size_t m = s.vertices.size(), n = t.vertices.size();
   for (std::size_t i = 0; i < m; ++i) {
@@ -94,7 +94,7 @@ inline double outlineDistance(const Tile& s, const Tile& t) {
 
 /// How deep corners of either polygon reach into the other, metres: their distance from its
 /// outline.
-inline double cornerDepth(const Tile& s, const Tile& t) {
+inline double cornerDepth(const model::Tile& s, const model::Tile& t) {
   double deepest = 0;
   for (const auto& [one, other] : {std::pair{&s, &t}, std::pair{&t, &s}}) {
     for (const Vector3& p : one->vertices) {
@@ -112,7 +112,7 @@ inline double cornerDepth(const Tile& s, const Tile& t) {
 }
 
 /// Whether two polygons in the plane overlap.
-inline bool overlap(const Tile& s, const Tile& t) {
+inline bool overlap(const model::Tile& s, const model::Tile& t) {
   return outlineDistance(s, t) == 0 || isInside(s, t.vertices[0]) || isInside(t, s.vertices[0]);
 }
 

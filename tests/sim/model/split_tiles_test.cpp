@@ -10,14 +10,15 @@
 namespace kirireel {
 namespace {
 
-double area(const std::vector<Tile>& tiles) {
-  return std::accumulate(tiles.begin(), tiles.end(), 0.0,
-                         [](double sum, const Tile& tile) { return sum + tileArea(tile); });
+double area(const std::vector<model::Tile>& tiles) {
+  return std::accumulate(tiles.begin(), tiles.end(), 0.0, [](double sum, const model::Tile& tile) {
+    return sum + model::tileArea(tile);
+  });
 }
 
-double opening(const Model& model, const std::vector<Tile>& tiles) {
+double opening(const model::Model& model, const std::vector<model::Tile>& tiles) {
   double worst = 0;
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     worst = std::max(worst, (tiles.at(joint.a.tile).vertices.at(joint.a.vertex) -
                              tiles.at(joint.b.tile).vertices.at(joint.b.vertex))
                                 .norm());
@@ -26,29 +27,29 @@ double opening(const Model& model, const std::vector<Tile>& tiles) {
 }
 
 TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.length = 2;
-  const Model whole = makeTessellation(shape);
-  const Model split = splitTiles(whole, {});
+  const model::Model whole = model::makeTessellation(shape);
+  const model::Model split = model::splitTiles(whole, {});
   EXPECT_EQ(split.tiles.size(), 32U);
   EXPECT_EQ(split.joints.size(), 24U + 2 * 16);
-  EXPECT_EQ(std::ranges::count_if(split.joints, &Joint::isWithinTile), 2 * 16);
+  EXPECT_EQ(std::ranges::count_if(split.joints, &model::Joint::isWithinTile), 2 * 16);
   EXPECT_NEAR(area(split.tiles), area(whole.tiles), 1e-12);
   EXPECT_NEAR(area(*split.target), area(whole.tiles), 1e-12);
   EXPECT_LT(opening(split, split.tiles), 1e-15);
   EXPECT_LT(opening(split, *split.target), 1e-14);
-  for (const Tile& tile : split.tiles) EXPECT_GT(tileNormal(tile).z(), 0.99);
+  for (const model::Tile& tile : split.tiles) EXPECT_GT(model::tileNormal(tile).z(), 0.99);
 }
 
 TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
-  Model whole = makeTessellation({});
+  model::Model whole = model::makeTessellation({});
   whole.hull.emplace();
   for (int tile = 0; tile < 4; ++tile) {
     for (int vertex = 0; vertex < 4; ++vertex) whole.hull->push_back({tile, vertex});
   }
   whole.mends.push_back({.corners = {{3, 2}, {2, 3}}});
-  const Model split = splitTiles(whole, {});
-  const auto place = [](const Model& model, const Corner& corner) {
+  const model::Model split = model::splitTiles(whole, {});
+  const auto place = [](const model::Model& model, const model::Corner& corner) {
     return model.tiles.at(corner.tile).vertices.at(corner.vertex);
   };
   for (std::size_t k = 0; k < whole.hull->size(); ++k) {
@@ -60,25 +61,25 @@ TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
 }
 
 TEST(SplitTiles, QuadIsCutAlongItsShorterDiagonal) {
-  Model model;
+  model::Model model;
   model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}}}};
-  const Model split = splitTiles(model, {0});
+  const model::Model split = model::splitTiles(model, {0});
   ASSERT_EQ(split.tiles.size(), 2U);
-  for (const Tile& tile : split.tiles) {
+  for (const model::Tile& tile : split.tiles) {
     EXPECT_EQ(std::count(tile.vertices.begin(), tile.vertices.end(), Vector3(1, 0, 0)), 1);
     EXPECT_EQ(std::count(tile.vertices.begin(), tile.vertices.end(), Vector3(0, 1, 0)), 1);
   }
 }
 
 TEST(SplitTiles, OnlyTheGivenTilesAreSplit) {
-  Model model = makeTessellation({});
+  model::Model model = model::makeTessellation({});
   model.pulledTiles = std::vector<int>{3};
-  const Model split = splitTiles(model, {3, 8});
+  const model::Model split = model::splitTiles(model, {3, 8});
   EXPECT_EQ(split.tiles.size(), 18U);
   EXPECT_EQ(split.tiles[0].vertices, model.tiles[0].vertices);
   EXPECT_EQ(split.pulledTiles, (std::vector<int>{3, 16}));
   try {
-    splitTiles(model, {16});
+    model::splitTiles(model, {16});
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "error: there are tiles 0-15 to split, not 16; correct the number");

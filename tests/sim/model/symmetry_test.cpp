@@ -12,11 +12,11 @@
 namespace kirireel {
 namespace {
 
-Model sheet(int columns, int rows) {
-  TessellationShape shape;
+model::Model sheet(int columns, int rows) {
+  model::TessellationShape shape;
   shape.columns = columns;
   shape.rows = rows;
-  return makeTessellation(shape);
+  return model::makeTessellation(shape);
 }
 
 Poses randomPoses(std::size_t count, unsigned seed) {
@@ -30,7 +30,7 @@ Poses randomPoses(std::size_t count, unsigned seed) {
   return poses;
 }
 
-Matrix3 product(const Symmetry& a, const Symmetry& b) {
+Matrix3 product(const model::Symmetry& a, const model::Symmetry& b) {
   return a.turn * b.turn;
 }
 
@@ -38,48 +38,48 @@ Matrix3 product(const Symmetry& a, const Symmetry& b) {
 /// of the open sheet takes neighbours of one sense to those, so that an odd sheet has its quarter
 /// turns, and an even one the reflections that exchange both.
 TEST(Symmetry, RotatingSquaresHaveTheIsometriesThatKeepEachSense) {
-  EXPECT_EQ(symmetriesOf(sheet(3, 3)).size(), 4u);
-  EXPECT_EQ(symmetriesOf(sheet(4, 4)).size(), 4u);
-  EXPECT_EQ(symmetriesOf(sheet(4, 3)).size(), 2u);
+  EXPECT_EQ(model::symmetriesOf(sheet(3, 3)).size(), 4u);
+  EXPECT_EQ(model::symmetriesOf(sheet(4, 4)).size(), 4u);
+  EXPECT_EQ(model::symmetriesOf(sheet(4, 3)).size(), 2u);
 }
 
 TEST(Symmetry, AClosedSheetAloneHasThoseOfItsOutlineThatKeepItsJoints) {
-  Model model = sheet(3, 3);
+  model::Model model = sheet(3, 3);
   model.target.reset();
-  for (const Symmetry& symmetry : symmetriesOf(model)) {
+  for (const model::Symmetry& symmetry : model::symmetriesOf(model)) {
     EXPECT_LE((symmetry.turn * symmetry.turn.transpose() - Matrix3::Identity()).norm(), 1e-14);
     EXPECT_EQ(symmetry.turn(2, 2), 1);  // bricks stay on their side of the sheet
   }
 }
 
 TEST(Symmetry, TheIsometriesAreAGroup) {
-  const std::vector<Symmetry> group = symmetriesOf(sheet(3, 3));
-  for (const Symmetry& a : group) {
-    for (const Symmetry& b : group) {
+  const std::vector<model::Symmetry> group = model::symmetriesOf(sheet(3, 3));
+  for (const model::Symmetry& a : group) {
+    for (const model::Symmetry& b : group) {
       const bool isThere = std::ranges::any_of(
-          group, [&](const Symmetry& c) { return (c.turn - product(a, b)).norm() < 1e-9; });
+          group, [&](const model::Symmetry& c) { return (c.turn - product(a, b)).norm() < 1e-9; });
       EXPECT_TRUE(isThere);
     }
   }
 }
 
 TEST(Symmetry, ATileOutOfPlaceLeavesTheIdentityAlone) {
-  Model model = sheet(3, 3);
+  model::Model model = sheet(3, 3);
   for (Vector3& vertex : model.tiles.front().vertices) vertex.x() += 1e-6;
-  EXPECT_EQ(symmetriesOf(model).size(), 1u);
-  Model unlike = sheet(3, 3);
+  EXPECT_EQ(model::symmetriesOf(model).size(), 1u);
+  model::Model unlike = sheet(3, 3);
   unlike.joints.pop_back();
-  EXPECT_EQ(symmetriesOf(unlike).size(), 1u);
+  EXPECT_EQ(model::symmetriesOf(unlike).size(), 1u);
 }
 
 TEST(Symmetry, MeansHaveAllSymmetriesAndStayWhatTheyAre) {
-  const Model model = sheet(4, 4);
-  const std::vector<Symmetry> group = symmetriesOf(model);
+  const model::Model model = sheet(4, 4);
+  const std::vector<model::Symmetry> group = model::symmetriesOf(model);
   const Poses random = randomPoses(model.tiles.size(), 3);
-  EXPECT_GT(asymmetry(random, group, 1), 0.1);
-  const Poses mean = symmetricMean(random, group);
-  EXPECT_LE(asymmetry(mean, group, 1), 1e-14);  // measured: 8e-16
-  const Poses again = symmetricMean(mean, group);
+  EXPECT_GT(model::asymmetry(random, group, 1), 0.1);
+  const Poses mean = model::symmetricMean(random, group);
+  EXPECT_LE(model::asymmetry(mean, group, 1), 1e-14);  // measured: 8e-16
+  const Poses again = model::symmetricMean(mean, group);
   for (std::size_t i = 0; i < mean.size(); ++i) {
     EXPECT_LE((again[i].position - mean[i].position).norm(), 1e-15);
     EXPECT_LE(turnBetween(again[i].rotation, mean[i].rotation).norm(), 1e-14);
@@ -88,9 +88,9 @@ TEST(Symmetry, MeansHaveAllSymmetriesAndStayWhatTheyAre) {
 
 /// The velocities of the mean of two motions a moment apart are the difference of their means.
 TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
-  const Model model = sheet(4, 4);
-  const std::vector<Symmetry> group = symmetriesOf(model);
-  const Poses state = symmetricMean(randomPoses(model.tiles.size(), 3), group);
+  const model::Model model = sheet(4, 4);
+  const std::vector<model::Symmetry> group = model::symmetriesOf(model);
+  const Poses state = model::symmetricMean(randomPoses(model.tiles.size(), 3), group);
   const Poses rates = randomPoses(model.tiles.size(), 4);
   std::vector<Velocity> velocities;
   for (const Pose& rate : rates) {
@@ -107,8 +107,8 @@ TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
     moved[i].position += kMoment * velocities[i].linear;
     moved[i].rotation = rotationFromVector(kMoment * velocities[i].angular) * moved[i].rotation;
   }
-  const Poses mean = symmetricMean(moved, group);
-  const std::vector<Velocity> averaged = symmetricMean(velocities, group);
+  const Poses mean = model::symmetricMean(moved, group);
+  const std::vector<Velocity> averaged = model::symmetricMean(velocities, group);
   for (std::size_t i = 0; i < mean.size(); ++i) {
     const Vector3 linear = (mean[i].position - state[i].position) / kMoment;
     const Vector3 angular = turnBetween(state[i].rotation, mean[i].rotation) / kMoment;
@@ -118,12 +118,12 @@ TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
 }
 
 /// A sheet whose vertices, at the start and the target, are off by up to this part of a metre.
-Model shaken(double part) {
-  Model model = sheet(3, 3);
+model::Model shaken(double part) {
+  model::Model model = sheet(3, 3);
   std::mt19937 random(7);
   const auto share = [&] { return random() / 4294967296.0 - 0.5; };
-  for (std::vector<Tile>* tiles : {&model.tiles, &*model.target}) {
-    for (Tile& tile : *tiles) {
+  for (std::vector<model::Tile>* tiles : {&model.tiles, &*model.target}) {
+    for (model::Tile& tile : *tiles) {
       for (Vector3& vertex : tile.vertices) vertex += part * Vector3(share(), share(), 0);
     }
   }
@@ -131,11 +131,12 @@ Model shaken(double part) {
 }
 
 /// The farthest that a vertex is from the nearest one of its image under any isometry, metres.
-double farthestImage(const std::vector<Tile>& tiles, const std::vector<Symmetry>& group) {
+double farthestImage(const std::vector<model::Tile>& tiles,
+                     const std::vector<model::Symmetry>& group) {
   Vector3 centre = Vector3::Zero();
-  for (const Tile& tile : tiles) centre += tileCentroid(tile) / double(tiles.size());
+  for (const model::Tile& tile : tiles) centre += model::tileCentroid(tile) / double(tiles.size());
   double farthest = 0;
-  for (const Symmetry& symmetry : group) {
+  for (const model::Symmetry& symmetry : group) {
     for (std::size_t i = 0; i < tiles.size(); ++i) {
       for (const Vector3& vertex : tiles[i].vertices) {
         const Vector3 image = centre + symmetry.turn * (vertex - centre);
@@ -151,13 +152,13 @@ double farthestImage(const std::vector<Tile>& tiles, const std::vector<Symmetry>
 }
 
 TEST(Symmetry, NearlySymmetricTilesBecomeSymmetricToRounding) {
-  Model model = shaken(2e-10);
-  const std::vector<Symmetry> exact = symmetriesOf(sheet(3, 3));
-  ASSERT_EQ(symmetriesOf(model).size(), exact.size());
+  model::Model model = shaken(2e-10);
+  const std::vector<model::Symmetry> exact = model::symmetriesOf(sheet(3, 3));
+  ASSERT_EQ(model::symmetriesOf(model).size(), exact.size());
   EXPECT_GT(farthestImage(model.tiles, exact), 1e-10);
-  const Model before = model;
-  symmetrise(model);
-  const std::vector<Symmetry> group = symmetriesOf(model);
+  const model::Model before = model;
+  model::symmetrise(model);
+  const std::vector<model::Symmetry> group = model::symmetriesOf(model);
   EXPECT_LT(farthestImage(model.tiles, group), 1e-14);    // measured: 1e-15
   EXPECT_LT(farthestImage(*model.target, group), 1e-14);  // 1e-15
   for (std::size_t i = 0; i < model.tiles.size(); ++i) {
@@ -169,11 +170,11 @@ TEST(Symmetry, NearlySymmetricTilesBecomeSymmetricToRounding) {
 }
 
 TEST(Symmetry, SymmetricAndRoundedTilesStayAsTheyAre) {
-  Model symmetric = sheet(3, 3), rounded = shaken(2e-10);
+  model::Model symmetric = sheet(3, 3), rounded = shaken(2e-10);
   rounded.rounding = 1e-9;
-  for (Model* model : {&symmetric, &rounded}) {
-    const Model before = *model;
-    symmetrise(*model);
+  for (model::Model* model : {&symmetric, &rounded}) {
+    const model::Model before = *model;
+    model::symmetrise(*model);
     for (std::size_t i = 0; i < model->tiles.size(); ++i) {
       EXPECT_EQ(model->tiles[i].vertices, before.tiles[i].vertices);
     }
@@ -181,11 +182,12 @@ TEST(Symmetry, SymmetricAndRoundedTilesStayAsTheyAre) {
 }
 
 TEST(Symmetry, IsometriesOfNearlySymmetricTilesAreAGroupToRounding) {
-  const std::vector<Symmetry> group = symmetriesOf(shaken(2e-10));
-  for (const Symmetry& a : group) {
-    for (const Symmetry& b : group) {
+  const std::vector<model::Symmetry> group = model::symmetriesOf(shaken(2e-10));
+  for (const model::Symmetry& a : group) {
+    for (const model::Symmetry& b : group) {
       double nearest = 1;
-      for (const Symmetry& c : group) nearest = std::min(nearest, (product(a, b) - c.turn).norm());
+      for (const model::Symmetry& c : group)
+        nearest = std::min(nearest, (product(a, b) - c.turn).norm());
       EXPECT_LT(nearest, 1e-14);  // measured: 1e-15
     }
   }

@@ -14,9 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double kPi = std::numbers::pi;
 
-std::string messageFor(const TessellationShape& shape) {
+std::string messageFor(const model::TessellationShape& shape) {
   try {
-    makeTessellation(shape);
+    model::makeTessellation(shape);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -24,19 +24,19 @@ std::string messageFor(const TessellationShape& shape) {
 }
 
 TEST(Tessellation, StaysClosedAndRigidAtEveryAngle) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 5;
   shape.rows = 4;
   shape.length = 1.7;
   shape.width = 0.6;
-  const Model model = makeTessellation(shape);
+  const model::Model model = model::makeTessellation(shape);
   for (double angle = 0; angle <= kPi; angle += kPi / 16) {
-    const std::vector<Tile> tiles = tessellationTiles(shape, angle);
-    for (const Joint& joint : model.joints) {
+    const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
+    for (const model::Joint& joint : model.joints) {
       EXPECT_EQ(tiles[joint.a.tile].vertices[joint.a.vertex],
                 tiles[joint.b.tile].vertices[joint.b.vertex]);
     }
-    for (const Tile& tile : tiles) {
+    for (const model::Tile& tile : tiles) {
       const auto& v = tile.vertices;
       EXPECT_NEAR((v[1] - v[0]).norm(), 1.7, 2e-15);          // measured 9e-16
       EXPECT_NEAR((v[3] - v[0]).norm(), 0.6, 2e-15);          // measured 8e-16
@@ -46,10 +46,10 @@ TEST(Tessellation, StaysClosedAndRigidAtEveryAngle) {
 }
 
 TEST(Tessellation, NeighboursOpenByTheAngle) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 2;
   shape.rows = 1;
-  const std::vector<Tile> tiles = tessellationTiles(shape, 0.8);
+  const std::vector<model::Tile> tiles = model::tessellationTiles(shape, 0.8);
   const auto direction = [&](int tile) {
     const Vector3 edge = tiles[tile].vertices[1] - tiles[tile].vertices[0];
     return std::atan2(edge.y(), edge.x());
@@ -59,11 +59,11 @@ TEST(Tessellation, NeighboursOpenByTheAngle) {
 }
 
 TEST(Tessellation, ClosedSheetIsTheGridOfTiles) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 3;
   shape.rows = 2;
   shape.length = 2;
-  const Model model = makeTessellation(shape);
+  const model::Model model = model::makeTessellation(shape);
   ASSERT_EQ(model.tiles.size(), 6u);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 2; ++j) {
@@ -80,9 +80,9 @@ TEST(Tessellation, ClosedSheetIsTheGridOfTiles) {
 
 using JointNumbers = std::set<std::set<std::pair<int, int>>>;
 
-JointNumbers jointNumbers(const Model& model) {
+JointNumbers jointNumbers(const model::Model& model) {
   JointNumbers numbers;
-  for (const Joint& joint : model.joints) {
+  for (const model::Joint& joint : model.joints) {
     numbers.insert(
         {std::pair(joint.a.tile, joint.a.vertex), std::pair(joint.b.tile, joint.b.vertex)});
   }
@@ -93,10 +93,10 @@ TEST(Tessellation, MatchesThePublishedTenByTen) {
   const fs::path published = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models/tess_m10_n10";
   if (!fs::exists(published)) GTEST_SKIP() << published << " is not there";
   std::vector<std::string> warnings;
-  const Model theirs = readModelFolder(published, warnings);
-  TessellationShape shape;
+  const model::Model theirs = model::readModelFolder(published, warnings);
+  model::TessellationShape shape;
   shape.columns = shape.rows = 10;
-  const Model ours = makeTessellation(shape);
+  const model::Model ours = model::makeTessellation(shape);
   EXPECT_EQ(jointNumbers(ours), jointNumbers(theirs));
   double worst = 0;
   for (size_t i = 0; i < 100; ++i) {
@@ -110,17 +110,17 @@ TEST(Tessellation, MatchesThePublishedTenByTen) {
 }
 
 TEST(Tessellation, ShippedModelsAreWhatTheGeneratorMakes) {
-  TessellationShape square;
-  TessellationShape rectangles;
+  model::TessellationShape square;
+  model::TessellationShape rectangles;
   rectangles.columns = 10;
   rectangles.rows = 6;
   rectangles.length = 2;
   rectangles.targetAngle = 60 * kPi / 180;
-  const std::pair<std::string, TessellationShape> shipped[] = {
+  const std::pair<std::string, model::TessellationShape> shipped[] = {
       {"tessellation_4x4", square}, {"tessellation_10x6_rectangles", rectangles}};
   for (const auto& [name, shape] : shipped) {
     const TemporaryFolder folder;
-    writeModelFolder(makeTessellation(shape), folder.path());
+    model::writeModelFolder(model::makeTessellation(shape), folder.path());
     for (const std::string file : {"vertices.txt", "constraints.txt", "target.txt"}) {
       const fs::path path = fs::path(KIRIREEL_SOURCE_DIR) / "data" / name / file;
       ASSERT_TRUE(fs::exists(path)) << path;
@@ -130,7 +130,7 @@ TEST(Tessellation, ShippedModelsAreWhatTheGeneratorMakes) {
 }
 
 TEST(Tessellation, RefusesValuesOutOfRange) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 0;
   EXPECT_EQ(messageFor(shape),
             "tessellation: error: 0 columns and 4 rows; give at least 1 of each, and at most "

@@ -18,12 +18,12 @@ using ::testing::HasSubstr;
 /// Reads grips from a scene file and numbers them as a sheet of 2 x 2 squares.
 class Grips : public testing::Test {
  protected:
-  std::vector<GripSetting> read(const std::string& text) {
+  std::vector<scene::GripSetting> read(const std::string& text) {
     std::ofstream(folder_ / "scene.toml", std::ios::binary) << text;
-    std::vector<GripSetting> grips = readSceneFile(folder_ / "scene.toml").grips;
-    TessellationShape shape;
+    std::vector<scene::GripSetting> grips = scene::readSceneFile(folder_ / "scene.toml").grips;
+    model::TessellationShape shape;
     shape.columns = shape.rows = 2;
-    numberAsModel(grips, makeTessellation(shape));
+    scene::numberAsModel(grips, model::makeTessellation(shape));
     return grips;
   }
 
@@ -40,7 +40,7 @@ class Grips : public testing::Test {
 };
 
 TEST_F(Grips, HoldTilesVerticesAndEdges) {
-  const std::vector<GripSetting> grips = read(
+  const std::vector<scene::GripSetting> grips = read(
       "[[grip]]\ntile = 0\nmove = {x = 0, y = 0, turn = 90}\n"
       "[[grip]]\ntiles = [1, 3]\nedge = [1, 2]\nforce = {x = 2.5}\n"
       "[[grip]]\ntile = 2\nvertex = 3\nmove = {y = -0.5}\n");
@@ -52,9 +52,9 @@ TEST_F(Grips, HoldTilesVerticesAndEdges) {
   EXPECT_TRUE(grips[1].isForce);
   EXPECT_EQ(grips[1].x, 2.5);
   EXPECT_FALSE(grips[1].y.has_value());
-  EXPECT_THAT(grips[1].corners,
-              ElementsAre(Corner{1, 1}, Corner{1, 2}, Corner{3, 1}, Corner{3, 2}));
-  EXPECT_THAT(grips[2].corners, ElementsAre(Corner{2, 3}));
+  EXPECT_THAT(grips[1].corners, ElementsAre(model::Corner{1, 1}, model::Corner{1, 2},
+                                            model::Corner{3, 1}, model::Corner{3, 2}));
+  EXPECT_THAT(grips[2].corners, ElementsAre(model::Corner{2, 3}));
 }
 
 TEST_F(Grips, AreRefusedInOneLine) {

@@ -20,24 +20,24 @@ using ::testing::HasSubstr;
 /// A sheet of 2 x 2 squares, open by 30 degrees, with springs.
 class HingeSpringsOfAScene : public testing::Test {
  protected:
-  HingeSpringsOfAScene() { use(JointFace::Both); }
+  HingeSpringsOfAScene() { use(model::JointFace::Both); }
 
-  void use(JointFace face) {
-    TessellationShape shape;
+  void use(model::JointFace face) {
+    model::TessellationShape shape;
     shape.columns = shape.rows = 2;
     shape.startAngle = 30 * kDegree;
     shape.face = face;
-    scene_.model = makeTessellation(shape);
+    scene_.model = model::makeTessellation(shape);
   }
 
-  std::vector<HingeSpring> springs(const std::string& lines = "") {
+  std::vector<model::HingeSpring> springs(const std::string& lines = "") {
     if (!lines.empty()) {
       std::ofstream(folder_ / "hinges.txt", std::ios::binary) << lines;
       scene_.hinges.file = folder_ / "hinges.txt";
     }
     std::vector<std::string> warnings;
-    completeScene({}, scene_, warnings);
-    return hingeSprings(scene_, makeBricks(scene_.model.tiles, scene_.brick));
+    scene::completeScene({}, scene_, warnings);
+    return scene::hingeSprings(scene_, model::makeBricks(scene_.model.tiles, scene_.brick));
   }
 
   std::string refusal(const std::string& lines = "") {
@@ -50,7 +50,7 @@ class HingeSpringsOfAScene : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  Scene scene_;
+  scene::Scene scene_;
 };
 
 TEST_F(HingeSpringsOfAScene, AreNoneUnlessAskedFor) {
@@ -60,7 +60,7 @@ TEST_F(HingeSpringsOfAScene, AreNoneUnlessAskedFor) {
 TEST_F(HingeSpringsOfAScene, RestAtTheStartUnlessToldOtherwise) {
   scene_.hinges.stiffness = 2;
   scene_.hinges.damping = 0.5;
-  for (const HingeSpring& spring : springs()) {
+  for (const model::HingeSpring& spring : springs()) {
     EXPECT_NEAR(spring.rest, 30 * kDegree, 1e-12);
     EXPECT_EQ(spring.stiffness, 2);
     EXPECT_EQ(spring.damping, 0.5);
@@ -73,9 +73,10 @@ TEST_F(HingeSpringsOfAScene, RestAtTheStartUnlessToldOtherwise) {
 TEST_F(HingeSpringsOfAScene, AreOneByOneInAFile) {
   scene_.hinges.stiffness = 2;
   scene_.hinges.rest = 60 * kDegree;
-  const std::vector<HingeSpring> found = springs("0 1 3 45 0.1\n2 0 - 90  # as stiff as all\n");
+  const std::vector<model::HingeSpring> found =
+      springs("0 1 3 45 0.1\n2 0 - 90  # as stiff as all\n");
   ASSERT_EQ(found.size(), 4u);
-  for (const HingeSpring& spring : found) {
+  for (const model::HingeSpring& spring : found) {
     const std::pair<int, int> tiles = std::minmax(spring.hinge.brickA, spring.hinge.brickB);
     const bool isFirst = tiles == std::pair(0, 1);
     const bool isSecond = tiles == std::pair(0, 2);
@@ -87,17 +88,17 @@ TEST_F(HingeSpringsOfAScene, AreOneByOneInAFile) {
 
 TEST_F(HingeSpringsOfAScene, AreAsStiffAsNecks) {
   scene_.brick.thickness = 0.02;
-  scene_.hinges.neck = HingeNeck{0.1, 0.3, 2e9};
-  const std::vector<HingeSpring> found = springs("0 1 3\n");
+  scene_.hinges.neck = scene::HingeNeck{0.1, 0.3, 2e9};
+  const std::vector<model::HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 4u);
-  for (const HingeSpring& spring : found) {
+  for (const model::HingeSpring& spring : found) {
     const bool isOwn = spring.hinge.brickA + spring.hinge.brickB == 1;
-    EXPECT_EQ(spring.stiffness, isOwn ? 3 : neckStiffness(2e9, 0.02, 0.1, 0.3));
+    EXPECT_EQ(spring.stiffness, isOwn ? 3 : model::neckStiffness(2e9, 0.02, 0.1, 0.3));
   }
 }
 
 TEST_F(HingeSpringsOfAScene, MayBeAtSomeHingesAlone) {
-  const std::vector<HingeSpring> found = springs("0 1 3\n");
+  const std::vector<model::HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].rest, 30 * kDegree, 1e-12);
 }
@@ -117,7 +118,7 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereBricksWouldLieInEachOther) {
 }
 
 TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
-  use(JointFace::Bottom);
+  use(model::JointFace::Bottom);
   scene_.hinges.stiffness = 1;
   EXPECT_EQ(springs().size(), 4u);  // in the plane
   scene_.solver.planar = false;
@@ -132,22 +133,22 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
 }
 
 /// A scene of two squares side by side in a FOLD file, folded by 90 degrees along their edge.
-Scene foldedByFile(const test::TemporaryFolder& folder, const std::string& faces) {
+scene::Scene foldedByFile(const test::TemporaryFolder& folder, const std::string& faces) {
   std::ofstream(folder / "a.fold", std::ios::binary)
       << R"({"vertices_coords": [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1]], "faces_vertices": )" << faces
       << R"(, "edges_vertices": [[1,4]], "edges_foldAngle": [90]})";
   std::vector<std::string> warnings;
-  Scene scene;
+  scene::Scene scene;
   scene.brick.thickness = 0.02;
-  scene.model = readModel(folder / "a.fold", std::nullopt, warnings);
+  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
   scene.hinges.stiffness = 1;
   return scene;
 }
 
 /// The only spring of a scene.
-HingeSpring springOf(const Scene& scene) {
-  const std::vector<HingeSpring> springs =
-      hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick));
+model::HingeSpring springOf(const scene::Scene& scene) {
+  const std::vector<model::HingeSpring> springs =
+      scene::hingeSprings(scene, model::makeBricks(scene.model.tiles, scene.brick));
   EXPECT_EQ(springs.size(), 1u);
   return springs.at(0);
 }
@@ -158,11 +159,11 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
   const test::TemporaryFolder folder;
   for (const char* faces : {"[[0,1,4,5],[1,2,3,4]]", "[[0,1,4,5],[4,3,2,1]]",
                             "[[5,4,1,0],[4,3,2,1]]", "[[1,2,3,4],[0,1,4,5]]"}) {
-    Scene scene = foldedByFile(folder, faces);
-    const HingeSpring spring = springOf(scene);
+    scene::Scene scene = foldedByFile(folder, faces);
+    const model::HingeSpring spring = springOf(scene);
     EXPECT_NEAR(std::abs(spring.rest), 90 * kDegree, 1e-15);
     EXPECT_NEAR(spring.hinge.start, 0, 1e-15);
-    Scene there = scene;
+    scene::Scene there = scene;
     there.model.tiles = *scene.model.target;
     EXPECT_NEAR(spring.rest, springOf(there).hinge.start, 1e-15) << faces;
     scene.hinges.rest = 20 * kDegree;
@@ -175,11 +176,11 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
 // Each triangle is hinged to its other half, where the tile was flat, and one to the other square.
 TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
   const test::TemporaryFolder folder;
-  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
-  scene.model = splitTiles(scene.model, {});
+  scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene.model = model::splitTiles(scene.model, {});
   int folded = 0;
-  for (const HingeSpring& spring :
-       hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick))) {
+  for (const model::HingeSpring& spring :
+       scene::hingeSprings(scene, model::makeBricks(scene.model.tiles, scene.brick))) {
     EXPECT_TRUE(std::abs(spring.rest) < 1e-12 || spring.rest == 90 * kDegree) << spring.rest;
     folded += spring.rest > 1 ? 1 : 0;
   }
@@ -190,34 +191,34 @@ TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
 // Angles that close round no loop fold the sheet out of its plane though there is no target.
 TEST(FoldSprings, LeaveThePlane) {
   const test::TemporaryFolder folder;
-  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
   scene.model.target.reset();
-  EXPECT_EQ(sceneNeeds(scene).planar.reason, "springs fold the sheet as its file says");
+  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "springs fold the sheet as its file says");
   scene.hinges.stiffness = 0;
-  EXPECT_TRUE(sceneNeeds(scene).planar.on);
+  EXPECT_TRUE(scene::sceneNeeds(scene).planar.on);
 }
 
 // What tiles are made of says how they bend where they are split, and folds by their length scale;
 // springs that are asked for by themselves are at the model's own hinges.
 TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   const test::TemporaryFolder folder;
-  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
   scene.hinges.stiffness = 0;
   scene.hinges.rest = 20 * kDegree;
-  scene.hinges.panels = PanelMaterial{2e9, 0.3, 0};
-  scene.model = splitTiles(scene.model, {});
+  scene.hinges.panels = scene::PanelMaterial{2e9, 0.3, 0};
+  scene.model = model::splitTiles(scene.model, {});
   const auto springs = [&] {
-    return hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick));
+    return scene::hingeSprings(scene, model::makeBricks(scene.model.tiles, scene.brick));
   };
   const double plate = 2e9 * std::pow(0.02, 3) / (12 * 0.91);
   const double bend = 0.55 * plate * std::cbrt(std::sqrt(2.0) / 0.02);
   ASSERT_EQ(springs().size(), 2u);
-  for (const HingeSpring& spring : springs()) {
+  for (const model::HingeSpring& spring : springs()) {
     EXPECT_NEAR(spring.stiffness, bend, 1e-12 * bend);
     EXPECT_EQ(spring.rest, spring.hinge.start);
   }
   const auto atFold = [&] {
-    for (const HingeSpring& spring : springs()) {
+    for (const model::HingeSpring& spring : springs()) {
       if (spring.rest == 20 * kDegree) return spring.stiffness;
     }
     return 0.0;
@@ -228,62 +229,63 @@ TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
   scene.hinges.stiffness = 7;
   EXPECT_EQ(atFold(), 7);
   scene.hinges.damping = 0.1;
-  for (const HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
+  for (const model::HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
 }
 
 // Panels that touch at corners alone have no hinges, which is no mistake.
 TEST_F(HingeSpringsOfAScene, NeedNoHingesWhereTilesAlone) {
-  use(JointFace::Bottom);
-  scene_.hinges.panels = PanelMaterial{1e9, 0.3, 0.1};
+  use(model::JointFace::Bottom);
+  scene_.hinges.panels = scene::PanelMaterial{1e9, 0.3, 0.1};
   EXPECT_TRUE(springs().empty());
 }
 
 TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
-  Scene scene;
-  scene.model = makeTessellation({});
-  scene.timeline = {{Occasion{}, timeline::Pin{{5}}, {"--pin"}},
-                    {Occasion{}, timeline::Unpin{{5, 6}}, {}}};
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{5}}, {"--pin"}},
+                    {scene::Occasion{}, scene::timeline::Unpin{{5, 6}}, {}}};
   scene.velocities = {{{2, 5}, Vector3::UnitX(), Vector3::Zero(), {}}, {}};
-  splitTiles({5, 6}, scene);
-  EXPECT_EQ(std::get<timeline::Pin>(scene.timeline[0].action).tiles, (std::vector<int>{5, 16}));
-  EXPECT_EQ(std::get<timeline::Unpin>(scene.timeline[1].action).tiles,
+  scene::splitTiles({5, 6}, scene);
+  EXPECT_EQ(std::get<scene::timeline::Pin>(scene.timeline[0].action).tiles,
+            (std::vector<int>{5, 16}));
+  EXPECT_EQ(std::get<scene::timeline::Unpin>(scene.timeline[1].action).tiles,
             (std::vector<int>{5, 16, 6, 17}));
   EXPECT_EQ(scene.velocities[0].tiles, (std::vector<int>{2, 5, 16}));
   EXPECT_TRUE(scene.velocities[1].tiles.empty());  // all
   // Concave tiles are cut into ears, which are joined in any order.
-  Scene concave;
-  concave.model.tiles = {Tile{{{0, 0, 0},
-                               {1, 0.9, 0},
-                               {2, 0, 0},
-                               {1.1, 1, 0},
-                               {2, 2, 0},
-                               {1, 1.1, 0},
-                               {0, 2, 0},
-                               {0.9, 1, 0}}}};
-  concave.timeline = {{Occasion{}, timeline::Pin{{0}}, {"--pin"}}};
-  splitTiles({}, concave);
-  EXPECT_EQ(std::get<timeline::Pin>(concave.timeline[0].action).tiles,
+  scene::Scene concave;
+  concave.model.tiles = {model::Tile{{{0, 0, 0},
+                                      {1, 0.9, 0},
+                                      {2, 0, 0},
+                                      {1.1, 1, 0},
+                                      {2, 2, 0},
+                                      {1, 1.1, 0},
+                                      {0, 2, 0},
+                                      {0.9, 1, 0}}}};
+  concave.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"--pin"}}};
+  scene::splitTiles({}, concave);
+  EXPECT_EQ(std::get<scene::timeline::Pin>(concave.timeline[0].action).tiles,
             (std::vector<int>{0, 1, 2, 3, 4, 5}));
 }
 
 TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
-  const auto refusal = [](Scene scene) -> std::string {
-    scene.model = makeTessellation({});
+  const auto refusal = [](scene::Scene scene) -> std::string {
+    scene.model = model::makeTessellation({});
     try {
-      splitTiles({}, scene);
+      scene::splitTiles({}, scene);
     } catch (const InputError& error) {
       return error.what();
     }
     return "accepted";
   };
-  Scene scene;
+  scene::Scene scene;
   scene.grips.emplace_back();
   EXPECT_EQ(refusal(scene),
             "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips "
             "and files of hinges name; leave one of them out");
   scene.grips.clear();
   EXPECT_EQ(refusal(scene), "accepted");
-  scene.timeline = {{Occasion{}, timeline::Drag{}, {}}};
+  scene.timeline = {{scene::Occasion{}, scene::timeline::Drag{}, {}}};
   EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
   scene.timeline.clear();
   scene.hinges.own.emplace_back();

@@ -13,9 +13,9 @@ using ::testing::HasSubstr;
 
 class SceneFileTest : public testing::Test {
  protected:
-  SceneFile read(const std::string& text) {
+  scene::SceneFile read(const std::string& text) {
     std::ofstream(folder_ / "scene.toml") << text;
-    return readSceneFile(folder_ / "scene.toml");
+    return scene::readSceneFile(folder_ / "scene.toml");
   }
 
   /// The message of a file that is refused, from the file's own name on.
@@ -33,13 +33,13 @@ class SceneFileTest : public testing::Test {
 };
 
 TEST_F(SceneFileTest, HandsSettingsOverAsText) {
-  const SceneFile file = read(
+  const scene::SceneFile file = read(
       "[environment]\ngravity = [0, 0, -9.81]\nground = true\nbrick_friction = 0.30\n"
       "[model]\nlink = [[0, 1, 2, 3], [1, 1, 2, 2]]\n[camera]\nview = \"top\"\n");
   ASSERT_EQ(file.settings.size(), 5u);
   const auto find = [&](const std::string& key) {
     return *std::find_if(file.settings.begin(), file.settings.end(),
-                         [&](const SceneSetting& setting) { return setting.key == key; });
+                         [&](const scene::SceneSetting& setting) { return setting.key == key; });
   };
   EXPECT_EQ(find("gravity").table, "environment");
   EXPECT_THAT(find("gravity").values, ElementsAre("0,0,-9.81"));
@@ -51,7 +51,7 @@ TEST_F(SceneFileTest, HandsSettingsOverAsText) {
 }
 
 TEST_F(SceneFileTest, ReadsEveryKindOfTimelineEntry) {
-  const Timeline timeline = read(R"(
+  const scene::Timeline timeline = read(R"(
 [[timeline]]
 at = 2
 pin = [3, 4]
@@ -81,22 +81,22 @@ reset = true
 [[timeline]]
 quit = true
 )")
-                                .timeline;
-  using namespace timeline;
+                                       .timeline;
+  using namespace scene::timeline;
   ASSERT_EQ(timeline.size(), 11u);
-  EXPECT_EQ(timeline[0].when.kind, Occasion::Kind::AtTime);
+  EXPECT_EQ(timeline[0].when.kind, scene::Occasion::Kind::AtTime);
   EXPECT_EQ(timeline[0].when.value, 2);
   EXPECT_THAT(std::get<Pin>(timeline[0].action).tiles, ElementsAre(3, 4));
   EXPECT_EQ(timeline[0].where.line, 2);
   EXPECT_EQ(timeline[1].when.value, 0.5);
   EXPECT_EQ(std::get<Pause>(timeline[1].action).seconds, 1.5);
-  EXPECT_EQ(timeline[2].when.kind, Occasion::Kind::AtRest);
+  EXPECT_EQ(timeline[2].when.kind, scene::Occasion::Kind::AtRest);
   EXPECT_TRUE(std::get<Unpin>(timeline[2].action).tiles.empty());
-  EXPECT_EQ(timeline[3].when.kind, Occasion::Kind::AtTarget);
+  EXPECT_EQ(timeline[3].when.kind, scene::Occasion::Kind::AtTarget);
   EXPECT_TRUE(std::get<GoTo>(timeline[3].action).file.empty());
-  EXPECT_EQ(timeline[4].when.kind, Occasion::Kind::ErrorBelow);
+  EXPECT_EQ(timeline[4].when.kind, scene::Occasion::Kind::ErrorBelow);
   EXPECT_FALSE(std::get<Forces>(timeline[4].action).on);
-  EXPECT_EQ(timeline[5].when.kind, Occasion::Kind::ProgressAbove);
+  EXPECT_EQ(timeline[5].when.kind, scene::Occasion::Kind::ProgressAbove);
   const Drag& drag = std::get<Drag>(timeline[5].action);
   EXPECT_EQ(drag.tile, 2);
   EXPECT_EQ(drag.vertex, 1);
@@ -106,10 +106,10 @@ quit = true
   EXPECT_EQ(drag.damping, 50);
   // Files are beside the scene file; no moment means at once.
   EXPECT_EQ(std::get<GoTo>(timeline[6].action).file, folder_ / "half.txt");
-  EXPECT_EQ(timeline[6].when.kind, Occasion::Kind::After);
+  EXPECT_EQ(timeline[6].when.kind, scene::Occasion::Kind::After);
   EXPECT_EQ(timeline[6].when.value, 0);
-  EXPECT_EQ(actionName(timeline[7].action), "snapshot");
-  EXPECT_EQ(actionName(timeline[10].action), "quit");
+  EXPECT_EQ(scene::actionName(timeline[7].action), "snapshot");
+  EXPECT_EQ(scene::actionName(timeline[10].action), "quit");
 }
 
 TEST_F(SceneFileTest, RefusesWhatIsDeepOrMany) {
@@ -126,7 +126,7 @@ TEST_F(SceneFileTest, RefusesWhatIsDeepOrMany) {
   EXPECT_THAT(refusal(obstacles), HasSubstr("error: there are 1001 obstacles, at most 1000 are "
                                             "allowed; put several into one mesh"));
   std::filesystem::resize_file(folder_ / "scene.toml", (8u << 20) + 1);
-  EXPECT_THAT([&] { readSceneFile(folder_ / "scene.toml"); },
+  EXPECT_THAT([&] { scene::readSceneFile(folder_ / "scene.toml"); },
               testing::ThrowsMessage<InputError>(
                   HasSubstr("scene.toml: error: the file has 8388609 bytes, at most 8388608 are "
                             "read; name a scene file, like scene.toml")));
@@ -189,12 +189,12 @@ TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
   EXPECT_THAT(refusal("model = 1\n"), HasSubstr("give a table, [model]"));
   EXPECT_THAT(refusal("[model]\nthickness = 1979-05-27\n"),
               HasSubstr("give a number, a text, true, false or an array"));
-  EXPECT_THROW(readSceneFile(folder_ / "other.toml"), InputError);
+  EXPECT_THROW(scene::readSceneFile(folder_ / "other.toml"), InputError);
 }
 
 TEST_F(SceneFileTest, ReadsObstacles) {
   std::ofstream(folder_ / "wall.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
-  const std::vector<Obstacle> obstacles = read(R"(
+  const std::vector<scene::Obstacle> obstacles = read(R"(
 [[obstacle]]
 shape = "box"
 size = [1, 2, 3]
@@ -209,17 +209,17 @@ shape = "mesh"
 file = "wall.obj"
 position = [0, 0, 4]
 )")
-                                              .obstacles;
+                                                     .obstacles;
   ASSERT_EQ(obstacles.size(), 3u);
   EXPECT_EQ(obstacles[0].size, Vector3(1, 2, 3));
   EXPECT_EQ(obstacles[0].friction, 0.25);
   // x first, then z: the box's y axis points up, its z axis along the world's x.
   EXPECT_TRUE((obstacles[0].pose.rotation * Vector3::UnitY()).isApprox(Vector3::UnitZ()));
   EXPECT_TRUE((obstacles[0].pose.rotation * Vector3::UnitZ()).isApprox(Vector3::UnitX()));
-  EXPECT_EQ(obstacles[1].shape, Obstacle::Shape::Sphere);
+  EXPECT_EQ(obstacles[1].shape, scene::Obstacle::Shape::Sphere);
   EXPECT_EQ(obstacles[1].radius, 0.5);
   EXPECT_EQ(obstacles[1].friction, 0.5);
-  EXPECT_EQ(obstacleFaces(obstacles[2]).front().vertices[2], Vector3(1, 1, 4));
+  EXPECT_EQ(scene::obstacleFaces(obstacles[2]).front().vertices[2], Vector3(1, 1, 4));
 }
 
 TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
@@ -239,7 +239,7 @@ TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
 }
 
 TEST_F(SceneFileTest, ReadsSpeedsOfTheStart) {
-  const SceneFile file = read(
+  const scene::SceneFile file = read(
       "[[velocity]]\nlinear = [1, 0, -2.5]\n\n[[velocity]]\ntiles = [0, 3]\nangular = [0, 0, 1]\n");
   ASSERT_EQ(file.velocities.size(), 2u);
   EXPECT_TRUE(file.velocities[0].tiles.empty());

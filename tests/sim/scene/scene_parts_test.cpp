@@ -16,11 +16,11 @@ using ::testing::HasSubstr;
 class ScenePartsTest : public testing::Test {
  protected:
   ScenePartsTest() {
-    scene_.model = makeTessellation({});
+    scene_.model = model::makeTessellation({});
     scene_.model.name = "sheet";
   }
 
-  void complete() { completeScene(parts_, scene_, warnings_); }
+  void complete() { scene::completeScene(parts_, scene_, warnings_); }
 
   std::string refusal() {
     try {
@@ -32,16 +32,16 @@ class ScenePartsTest : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  Scene scene_;
-  SceneParts parts_;
+  scene::Scene scene_;
+  scene::SceneParts parts_;
   std::vector<std::string> warnings_;
 };
 
 TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.startAngle = 0.4;
-  const Model open = makeTessellation(shape);
-  writeTiles(open.tiles, folder_ / "open.txt");
+  const model::Model open = model::makeTessellation(shape);
+  model::writeTiles(open.tiles, folder_ / "open.txt");
   parts_.targets = {folder_ / "open.txt"};
   complete();
   EXPECT_EQ(scene_.model.target->at(3).vertices, open.tiles[3].vertices);
@@ -49,15 +49,15 @@ TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
 }
 
 TEST_F(ScenePartsTest, SeveralTargetsAreAChain) {
-  writeTiles(scene_.model.tiles, folder_ / "a.txt");
-  writeTiles(*scene_.model.target, folder_ / "b.txt");
+  model::writeTiles(scene_.model.tiles, folder_ / "a.txt");
+  model::writeTiles(*scene_.model.target, folder_ / "b.txt");
   parts_.targets = {folder_ / "a.txt", folder_ / "a.txt", folder_ / "b.txt"};
   complete();
   ASSERT_EQ(scene_.timeline.size(), 3u);
-  EXPECT_EQ(scene_.timeline[0].when.kind, Occasion::Kind::After);
-  EXPECT_EQ(scene_.timeline[1].when.kind, Occasion::Kind::AtTarget);
-  EXPECT_EQ(std::get<timeline::GoTo>(scene_.timeline[1].action).tiles.size(), 16u);
-  EXPECT_TRUE(std::get<timeline::GoTo>(scene_.timeline[2].action).file.empty());
+  EXPECT_EQ(scene_.timeline[0].when.kind, scene::Occasion::Kind::After);
+  EXPECT_EQ(scene_.timeline[1].when.kind, scene::Occasion::Kind::AtTarget);
+  EXPECT_EQ(std::get<scene::timeline::GoTo>(scene_.timeline[1].action).tiles.size(), 16u);
+  EXPECT_TRUE(std::get<scene::timeline::GoTo>(scene_.timeline[2].action).file.empty());
 }
 
 TEST_F(ScenePartsTest, PinsFixedPairsAndLinksAreAdded) {
@@ -67,15 +67,15 @@ TEST_F(ScenePartsTest, PinsFixedPairsAndLinksAreAdded) {
   parts_.links = {{0, 0, 15, 2}};
   complete();
   ASSERT_EQ(scene_.model.joints.size(), joints + 2);
-  EXPECT_EQ(scene_.model.joints[joints].kind, JointKind::Fixed);
-  EXPECT_EQ(scene_.model.joints[joints + 1].kind, JointKind::Link);
+  EXPECT_EQ(scene_.model.joints[joints].kind, model::JointKind::Fixed);
+  EXPECT_EQ(scene_.model.joints[joints + 1].kind, model::JointKind::Link);
   EXPECT_GT(scene_.model.joints[joints + 1].apart.norm(), 1);
   ASSERT_EQ(scene_.timeline.size(), 1u);
-  EXPECT_EQ(actionName(scene_.timeline[0].action), "pin");
+  EXPECT_EQ(scene::actionName(scene_.timeline[0].action), "pin");
 }
 
 /// The largest distance of a tile's vertices from where it is wanted.
-double targetDistance(const Model& model, int tile) {
+double targetDistance(const model::Model& model, int tile) {
   double largest = 0;
   for (std::size_t k = 0; k < model.tiles[tile].vertices.size(); ++k) {
     const Vector3 gap = model.tiles[tile].vertices[k] - (*model.target)[tile].vertices[k];
@@ -85,10 +85,10 @@ double targetDistance(const Model& model, int tile) {
 }
 
 TEST_F(ScenePartsTest, AStartIsMovedOntoItsTargetByWhatIsPinned) {
-  const std::vector<Tile> before = scene_.model.tiles;
-  SceneParts parts;
+  const std::vector<model::Tile> before = scene_.model.tiles;
+  scene::SceneParts parts;
   parts.pinned = {0};
-  completeScene(parts, scene_, warnings_);
+  scene::completeScene(parts, scene_, warnings_);
   EXPECT_LT(targetDistance(scene_.model, 0), 1e-14);  // measured 4e-16
   EXPECT_TRUE(scene_.alignment.byHeld);
   EXPECT_GT(scene_.alignment.moved, 0.1);
@@ -96,29 +96,31 @@ TEST_F(ScenePartsTest, AStartIsMovedOntoItsTargetByWhatIsPinned) {
 }
 
 TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
-  Scene later = scene_;
-  scene_.timeline = {{{}, timeline::Pin{{5}}, {"scene.toml"}}};
-  completeScene({}, scene_, warnings_);
+  scene::Scene later = scene_;
+  scene_.timeline = {{{}, scene::timeline::Pin{{5}}, {"scene.toml"}}};
+  scene::completeScene({}, scene_, warnings_);
   EXPECT_LT(targetDistance(scene_.model, 5), 1e-14);
-  later.timeline = {{{Occasion::Kind::AtTime, 1}, timeline::Pin{{5}}, {"scene.toml"}}};
-  completeScene({}, later, warnings_);
+  later.timeline = {
+      {{scene::Occasion::Kind::AtTime, 1}, scene::timeline::Pin{{5}}, {"scene.toml"}}};
+  scene::completeScene({}, later, warnings_);
   EXPECT_GT(targetDistance(later.model, 5), 0.1);
   EXPECT_FALSE(later.alignment.byHeld);
 }
 
 // A tile that is freed later can still go to its target: it does not decide where the sheet lies.
 TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
-  Scene freed = scene_;
-  freed.timeline = {{Occasion{}, timeline::Pin{{0}}, {"scene.toml", 1}},
-                    {{Occasion::Kind::AtTime, 1}, timeline::Unpin{}, {"scene.toml", 2}}};
+  scene::Scene freed = scene_;
+  freed.timeline = {
+      {scene::Occasion{}, scene::timeline::Pin{{0}}, {"scene.toml", 1}},
+      {{scene::Occasion::Kind::AtTime, 1}, scene::timeline::Unpin{}, {"scene.toml", 2}}};
   std::vector<std::string> warnings;
-  completeScene({}, freed, warnings);
+  scene::completeScene({}, freed, warnings);
   EXPECT_FALSE(freed.alignment.byHeld);
 }
 
 TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
-  const std::vector<Tile> before = scene_.model.tiles;
-  for (Tile& tile : *scene_.model.target) {
+  const std::vector<model::Tile> before = scene_.model.tiles;
+  for (model::Tile& tile : *scene_.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() -= 1;
   }
   scene_.alignment.wanted = false;
@@ -130,8 +132,8 @@ TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
   scene_.alignment.wanted = true;
   complete();
   EXPECT_GE(scene_.alignment.moved, 1);
-  EXPECT_THAT(describe(scene_.alignment), HasSubstr("the start was moved by up to "));
-  EXPECT_THAT(describe(scene_.alignment), HasSubstr("(--no-align keeps it in its place)"));
+  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the start was moved by up to "));
+  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("(--no-align keeps it in its place)"));
 }
 
 TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
@@ -145,23 +147,23 @@ TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
   parts_ = {};
   parts_.links = {{3, 4, 5, 0}};
   EXPECT_EQ(refusal(), "--link: error: tile 3 has vertices 0-3, not 4; correct this number");
-  const Joint& joint = scene_.model.joints.front();
+  const model::Joint& joint = scene_.model.joints.front();
   parts_.links = {{joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex}};
   EXPECT_THAT(refusal(), HasSubstr("are at one place; join them in constraints.txt instead"));
 }
 
 TEST_F(ScenePartsTest, ATargetOfAnotherShapeIsRefused) {
-  TessellationShape shape;
+  model::TessellationShape shape;
   shape.columns = 5;
-  writeTiles(makeTessellation(shape).tiles, folder_ / "other.txt");
+  model::writeTiles(model::makeTessellation(shape).tiles, folder_ / "other.txt");
   parts_.targets = {folder_ / "other.txt"};
   EXPECT_THAT(refusal(), HasSubstr("other.txt: error: the target has 20 tiles, sheet has 16"));
 }
 
 TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
-  using namespace timeline;
+  using namespace scene::timeline;
   const FileLocation where{"scene.toml", 4, 1};
-  const auto refusalOf = [&](const Action& action, Occasion when = {}) {
+  const auto refusalOf = [&](const Action& action, scene::Occasion when = {}) {
     scene_.timeline = {{when, action, where}};
     return refusal();
   };
@@ -173,7 +175,7 @@ TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
             at + "tile 2 has vertices 0-3, not 4; correct this number");
   EXPECT_THAT(refusalOf(GoTo{folder_ / "none.txt", {}}), HasSubstr("none.txt: error: "));
   scene_.model.target.reset();
-  EXPECT_THAT(refusalOf(Quit{}, {Occasion::Kind::AtTarget}),
+  EXPECT_THAT(refusalOf(Quit{}, {scene::Occasion::Kind::AtTarget}),
               HasSubstr(at + "this waits for a target, but there is none; add target.txt"));
 }
 

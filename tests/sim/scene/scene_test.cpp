@@ -7,123 +7,123 @@
 namespace kirireel {
 namespace {
 
-Scene sheetScene() {
-  Scene scene;
-  scene.model = makeTessellation({});
+scene::Scene sheetScene() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
   return scene;
 }
 
-void expectNeed(const Need& need, bool on, const std::string& reason) {
+void expectNeed(const scene::Need& need, bool on, const std::string& reason) {
   EXPECT_EQ(need.on, on);
   EXPECT_EQ(need.reason, reason);
 }
 
 TEST(SceneNeeds, FlatStartAndTargetArePlanar) {
-  Scene scene = sheetScene();
-  expectNeed(sceneNeeds(scene).planar, true, "start and target lie in horizontal planes");
+  scene::Scene scene = sheetScene();
+  expectNeed(scene::sceneNeeds(scene).planar, true, "start and target lie in horizontal planes");
   scene.model.target.reset();
-  expectNeed(sceneNeeds(scene).planar, true, "the start lies in a horizontal plane");
+  expectNeed(scene::sceneNeeds(scene).planar, true, "the start lies in a horizontal plane");
 }
 
 TEST(SceneNeeds, OneTiltedTileIsNotPlanar) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.model.tiles[3].vertices[2].z() += 1e-6;
-  expectNeed(sceneNeeds(scene).planar, false, "the start is not flat");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "the start is not flat");
   scene = sheetScene();
   (*scene.model.target)[3].vertices[2].z() += 1e-6;
-  expectNeed(sceneNeeds(scene).planar, false, "the target is not flat");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "the target is not flat");
 }
 
 TEST(SceneNeeds, AnotherHeightIsOutOfThePlane) {
-  Scene scene = sheetScene();
-  for (Tile& tile : *scene.model.target) {
+  scene::Scene scene = sheetScene();
+  for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 0.5;
   }
-  expectNeed(sceneNeeds(scene).planar, false, "start and target lie at different heights");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "start and target lie at different heights");
 }
 
 TEST(SceneNeeds, ATileThatIsTurnedOverLeavesThePlane) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   std::vector<Vector3>& vertices = (*scene.model.target)[3].vertices;
   std::swap(vertices[0], vertices[2]);  // a square about its diagonal
-  expectNeed(sceneNeeds(scene).planar, false, "tiles are turned over at the target");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "tiles are turned over at the target");
 }
 
 TEST(SceneNeeds, RoundingIsFlat) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.model.tiles[3].vertices[2].z() += 1e-12;
-  EXPECT_TRUE(sceneNeeds(scene).planar.on);
+  EXPECT_TRUE(scene::sceneNeeds(scene).planar.on);
 }
 
 TEST(SceneNeeds, GravityIsPlanarOnlyOnTheGround) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.environment.gravity = {0, 0, -10};
-  expectNeed(sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
-  scene.environment.ground = Ground{};
-  EXPECT_TRUE(sceneNeeds(scene).planar.on);
-  scene.environment.ground = Ground{-0.5};
-  expectNeed(sceneNeeds(scene).planar, false, "the sheet does not lie on the ground");
-  scene.environment.ground = Ground{};
+  expectNeed(scene::sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
+  scene.environment.ground = scene::Ground{};
+  EXPECT_TRUE(scene::sceneNeeds(scene).planar.on);
+  scene.environment.ground = scene::Ground{-0.5};
+  expectNeed(scene::sceneNeeds(scene).planar, false, "the sheet does not lie on the ground");
+  scene.environment.ground = scene::Ground{};
   scene.environment.gravity = {0, 0, 10};
-  expectNeed(sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
   scene.environment.gravity = {0.1, 0, -10};
-  expectNeed(sceneNeeds(scene).planar, false, "gravity is not vertical");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "gravity is not vertical");
 }
 
 TEST(SceneNeeds, TheUserCanOverrideThePlane) {
-  Scene scene = sheetScene();
+  scene::Scene scene = sheetScene();
   scene.solver.planar = false;
-  expectNeed(sceneNeeds(scene).planar, false, "asked for");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "asked for");
   scene.model.tiles[0].vertices[0].z() = 1;
   scene.solver.planar = true;
-  expectNeed(sceneNeeds(scene).planar, true, "asked for");
+  expectNeed(scene::sceneNeeds(scene).planar, true, "asked for");
 }
 
 TEST(SceneNeeds, ContactsFollowTheFilter) {
-  Scene scene = sheetScene();
-  scene.environment.contacts = ContactFilter::All;
-  expectNeed(sceneNeeds(scene).contacts, true, "all bricks may touch");
-  scene.environment.contacts = ContactFilter::Unjoined;
-  expectNeed(sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
-  scene.environment.contacts = ContactFilter::None;
-  expectNeed(sceneNeeds(scene).contacts, false, "not asked for");
+  scene::Scene scene = sheetScene();
+  scene.environment.contacts = scene::ContactFilter::All;
+  expectNeed(scene::sceneNeeds(scene).contacts, true, "all bricks may touch");
+  scene.environment.contacts = scene::ContactFilter::Unjoined;
+  expectNeed(scene::sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
+  scene.environment.contacts = scene::ContactFilter::None;
+  expectNeed(scene::sceneNeeds(scene).contacts, false, "not asked for");
 }
 
 TEST(SceneNeeds, ASingleBrickTouchesNone) {
-  Scene scene;
-  scene.model = makeTessellation({1, 1});
-  expectNeed(sceneNeeds(scene).contacts, false, "a single brick");
+  scene::Scene scene;
+  scene.model = model::makeTessellation({1, 1});
+  expectNeed(scene::sceneNeeds(scene).contacts, false, "a single brick");
 }
 
 TEST(SceneNeeds, GroundIsAContactOnlyInSpace) {
-  Scene scene = sheetScene();
-  expectNeed(sceneNeeds(scene).ground, false, "no ground");
-  scene.environment.ground = Ground{};
-  expectNeed(sceneNeeds(scene).ground, false,
+  scene::Scene scene = sheetScene();
+  expectNeed(scene::sceneNeeds(scene).ground, false, "no ground");
+  scene.environment.ground = scene::Ground{};
+  expectNeed(scene::sceneNeeds(scene).ground, false,
              "planar: gravity is the normal load, only friction is modelled");
   scene.solver.planar = false;
-  expectNeed(sceneNeeds(scene).ground, true, "bricks may touch the ground");
+  expectNeed(scene::sceneNeeds(scene).ground, true, "bricks may touch the ground");
 }
 
 TEST(LowestPoint, OfAModelIsOverStartAndTarget) {
-  Model model = makeTessellation({});
-  EXPECT_EQ(lowestPoint(model), 0);
+  model::Model model = model::makeTessellation({});
+  EXPECT_EQ(scene::lowestPoint(model), 0);
   model.tiles[2].vertices[1].z() = -0.5;
-  EXPECT_EQ(lowestPoint(model), -0.5);
+  EXPECT_EQ(scene::lowestPoint(model), -0.5);
   (*model.target)[5].vertices[0].z() = -2;
-  EXPECT_EQ(lowestPoint(model), -2);
+  EXPECT_EQ(scene::lowestPoint(model), -2);
   model.target.reset();
-  EXPECT_EQ(lowestPoint(model), -0.5);
+  EXPECT_EQ(scene::lowestPoint(model), -0.5);
 }
 
 TEST(LowestPoint, OfASceneCountsTheThickness) {
   // A tile that faces down is thickened downwards.
-  Scene scene;
+  scene::Scene scene;
   scene.model.tiles = {{{{0, 0, 3}, {0, 1, 3}, {1, 1, 3}, {1, 0, 3}}}};
   scene.brick.thickness = 0.25;
-  EXPECT_NEAR(lowestPoint(scene), 2.75, 1e-15);
+  EXPECT_NEAR(scene::lowestPoint(scene), 2.75, 1e-15);
   scene.model.target = {{{{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}}}};
-  EXPECT_NEAR(lowestPoint(scene), 1, 1e-15);
+  EXPECT_NEAR(scene::lowestPoint(scene), 1, 1e-15);
 }
 
 }  // namespace

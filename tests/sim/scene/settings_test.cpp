@@ -9,16 +9,16 @@
 namespace kirireel {
 namespace {
 
-std::vector<Setting> allSettings() {
-  std::vector<Setting> all;
-  for (const SettingGroup& group : sceneSettings()) {
+std::vector<scene::Setting> allSettings() {
+  std::vector<scene::Setting> all;
+  for (const scene::SettingGroup& group : scene::sceneSettings()) {
     all.insert(all.end(), group.settings.begin(), group.settings.end());
   }
   return all;
 }
 
 /// Something that a setting accepts and that is not its default.
-std::string otherText(const Setting& setting) {
+std::string otherText(const scene::Setting& setting) {
   if (!setting.words.empty()) return setting.words.back();
   if (setting.key == "gravity") return "1,-2,3";
   if (setting.key == "hinge_neck") return "0.1,0.3,2e9,0.25";
@@ -38,7 +38,7 @@ std::string typed(const std::string& written) {
 
 TEST(Settings, HaveKeysOfTheirOwn) {
   std::set<std::string> keys;
-  for (const Setting& setting : allSettings()) {
+  for (const scene::Setting& setting : allSettings()) {
     EXPECT_TRUE(keys.insert(setting.key).second) << setting.key;
     EXPECT_FALSE(setting.help.empty()) << setting.key;
     EXPECT_EQ(setting.unit.empty(), setting.isSwitch) << setting.key;
@@ -47,49 +47,50 @@ TEST(Settings, HaveKeysOfTheirOwn) {
 }
 
 TEST(Settings, ReadBackWhatTheyWrite) {
-  for (const Setting& setting : allSettings()) {
-    Scene scene = openScene();
+  for (const scene::Setting& setting : allSettings()) {
+    scene::Scene scene = scene::openScene();
     setting.read(scene, {setting.key, otherText(setting)});
     const std::string written = setting.write(scene);
     EXPECT_NE(written, "") << setting.key;
-    EXPECT_NE(written, setting.write(openScene())) << setting.key;
-    Scene again = openScene();
+    EXPECT_NE(written, setting.write(scene::openScene())) << setting.key;
+    scene::Scene again = scene::openScene();
     setting.read(again, {setting.key, typed(written)});
     EXPECT_EQ(setting.write(again), written) << setting.key;
   }
 }
 
 TEST(Settings, ChangeNothingButTheirOwn) {
-  for (const Setting& changed : allSettings()) {
-    Scene scene = openScene();
+  for (const scene::Setting& changed : allSettings()) {
+    scene::Scene scene = scene::openScene();
     changed.read(scene, {changed.key, otherText(changed)});
-    for (const Setting& other : allSettings()) {
+    for (const scene::Setting& other : allSettings()) {
       // A ground has a friction.
       if (other.key == changed.key || changed.key.starts_with("ground")) continue;
-      EXPECT_EQ(other.write(scene), other.write(openScene())) << changed.key << ' ' << other.key;
+      EXPECT_EQ(other.write(scene), other.write(scene::openScene()))
+          << changed.key << ' ' << other.key;
     }
   }
 }
 
 TEST(Settings, OfDynamicsAreToldWhereTheyAreNotUsual) {
-  EXPECT_EQ(whyDynamics(Scene{}), "");
-  EXPECT_EQ(whyDynamics(openScene()), "");
-  for (const Setting& setting : allSettings()) {
-    Scene scene = openScene();
+  EXPECT_EQ(scene::whyDynamics(scene::Scene{}), "");
+  EXPECT_EQ(scene::whyDynamics(scene::openScene()), "");
+  for (const scene::Setting& setting : allSettings()) {
+    scene::Scene scene = scene::openScene();
     setting.read(scene, {setting.key, otherText(setting)});
-    EXPECT_EQ(whyDynamics(scene).empty(),
+    EXPECT_EQ(scene::whyDynamics(scene).empty(),
               setting.dynamics.empty() && setting.key != "ground_friction")
         << setting.key;
   }
 }
 
 TEST(Settings, OfCodeAreCheckedLikeThoseOfPeople) {
-  EXPECT_NO_THROW(requireRanges(Scene{}));
-  EXPECT_NO_THROW(requireRanges(openScene()));
-  Scene scene;
+  EXPECT_NO_THROW(scene::requireRanges(scene::Scene{}));
+  EXPECT_NO_THROW(scene::requireRanges(scene::openScene()));
+  scene::Scene scene;
   scene.springs.springStiffness = NAN;
   try {
-    requireRanges(scene);
+    scene::requireRanges(scene);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -98,17 +99,17 @@ TEST(Settings, OfCodeAreCheckedLikeThoseOfPeople) {
 }
 
 TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
-  Scene guided;
-  guided.path.kind = PathKind::Guided;
-  Scene bullet;
-  bullet.solver.kind = SolverKind::Bullet;
-  Scene necks;
-  necks.hinges.neck = HingeNeck{0.1, 0.1, 1e9};
-  Scene curve;
-  curve.actuation.drive = Drive::Boundary;
-  curve.brick.mass = MassRule::Prism;
-  for (const Setting& setting : allSettings()) {
-    for (const Condition& condition : setting.conditions) {
+  scene::Scene guided;
+  guided.path.kind = scene::PathKind::Guided;
+  scene::Scene bullet;
+  bullet.solver.kind = scene::SolverKind::Bullet;
+  scene::Scene necks;
+  necks.hinges.neck = scene::HingeNeck{0.1, 0.1, 1e9};
+  scene::Scene curve;
+  curve.actuation.drive = scene::Drive::Boundary;
+  curve.brick.mass = model::MassRule::Prism;
+  for (const scene::Setting& setting : allSettings()) {
+    for (const scene::Condition& condition : setting.conditions) {
       EXPECT_TRUE(condition.holds(guided) || condition.holds(bullet) || condition.holds(necks) ||
                   condition.holds(curve))
           << setting.key << " " << condition.needed;

@@ -22,24 +22,24 @@ TEST(AccuracyPage, IsFilledInFromItsTables) {
 }
 
 TEST(AccuracyPage, FindingsFollowFromTheTables) {
-  for (const Study& study : studies()) {
+  for (const study::Study& study : study::studies()) {
     SCOPED_TRACE(study.name);
     const auto file = kRoot / "docs/accuracy" / (study.name + ".json");
-    Table table = readCsv(file.parent_path() / (study.name + ".csv"));
+    study::Table table = study::readCsv(file.parent_path() / (study.name + ".csv"));
     ASSERT_EQ(table.columns.size(), study.columns.size() + 1);
     const auto kept = nlohmann::json::parse(std::ifstream(file));
     table.columns.front().meaning = kept["columns"][0]["meaning"];
     std::copy(study.columns.begin(), study.columns.end(), table.columns.begin() + 1);
-    EXPECT_EQ(nlohmann::json::parse(studyJson(study, table)), kept);
+    EXPECT_EQ(nlohmann::json::parse(study::studyJson(study, table)), kept);
   }
 }
 
 TEST(AccuracyPage, HoldsEveryRowOfTheHardCases) {
   // Read without the script that fills in the page.
   const std::string page = test::bytesOf(kRoot / "docs/accuracy.md");
-  const Table table = readCsv(kRoot / "docs/accuracy/hard-cases.csv");
+  const study::Table table = study::readCsv(kRoot / "docs/accuracy/hard-cases.csv");
   ASSERT_GT(table.rows.size(), 30U);
-  for (const Row& row : table.rows) {
+  for (const study::Row& row : table.rows) {
     std::string line = "|";
     for (std::size_t k = 1; k < row.size(); ++k) line += " " + row[k] + " |";
     EXPECT_THAT(page, HasSubstr(line + "\n"));

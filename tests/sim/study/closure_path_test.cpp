@@ -12,44 +12,44 @@ namespace {
 
 constexpr int kSide = 4;
 
-std::vector<Tile> squaresAt(double angle) {
-  TessellationShape shape;
+std::vector<model::Tile> squaresAt(double angle) {
+  model::TessellationShape shape;
   shape.columns = shape.rows = kSide;
-  return tessellationTiles(shape, angle);
+  return model::tessellationTiles(shape, angle);
 }
 
-ClosurePath pathOfSquares() {
-  return {squaresAt(0), sheetScene(kSide, true).model.joints};
+study::ClosurePath pathOfSquares() {
+  return {squaresAt(0), study::sheetScene(kSide, true).model.joints};
 }
 
 TEST(ClosurePath, FollowsTheExactMotionBothWays) {
-  const ClosurePath path = pathOfSquares();
-  const PlanarState open = path.stateOf(squaresAt(1));
+  const study::ClosurePath path = pathOfSquares();
+  const study::PlanarState open = path.stateOf(squaresAt(1));
   const double sign = path.angle(open) < 0 ? -1 : 1;
   for (const double angle : {0.1, 0.6, 1.5}) {
-    const PlanarState there = path.follow(open, sign * angle, 0.02);
-    EXPECT_LT(path.gap(there), 1e-14);                                  // measured 3e-15
-    EXPECT_LT(sheetError(kSide, angle, path.tiles(there)).max, 1e-12);  // measured 2e-14
+    const study::PlanarState there = path.follow(open, sign * angle, 0.02);
+    EXPECT_LT(path.gap(there), 1e-14);                                         // measured 3e-15
+    EXPECT_LT(study::sheetError(kSide, angle, path.tiles(there)).max, 1e-12);  // measured 2e-14
   }
 }
 
 TEST(ClosurePath, ClosesAStateThatIsALittleOff) {
-  const ClosurePath path = pathOfSquares();
-  const PlanarState exact = path.stateOf(squaresAt(0.8));
-  PlanarState off = exact;
+  const study::ClosurePath path = pathOfSquares();
+  const study::PlanarState exact = path.stateOf(squaresAt(0.8));
+  study::PlanarState off = exact;
   for (Eigen::Index k = 3; k < off.size(); ++k) off[k] += k % 2 == 0 ? 1e-3 : -1e-3;
   EXPECT_GT(path.gap(off), 1e-4);
-  const PlanarState closed = path.close(off, path.angle(exact));
+  const study::PlanarState closed = path.close(off, path.angle(exact));
   EXPECT_LT((closed - exact).lpNorm<Eigen::Infinity>(), 1e-12);  // measured 2e-15
 }
 
 TEST(ClosurePath, SaysWhereNothingCloses) {
   // Two squares joined along an edge at both of its ends cannot turn against each other.
-  Tile left;
+  model::Tile left;
   left.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  Tile right = left;
+  model::Tile right = left;
   for (Vector3& vertex : right.vertices) vertex.x() += 1;
-  const ClosurePath path({left, right}, {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}});
+  const study::ClosurePath path({left, right}, {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}});
   try {
     path.close(path.stateOf({left, right}), 0.5);
     FAIL() << "no error";

@@ -13,16 +13,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Table tableOf(const Study& study) {
-  Table table;
+study::Table tableOf(const study::Study& study) {
+  study::Table table;
   table.caption.study = study.name;
   table.columns.push_back({"case", ""});
   table.columns.insert(table.columns.end(), study.columns.begin(), study.columns.end());
   return table;
 }
 
-double findingOf(const Study& study, const Table& table, const std::string& name) {
-  for (const Finding& finding : study.findings(table)) {
+double findingOf(const study::Study& study, const study::Table& table, const std::string& name) {
+  for (const study::Finding& finding : study.findings(table)) {
     if (finding.name == name) return finding.value;
   }
   ADD_FAILURE() << "no finding " << name;
@@ -30,11 +30,11 @@ double findingOf(const Study& study, const Table& table, const std::string& name
 }
 
 /// The table with the rows of one case of the quick study.
-Table tableOfCase(const Study& study, const std::string& name) {
-  Table table = tableOf(study);
-  for (const StudyCase& studyCase : study.cases(Extent::Quick)) {
+study::Table tableOfCase(const study::Study& study, const std::string& name) {
+  study::Table table = tableOf(study);
+  for (const study::StudyCase& studyCase : study.cases(study::Extent::Quick)) {
     if (studyCase.name != name) continue;
-    for (Row row : studyCase.run()) {
+    for (study::Row row : studyCase.run()) {
       row.insert(row.begin(), name);
       table.rows.push_back(row);
     }
@@ -44,8 +44,8 @@ Table tableOfCase(const Study& study, const std::string& name) {
 }
 
 TEST(Studies, HaveNoFindingsWithoutRows) {
-  for (const Study& study : studies()) {
-    for (const Finding& finding : study.findings(tableOf(study))) {
+  for (const study::Study& study : study::studies()) {
+    for (const study::Finding& finding : study.findings(tableOf(study))) {
       EXPECT_TRUE(std::isnan(finding.value) || finding.value == 0) << finding.name;
       EXPECT_FALSE(finding.meaning.empty()) << finding.name;
     }
@@ -53,11 +53,11 @@ TEST(Studies, HaveNoFindingsWithoutRows) {
 }
 
 TEST(Studies, WorkPrecisionComparesAtEqualGapAndAtEqualCost) {
-  const Study study = workPrecisionStudy();
-  Table table = tableOf(study);
+  const study::Study study = study::workPrecisionStudy();
+  study::Table table = tableOf(study);
   const auto add = [&](const char* engine, int rate, double cpu, double gap) {
-    table.rows.push_back({"", engine, "plane", "1", cell(rate), "1", "1", "0.2", "0", "1",
-                          cell(cpu), cell(gap), "0", "0"});
+    table.rows.push_back({"", engine, "plane", "1", study::cell(rate), "1", "1", "0.2", "0", "1",
+                          study::cell(cpu), study::cell(gap), "0", "0"});
   };
   add("direct", 60, 2, 1e-10);
   add("direct", 240, 5, 1e-12);
@@ -72,23 +72,23 @@ TEST(Studies, WorkPrecisionComparesAtEqualGapAndAtEqualCost) {
 }
 
 TEST(Studies, TessellationStaysOnTheExactMotion) {
-  const Study study = tessellationStudy();
-  const Table table = tableOfCase(study, "direct 1/240 s plane");
+  const study::Study study = study::tessellationStudy();
+  const study::Table table = tableOfCase(study, "direct 1/240 s plane");
   EXPECT_LT(findingOf(study, table, "direct_error_start"), 1e-6);  // measured 6e-10
   EXPECT_LT(findingOf(study, table, "direct_error_open"), 1e-8);   // measured 1e-12
   EXPECT_NEAR(findingOf(study, table, "direct_angle"), 90, 0.5);   // measured 90.41: it swings
 }
 
 TEST(Studies, SquareToDiskStaysOnTheExactPath) {
-  const Study study = squareToDiskStudy();
-  const Table table = tableOfCase(study, "direct 1/240 s");
+  const study::Study study = study::squareToDiskStudy();
+  const study::Table table = tableOfCase(study, "direct 1/240 s");
   EXPECT_LT(findingOf(study, table, "direct_radius_error"), 1e-8);         // measured 2e-12
   EXPECT_LT(findingOf(study, table, "direct_radius_error_closed"), 1e-8);  // measured 6e-12
   EXPECT_GT(table.rows.size(), 50U);
 }
 
 TEST(Studies, SenselessInputIsRefusedInOneLine) {
-  for (const Refusal& refusal : refusals()) {
+  for (const study::Refusal& refusal : study::refusals()) {
     SCOPED_TRACE(refusal.name);
     try {
       refusal.run();
@@ -102,7 +102,7 @@ TEST(Studies, SenselessInputIsRefusedInOneLine) {
 }
 
 TEST(Studies, HardTrialsHaveNamesOfTheirOwnAndAnError) {
-  for (const HardTrial& trial : hardTrials(false)) {
+  for (const study::HardTrial& trial : study::hardTrials(false)) {
     EXPECT_TRUE(trial.error) << trial.name;
     EXPECT_FALSE(trial.errorMeaning.empty()) << trial.name;
     EXPECT_TRUE(trial.bricks.empty() || trial.bricks.size() == trial.scene.model.tiles.size());

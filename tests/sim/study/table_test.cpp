@@ -13,39 +13,40 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Table sampleTable() {
-  Table table;
+study::Table sampleTable() {
+  study::Table table;
   table.caption = {"scaling", "quick", "kirireel study scaling --quick", "a machine, 2 cores",
                    "1.0"};
   table.columns = {{"case", ""}, {"tiles", "of the sheet"}, {"note", ""}};
-  table.rows = {{"a", cell(25), ""}, {"b", cell(1.0 / 3), cell(std::string("x, y\nz"))}};
+  table.rows = {{"a", study::cell(25), ""},
+                {"b", study::cell(1.0 / 3), study::cell(std::string("x, y\nz"))}};
   return table;
 }
 
-Table readBack(const std::string& text) {
+study::Table readBack(const std::string& text) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path() / "table.csv") << text;
-  return readCsv(folder.path() / "table.csv");
+  return study::readCsv(folder.path() / "table.csv");
 }
 
 TEST(StudyTable, ReadsBackWhatItWrote) {
-  const Table written = sampleTable();
-  const Table read = readBack(csvText(written));
+  const study::Table written = sampleTable();
+  const study::Table read = readBack(study::csvText(written));
   EXPECT_EQ(read.caption, written.caption);
   EXPECT_EQ(read.rows, written.rows);
   EXPECT_EQ(read.columns[1].name, "tiles");
-  EXPECT_EQ(csvText(read), csvText(written));
+  EXPECT_EQ(study::csvText(read), study::csvText(written));
 }
 
 TEST(StudyTable, CellsHoldNoSeparators) {
   EXPECT_EQ(sampleTable().rows[1][2], "x; y z");
-  EXPECT_EQ(cell(1.0 / 3), "0.33333");
-  EXPECT_EQ(cell(std::nan("")), "");
-  EXPECT_EQ(cell(true), "yes");
+  EXPECT_EQ(study::cell(1.0 / 3), "0.33333");
+  EXPECT_EQ(study::cell(std::nan("")), "");
+  EXPECT_EQ(study::cell(true), "yes");
 }
 
 TEST(StudyTable, NumbersAreFoundByColumn) {
-  const Table table = sampleTable();
+  const study::Table table = sampleTable();
   EXPECT_EQ(table.number(table.rows[0], "tiles"), 25);
   EXPECT_TRUE(std::isnan(table.number(table.rows[0], "note")));
   EXPECT_TRUE(std::isnan(table.number(table.rows[1], "note")));
@@ -53,7 +54,7 @@ TEST(StudyTable, NumbersAreFoundByColumn) {
 }
 
 TEST(StudyTable, SaysWhichColumnIsMissing) {
-  const Table table = sampleTable();
+  const study::Table table = sampleTable();
   try {
     table.number(table.rows[0], "gap_m");
     FAIL() << "no error";
@@ -77,7 +78,7 @@ TEST(StudyTable, SaysWhichRowIsRagged) {
 
 TEST(StudyTable, SaysWhichFileIsMissing) {
   try {
-    readCsv("/nowhere/scaling.csv");
+    study::readCsv("/nowhere/scaling.csv");
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),

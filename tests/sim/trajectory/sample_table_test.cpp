@@ -14,8 +14,8 @@ constexpr double kSpeed = 0.5;  // m/s
 constexpr double kTurn = 2;     // rad/s
 
 /// Two bricks: one stands, the other moves along x and turns about z, both evenly.
-Sample evenMotion(double time) {
-  Sample sample;
+trajectory::Sample evenMotion(double time) {
+  trajectory::Sample sample;
   sample.time = time;
   sample.poses = {Pose(), {{kSpeed * time, 1, 2}, rotationFromVector({0, 0, kTurn * time})}};
   sample.jointGap = 0.1 * time;
@@ -24,17 +24,17 @@ Sample evenMotion(double time) {
   return sample;
 }
 
-SampleTable evenTable(int count) {
-  SampleTable table;
+trajectory::SampleTable evenTable(int count) {
+  trajectory::SampleTable table;
   for (int k = 0; k < count; ++k) table.append(evenMotion(0.25 * k));
   return table;
 }
 
 TEST(SampleTable, KeepsSamplesAsTheyWere) {
-  const SampleTable table = evenTable(4);
+  const trajectory::SampleTable table = evenTable(4);
   ASSERT_EQ(table.size(), 4U);
-  const Sample expected = evenMotion(0.5);
-  const Sample found = table.sample(2);
+  const trajectory::Sample expected = evenMotion(0.5);
+  const trajectory::Sample found = table.sample(2);
   EXPECT_EQ(found.time, expected.time);
   EXPECT_EQ(found.poses[1].position, expected.poses[1].position);
   EXPECT_EQ(found.poses[1].rotation.coeffs(), expected.poses[1].rotation.coeffs());
@@ -45,7 +45,7 @@ TEST(SampleTable, KeepsSamplesAsTheyWere) {
 }
 
 TEST(SampleTable, HasOneArrayForEachQuantity) {
-  const SampleTable table = evenTable(2);
+  const trajectory::SampleTable table = evenTable(2);
   EXPECT_THAT(table.times(), ElementsAre(0, 0.25));
   EXPECT_EQ(table.positions().size(), 2U * 2 * 3);
   EXPECT_EQ(table.positions()[9], kSpeed * 0.25);  // of sample 1, brick 1
@@ -70,12 +70,13 @@ TEST(SampleTable, OneSampleDoesNotMove) {
 }
 
 TEST(TrajectoryInMemory, ReadsAsOneFromAFile) {
-  Subject subject;
-  subject.model = generateModel(familyNamed("tessellation"), {{"columns", 2}, {"rows", 1}});
-  TrajectoryEnd end;
+  trajectory::Subject subject;
+  subject.model =
+      generate::generateModel(generate::familyNamed("tessellation"), {{"columns", 2}, {"rows", 1}});
+  trajectory::TrajectoryEnd end;
   end.events = {{0.5, "something"}};
-  const auto samples = std::make_shared<SampleTable>(evenTable(3));
-  const TrajectoryReader run(subject, end, samples);
+  const auto samples = std::make_shared<trajectory::SampleTable>(evenTable(3));
+  const trajectory::TrajectoryReader run(subject, end, samples);
   EXPECT_EQ(run.subject().model.name, "tessellation");
   EXPECT_THAT(run.times(), ElementsAre(0, 0.25, 0.5));
   EXPECT_EQ(run.steps().size(), 3U);

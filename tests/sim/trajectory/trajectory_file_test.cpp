@@ -26,33 +26,33 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
 /// A pin and a neck of random bits.
-std::vector<Ligament> randomLigaments(std::mt19937_64& generator) {
+std::vector<model::Ligament> randomLigaments(std::mt19937_64& generator) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e-300); };
-  Ligament pin{0, 4, 3, vector(), vector(), Vector3::Zero(), vector().normalized()};
+  model::Ligament pin{0, 4, 3, vector(), vector(), Vector3::Zero(), vector().normalized()};
   pin.stretchStiffness = uniform(generator);
   pin.shearStiffness = uniform(generator);
   pin.opening = {uniform(generator), uniform(generator)};
-  Ligament neck{5, 1, 2, vector(), vector(), vector(), Vector3::UnitY()};
+  model::Ligament neck{5, 1, 2, vector(), vector(), vector(), Vector3::UnitY()};
   neck.stretchStiffness = 1e300;
   return {pin, neck};
 }
 
 /// Poses of random bits, so that no digit can be lost unseen.
-Trajectory randomTrajectory(int samples) {
-  Scene scene;
-  scene.model = makeTessellation({});
-  scene.environment.ground = Ground{-0.25, 0.125};
+trajectory::Trajectory randomTrajectory(int samples) {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  scene.environment.ground = scene::Ground{-0.25, 0.125};
   scene.brick.thickness = 0.1;
-  Obstacle sphere;
-  sphere.shape = Obstacle::Shape::Sphere;
-  scene.environment.obstacles = {Obstacle{}, sphere};
-  Trajectory trajectory{subjectOf(scene)};
+  scene::Obstacle sphere;
+  sphere.shape = scene::Obstacle::Shape::Sphere;
+  scene.environment.obstacles = {scene::Obstacle{}, sphere};
+  trajectory::Trajectory trajectory{trajectory::subjectOf(scene)};
   trajectory.settings = "{\"seed\": 1, \"name\": \"Ångström\"}";
   std::mt19937_64 generator(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int k = 0; k < samples; ++k) {
-    Sample sample;
+    trajectory::Sample sample;
     sample.time = k / 60.0;
     for (std::size_t i = 0; i < trajectory.bricks.size(); ++i) {
       const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e-300); };
@@ -66,14 +66,15 @@ Trajectory randomTrajectory(int samples) {
                               uniform(generator), uniform(generator), 2, 1, 0, 7});
     }
     const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e300); };
-    Mechanics& mechanics = sample.mechanics.emplace();
+    trajectory::Mechanics& mechanics = sample.mechanics.emplace();
     mechanics.energies = {uniform(generator), 1, 3, uniform(generator), 2, uniform(generator)};
     for (std::size_t j = 0; j < trajectory.model.joints.size(); ++j) {
       mechanics.jointForces.push_back(vector());
       mechanics.isIndeterminate.push_back((k + j) % 3 == 0);
     }
     for (int h = 0; h < k % 3; ++h) {
-      mechanics.holds.push_back({static_cast<HoldKind>(h), 2, h - 3, vector(), vector(), vector()});
+      mechanics.holds.push_back(
+          {static_cast<trajectory::HoldKind>(h), 2, h - 3, vector(), vector(), vector()});
     }
     trajectory.samples.push_back(sample);
   }
@@ -89,14 +90,14 @@ bool samePoints(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
   return a == b;
 }
 
-void expectSameTiles(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+void expectSameTiles(const std::vector<model::Tile>& a, const std::vector<model::Tile>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_TRUE(samePoints(a[i].vertices, b[i].vertices)) << i;
   }
 }
 
-void expectSameSubject(const Subject& a, const Subject& b) {
+void expectSameSubject(const trajectory::Subject& a, const trajectory::Subject& b) {
   EXPECT_EQ(a.model.name, b.model.name);
   expectSameTiles(a.model.tiles, b.model.tiles);
   ASSERT_EQ(a.model.target.has_value(), b.model.target.has_value());
@@ -116,10 +117,11 @@ void expectSameSubject(const Subject& a, const Subject& b) {
   EXPECT_EQ(a.brickRule.density, b.brickRule.density);
   EXPECT_EQ(a.ground.has_value(), b.ground.has_value());
   EXPECT_EQ(a.settings, b.settings);
-  const std::vector<Ligament>&ofA = ligamentsOf(a.pairForces), &ofB = ligamentsOf(b.pairForces);
+  const std::vector<model::Ligament>&ofA = model::ligamentsOf(a.pairForces),
+        &ofB = model::ligamentsOf(b.pairForces);
   ASSERT_EQ(ofA.size(), ofB.size());
   for (std::size_t k = 0; k < ofA.size(); ++k) {
-    const Ligament &one = ofA[k], &other = ofB[k];
+    const model::Ligament &one = ofA[k], &other = ofB[k];
     EXPECT_EQ(one.brickA, other.brickA);
     EXPECT_EQ(one.brickB, other.brickB);
     EXPECT_EQ(one.joint, other.joint);
@@ -133,7 +135,7 @@ void expectSameSubject(const Subject& a, const Subject& b) {
   }
 }
 
-void expectSameBricks(const std::vector<Brick>& a, const std::vector<Brick>& b) {
+void expectSameBricks(const std::vector<model::Brick>& a, const std::vector<model::Brick>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_TRUE(samePoints(a[i].bottom, b[i].bottom) && samePoints(a[i].top, b[i].top)) << i;
@@ -145,8 +147,8 @@ void expectSameBricks(const std::vector<Brick>& a, const std::vector<Brick>& b) 
   }
 }
 
-void expectSameMechanics(const Mechanics& a, const Mechanics& b) {
-  for (const layout::EnergyChannel& channel : layout::kEnergies) {
+void expectSameMechanics(const trajectory::Mechanics& a, const trajectory::Mechanics& b) {
+  for (const trajectory::layout::EnergyChannel& channel : trajectory::layout::kEnergies) {
     EXPECT_EQ(a.energies.*channel.field, b.energies.*channel.field) << channel.name;
   }
   EXPECT_EQ(a.jointForces, b.jointForces);
@@ -156,13 +158,13 @@ void expectSameMechanics(const Mechanics& a, const Mechanics& b) {
     EXPECT_EQ(a.holds[h].kind, b.holds[h].kind);
     EXPECT_EQ(a.holds[h].tile, b.holds[h].tile);
     EXPECT_EQ(a.holds[h].other, b.holds[h].other);
-    for (const layout::HoldChannel& channel : layout::kHolds) {
+    for (const trajectory::layout::HoldChannel& channel : trajectory::layout::kHolds) {
       EXPECT_EQ(a.holds[h].*channel.field, b.holds[h].*channel.field) << channel.name;
     }
   }
 }
 
-void expectSameSample(const Sample& a, const Sample& b) {
+void expectSameSample(const trajectory::Sample& a, const trajectory::Sample& b) {
   ASSERT_EQ(a.mechanics.has_value(), b.mechanics.has_value());
   if (a.mechanics) expectSameMechanics(*a.mechanics, *b.mechanics);
   EXPECT_EQ(a.time, b.time);
@@ -176,7 +178,7 @@ void expectSameSample(const Sample& a, const Sample& b) {
   }
   ASSERT_EQ(a.steps.size(), b.steps.size()) << a.time;
   for (std::size_t k = 0; k < a.steps.size(); ++k) {
-    for (const layout::StepColumn& column : layout::kStepColumns) {
+    for (const trajectory::layout::StepColumn& column : trajectory::layout::kStepColumns) {
       EXPECT_EQ(a.steps[k].*column.field, b.steps[k].*column.field) << column.name;
     }
     for (const StepFigure& figure : kStepFigures) {
@@ -185,7 +187,8 @@ void expectSameSample(const Sample& a, const Sample& b) {
   }
 }
 
-void expectSameFigureStates(const std::vector<FigureState>& a, const std::vector<FigureState>& b) {
+void expectSameFigureStates(const std::vector<trajectory::FigureState>& a,
+                            const std::vector<trajectory::FigureState>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_EQ(a[k].figure, b[k].figure);
@@ -210,22 +213,22 @@ std::string messageOf(const Call& call) {
 }
 
 std::string refusalOf(const std::filesystem::path& file) {
-  return messageOf<InputError>([&] { readTrajectory(file); });
+  return messageOf<InputError>([&] { trajectory::readTrajectory(file); });
 }
 
 TEST(TrajectoryFile, KeepsEveryBit) {
   const TemporaryFolder folder;
-  Trajectory written = randomTrajectory(7);
+  trajectory::Trajectory written = randomTrajectory(7);
   written.model.pulledTiles = {0, 3};
   std::mt19937_64 generator(2);
   written.pairForces = test::pairForces({}, randomLigaments(generator));
-  written.model.joints.push_back(makeFixedJoint(written.model.tiles, 0, 5));
-  for (Sample& sample : written.samples) {
+  written.model.joints.push_back(model::makeFixedJoint(written.model.tiles, 0, 5));
+  for (trajectory::Sample& sample : written.samples) {
     sample.mechanics->jointForces.emplace_back(1, 2, 3);
     sample.mechanics->isIndeterminate.push_back(true);
   }
-  writeTrajectory(written, folder / "run.h5");
-  const Trajectory read = readTrajectory(folder / "run.h5");
+  trajectory::writeTrajectory(written, folder / "run.h5");
+  const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
   expectSameBricks(read.bricks, written.bricks);
   EXPECT_EQ(read.ground->height, -0.25);
@@ -239,7 +242,8 @@ TEST(TrajectoryFile, KeepsEveryBit) {
 
 // The format of release 0.1, from before steps were stored.
 TEST(TrajectoryFile, OpensVersionOne) {
-  const TrajectoryReader reader(KIRIREEL_SOURCE_DIR "/tests/fuzz/corpus/trajectory/tessellation");
+  const trajectory::TrajectoryReader reader(KIRIREEL_SOURCE_DIR
+                                            "/tests/fuzz/corpus/trajectory/tessellation");
   EXPECT_GT(reader.times().size(), 1U);
   EXPECT_GT(reader.sample(1).poses.size(), 1U);
   EXPECT_TRUE(reader.sample(1).steps.empty());
@@ -250,14 +254,14 @@ TEST(TrajectoryFile, OpensVersionOne) {
 // Of a run on a ligament, from before files had those: what its spring alone holds at the end is
 // what its summary said then.
 TEST(TrajectoryFile, OpensVersionTwo) {
-  const Trajectory run =
-      readTrajectory(KIRIREEL_SOURCE_DIR "/tests/fuzz/corpus/trajectory/version_two");
+  const trajectory::Trajectory run =
+      trajectory::readTrajectory(KIRIREEL_SOURCE_DIR "/tests/fuzz/corpus/trajectory/version_two");
   EXPECT_FALSE(run.figureStates.empty());
   EXPECT_FALSE(run.samples.at(1).steps.empty());
-  ASSERT_EQ(hingeSpringsOf(run.pairForces).size(), 1U);
-  EXPECT_TRUE(ligamentsOf(run.pairForces).empty());
-  const Elasticity found =
-      elasticityOf(run.pairForces, run.samples.front().poses, run.samples.back().poses);
+  ASSERT_EQ(model::hingeSpringsOf(run.pairForces).size(), 1U);
+  EXPECT_TRUE(model::ligamentsOf(run.pairForces).empty());
+  const model::Elasticity found =
+      model::elasticityOf(run.pairForces, run.samples.front().poses, run.samples.back().poses);
   EXPECT_NEAR(found.energyEnd, 0.006440944817614345, 1e-15);
   EXPECT_NEAR(found.momentEnd, 0.03702402408834648, 1e-15);
 }
@@ -265,8 +269,8 @@ TEST(TrajectoryFile, OpensVersionTwo) {
 TEST(TrajectoryFile, RefusesVersionsToCome) {
   const TemporaryFolder folder;
   for (const double version : {0.0, 2.5, 4.0}) {
-    ArrayWriter file(folder / "run.h5", folder / "run.h5");
-    file.setAttribute("/", "format", std::string(layout::kFormat));
+    trajectory::ArrayWriter file(folder / "run.h5", folder / "run.h5");
+    file.setAttribute("/", "format", std::string(trajectory::layout::kFormat));
     file.setAttribute("/", "format_version", version);
     file.close();
     EXPECT_THAT(refusalOf(folder / "run.h5"),
@@ -278,31 +282,31 @@ TEST(TrajectoryFile, RefusesVersionsToCome) {
 
 TEST(TrajectoryFile, RefusesStepsThatDoNotFit) {
   const TemporaryFolder folder;
-  Trajectory written = randomTrajectory(3);
+  trajectory::Trajectory written = randomTrajectory(3);
   std::swap(written.samples[1].steps[0], written.samples[1].steps[1]);
-  writeTrajectory(written, folder / "run.h5");
-  EXPECT_THAT(messageOf<InputError>([&] { readTrajectory(folder / "run.h5"); }),
+  trajectory::writeTrajectory(written, folder / "run.h5");
+  EXPECT_THAT(messageOf<InputError>([&] { trajectory::readTrajectory(folder / "run.h5"); }),
               HasSubstr("the steps' times do not rise"));
 }
 
 TEST(TrajectoryFile, LeavesOutWhatIsAbsent) {
   const TemporaryFolder folder;
-  Trajectory written = randomTrajectory(1);
+  trajectory::Trajectory written = randomTrajectory(1);
   written.model.target.reset();
   written.model.joints.clear();
   written.ground.reset();
   written.events.clear();
-  writeTrajectory(written, folder / "run.h5");
-  const Trajectory read = readTrajectory(folder / "run.h5");
+  trajectory::writeTrajectory(written, folder / "run.h5");
+  const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
   EXPECT_TRUE(read.events.empty());
 }
 
 TEST(TrajectoryFile, GivesAnySampleInAnyOrder) {
   const TemporaryFolder folder;
-  const Trajectory written = randomTrajectory(2500);  // several chunks
-  writeTrajectory(written, folder / "run.h5");
-  const TrajectoryReader reader(folder / "run.h5");
+  const trajectory::Trajectory written = randomTrajectory(2500);  // several chunks
+  trajectory::writeTrajectory(written, folder / "run.h5");
+  const trajectory::TrajectoryReader reader(folder / "run.h5");
   EXPECT_EQ(reader.times().size(), 2500U);
   for (const std::size_t k : {2499, 0, 1024, 1023, 7}) {
     expectSameSample(reader.sample(k), written.samples[k]);
@@ -311,16 +315,16 @@ TEST(TrajectoryFile, GivesAnySampleInAnyOrder) {
 
 TEST(TrajectoryFile, HasTheSameBytesInTwoRuns) {
   const TemporaryFolder folder;
-  writeTrajectory(randomTrajectory(30), folder / "first.h5");
-  writeTrajectory(randomTrajectory(30), folder / "second.h5");
+  trajectory::writeTrajectory(randomTrajectory(30), folder / "first.h5");
+  trajectory::writeTrajectory(randomTrajectory(30), folder / "second.h5");
   EXPECT_TRUE(bytesOf(folder / "first.h5") == bytesOf(folder / "second.h5"));
 }
 
 TEST(TrajectoryFile, LeavesNothingWhenAbandoned) {
   const TemporaryFolder folder;
   {
-    const Trajectory trajectory = randomTrajectory(1);
-    TrajectoryWriter writer(folder / "run.h5", trajectory);
+    const trajectory::Trajectory trajectory = randomTrajectory(1);
+    trajectory::TrajectoryWriter writer(folder / "run.h5", trajectory);
     writer.append(trajectory.samples.front());
   }
   EXPECT_TRUE(folder.isEmpty());
@@ -331,8 +335,8 @@ TEST(TrajectoryFile, OpensInPython) {
     GTEST_SKIP() << "install python3-h5py to judge trajectories by another program";
   }
   const TemporaryFolder folder;
-  const Trajectory written = randomTrajectory(50);
-  writeTrajectory(written, folder / "run.h5");
+  const trajectory::Trajectory written = randomTrajectory(50);
+  trajectory::writeTrajectory(written, folder / "run.h5");
   std::ofstream(folder / "read.py") << R"(
 import h5py, sys
 f = h5py.File(sys.argv[1])
@@ -363,14 +367,14 @@ TEST(TrajectoryFile, RefusesAFileThatIsNotThereOrForeign) {
                                  "kirireel record leaves it");
   std::ofstream(file) << "0 0 0 1 0 0 1 1 0\n";
   EXPECT_EQ(refusalOf(file), file.string() + ": error: this is not an HDF5 file" + mend);
-  ArrayWriter(file, file).close();
+  trajectory::ArrayWriter(file, file).close();
   EXPECT_EQ(refusalOf(file), file.string() + ": error: this HDF5 file is not a trajectory" + mend);
 }
 
 TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "run.h5";
-  writeTrajectory(randomTrajectory(200), file);
+  trajectory::writeTrajectory(randomTrajectory(200), file);
   const auto whole = std::filesystem::file_size(file);
   for (const double share : {0.99, 0.5, 0.1, 0.001}) {
     std::filesystem::resize_file(file, static_cast<std::uintmax_t>(share * whole));
@@ -382,7 +386,7 @@ TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
 TEST(TrajectoryFile, NoticesAChangedByteAmongThePoses) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "run.h5";
-  writeTrajectory(randomTrajectory(200), file);
+  trajectory::writeTrajectory(randomTrajectory(200), file);
   const std::string whole = bytesOf(file);
   for (const double share : {0.4, 0.5, 0.6, 0.7}) {  // nearly all of the file are poses
     std::string bytes = whole;
@@ -396,91 +400,97 @@ TEST(TrajectoryFile, NoticesAChangedByteAmongThePoses) {
 template <typename Change>
 std::string refusalAfter(const Change& change) {
   const TemporaryFolder folder;
-  Trajectory trajectory = randomTrajectory(3);
+  trajectory::Trajectory trajectory = randomTrajectory(3);
   change(trajectory);
-  writeTrajectory(trajectory, folder / "run.h5");
+  trajectory::writeTrajectory(trajectory, folder / "run.h5");
   const std::string message = refusalOf(folder / "run.h5");
   return message.substr(std::min(message.size(), message.find("error: ")));
 }
 
 TEST(TrajectoryFile, RefusesContradictions) {
   const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples.clear(); }),
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples.clear(); }),
             "error: there is no sample" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[2].time = 0; }),
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples[2].time = 0; }),
             "error: the samples' times do not rise" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[1].poses[2].position.x() = NAN; }),
+  EXPECT_EQ(
+      refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = NAN; }),
+      "error: a pose in position or rotation is not finite, or no rotation" + mend);
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].rotation.w() = 3; }),
             "error: a pose in position or rotation is not finite, or no rotation" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[1].poses[2].rotation.w() = 3; }),
-            "error: a pose in position or rotation is not finite, or no rotation" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.joints[0].b.vertex = 4; }),
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.joints[0].b.vertex = 4; }),
             "error: model/joints names vertex 4 of tile " +
-                std::to_string(makeTessellation({}).joints[0].b.tile) + ", which is not there" +
-                mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.joints[0].face = static_cast<JointFace>(7); }),
+                std::to_string(model::makeTessellation({}).joints[0].b.tile) +
+                ", which is not there" + mend);
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) {
+              t.model.joints[0].face = static_cast<model::JointFace>(7);
+            }),
             "error: model/joints has the face 7 instead of 1 to 3" + mend);
   EXPECT_EQ(
-      refusalAfter([](Trajectory& t) { t.model.target->pop_back(); }),
+      refusalAfter([](trajectory::Trajectory& t) { t.model.target->pop_back(); }),
       "error: the array model/target has 180 entries instead of 192, or another shape" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[3].normal *= 2; }),
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].normal *= 2; }),
             "error: the normal of brick 3 in bricks/normal is not a unit vector" + mend);
   for (const std::size_t sample : {0, 1, 2}) {
-    EXPECT_EQ(refusalAfter([&](Trajectory& t) { t.samples[sample].time = NAN; }),
+    EXPECT_EQ(refusalAfter([&](trajectory::Trajectory& t) { t.samples[sample].time = NAN; }),
               "error: the samples' times do not rise" + mend);
   }
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[1].poses[2].position.x() = -1e300; }),
-            "error: a brick in position is more than 1e+10 m away" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
+  EXPECT_EQ(
+      refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = -1e300; }),
+      "error: a brick in position is more than 1e+10 m away" + mend);
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
             "error: a tile in model/tile_sizes has 0 vertices" + mend);
 }
 
 TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
   const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
   const auto refusalWith = [](const auto& change) {
-    return refusalAfter([&](Trajectory& t) {
+    return refusalAfter([&](trajectory::Trajectory& t) {
       std::mt19937_64 generator(2);
-      std::vector<Ligament> ligaments = randomLigaments(generator);
+      std::vector<model::Ligament> ligaments = randomLigaments(generator);
       change(ligaments[1]);
       t.pairForces = test::pairForces({}, ligaments);
     });
   };
-  EXPECT_EQ(refusalWith([](Ligament& l) { l.brickB = 16; }),
+  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.brickB = 16; }),
             "error: model/joints names vertex 0 of tile 16, which is not there" + mend);
   const std::string noJoint =
       "error: ligaments/joint does not name a joint of the model for each ligament" + mend;
-  EXPECT_EQ(refusalWith([](Ligament& l) { l.joint = 24; }), noJoint);
-  EXPECT_EQ(refusalWith([](Ligament& l) { l.joint = -1; }), noJoint);
-  EXPECT_EQ(refusalWith([](Ligament& l) { l.across *= 2; }),
+  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = 24; }), noJoint);
+  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = -1; }), noJoint);
+  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.across *= 2; }),
             "error: the direction of ligament 1 in ligaments/across is not a unit vector" + mend);
-  EXPECT_EQ(refusalWith([](Ligament& l) { l.shearStiffness = NAN; }),
+  EXPECT_EQ(refusalWith([](model::Ligament& l) { l.shearStiffness = NAN; }),
             "error: the array ligaments/shear holds a number that is not finite" + mend);
 }
 
 TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
   const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
   EXPECT_EQ(
-      refusalAfter([](Trajectory& t) { t.bricks[3].thickness = 0; }),
+      refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].thickness = 0; }),
       "error: the thickness of brick 3 in bricks/thickness is 0, but must be positive" + mend);
   EXPECT_EQ(
-      refusalAfter([](Trajectory& t) { t.bricks[3].thickness = -0.02; }),
+      refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].thickness = -0.02; }),
       "error: the thickness of brick 3 in bricks/thickness is -0.02, but must be positive" + mend);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[1].mass = 0; }),
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[1].mass = 0; }),
             "error: the mass of brick 1 in bricks/mass is 0, but must be positive" + mend);
   const std::string insideOut =
       "error: brick 2 is inside out: bricks/bottom, bricks/top and bricks/normal do not agree" +
       mend;
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { std::swap(t.bricks[2].bottom, t.bricks[2].top); }),
+  EXPECT_EQ(refusalAfter(
+                [](trajectory::Trajectory& t) { std::swap(t.bricks[2].bottom, t.bricks[2].top); }),
             insideOut);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[2].normal *= -1; }), insideOut);
-  EXPECT_EQ(refusalAfter([](Trajectory& t) { std::ranges::reverse(t.bricks[2].bottom); }),
-            insideOut);
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[2].normal *= -1; }), insideOut);
+  EXPECT_EQ(
+      refusalAfter([](trajectory::Trajectory& t) { std::ranges::reverse(t.bricks[2].bottom); }),
+      insideOut);
 }
 
 TEST(TrajectoryFile, RefusesTextsThatClaimMoreThanTheFile) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "run.h5";
-  const Trajectory trajectory = randomTrajectory(3);
-  writeTrajectory(trajectory, file);
+  const trajectory::Trajectory trajectory = randomTrajectory(3);
+  trajectory::writeTrajectory(trajectory, file);
   std::string bytes = bytesOf(file);
   // A text is stored as its length, 4 bytes, and its place, 12 bytes.
   std::size_t at = 0;
@@ -499,7 +509,7 @@ TEST(TrajectoryFile, RefusesTextsThatClaimMoreThanTheFile) {
 TEST(TrajectoryFile, RefusesHeapsOfTextsThatGoInCircles) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "run.h5";
-  writeTrajectory(randomTrajectory(3), file);
+  trajectory::writeTrajectory(randomTrajectory(3), file);
   const std::string whole = bytesOf(file);
   const std::size_t heap = whole.find("GCOL");
   ASSERT_NE(heap, whole.npos);
@@ -519,7 +529,7 @@ TEST(TrajectoryFile, RefusesHeapsOfTextsThatGoInCircles) {
 /// What is said of a trajectory's file after Python lines that change `f`, h5py's view of it.
 std::string refusalAfterPython(const std::string& lines) {
   const TemporaryFolder folder;
-  writeTrajectory(randomTrajectory(3), folder / "run.h5");
+  trajectory::writeTrajectory(randomTrajectory(3), folder / "run.h5");
   std::ofstream(folder / "change.py") << "import h5py, sys\nf = h5py.File(sys.argv[1], 'r+')\n"
                                       << lines << "\nf.close()\nprint('changed')\n";
   EXPECT_EQ(outputOf("/usr/bin/python3 '" + (folder / "change.py").string() + "' '" +
@@ -555,9 +565,10 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
 }
 
 TEST(TrajectoryFile, SaysThatItCannotBeWritten) {
-  EXPECT_THAT(
-      messageOf<OutputError>([] { writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5"); }),
-      HasSubstr("/proc/kirireel: error: cannot write in this folder"));
+  EXPECT_THAT(messageOf<OutputError>([] {
+                trajectory::writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5");
+              }),
+              HasSubstr("/proc/kirireel: error: cannot write in this folder"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 "use strict";
-// Unpacks what render/page/page.cpp packs.
+// Unpacks what render/record/page.cpp packs.
 
 const ARRAY_TYPES = { f32: Float32Array, f64: Float64Array, i32: Int32Array, u16: Uint16Array, u8: Uint8Array };
 

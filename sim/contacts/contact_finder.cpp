@@ -15,7 +15,7 @@
 // Bricks that share a corner are looked at without that corner (pivotZone of an edge, see
 // shared_corners.h): bricks joined on one face would else be stopped by the least fold, as the
 // edges at their joint already touch.
-#include "sim/world/contact_finder.h"
+#include "sim/contacts/contact_finder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,10 +27,10 @@
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
 #include "sim/base/interruption.h"
+#include "sim/contacts/bullet_values.h"
 #include "sim/model/contact.h"
-#include "sim/world/bullet_values.h"
 
-namespace kirireel {
+namespace kirireel::contacts {
 namespace {
 
 using Key = std::uint64_t;
@@ -43,19 +43,19 @@ std::pair<int, int> piecesOf(Key key) {
   return {static_cast<int>(key >> 32), static_cast<int>(key & 0xffffffffU)};
 }
 
-std::vector<Brick> shapesOf(const std::vector<BrickPiece>& pieces) {
-  std::vector<Brick> shapes;
+std::vector<model::Brick> shapesOf(const std::vector<model::BrickPiece>& pieces) {
+  std::vector<model::Brick> shapes;
   shapes.reserve(pieces.size());
-  for (const BrickPiece& piece : pieces) shapes.push_back(piece.shape);
+  for (const model::BrickPiece& piece : pieces) shapes.push_back(piece.shape);
   return shapes;
 }
 
 /// The bricks, then the bodies of obstacles, and the convex pieces of them all.
 struct ContactBodies {
-  ContactBodies(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
+  ContactBodies(const std::vector<model::Brick>& all, const std::vector<ObstaclePart>& obstacles)
       : bricks(all),
         parts(obstacles),
-        pieces(convexPieces(bricks)),
+        pieces(model::convexPieces(bricks)),
         shapes(shapesOf(pieces)),
         firstPiece(bricks.size()) {
     // Backwards, so that the first piece of each brick is what stays.
@@ -73,21 +73,21 @@ struct ContactBodies {
   Poses posesOfPieces(const Poses& poses) const {
     Poses placed;
     placed.reserve(pieces.size());
-    for (const BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
+    for (const model::BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
     return placed;
   }
 
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   std::vector<ObstaclePart> parts;
-  std::vector<BrickPiece> pieces;  // those of one body never meet each other
-  std::vector<Brick> shapes;       // of the pieces
-  std::vector<int> firstPiece;     // of each body
+  std::vector<model::BrickPiece> pieces;  // those of one body never meet each other
+  std::vector<model::Brick> shapes;       // of the pieces
+  std::vector<int> firstPiece;            // of each body
 };
 
 }  // namespace
 
 struct ContactFinder::Internals {
-  Internals(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
+  Internals(const std::vector<model::Brick>& all, const std::vector<ObstaclePart>& obstacles)
       : bodies(all, obstacles), near(bodies.shapes) {}
 
   /// Of two pieces, the smaller number first.
@@ -97,12 +97,12 @@ struct ContactFinder::Internals {
   void updatePairs(const Poses& from, const Poses& to);
   void listNearPairs();
   void transfer(StateTape& tape);
-  double appendGround(int brick, const Pose& end, std::vector<Contact>& contacts);
+  double appendGround(int brick, const Pose& end, std::vector<model::Contact>& contacts);
   double frictionWith(int a, int b) const;
 
   const ContactBodies bodies;
-  std::map<std::pair<int, int>, SharedCorners> joined;
-  Environment environment;
+  std::map<std::pair<int, int>, model::SharedCorners> joined;
+  scene::Environment environment;
   bool planar = false;
   double tolerance = 0;
   long step = 0;
@@ -123,9 +123,9 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   // memory.
   const auto known = pairs.find(key);
   if (known != pairs.end()) return known->second;
-  const BrickPiece& pieceA = bodies.pieces[a];
-  const BrickPiece& pieceB = bodies.pieces[b];
-  const auto add = [&](const Brick& shapeA, const Brick& shapeB) -> BrickPair& {
+  const model::BrickPiece& pieceA = bodies.pieces[a];
+  const model::BrickPiece& pieceB = bodies.pieces[b];
+  const auto add = [&](const model::Brick& shapeA, const model::Brick& shapeB) -> BrickPair& {
     OutlinedPiece ofA{pieceA.brick, pieceA.part, makeOutline(shapeA, planar)};
     OutlinedPiece ofB{pieceB.brick, pieceB.part, makeOutline(shapeB, planar)};
     return pairs.try_emplace(key, std::move(ofA), std::move(ofB), tolerance).first->second;
@@ -133,10 +133,10 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
   if (corners == joined.end() || environment.pivotZone == 0)
     return add(bodies.shapes[a], bodies.shapes[b]);
-  const double length =
-      cutLength(bodies.bricks[pieceA.brick], bodies.bricks[pieceB.brick], environment.pivotZone);
-  return add(withoutCorners(pieceA, corners->second.ofA, length),
-             withoutCorners(pieceB, corners->second.ofB, length));
+  const double length = model::cutLength(bodies.bricks[pieceA.brick], bodies.bricks[pieceB.brick],
+                                         environment.pivotZone);
+  return add(model::withoutCorners(pieceA, corners->second.ofA, length),
+             model::withoutCorners(pieceB, corners->second.ofB, length));
 }
 
 // The pair of a piece of a brick and the piece that stands for a sphere, made where it is new.
@@ -154,16 +154,17 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
   // b has the larger number, so that an obstacle among the two is b. Obstacles do not meet each
   // other.
   if (bodies.partOf(b)) return !bodies.partOf(a);
-  const ContactFilter contacts = environment.contacts;
-  if (contacts != ContactFilter::All && contacts != ContactFilter::Unjoined) return false;
+  const scene::ContactFilter contacts = environment.contacts;
+  if (contacts != scene::ContactFilter::All && contacts != scene::ContactFilter::Unjoined)
+    return false;
   const auto corners = joined.find({a, b});
   if (corners == joined.end()) return true;
-  return contacts == ContactFilter::All && !corners->second.areOneTile;
+  return contacts == scene::ContactFilter::All && !corners->second.areOneTile;
 }
 
 // Takes notice of a move; the list of near pairs changes seldom.
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
-  if (environment.contacts == ContactFilter::None && bodies.parts.empty()) return;
+  if (environment.contacts == scene::ContactFilter::None && bodies.parts.empty()) return;
   const bool areBricks = bodies.pieces.size() == bodies.bricks.size();
   const bool isNew = areBricks ? near.update(from, to)
                                : near.update(bodies.posesOfPieces(from), bodies.posesOfPieces(to));
@@ -201,7 +202,7 @@ double ContactFinder::Internals::frictionWith(int a, int b) const {
 }
 
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
-                                              std::vector<Contact>& contacts) {
+                                              std::vector<model::Contact>& contacts) {
   const double height = environment.ground->height;
   // Heights in brick axes: one product for each vertex.
   const Vector3 up = end.rotation.conjugate() * Vector3::UnitZ();
@@ -218,21 +219,21 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
   for (const std::vector<Vector3>* points :
        {&bodies.bricks[brick].bottom, &bodies.bricks[brick].top}) {
     for (const Vector3& point : *points) {
-      contacts.push_back({brick, kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
+      contacts.push_back({brick, model::kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
       contacts.back().friction = environment.ground->friction;
     }
   }
   return height - lowest;
 }
 
-ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& start,
-                             std::span<const Pivot> pivots, const Environment& environment,
-                             bool planar, double tolerance,
+ContactFinder::ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
+                             std::span<const model::Pivot> pivots,
+                             const scene::Environment& environment, bool planar, double tolerance,
                              const std::vector<ObstaclePart>& obstacles)
     : internals_(std::make_unique<Internals>(bricks, obstacles)) {
   Internals& in = *internals_;
   in.groundGiven.assign(bricks.size(), -1);
-  in.joined = sharedCorners(pivots);
+  in.joined = model::sharedCorners(pivots);
   in.environment = environment;
   in.planar = planar;
   in.tolerance = tolerance;
@@ -262,7 +263,7 @@ void ContactFinder::startStep(const Poses& start) {
 }
 
 // Pairs of bricks, then spheres, then the ground.
-double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& contacts) {
+double ContactFinder::appendViolated(const Poses& end, std::vector<model::Contact>& contacts) {
   Internals& in = *internals_;
   in.updatePairs(in.start, end);
   in.examined += static_cast<double>(in.nearPairs.size() + in.nearSpheres.size());
@@ -311,9 +312,9 @@ std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& p
   return std::nullopt;
 }
 
-bool ContactFinder::isCurrent(const Contact& contact) const {
+bool ContactFinder::isCurrent(const model::Contact& contact) const {
   // The ground's contacts hold while they push.
-  if (contact.brickB == kFixed) return true;
+  if (contact.brickB == model::kFixed) return true;
   const Internals& in = *internals_;
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.bodies.partOf(b);
@@ -350,7 +351,7 @@ int number(const btBroadphaseProxy* proxy) {
 }
 
 // By all corners of a brick at a pose.
-void extend(Eigen::AlignedBox3d& box, const Brick& brick, const Pose& pose) {
+void extend(Eigen::AlignedBox3d& box, const model::Brick& brick, const Pose& pose) {
   for (const std::vector<Vector3>* points : {&brick.bottom, &brick.top}) {
     for (const Vector3& point : *points) box.extend(pose.apply(point));
   }
@@ -365,7 +366,7 @@ double motionBound(const Pose& from, const Pose& to, double radius) {
   return (to.position - from.position).norm() + 2 * turned * radius;
 }
 
-double outerRadius(const Brick& brick) {
+double outerRadius(const model::Brick& brick) {
   double squared = 0;
   for (const Vector3& point : brick.bottom) squared = std::max(squared, point.squaredNorm());
   for (const Vector3& point : brick.top) squared = std::max(squared, point.squaredNorm());
@@ -373,7 +374,7 @@ double outerRadius(const Brick& brick) {
 }
 
 struct NearPairs::Internals {
-  explicit Internals(const std::vector<Brick>& all) : bricks(all), broadphase(&cache) {}
+  explicit Internals(const std::vector<model::Brick>& all) : bricks(all), broadphase(&cache) {}
   ~Internals() {
     // With each proxy Bullet looks through all pairs for its own.
     cache.getOverlappingPairArray().clear();
@@ -385,7 +386,7 @@ struct NearPairs::Internals {
   void setBox(int brick, const Eigen::AlignedBox3d& box);
   void listPairs();
 
-  const std::vector<Brick>& bricks;
+  const std::vector<model::Brick>& bricks;
   std::vector<double> radii;
   double margin = 0;
   Poses boxedFrom;  // the move that boxes were made for; empty before the first call
@@ -447,10 +448,10 @@ void NearPairs::Internals::listPairs() {
   std::sort(pairs.begin(), pairs.end());
 }
 
-NearPairs::NearPairs(const std::vector<Brick>& bricks)
+NearPairs::NearPairs(const std::vector<model::Brick>& bricks)
     : internals_(std::make_unique<Internals>(bricks)) {
   double sum = 0;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     internals_->radii.push_back(outerRadius(brick));
     sum += internals_->radii.back();
   }
@@ -485,29 +486,29 @@ const std::vector<std::pair<int, int>>& NearPairs::pairs() const {
 
 namespace {
 
-ObstaclePart makePart(const Tile& floor, double thickness, double friction, int obstacle) {
+ObstaclePart makePart(const model::Tile& floor, double thickness, double friction, int obstacle) {
   ObstaclePart part;
-  part.body = makeBrick(floor, {.thickness = thickness});
-  part.pose = startPoses({floor}, {part.body}).front();
+  part.body = model::makeBrick(floor, {.thickness = thickness});
+  part.pose = model::startPoses({floor}, {part.body}).front();
   part.friction = friction;
   part.obstacle = obstacle;
   return part;
 }
 
-void append(const Obstacle& obstacle, int number, std::vector<ObstaclePart>& parts) {
+void append(const scene::Obstacle& obstacle, int number, std::vector<ObstaclePart>& parts) {
   const double diameter = 2 * obstacle.radius;
   switch (obstacle.shape) {
-    case Obstacle::Shape::Box:
-      parts.push_back(makePart(boxFloor(obstacle, obstacle.size), obstacle.size.z(),
+    case scene::Obstacle::Shape::Box:
+      parts.push_back(makePart(scene::boxFloor(obstacle, obstacle.size), obstacle.size.z(),
                                obstacle.friction, number));
       return;
-    case Obstacle::Shape::Sphere:
-      parts.push_back(makePart(boxFloor(obstacle, Vector3::Constant(diameter)), diameter,
+    case scene::Obstacle::Shape::Sphere:
+      parts.push_back(makePart(scene::boxFloor(obstacle, Vector3::Constant(diameter)), diameter,
                                obstacle.friction, number));
       parts.back().radius = obstacle.radius;
       return;
-    case Obstacle::Shape::Mesh:
-      for (const Tile& face : obstacleFaces(obstacle)) {
+    case scene::Obstacle::Shape::Mesh:
+      for (const model::Tile& face : scene::obstacleFaces(obstacle)) {
         // A face without thickness keeps bricks off on the side from which they come: no plane that
         // held on one side at the start holds on the other.
         parts.push_back(makePart(face, 0, obstacle.friction, number));
@@ -517,7 +518,7 @@ void append(const Obstacle& obstacle, int number, std::vector<ObstaclePart>& par
 
 }  // namespace
 
-std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles) {
+std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obstacles) {
   std::vector<ObstaclePart> parts;
   for (std::size_t k = 0; k < obstacles.size(); ++k) {
     append(obstacles[k], static_cast<int>(k), parts);
@@ -671,7 +672,8 @@ bool BrickPair::lastPlaneHolds() {
 
 // From the cheapest test to the dearest: a bound on the motion, the last plane, all planes, planes
 // in turn.
-double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts) {
+double BrickPair::appendViolated(const PairMove& move, long step,
+                                 std::vector<model::Contact>& contacts) {
   if (isSurelyApart(move)) return 0;
   placeOutline(b_.outline, move.start, startB_);
   placeOutline(b_.outline, move.end, endB_);
@@ -768,7 +770,7 @@ bool BrickPair::canGive(const SeparatingPlane& plane, long step) {
   return std::find(given_.begin(), given_.end(), plane) == given_.end();
 }
 
-void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts) {
+void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts) {
   last_ = plane;
   given_.push_back(plane);
   const std::size_t first = contacts.size();
@@ -782,14 +784,14 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& co
   }
 }
 
-bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {
+bool BrickPair::isCurrent(const model::Contact& contact, const Pose& startOfB) const {
   PlacedOutline placedB;
   placeOutline(b_.outline, startOfB, placedB);
   return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
 }
 
 /// Whether the contact's point lies on the face that it is held against, not beside it.
-bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) const {
+bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& placedB) const {
   // An edge against an edge has no face that it could lie on.
   if (contact.isEdge) return false;
   const bool onA = contact.brickA == a_.brick;
@@ -805,13 +807,15 @@ bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) co
 }
 
 /// Whether another plane than that of the contact keeps the pair apart at the start of the step.
-bool BrickPair::isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const {
+bool BrickPair::isApartOtherwise(const model::Contact& contact,
+                                 const PlacedOutline& placedB) const {
   // The contact's first brick may be B of the pair; its normal then points the other way.
   const bool swapped = contact.brickA != a_.brick;
-  Contact numbered = contact;
+  model::Contact numbered = contact;
   numbered.brickA = swapped ? 1 : 0;
   numbered.brickB = swapped ? 0 : 1;
-  const Vector3 normal = (swapped ? -1 : 1) * contactNormal(numbered, {Pose{}, placedB.pose});
+  const Vector3 normal =
+      (swapped ? -1 : 1) * model::contactNormal(numbered, {Pose{}, placedB.pose});
   return std::any_of(planes_.begin(), planes_.end(), [&](const SeparatingPlane& plane) {
     return plane.kind != SeparatingPlane::Kind::Edges &&
            planeNormal(plane, placedA_, placedB).dot(normal) < kSameDirection &&
@@ -875,7 +879,7 @@ const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, i
 
 /// Contacts of one body's points against a face of the other.
 void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& points,
-                        const Outline& faces, std::vector<Contact>& contacts) {
+                        const Outline& faces, std::vector<model::Contact>& contacts) {
   for (const Vector3& point : points.points) {
     contacts.push_back(
         {pointBrick, faceBrick, point, faces.points[faces.facePoints[face]], faces.normals[face]});
@@ -886,12 +890,12 @@ void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& 
 /// an edge of each.
 void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
                         const PlacedOutline& a, const PlacedOutline& b,
-                        std::vector<Contact>& contacts) {
+                        std::vector<model::Contact>& contacts) {
   const Vector3 normal = planeNormal(plane, a, b);
   int nearestA = 0;
   int nearestB = 0;
-  Contact contact{brickA, brickB, farthest(a, -normal, nearestA), farthest(b, normal, nearestB),
-                  b.outline->directions[plane.b]};
+  model::Contact contact{brickA, brickB, farthest(a, -normal, nearestA),
+                         farthest(b, normal, nearestB), b.outline->directions[plane.b]};
   contact.isEdge = true;
   contact.edgeA = plane.sign * a.outline->directions[plane.a];
   const Vector3 pointA = contact.pointA;
@@ -910,7 +914,7 @@ void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
 
 }  // namespace
 
-Outline makeOutline(const Brick& brick, bool planar) {
+Outline makeOutline(const model::Brick& brick, bool planar) {
   Outline outline;
   const int count = static_cast<int>(brick.bottom.size());
   outline.points = brick.bottom;
@@ -1000,7 +1004,7 @@ bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const Placed
 
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          const PlacedOutline& a, const PlacedOutline& b,
-                         std::vector<Contact>& contacts) {
+                         std::vector<model::Contact>& contacts) {
   switch (plane.kind) {
     case Kind::FaceOfA:
       return appendFaceContacts(brickB, brickA, plane.a, *b.outline, *a.outline, contacts);
@@ -1072,10 +1076,11 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
   return within.distance <= 0 ? within : nearest;
 }
 
-SpherePair::SpherePair(int brick, int sphere, const Brick& shape, double radius, double tolerance)
+SpherePair::SpherePair(int brick, int sphere, const model::Brick& shape, double radius,
+                       double tolerance)
     : brick_(brick),
       sphere_(sphere),
-      faces_(brickFaces(shape)),
+      faces_(model::brickFaces(shape)),
       radius_(radius),
       tolerance_(tolerance) {}
 
@@ -1088,9 +1093,9 @@ double SpherePair::overlap(const Pose& brick, const Vector3& centre) const {
 }
 
 // The contact of the nearest feature at a pose, which stays for the step.
-Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
+model::Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
   const NearestPoint near = nearest(brick, centre);
-  Contact contact;
+  model::Contact contact;
   if (near.isOnFace) {
     contact.brickA = sphere_;
     contact.brickB = brick_;
@@ -1109,7 +1114,7 @@ Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
 }
 
 double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vector3& centre,
-                                  long step, std::vector<Contact>& contacts) {
+                                  long step, std::vector<model::Contact>& contacts) {
   const double deep = overlap(end, centre);
   if (deep <= tolerance_) return 0;
   if (givenStep_ != step) given_.clear();
@@ -1117,7 +1122,7 @@ double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vect
   // The start's feature is what the brick came towards. When its contact is there and the overlap
   // stays, the end's feature is another one.
   for (const Pose* pose : {&start, &end}) {
-    const Contact contact = contactAt(*pose, centre);
+    const model::Contact contact = contactAt(*pose, centre);
     if (std::find(given_.begin(), given_.end(), contact) != given_.end()) continue;
     given_.push_back(contact);
     contacts.push_back(contact);
@@ -1126,4 +1131,4 @@ double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vect
   return deep;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::contacts

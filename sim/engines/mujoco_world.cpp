@@ -1,7 +1,7 @@
 // MuJoCo has no function that makes a model from numbers: it is written as a text in its own format
 // and read from memory. The bricks that a breadth-first walk along the hinges reaches are bodies
 // within each other, their hinges joints; every other hinge closes a loop and is a "connect".
-#include "sim/world/brick_world.h"
+#include "sim/engines/brick_world.h"
 
 // MuJoCo holds joints exactly, as its coordinates are joint angles; what a "connect" holds it keeps
 // by its soft constraints, so that gaps appear at closed loops alone. Model: E. Todorov, T. Erez,
@@ -20,7 +20,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-namespace kirireel {
+namespace kirireel::engines {
 namespace {
 
 // Loops are as hard as MuJoCo lets them be: they close within two steps, which is the soonest that
@@ -48,13 +48,13 @@ std::string vectorWords(const Vector3& v) {
 struct PivotsOfPair {
   int a = 0;
   int b = 0;
-  std::vector<Pivot> pivots;
+  std::vector<model::Pivot> pivots;
 };
 
 // By pairs of bricks, in the order of their numbers.
-std::vector<PivotsOfPair> pairsOf(std::span<const Pivot> pivots, bool planar) {
+std::vector<PivotsOfPair> pairsOf(std::span<const model::Pivot> pivots, bool planar) {
   std::map<std::pair<int, int>, PivotsOfPair> pairs;
-  for (const Pivot& pivot : pivots) {
+  for (const model::Pivot& pivot : pivots) {
     // In the plane both pivots of a hinge are the same constraint.
     if (planar && pivot.isUpper) continue;
     PivotsOfPair& pair = pairs[std::minmax(pivot.brickA, pivot.brickB)];
@@ -70,8 +70,9 @@ std::vector<PivotsOfPair> pairsOf(std::span<const Pivot> pivots, bool planar) {
 /// Writes the model as MuJoCo's text.
 class MujocoText {
  public:
-  MujocoText(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-             const Environment& environment, bool planar)
+  MujocoText(const std::vector<model::Brick>& bricks, const Poses& start,
+             std::span<const model::Pivot> pivots, const scene::Environment& environment,
+             bool planar)
       : bricks_(bricks),
         start_(start),
         pairs_(pairsOf(pivots, planar)),
@@ -137,7 +138,7 @@ class MujocoText {
   }
 
   void addLoop(const PivotsOfPair& pair) {
-    for (const Pivot& pivot : pair.pivots) {
+    for (const model::Pivot& pivot : pair.pivots) {
       loops_ += fmt::format("<connect body1=\"b{}\" body2=\"b{}\" anchor=\"{}\"/>", pivot.brickA,
                             pivot.brickB, vectorWords(pivot.pointA));
     }
@@ -163,7 +164,7 @@ class MujocoText {
   // A hinge about the line through two pivots, a ball at one, in the plane a turn about z.
   std::string jointText(const Child& child) const {
     const PivotsOfPair& pair = pairs_[child.pair];
-    const auto pointOf = [&](const Pivot& pivot) {
+    const auto pointOf = [&](const model::Pivot& pivot) {
       return Vector3(pivot.brickA == child.brick ? pivot.pointA : pivot.pointB);
     };
     const Vector3 at = pointOf(pair.pivots.front());
@@ -175,7 +176,7 @@ class MujocoText {
                        vectorWords(pointOf(pair.pivots[1]) - at), vectorWords(at));
   }
 
-  const std::vector<Brick>& bricks_;
+  const std::vector<model::Brick>& bricks_;
   const Poses& start_;
   std::vector<PivotsOfPair> pairs_;
   Vector3 gravity_;
@@ -201,8 +202,9 @@ MujocoModel readModelText(const std::string& text) {
 
 class MujocoWorld : public BrickWorld {
  public:
-  MujocoWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-              const Environment& environment, bool planar)
+  MujocoWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+              std::span<const model::Pivot> pivots, const scene::Environment& environment,
+              bool planar)
       : bricks_(bricks),
         start_(start),
         environment_(environment),
@@ -293,9 +295,9 @@ class MujocoWorld : public BrickWorld {
     }
   }
 
-  std::vector<Brick> bricks_;
+  std::vector<model::Brick> bricks_;
   Poses start_;
-  Environment environment_;
+  scene::Environment environment_;
   MujocoModel model_;
   MujocoData data_;
   std::vector<int> bodies_;  // one a brick, in order
@@ -303,9 +305,10 @@ class MujocoWorld : public BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& bricks, const Poses& start,
-                                            std::span<const Pivot> pivots,
-                                            const Environment& environment, bool planar) {
+std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<model::Brick>& bricks,
+                                            const Poses& start,
+                                            std::span<const model::Pivot> pivots,
+                                            const scene::Environment& environment, bool planar) {
   return std::make_unique<MujocoWorld>(bricks, start, pivots, environment, planar);
 }
 
@@ -313,11 +316,11 @@ std::string mujocoVersion() {
   return mj_versionString();
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
 
 #else
 
-namespace kirireel {
+namespace kirireel::engines {
 
 std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& /*bricks*/,
                                             const Poses& /*start*/,
@@ -330,6 +333,6 @@ std::string mujocoVersion() {
   return "";
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
 
 #endif

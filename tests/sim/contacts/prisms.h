@@ -9,22 +9,22 @@
 namespace kirireel::test {
 
 /// A prism over a regular polygon.
-inline Brick prism(int corners, double radius, double thickness) {
-  BrickRule rule;
+inline model::Brick prism(int corners, double radius, double thickness) {
+  model::BrickRule rule;
   rule.thickness = thickness;
-  Tile tile;
+  model::Tile tile;
   for (int k = 0; k < corners; ++k) {
     const double angle = 2 * std::numbers::pi * k / corners;
     tile.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
   }
-  return makeBrick(tile, rule);
+  return model::makeBrick(tile, rule);
 }
 
 /// A square plate of side 1 about its centre, its sides along the axes.
-inline Brick plate(double thickness) {
-  BrickRule rule;
+inline model::Brick plate(double thickness) {
+  model::BrickRule rule;
   rule.thickness = thickness;
-  return makeBrick({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, rule);
+  return model::makeBrick({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}, rule);
 }
 
 /// Random numbers, the same on every machine.

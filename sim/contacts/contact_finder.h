@@ -14,7 +14,7 @@
 #include "sim/scene/conditions.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::contacts {
 
 // ------------------------------------------------------------------------------------------------
 // Which bricks may come near each other: the broad phase. No Bullet header is needed to use it.
@@ -24,14 +24,14 @@ namespace kirireel {
 double motionBound(const Pose& from, const Pose& to, double radius);
 
 /// The distance of a brick's farthest point from its centre of mass, metres.
-double outerRadius(const Brick& brick);
+double outerRadius(const model::Brick& brick);
 
 /// Bullet's dynamic box tree over boxes that are wider than the bricks in them, so that they need
 /// be set anew only when a brick has moved by the margin.
 class NearPairs {
  public:
   /// `bricks` must outlive this.
-  explicit NearPairs(const std::vector<Brick>& bricks);
+  explicit NearPairs(const std::vector<model::Brick>& bricks);
   ~NearPairs();
 
   /// Takes notice of a move. Returns whether the pairs were found anew.
@@ -55,7 +55,7 @@ class NearPairs {
 
 /// A convex piece of an obstacle: a box, a face of a mesh, a sphere.
 struct ObstaclePart {
-  Brick body;                    ///< its shape; of a sphere the cube round it
+  model::Brick body;             ///< its shape; of a sphere the cube round it
   Pose pose;                     ///< where it stays
   std::optional<double> radius;  ///< of a sphere, metres
   double friction = 0;           ///< Coulomb coefficient
@@ -64,7 +64,7 @@ struct ObstaclePart {
 
 /// The parts of all obstacles, in order.
 /// Throws InputError for a mesh that cannot be read.
-std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles);
+std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obstacles);
 
 // ------------------------------------------------------------------------------------------------
 // Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
@@ -86,19 +86,19 @@ struct ObstacleOverlap {
 ///
 /// No margins are used: contacts are exact to `tolerance`, and bricks that overlap in the model may
 /// keep that overlap but not deepen it.
-class ContactFinder : public ContactSource {
+class ContactFinder : public model::ContactSource {
  public:
   /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet.
   /// `obstacles`: the parts whose bodies are the last of the bricks, which stay where they are.
   /// `pivots` says which bricks are joined. `bricks` are copied. Poses are one a body.
-  ContactFinder(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-                const Environment& environment, bool planar, double tolerance,
-                const std::vector<ObstaclePart>& obstacles = {});
+  ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
+                std::span<const model::Pivot> pivots, const scene::Environment& environment,
+                bool planar, double tolerance, const std::vector<ObstaclePart>& obstacles = {});
   ~ContactFinder() override;
 
   void startStep(const Poses& start) override;
-  double appendViolated(const Poses& end, std::vector<Contact>& contacts) override;
-  bool isCurrent(const Contact& contact) const override;
+  double appendViolated(const Poses& end, std::vector<model::Contact>& contacts) override;
+  bool isCurrent(const model::Contact& contact) const override;
   double pairsExamined() const override;
 
   /// A brick that overlaps an obstacle at the start, whose poses these are: it could not be got out
@@ -127,7 +127,7 @@ struct Outline {
 };
 
 /// `brick` is convex. O(n^2) in its corners, for the directions of its edges.
-Outline makeOutline(const Brick& brick, bool planar);
+Outline makeOutline(const model::Brick& brick, bool planar);
 
 /// An outline at a pose, in world axes.
 struct PlacedOutline {
@@ -177,7 +177,7 @@ bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const Placed
 /// along the normal of two edges.
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          const PlacedOutline& a, const PlacedOutline& b,
-                         std::vector<Contact>& contacts);
+                         std::vector<model::Contact>& contacts);
 
 // ------------------------------------------------------------------------------------------------
 // Two bricks that may touch: what keeps them apart from step to step, and what they run into.
@@ -225,18 +225,18 @@ class BrickPair {
   /// `step` numbers the step: planes whose contacts were given in the same step are not given
   /// again. Costs a bound on the motion for pairs that are far apart, one plane for most others,
   /// all planes (some dozens of products) else.
-  double appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts);
+  double appendViolated(const PairMove& move, long step, std::vector<model::Contact>& contacts);
 
   /// Whether a contact of this pair still is in force at the start of a step: its point touches the
   /// other brick's face, or no other face keeps the two apart.
-  bool isCurrent(const Contact& contact, const Pose& startOfB) const;
+  bool isCurrent(const model::Contact& contact, const Pose& startOfB) const;
 
   /// What the next step takes from those before.
   void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
 
  private:
-  bool touches(const Contact& contact, const PlacedOutline& placedB) const;
-  bool isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const;
+  bool touches(const model::Contact& contact, const PlacedOutline& placedB) const;
+  bool isApartOtherwise(const model::Contact& contact, const PlacedOutline& placedB) const;
   bool isSurelyApart(const PairMove& move) const;
   bool lastPlaneHolds();
   double separationAtStart(const SeparatingPlane& plane) const;
@@ -245,7 +245,7 @@ class BrickPair {
   bool keptApartInTurn(const PairMove& move) const;
   bool canGive(const SeparatingPlane& plane, long step);
   const SeparatingPlane* planeToGive(long step);
-  void givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts);
+  void givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts);
 
   OutlinedPiece a_, b_;
   double radiusB_;
@@ -282,7 +282,7 @@ class SpherePair {
  public:
   /// Numbers of the brick and of the body that stands for the sphere, whose origin is the centre.
   /// `tolerance`: overlap in metres that counts as none.
-  SpherePair(int brick, int sphere, const Brick& shape, double radius, double tolerance);
+  SpherePair(int brick, int sphere, const model::Brick& shape, double radius, double tolerance);
 
   /// The number of the brick.
   int brick() const { return brick_; }
@@ -295,18 +295,18 @@ class SpherePair {
   /// Appends the contact of the feature that was nearest at the start, then, when asked again in
   /// the same step, of the one that is nearest at the end. Returns the overlap at the end.
   double appendViolated(const Pose& start, const Pose& end, const Vector3& centre, long step,
-                        std::vector<Contact>& contacts);
+                        std::vector<model::Contact>& contacts);
 
  private:
   NearestPoint nearest(const Pose& brick, const Vector3& centre) const;
-  Contact contactAt(const Pose& brick, const Vector3& centre) const;
+  model::Contact contactAt(const Pose& brick, const Vector3& centre) const;
 
   int brick_, sphere_;
   std::vector<std::vector<Vector3>> faces_;
   double radius_;
   double tolerance_;
-  std::vector<Contact> given_;  // in this step
+  std::vector<model::Contact> given_;  // in this step
   long givenStep_ = -1;
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::contacts

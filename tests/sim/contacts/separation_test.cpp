@@ -6,58 +6,61 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/contacts/contact_finder.h"
 #include "sim/mechanics/step_system.h"
 #include "sim/trajectory/measures.h"
-#include "sim/world/contact_finder.h"
-#include "tests/sim/world/prisms.h"
+#include "tests/sim/contacts/prisms.h"
 
 namespace kirireel {
 namespace {
 
-using Kind = SeparatingPlane::Kind;
+using Kind = contacts::SeparatingPlane::Kind;
 using test::Chance;
 
 /// Two prisms at their poses.
 struct Pair {
-  Pair(const Brick& brickA, const Pose& poseA, const Brick& brickB, const Pose& poseB, bool planar)
+  Pair(const model::Brick& brickA, const Pose& poseA, const model::Brick& brickB, const Pose& poseB,
+       bool planar)
       : bricks{brickA, brickB},
         poses{poseA, poseB},
-        outlineA(makeOutline(brickA, planar)),
-        outlineB(makeOutline(brickB, planar)) {
+        outlineA(contacts::makeOutline(brickA, planar)),
+        outlineB(contacts::makeOutline(brickB, planar)) {
     place();
   }
   Pair(const Pair&) = delete;
   Pair& operator=(const Pair&) = delete;
 
   void place() {
-    placeOutline(outlineA, poses[0], a);
-    placeOutline(outlineB, poses[1], b);
+    contacts::placeOutline(outlineA, poses[0], a);
+    contacts::placeOutline(outlineB, poses[1], b);
   }
 
-  std::vector<SeparatingPlane> planes() const { return separatingPlanes(outlineA, outlineB); }
+  std::vector<contacts::SeparatingPlane> planes() const {
+    return contacts::separatingPlanes(outlineA, outlineB);
+  }
 
   double largestSeparation() const {
     double largest = -std::numeric_limits<double>::infinity();
-    for (const SeparatingPlane& plane : planes()) {
-      largest = std::max(largest, separation(plane, a, b));
+    for (const contacts::SeparatingPlane& plane : planes()) {
+      largest = std::max(largest, contacts::separation(plane, a, b));
     }
     return largest;
   }
 
-  std::vector<Contact> contacts(const SeparatingPlane& plane) const {
-    std::vector<Contact> found;
-    appendPlaneContacts(plane, 0, 1, a, b, found);
+  std::vector<model::Contact> contacts(const contacts::SeparatingPlane& plane) const {
+    std::vector<model::Contact> found;
+    contacts::appendPlaneContacts(plane, 0, 1, a, b, found);
     return found;
   }
 
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses poses;
-  Outline outlineA, outlineB;
-  PlacedOutline a, b;
+  contacts::Outline outlineA, outlineB;
+  contacts::PlacedOutline a, b;
 };
 
 /// Planar pairs get tall prisms, so that no way out leads over the top.
-Brick anyPrism(Chance& chance, bool planar) {
+model::Brick anyPrism(Chance& chance, bool planar) {
   const int corners = 3 + chance.below(4);
   const double thickness = chance.next() > 0 ? 0.02 : 0.5;
   return test::prism(corners, 0.8 + 0.2 * chance.next(), planar ? 50 : thickness);
@@ -65,7 +68,7 @@ Brick anyPrism(Chance& chance, bool planar) {
 
 std::unique_ptr<Pair> anyPair(Chance& chance, bool planar, double distance) {
   const auto pose = [&] { return planar ? chance.planarPose(distance) : chance.pose(distance); };
-  const Brick a = anyPrism(chance, planar), b = anyPrism(chance, planar);
+  const model::Brick a = anyPrism(chance, planar), b = anyPrism(chance, planar);
   const Pose poseA = pose(), poseB = pose();
   return std::make_unique<Pair>(a, poseA, b, poseB, planar);
 }
@@ -78,7 +81,7 @@ double lowestAlong(const std::vector<Vector3>& points, const Vector3& direction)
 
 TEST(Outline, HoldsAPrism) {
   for (int corners = 3; corners < 8; ++corners) {
-    const Outline outline = makeOutline(test::prism(corners, 1, 0.3), false);
+    const contacts::Outline outline = contacts::makeOutline(test::prism(corners, 1, 0.3), false);
     ASSERT_EQ(outline.points.size(), 2u * corners);
     ASSERT_EQ(outline.normals.size(), corners + 2u);
     ASSERT_EQ(outline.facePoints.size(), outline.normals.size());
@@ -98,8 +101,8 @@ TEST(Outline, HoldsAPrism) {
 
 TEST(Outline, HasTheDirectionsOfAllEdgesOnce) {
   for (int corners = 3; corners < 8; ++corners) {
-    const Brick brick = test::prism(corners, 1, 0.3);
-    const Outline outline = makeOutline(brick, false);
+    const model::Brick brick = test::prism(corners, 1, 0.3);
+    const contacts::Outline outline = contacts::makeOutline(brick, false);
     const int across = corners % 2 == 0 ? corners / 2 : corners;  // opposite sides are parallel
     EXPECT_EQ(outline.directions.size(), across + 1u);
     const auto isKnown = [&](const Vector3& edge) {
@@ -116,8 +119,8 @@ TEST(Outline, HasTheDirectionsOfAllEdgesOnce) {
 }
 
 TEST(Outline, OfAPlanarSceneIsThePolygon) {
-  const Brick brick = test::prism(5, 1, 0.3);
-  const Outline outline = makeOutline(brick, true);
+  const model::Brick brick = test::prism(5, 1, 0.3);
+  const contacts::Outline outline = contacts::makeOutline(brick, true);
   EXPECT_EQ(outline.points, brick.bottom);
   EXPECT_TRUE(outline.directions.empty());
   ASSERT_EQ(outline.normals.size(), 5u);
@@ -130,11 +133,11 @@ TEST(Outline, OfAPlanarSceneIsThePolygon) {
 
 TEST(Outline, IsPlacedLikeItsBrick) {
   Chance chance(1);
-  const Brick brick = test::prism(4, 1, 0.3);
-  const Outline outline = makeOutline(brick, false);
+  const model::Brick brick = test::prism(4, 1, 0.3);
+  const contacts::Outline outline = contacts::makeOutline(brick, false);
   const Pose pose = chance.pose(2);
-  PlacedOutline placed;
-  placeOutline(outline, pose, placed);
+  contacts::PlacedOutline placed;
+  contacts::placeOutline(outline, pose, placed);
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_LT((placed.points[k] - pose.apply(brick.bottom[k])).norm(), 1e-14);
     EXPECT_LT((placed.points[k + 4] - pose.apply(brick.top[k])).norm(), 1e-14);
@@ -147,25 +150,26 @@ TEST(Separation, IsTheGapOfTheProjections) {
   for (const bool planar : {true, false}) {
     for (int trial = 0; trial < 40; ++trial) {
       const auto pair = anyPair(chance, planar, 1);
-      for (const SeparatingPlane& plane : pair->planes()) {
-        const Vector3 normal = planeNormal(plane, pair->a, pair->b);
+      for (const contacts::SeparatingPlane& plane : pair->planes()) {
+        const Vector3 normal = contacts::planeNormal(plane, pair->a, pair->b);
         EXPECT_NEAR(normal.norm(), 1, 1e-14);
         const double gap =
             lowestAlong(pair->a.points, normal) + lowestAlong(pair->b.points, -normal);
-        EXPECT_NEAR(separation(plane, pair->a, pair->b), gap, 1e-14);  // measured 2e-15
+        EXPECT_NEAR(contacts::separation(plane, pair->a, pair->b), gap, 1e-14);  // measured 2e-15
       }
     }
   }
 }
 
 TEST(Separation, OfParallelEdgesDoesNotExist) {
-  const Brick plate = test::plate(0.1);
+  const model::Brick plate = test::plate(0.1);
   const Pair pair(plate, {}, plate, {{3, 0, 0}, Quaternion::Identity()}, false);
   int parallel = 0;
-  for (const SeparatingPlane& plane : pair.planes()) {
+  for (const contacts::SeparatingPlane& plane : pair.planes()) {
     if (plane.kind != Kind::Edges || plane.a != plane.b) continue;
-    EXPECT_TRUE(planeNormal(plane, pair.a, pair.b).isZero(0));
-    EXPECT_EQ(separation(plane, pair.a, pair.b), -std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(contacts::planeNormal(plane, pair.a, pair.b).isZero(0));
+    EXPECT_EQ(contacts::separation(plane, pair.a, pair.b),
+              -std::numeric_limits<double>::infinity());
     ++parallel;
   }
   EXPECT_EQ(parallel, 6);  // three directions, both signs
@@ -177,7 +181,7 @@ TEST(Separation, AgreesWithTheMeasuredPenetration) {
     int overlapping = 0, apart = 0;
     for (int trial = 0; trial < 1000; ++trial) {
       const auto pair = anyPair(chance, planar, 1.2);
-      const double depth = deepestPenetration(pair->bricks, pair->poses).depth;
+      const double depth = trajectory::deepestPenetration(pair->bricks, pair->poses).depth;
       const double largest = pair->largestSeparation();
       EXPECT_NEAR(std::max(0.0, -largest), depth, 1e-13);  // measured 3e-15
       ++(depth > 0 ? overlapping : apart);
@@ -201,13 +205,13 @@ TEST(PlaneContacts, OfAFaceAreAllPointsAtTheirDistances) {
   for (const bool planar : {true, false}) {
     for (int trial = 0; trial < 40; ++trial) {
       const auto pair = anyPair(chance, planar, 1);
-      for (const SeparatingPlane& plane : pair->planes()) {
+      for (const contacts::SeparatingPlane& plane : pair->planes()) {
         if (plane.kind == Kind::Edges) continue;
         const bool onA = plane.kind == Kind::FaceOfA;
-        const PlacedOutline& points = onA ? pair->b : pair->a;
-        const PlacedOutline& faces = onA ? pair->a : pair->b;
+        const contacts::PlacedOutline& points = onA ? pair->b : pair->a;
+        const contacts::PlacedOutline& faces = onA ? pair->a : pair->b;
         const int face = onA ? plane.a : plane.b;
-        const std::vector<Contact> contacts = pair->contacts(plane);
+        const std::vector<model::Contact> contacts = pair->contacts(plane);
         ASSERT_EQ(contacts.size(), points.points.size());
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < contacts.size(); ++k) {
@@ -215,21 +219,22 @@ TEST(PlaneContacts, OfAFaceAreAllPointsAtTheirDistances) {
           EXPECT_EQ(contacts[k].brickB, onA ? 0 : 1);
           const Vector3 onFace = faces.points[faces.outline->facePoints[face]];
           const double distance = faces.normals[face].dot(points.points[k] - onFace);
-          const double gap = contactGap(contacts[k], pair->poses);
+          const double gap = model::contactGap(contacts[k], pair->poses);
           EXPECT_NEAR(gap, distance, 1e-14);  // measured 1e-15
           least = std::min(least, gap);
         }
-        EXPECT_NEAR(least, separation(plane, pair->a, pair->b), 1e-14);
+        EXPECT_NEAR(least, contacts::separation(plane, pair->a, pair->b), 1e-14);
       }
     }
   }
 }
 
 /// The planes of a pair that two edges span well.
-std::vector<SeparatingPlane> edgePlanes(const Pair& pair) {
-  std::vector<SeparatingPlane> found;
-  for (const SeparatingPlane& plane : pair.planes()) {
-    if (plane.kind == Kind::Edges && isSteady(plane, pair.a, pair.b)) found.push_back(plane);
+std::vector<contacts::SeparatingPlane> edgePlanes(const Pair& pair) {
+  std::vector<contacts::SeparatingPlane> found;
+  for (const contacts::SeparatingPlane& plane : pair.planes()) {
+    if (plane.kind == Kind::Edges && contacts::isSteady(plane, pair.a, pair.b))
+      found.push_back(plane);
   }
   return found;
 }
@@ -238,37 +243,37 @@ TEST(PlaneContacts, OfTwoEdgesHoldBothBricksOnTheirSides) {
   Chance chance(6);
   for (int trial = 0; trial < 100; ++trial) {
     const auto pair = anyPair(chance, false, 1);
-    for (const SeparatingPlane& plane : edgePlanes(*pair)) {
-      const std::vector<Contact> contacts = pair->contacts(plane);
+    for (const contacts::SeparatingPlane& plane : edgePlanes(*pair)) {
+      const std::vector<model::Contact> contacts = pair->contacts(plane);
       ASSERT_EQ(contacts.size(), pair->a.points.size() + pair->b.points.size() - 1);
-      const Vector3 normal = planeNormal(plane, pair->a, pair->b);
+      const Vector3 normal = contacts::planeNormal(plane, pair->a, pair->b);
       double least = std::numeric_limits<double>::infinity();
-      for (const Contact& contact : contacts) {
-        EXPECT_LT((contactNormal(contact, pair->poses) - normal).norm(), 1e-12);
+      for (const model::Contact& contact : contacts) {
+        EXPECT_LT((model::contactNormal(contact, pair->poses) - normal).norm(), 1e-12);
         const Vector3 between =
             pair->poses[0].apply(contact.pointA) - pair->poses[1].apply(contact.pointB);
-        const double gap = contactGap(contact, pair->poses);
+        const double gap = model::contactGap(contact, pair->poses);
         EXPECT_NEAR(gap, normal.dot(between), 1e-12);
         least = std::min(least, gap);
       }
-      EXPECT_NEAR(least, separation(plane, pair->a, pair->b), 1e-12);  // measured 2e-14
+      EXPECT_NEAR(least, contacts::separation(plane, pair->a, pair->b), 1e-12);  // measured 2e-14
     }
   }
 }
 
 TEST(PlaneContacts, OfNearlyParallelEdgesAreNotSteady) {
-  const Brick plate = test::plate(0.1);
+  const model::Brick plate = test::plate(0.1);
   for (const double angle : {1e-3, 0.04, 0.06, 0.5}) {
     // Turned about z, the directions along the sides span the angle.
     const Pair pair(plate, {}, plate, {{0, 0, 1}, rotationFromVector({0, 0, angle})}, false);
     int steady = 0;
-    for (const SeparatingPlane& plane : pair.planes()) {
-      const Vector3 normal = planeNormal(plane, pair.a, pair.b);
+    for (const contacts::SeparatingPlane& plane : pair.planes()) {
+      const Vector3 normal = contacts::planeNormal(plane, pair.a, pair.b);
       const bool flat = plane.kind == Kind::Edges && std::abs(std::abs(normal.z()) - 1) < 1e-9;
       if (!flat || std::abs(pair.a.directions[plane.a].dot(pair.b.directions[plane.b])) < 0.7) {
         continue;
       }
-      if (isSteady(plane, pair.a, pair.b)) ++steady;
+      if (contacts::isSteady(plane, pair.a, pair.b)) ++steady;
     }
     EXPECT_EQ(steady, std::sin(angle) > 0.05 ? 4 : 0) << angle;
   }
@@ -277,7 +282,7 @@ TEST(PlaneContacts, OfNearlyParallelEdgesAreNotSteady) {
 /// Two plates that share a corner of their bottoms and are turned about it, so that an edge of each
 /// starts there.
 std::unique_ptr<Pair> cornerPair(Chance& chance) {
-  const Brick plate = test::plate(0.2);
+  const model::Brick plate = test::plate(0.2);
   const Quaternion turnA = rotationFromVector(0.4 * chance.vector());
   const Quaternion turnB = rotationFromVector(0.4 * chance.vector());
   const Pose poseA = {-(turnA * plate.bottom[0]), turnA};
@@ -288,18 +293,19 @@ std::unique_ptr<Pair> cornerPair(Chance& chance) {
 /// The largest difference between a contact's normal row and the central difference of its gap,
 /// over all coordinates of both bricks.
 template <int D>
-double rowError(const Contact& contact, const Poses& poses) {
+double rowError(const model::Contact& contact, const Poses& poses) {
   constexpr double kMove = 1e-6;
-  const ContactRow<D> row = makeContactRow<D>(contact, poses, 1, 0);
+  const mechanics::ContactRow<D> row = mechanics::makeContactRow<D>(contact, poses, 1, 0);
   double largest = 0;
   for (const bool ofA : {true, false}) {
     const int brick = ofA ? contact.brickA : contact.brickB;
-    if (brick == kFixed) continue;
+    if (brick == model::kFixed) continue;
     for (int k = 0; k < D; ++k) {
       const auto gapAfter = [&](double move) {
         Poses after = poses;
-        Coordinates<D>::displace(after[brick], move * Coordinates<D>::Vector::Unit(k));
-        return contactGap(contact, after);
+        mechanics::Coordinates<D>::displace(after[brick],
+                                            move * mechanics::Coordinates<D>::Vector::Unit(k));
+        return model::contactGap(contact, after);
       };
       const double difference = (gapAfter(kMove) - gapAfter(-kMove)) / (2 * kMove);
       const double derivative = ofA ? row.normalA[k] : row.normalB[k];
@@ -314,9 +320,9 @@ void expectFaceRows(unsigned seed) {
   Chance chance(seed);
   for (int trial = 0; trial < 40; ++trial) {
     const auto pair = anyPair(chance, D == 3, 1);
-    for (const SeparatingPlane& plane : pair->planes()) {
+    for (const contacts::SeparatingPlane& plane : pair->planes()) {
       if (plane.kind == Kind::Edges) continue;
-      for (const Contact& contact : pair->contacts(plane)) {
+      for (const model::Contact& contact : pair->contacts(plane)) {
         EXPECT_LT(rowError<D>(contact, pair->poses), 1e-8);  // measured 2e-9
       }
     }
@@ -334,18 +340,19 @@ TEST(ContactRow, OfAFaceIsTheGapsDerivativeInThePlane) {
 TEST(ContactRow, OfTheGroundIsTheGapsDerivative) {
   Chance chance(10);
   const Poses poses = {chance.pose(1)};
-  const Contact contact = {0, kFixed, chance.vector(), chance.vector(), Vector3::UnitZ()};
+  const model::Contact contact = {0, model::kFixed, chance.vector(), chance.vector(),
+                                  Vector3::UnitZ()};
   EXPECT_LT(rowError<6>(contact, poses), 1e-8);
 }
 
 /// Of the steady planes of two edges; the number of rows looked at.
 int expectEdgeRows(const Pair& pair) {
   int rows = 0;
-  for (const SeparatingPlane& plane : edgePlanes(pair)) {
+  for (const contacts::SeparatingPlane& plane : edgePlanes(pair)) {
     // The gap of nearly parallel edges bends too much for a difference.
     const Vector3& edgeA = pair.a.directions[plane.a];
     if (edgeA.cross(pair.b.directions[plane.b]).norm() < 0.2) continue;
-    for (const Contact& contact : pair.contacts(plane)) {
+    for (const model::Contact& contact : pair.contacts(plane)) {
       EXPECT_LT(rowError<6>(contact, pair.poses), 1e-7);  // measured 2e-9
       ++rows;
     }

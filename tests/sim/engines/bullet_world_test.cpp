@@ -1,4 +1,4 @@
-#include "sim/world/bullet_world.h"
+#include "sim/engines/bullet_world.h"
 
 #include <algorithm>
 
@@ -11,56 +11,57 @@ constexpr double kStep = 1.0 / 4800;
 constexpr int kIterations = 50;
 
 /// A unit square with its bottom at height z, one corner at (x, y).
-Tile squareAt(double x, double y, double z) {
-  Tile tile;
+model::Tile squareAt(double x, double y, double z) {
+  model::Tile tile;
   tile.vertices = {{x, y, z}, {x + 1, y, z}, {x + 1, y + 1, z}, {x, y + 1, z}};
   return tile;
 }
 
 /// Bricks of unit mass and 0.1 m thickness, where they start, and their pivots.
 struct Layout {
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses poses;
-  std::vector<Pivot> pivots;
+  std::vector<model::Pivot> pivots;
 };
 
-Layout makeLayout(const std::vector<Tile>& tiles, const std::vector<Joint>& joints = {}) {
-  BrickRule rule;
+Layout makeLayout(const std::vector<model::Tile>& tiles,
+                  const std::vector<model::Joint>& joints = {}) {
+  model::BrickRule rule;
   rule.thickness = 0.1;
   Layout layout;
-  layout.bricks = makeBricks(tiles, rule);
-  layout.poses = startPoses(tiles, layout.bricks);
-  layout.pivots = makePivots(joints, layout.bricks);
+  layout.bricks = model::makeBricks(tiles, rule);
+  layout.poses = model::startPoses(tiles, layout.bricks);
+  layout.pivots = model::makePivots(joints, layout.bricks);
   return layout;
 }
 
-BulletWorld makeWorld(const Layout& layout, const Environment& environment) {
-  return BulletWorld(layout.bricks, layout.poses, layout.pivots, environment,
-                     {.iterations = kIterations});
+engines::BulletWorld makeWorld(const Layout& layout, const scene::Environment& environment) {
+  return engines::BulletWorld(layout.bricks, layout.poses, layout.pivots, environment,
+                              {.iterations = kIterations});
 }
 
 /// No gravity, no damping, no contacts.
-Environment emptySpace() {
-  Environment environment;
-  environment.contacts = ContactFilter::None;
+scene::Environment emptySpace() {
+  scene::Environment environment;
+  environment.contacts = scene::ContactFilter::None;
   environment.linearDamping = 0;
   environment.angularDamping = 0;
   return environment;
 }
 
-Motion motionOf(const BulletWorld& world) {
+Motion motionOf(const engines::BulletWorld& world) {
   Motion motion;
   world.readMotion(motion);
   return motion;
 }
 
-void advance(BulletWorld& world, int steps) {
+void advance(engines::BulletWorld& world, int steps) {
   for (int k = 0; k < steps; ++k) world.advance(kStep);
 }
 
 double largestGap(const Layout& layout, const Poses& poses) {
   double gap = 0;
-  for (const Pivot& pivot : layout.pivots) {
+  for (const model::Pivot& pivot : layout.pivots) {
     const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
     const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
     gap = std::max(gap, (a - b).norm());
@@ -81,10 +82,10 @@ bool sameBits(const Motion& a, const Motion& b) {
 
 TEST(BulletWorld, FallsByTheIntegratorsClosedForm) {
   const Layout layout = makeLayout({squareAt(0, 0, 0)});
-  Environment environment;
+  scene::Environment environment;
   environment.gravity = {0, 0, -9.81};
   environment.linearDamping = 0.05;
-  BulletWorld world = makeWorld(layout, environment);
+  engines::BulletWorld world = makeWorld(layout, environment);
   const int n = 4800;
   advance(world, n);
   // v' = a v + h g with a = (1 - damping)^h, then x' = x + h v'.
@@ -100,11 +101,11 @@ TEST(BulletWorld, FallsByTheIntegratorsClosedForm) {
 }
 
 TEST(BulletWorld, TurnsByTheWholeInertia) {
-  Tile tile;
+  model::Tile tile;
   // A tilted sliver: its inertia has products in brick axes.
   tile.vertices = {{0, 0, 0}, {2, 0.3, 1}, {2.2, 1, 1.2}};
   const Layout layout = makeLayout({tile});
-  BulletWorld world = makeWorld(layout, emptySpace());
+  engines::BulletWorld world = makeWorld(layout, emptySpace());
   const Vector3 torque(0.3, -0.2, 0.5);
   world.applyLoad(0, Vector3::Zero(), torque);
   world.advance(kStep);
@@ -115,7 +116,7 @@ TEST(BulletWorld, TurnsByTheWholeInertia) {
 
 TEST(BulletWorld, TakesALoadForOneStepAlone) {
   const Layout layout = makeLayout({squareAt(0, 0, 0)});
-  BulletWorld world = makeWorld(layout, emptySpace());
+  engines::BulletWorld world = makeWorld(layout, emptySpace());
   world.applyLoad(0, {2, 0, 0}, Vector3::Zero());
   advance(world, 3);
   EXPECT_DOUBLE_EQ(motionOf(world).velocities[0].linear.x(), 2 * kStep);
@@ -123,10 +124,10 @@ TEST(BulletWorld, TakesALoadForOneStepAlone) {
 
 TEST(BulletWorld, LeavesABrickAtRestOnTheGround) {
   const Layout layout = makeLayout({squareAt(0, 0, 0.25)});
-  Environment environment;
+  scene::Environment environment;
   environment.gravity = {0, 0, -9.81};
-  environment.ground = Ground{0.25, 0.5};
-  BulletWorld world = makeWorld(layout, environment);
+  environment.ground = scene::Ground{0.25, 0.5};
+  engines::BulletWorld world = makeWorld(layout, environment);
   advance(world, 4800);
   const Motion motion = motionOf(world);
   // Measured: 2e-8 m and 9e-9 m/s.
@@ -136,12 +137,12 @@ TEST(BulletWorld, LeavesABrickAtRestOnTheGround) {
 
 TEST(BulletWorld, SlidesOnTheGroundByCoulombsLaw) {
   const Layout layout = makeLayout({squareAt(0, 0, 0)});
-  Environment environment = emptySpace();
-  environment.ground = Ground{0, 0.5};
+  scene::Environment environment = emptySpace();
+  environment.ground = scene::Ground{0, 0.5};
   // Below the cone's edge the brick sticks; beyond it, it gains the excess.
   for (const auto& [pull, gain] : {std::pair{0.3, 0.0}, std::pair{0.7, 0.2}}) {
     environment.gravity = {pull * 9.81, 0, -9.81};
-    BulletWorld world = makeWorld(layout, environment);
+    engines::BulletWorld world = makeWorld(layout, environment);
     advance(world, 2400);
     // Measured: 1.2e-3 m/s.
     EXPECT_NEAR(motionOf(world).velocities[0].linear.x(), gain * 9.81 * 0.5, 0.01);
@@ -150,13 +151,13 @@ TEST(BulletWorld, SlidesOnTheGroundByCoulombsLaw) {
 
 TEST(BulletWorld, KeepsPivotsTogetherWhileSwinging) {
   // Three bricks in a chain, joined at corners; the first is heavily loaded against the others.
-  const std::vector<Tile> tiles = {squareAt(0, 0, 0), squareAt(1, 1, 0), squareAt(2, 2, 0)};
-  const std::vector<Joint> joints = {{{0, 2}, {1, 0}, JointFace::Bottom},
-                                     {{1, 2}, {2, 0}, JointFace::Both}};
+  const std::vector<model::Tile> tiles = {squareAt(0, 0, 0), squareAt(1, 1, 0), squareAt(2, 2, 0)};
+  const std::vector<model::Joint> joints = {{{0, 2}, {1, 0}, model::JointFace::Bottom},
+                                            {{1, 2}, {2, 0}, model::JointFace::Both}};
   const Layout layout = makeLayout(tiles, joints);
-  Environment environment;
+  scene::Environment environment;
   environment.gravity = {0, 0, -9.81};
-  BulletWorld world = makeWorld(layout, environment);
+  engines::BulletWorld world = makeWorld(layout, environment);
   double gap = 0;
   for (int k = 0; k < 9600; ++k) {
     world.applyLoad(0, {0, 0, 3 * 9.81}, {0, 0, 5});
@@ -169,41 +170,41 @@ TEST(BulletWorld, KeepsPivotsTogetherWhileSwinging) {
 
 TEST(BulletWorld, LetsOverlappingBricksBeWithoutContacts) {
   const Layout layout = makeLayout({squareAt(0, 0, 0), squareAt(0.5, 0, 0.03)});
-  BulletWorld world = makeWorld(layout, emptySpace());
+  engines::BulletWorld world = makeWorld(layout, emptySpace());
   advance(world, 100);
   EXPECT_EQ(motionOf(world).poses[1].position, layout.poses[1].position);
 }
 
 TEST(BulletWorld, LetsOverlappingBricksBeWithTheGroundAlone) {
   const Layout layout = makeLayout({squareAt(0, 0, 0), squareAt(0.5, 0, 0.03)});
-  Environment environment = emptySpace();
-  environment.ground = Ground{-1, 0.5};
-  BulletWorld world = makeWorld(layout, environment);
+  scene::Environment environment = emptySpace();
+  environment.ground = scene::Ground{-1, 0.5};
+  engines::BulletWorld world = makeWorld(layout, environment);
   advance(world, 100);
   EXPECT_EQ(motionOf(world).poses[1].position, layout.poses[1].position);
 }
 
 TEST(BulletWorld, PushesOverlappingBricksApart) {
   const Layout layout = makeLayout({squareAt(0, 0, 0), squareAt(0.5, 0, 0.08)});
-  Environment environment = emptySpace();
-  environment.contacts = ContactFilter::All;
-  BulletWorld world = makeWorld(layout, environment);
+  scene::Environment environment = emptySpace();
+  environment.contacts = scene::ContactFilter::All;
+  engines::BulletWorld world = makeWorld(layout, environment);
   advance(world, 400);
   const Poses poses = motionOf(world).poses;
   EXPECT_GT(poses[1].position.z() - poses[0].position.z(), 0.095);
 }
 
 TEST(BulletWorld, PassesJoinedBricksThroughWhenOnlyUnjoinedOnesTouch) {
-  const std::vector<Tile> tiles = {squareAt(0, 0, 0), squareAt(0.5, 0, 0.08), squareAt(0.5, 3, 0),
-                                   squareAt(0.8, 3.2, 0.08)};
+  const std::vector<model::Tile> tiles = {squareAt(0, 0, 0), squareAt(0.5, 0, 0.08),
+                                          squareAt(0.5, 3, 0), squareAt(0.8, 3.2, 0.08)};
   Layout layout = makeLayout(tiles);
   // The first two are joined in the middle of their overlap.
   const Vector3 middle(0.75, 0.5, 0.09);
   layout.pivots.push_back(
       {0, 1, middle - layout.poses[0].position, middle - layout.poses[1].position, 0});
-  Environment environment = emptySpace();
-  environment.contacts = ContactFilter::Unjoined;
-  BulletWorld world = makeWorld(layout, environment);
+  scene::Environment environment = emptySpace();
+  environment.contacts = scene::ContactFilter::Unjoined;
+  engines::BulletWorld world = makeWorld(layout, environment);
   advance(world, 400);
   const Poses poses = motionOf(world).poses;
   EXPECT_LT((poses[1].position - layout.poses[1].position).norm(), 1e-12);
@@ -211,18 +212,18 @@ TEST(BulletWorld, PassesJoinedBricksThroughWhenOnlyUnjoinedOnesTouch) {
 }
 
 TEST(BulletWorld, DoesNotPryCompactTilesApart) {
-  std::vector<Tile> tiles = {squareAt(0, 0, 0), squareAt(1, 0, 0), squareAt(0, 1, 0),
-                             squareAt(1, 1, 0)};
+  std::vector<model::Tile> tiles = {squareAt(0, 0, 0), squareAt(1, 0, 0), squareAt(0, 1, 0),
+                                    squareAt(1, 1, 0)};
   // Turned, so that faces that touch are a rounding error apart or inside each other.
   const Quaternion turn = rotationFromVector({0.3, -0.2, 0.7});
-  for (Tile& tile : tiles) {
+  for (model::Tile& tile : tiles) {
     for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
   }
-  const std::vector<Joint> joints = {{{0, 1}, {1, 0}, JointFace::Both},
-                                     {{0, 2}, {2, 1}, JointFace::Both},
-                                     {{1, 2}, {3, 1}, JointFace::Both}};
+  const std::vector<model::Joint> joints = {{{0, 1}, {1, 0}, model::JointFace::Both},
+                                            {{0, 2}, {2, 1}, model::JointFace::Both},
+                                            {{1, 2}, {3, 1}, model::JointFace::Both}};
   const Layout layout = makeLayout(tiles, joints);
-  BulletWorld world = makeWorld(layout, Environment{});
+  engines::BulletWorld world = makeWorld(layout, scene::Environment{});
   advance(world, 2400);
   const Motion motion = motionOf(world);
   for (std::size_t k = 0; k < tiles.size(); ++k) {
@@ -233,7 +234,7 @@ TEST(BulletWorld, DoesNotPryCompactTilesApart) {
 
 TEST(BulletWorld, ReadsBackWhatWasWritten) {
   const Layout layout = makeLayout({squareAt(0, 0, 0), squareAt(3, 0, 0)});
-  BulletWorld world = makeWorld(layout, Environment{});
+  engines::BulletWorld world = makeWorld(layout, scene::Environment{});
   EXPECT_EQ(motionOf(world).poses[1].position, layout.poses[1].position);
   Motion motion = motionOf(world);
   motion.poses[1] = {{0.1, 7, 0.3}, rotationFromVector({0.1, 2, 0.7})};
@@ -247,16 +248,17 @@ TEST(BulletWorld, ReadsBackWhatWasWritten) {
 }
 
 TEST(BulletWorld, RepeatsItselfToTheBit) {
-  const std::vector<Tile> tiles = {squareAt(0, 0, 0.2), squareAt(1, 1, 0.2), squareAt(2, 2, 0.2)};
-  const std::vector<Joint> joints = {{{0, 2}, {1, 0}, JointFace::Bottom},
-                                     {{1, 2}, {2, 0}, JointFace::Both}};
+  const std::vector<model::Tile> tiles = {squareAt(0, 0, 0.2), squareAt(1, 1, 0.2),
+                                          squareAt(2, 2, 0.2)};
+  const std::vector<model::Joint> joints = {{{0, 2}, {1, 0}, model::JointFace::Bottom},
+                                            {{1, 2}, {2, 0}, model::JointFace::Both}};
   const Layout layout = makeLayout(tiles, joints);
-  Environment environment;
+  scene::Environment environment;
   environment.gravity = {0.1, 0, -9.81};
-  environment.ground = Ground{0, 0.5};
-  BulletWorld first = makeWorld(layout, environment);
+  environment.ground = scene::Ground{0, 0.5};
+  engines::BulletWorld first = makeWorld(layout, environment);
   advance(first, 2400);
-  BulletWorld second = makeWorld(layout, environment);
+  engines::BulletWorld second = makeWorld(layout, environment);
   advance(second, 2400);
   EXPECT_TRUE(sameBits(motionOf(first), motionOf(second)));
 }

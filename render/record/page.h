@@ -14,7 +14,7 @@
 #include "sim/base/geometry.h"
 #include "sim/trajectory/trajectory_file.h"
 
-namespace kirireel {
+namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
 // What a page says of a run in words.
@@ -24,10 +24,10 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 
 /// What a run was, how it ended and how accurate it is, from its trajectory alone. Texts are plain,
 /// not yet escaped. Reads every sample once.
-Facts factsOf(const TrajectoryReader& run);
+Facts factsOf(const trajectory::TrajectoryReader& run);
 
 /// What a run warns of, one line each.
-std::vector<std::string> warningsOf(const TrajectoryReader& run);
+std::vector<std::string> warningsOf(const trajectory::TrajectoryReader& run);
 
 /// Text as HTML shows it literally, within elements and attributes.
 std::string htmlText(const std::string& text);
@@ -111,21 +111,22 @@ struct PageStates {
 
 /// The colours, lights, lines and lengths of our pictures for a theme, from render/picture. For the
 /// theme that is given, whatever the look's own.
-Json styleJson(Theme theme, const Look& look);
+Json styleJson(picture::Theme theme, const picture::Look& look);
 
 /// The shades [bottom, top, side] of bricks whose colours stand for values, from the least to the
 /// largest in equal steps.
-Json mapJson(ColourMap map);
+Json mapJson(picture::ColourMap map);
 
 /// One run: bricks, poses, joints, measures, target, surroundings and cameras. See stage.js, which
 /// reads it. Throws InputError when the look asks for what the run lacks. Reads the trajectory once
 /// for the states, once for the curves. `states.samples` of a thousand bricks take 14 kB each
 /// before they are compressed.
-Json runJson(const TrajectoryReader& run, const Look& look, const PageStates& states);
+Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
+             const PageStates& states);
 
 /// Three pictures of the run side by side, at the start, half way and at the end: a PNG file.
 /// Throws OutputError where nothing can be painted.
-std::string stillPicture(const TrajectoryReader& run, const Look& look);
+std::string stillPicture(const trajectory::TrajectoryReader& run, const picture::Look& look);
 
 // ------------------------------------------------------------------------------------------------
 // Pages to hand over: one HTML file that shows runs in 3-D in any browser, without a network.
@@ -148,7 +149,7 @@ struct WebPageSettings {
   /// others can be saved from it.
   std::vector<std::string> embedded;
   double mostMegabytes = 25;  ///< a larger page is refused; 1e6 bytes each
-  Look look;                  ///< of all runs
+  picture::Look look;         ///< of all runs
 };
 
 /// Whether this program can make pages: three.js was there when it was built. three.js is taken in
@@ -175,6 +176,6 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 /// "field_of_view", "view_height"}, ...]}: first the view of the look, as pictures have it, then
 /// others. Of a view's fits, narrowest first, the page takes the widest that its canvas holds.
 /// Aspect is width by height. Costs five fits a view, each a look at all points of the content.
-Json camerasJson(const Look& look, const PictureContent& content);
+Json camerasJson(const picture::Look& look, const picture::PictureContent& content);
 
-}  // namespace kirireel
+}  // namespace kirireel::record

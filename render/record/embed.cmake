@@ -1,5 +1,5 @@
 # Writes FILES into OUTPUT, C++ that gives each by its name: see embedded_files.h.
-set(text "#include \"render/page/embedded_files.h\"\n\nnamespace kirireel {\n\n")
+set(text "#include \"render/record/embedded_files.h\"\n\nnamespace kirireel::record {\n\n")
 string(APPEND text "std::string_view embeddedFile(std::string_view name) {\n")
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME)
@@ -10,5 +10,5 @@ foreach(file IN LISTS FILES)
   string(REGEX REPLACE "(..)" "\\\\x\\1" digits "${digits}")
   string(APPEND text "  if (name == \"${name}\") return {\"${digits}\", ${bytes}};\n")
 endforeach()
-string(APPEND text "  return {};\n}\n\n}  // namespace kirireel\n")
+string(APPEND text "  return {};\n}\n\n}  // namespace kirireel::record\n")
 file(WRITE ${OUTPUT} "${text}")

@@ -1,4 +1,4 @@
-// A page is a template (render/page/web/page.html) with its places filled in:
+// A page is a template (render/record/web/page.html) with its places filled in:
 //
 //     <!--title-->, <!--program-->, <!--count-->   words
 //     <!--style-->, <!--scripts-->                 page.css; three.js and our scripts
@@ -11,7 +11,7 @@
 //
 // Text from a model (names, warnings) is escaped; the JSON stands in a script element, which ends
 // at "</", so every "<" is written as \u003c.
-#include "render/page/page.h"
+#include "render/record/page.h"
 
 #include <algorithm>
 #include <array>
@@ -25,10 +25,10 @@
 #include <nlohmann/json.hpp>
 
 #include "render/export/output_folder.h"
-#include "render/page/embedded_files.h"
 #include "render/picture/grid.h"
 #include "render/picture/png.h"
 #include "render/picture/state_painter.h"
+#include "render/record/embedded_files.h"
 #include "render/record/pace.h"
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
@@ -38,7 +38,7 @@
 #include "sim/model/model.h"
 #include "sim/trajectory/run_curves.h"
 
-namespace kirireel {
+namespace kirireel::record {
 namespace {
 
 /// In the order in which they need each other.
@@ -108,7 +108,7 @@ std::string warningsHtml(const std::vector<std::string>& warnings) {
 }
 
 /// Paints three small pictures.
-std::string stageHtml(const TrajectoryReader& run, const Look& look) {
+std::string stageHtml(const trajectory::TrajectoryReader& run, const picture::Look& look) {
   const std::string still = stillPicture(run, look);
   const std::string picture = base64(std::as_bytes(std::span(still)));
   return filled(embeddedFile("stage.html"),
@@ -144,7 +144,7 @@ std::string embeddedHtml(const std::filesystem::path& file) {
 }
 
 /// Embedded files are looked for in the run's folder.
-std::string wordsHtml(const TrajectoryReader& run, const std::filesystem::path& folder,
+std::string wordsHtml(const trajectory::TrajectoryReader& run, const std::filesystem::path& folder,
                       const std::vector<std::string>& names) {
   std::string files;
   for (const std::string& name : names) files += embeddedHtml(folder / name);
@@ -191,14 +191,15 @@ void requirePages() {
 std::string pageText(const std::vector<std::filesystem::path>& trajectories,
                      const WebPageSettings& settings) {
   requirePages();
-  Json data = {{"light", styleJson(Theme::Light, settings.look)},
-               {"dark", styleJson(Theme::Dark, settings.look)},
-               {"map", mapJson(settings.look.map)},
-               {"theme", settings.look.theme == Theme::Dark ? Json("dark") : Json(nullptr)},
-               {"runs", Json::array()}};
+  Json data = {
+      {"light", styleJson(picture::Theme::Light, settings.look)},
+      {"dark", styleJson(picture::Theme::Dark, settings.look)},
+      {"map", mapJson(settings.look.map)},
+      {"theme", settings.look.theme == picture::Theme::Dark ? Json("dark") : Json(nullptr)},
+      {"runs", Json::array()}};
   std::string title, stages, words;
   for (const std::filesystem::path& file : trajectories) {
-    const TrajectoryReader run(file);
+    const trajectory::TrajectoryReader run(file);
     data["runs"].push_back(runJson(run, settings.look, settings.states));
     title += (title.empty() ? "" : " and ") + run.subject().model.name;
     stages += stageHtml(run, settings.look);
@@ -221,9 +222,10 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
 void writePage(const std::vector<std::filesystem::path>& trajectories,
                const WebPageSettings& settings) {
   requirePages();
-  FileSet files(settings.folder, output::kContents);
-  files.requireFree(
-      [](const std::string& name) { return name == output::kContents || name == kPageFile; });
+  exports::FileSet files(settings.folder, exports::output::kContents);
+  files.requireFree([](const std::string& name) {
+    return name == exports::output::kContents || name == kPageFile;
+  });
   writeTextFile(files.stage() / kPageFile, pageText(trajectories, settings));
   files.commit(std::vector<std::string>{kPageFile});
 }
@@ -246,37 +248,38 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 namespace {
 
 /// Of each of the three pictures, pixels.
-constexpr FrameSize kStillSize{480, 360};
+constexpr picture::FrameSize kStillSize{480, 360};
 // Of a colour map: an odd number, so that the middle is among them.
 constexpr int kShades = 129;
 constexpr std::array<double, 3> kStillShares = {0, 0.5, 1};
 
-Json colourJson(Colour colour) {
+Json colourJson(picture::Colour colour) {
   return {colour.red, colour.green, colour.blue};
 }
 
-Json coloursJson(const BrickColours& colours) {
+Json coloursJson(const picture::BrickColours& colours) {
   return {colourJson(colours.bottom), colourJson(colours.top), colourJson(colours.side)};
 }
 
 /// Directions are unit vectors in the camera's axes, strengths 0 to 1.
-Json lightsJson(const Style& style) {
-  const auto light = [](const Light& from) -> Json {
+Json lightsJson(const picture::Style& style) {
+  const auto light = [](const picture::Light& from) -> Json {
     return {{"direction", vectorJson(from.direction)}, {"strength", from.strength}};
   };
   return {{"ambient", style.ambient}, {"key", light(style.key)}, {"fill", light(style.fill)}};
 }
 
 /// A content of one brick: what a style needs that does not depend on the run.
-PictureContent anyContent() {
-  PictureContent content;
+picture::PictureContent anyContent() {
+  picture::PictureContent content;
   content.points = {Vector3::Zero(), Vector3::Ones()};
   return content;
 }
 
-Style styleOf(const Look& look) {
+picture::Style styleOf(const picture::Look& look) {
   // So large that no line is thickened: the page does that for its own size.
-  return PictureSetup(look, anyContent(), {kMaxFrameSide, kMaxFrameSide}).style();
+  return picture::PictureSetup(look, anyContent(), {picture::kMaxFrameSide, picture::kMaxFrameSide})
+      .style();
 }
 
 void appendPoint(std::vector<float>& numbers, const Vector3& point) {
@@ -284,10 +287,10 @@ void appendPoint(std::vector<float>& numbers, const Vector3& point) {
 }
 
 /// The corners of all polygons one after the other, and how many each has.
-Json polygonsJson(const std::vector<Tile>& tiles) {
+Json polygonsJson(const std::vector<model::Tile>& tiles) {
   std::vector<float> corners;
   std::vector<std::int32_t> counts;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     counts.push_back(static_cast<std::int32_t>(tile.vertices.size()));
     for (const Vector3& vertex : tile.vertices) appendPoint(corners, vertex);
   }
@@ -297,17 +300,17 @@ Json polygonsJson(const std::vector<Tile>& tiles) {
 
 /// The bricks' bottoms in their own axes, and what leads from there to their tops. A brick is a
 /// prism: its top is its bottom moved by one vector, so that one vector a brick is enough.
-Json bricksJson(const std::vector<Brick>& bricks) {
-  std::vector<Tile> bottoms;
+Json bricksJson(const std::vector<model::Brick>& bricks) {
+  std::vector<model::Tile> bottoms;
   std::vector<float> rises;
   Json triangles = Json::object();
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const Brick& brick = bricks[i];
+    const model::Brick& brick = bricks[i];
     bottoms.push_back({brick.bottom});
     appendPoint(rises, brick.top[0] - brick.bottom[0]);
     // The page fans convex polygons by itself.
-    if (isConvexPolygon(brick.bottom, brick.normal)) continue;
-    triangles[std::to_string(i)] = trianglesOf(brick.bottom, brick.normal);
+    if (model::isConvexPolygon(brick.bottom, brick.normal)) continue;
+    triangles[std::to_string(i)] = model::trianglesOf(brick.bottom, brick.normal);
   }
   Json json = polygonsJson(bottoms);
   json["rises"] = packedArray(std::span<const float>(rises));
@@ -317,10 +320,10 @@ Json bricksJson(const std::vector<Brick>& bricks) {
 
 /// Where dots on joints stand: a brick, and a point in its axes. The points of the first brick of
 /// each pivot.
-Json joinsJson(const std::vector<Pivot>& pivots) {
+Json joinsJson(const std::vector<model::Pivot>& pivots) {
   std::vector<std::int32_t> bricks;
   std::vector<float> points;
-  for (const Pivot& pivot : pivots) {
+  for (const model::Pivot& pivot : pivots) {
     bricks.push_back(pivot.brickA);
     appendPoint(points, pivot.pointA);
   }
@@ -329,9 +332,9 @@ Json joinsJson(const std::vector<Pivot>& pivots) {
 }
 
 /// Metres from the brick's centre of mass, the origin of its axes.
-double largestRadius(const std::vector<Brick>& bricks) {
+double largestRadius(const std::vector<model::Brick>& bricks) {
   double radius = 0;
-  for (const Brick& brick : bricks) {
+  for (const model::Brick& brick : bricks) {
     for (const auto* face : {&brick.bottom, &brick.top}) {
       for (const Vector3& corner : *face) radius = std::max(radius, corner.norm());
     }
@@ -343,19 +346,20 @@ double largestRadius(const std::vector<Brick>& bricks) {
 /// it.
 class StateCollector {
  public:
-  StateCollector(const PictureContent& content, const PageStates& states)
+  StateCollector(const picture::PictureContent& content, const PageStates& states)
       : content_(content), poses_(stepsFor(content, states)) {}
 
-  void add(const Sample& sample, double progress) {
+  void add(const trajectory::Sample& sample, double progress) {
     times_.push_back(sample.time);
     progress_.push_back(progress);
     gap_.push_back(sample.jointGap);
     error_.push_back(sample.targetError);
     poses_.add(sample.poses);
     // One value a brick and state; the page colours bricks by them.
-    append(gaps_, brickJointGaps(content_.pivots, sample.poses));
+    append(gaps_, trajectory::brickJointGaps(content_.pivots, sample.poses));
     if (content_.target) {
-      append(errors_, brickTargetErrors(*content_.target, content_.bricks, sample.poses));
+      append(errors_,
+             trajectory::brickTargetErrors(*content_.target, content_.bricks, sample.poses));
     }
   }
 
@@ -371,7 +375,7 @@ class StateCollector {
   }
 
  private:
-  static std::optional<PoseSteps> stepsFor(const PictureContent& content,
+  static std::optional<PoseSteps> stepsFor(const picture::PictureContent& content,
                                            const PageStates& states) {
     if (states.exact) return std::nullopt;
     Eigen::AlignedBox3d box;
@@ -383,14 +387,14 @@ class StateCollector {
     values.insert(values.end(), more.begin(), more.end());
   }
 
-  const PictureContent& content_;
+  const picture::PictureContent& content_;
   PosePacker poses_;
   std::vector<double> times_, progress_, gap_, error_;  ///< one a state
   std::vector<double> gaps_, errors_;                   ///< state by state, one a brick
 };
 
 /// States between two samples are interpolated with their joints closed, see Replay.
-Json statesJson(const TrajectoryReader& run, const PictureContent& content,
+Json statesJson(const trajectory::TrajectoryReader& run, const picture::PictureContent& content,
                 const PageStates& states) {
   const MotionCurve motion = motionOf(run);
   StateCollector collector(content, states);
@@ -412,12 +416,12 @@ Json statesJson(const TrajectoryReader& run, const PictureContent& content,
 
 /// The values with as many digits as a diagram can show, and a reader wants to know. Groups without
 /// any value are left out; a value that does not exist is null.
-Json curvesJson(const RunCurves& curves) {
+Json curvesJson(const trajectory::RunCurves& curves) {
   Json groups = Json::array();
-  for (const CurveGroup& group : curves.groups) {
+  for (const trajectory::CurveGroup& group : curves.groups) {
     if (!group.hasValues()) continue;
     Json lines = Json::array();
-    for (const Curve& curve : group.curves) {
+    for (const trajectory::Curve& curve : group.curves) {
       if (!curve.hasValues()) continue;
       Json values = Json::array();
       for (const double value : curve.values)
@@ -434,7 +438,7 @@ Json curvesJson(const RunCurves& curves) {
 }
 
 /// Metres; null where nothing lies under the bricks.
-Json plateJson(const std::optional<GroundPlate>& plate) {
+Json plateJson(const std::optional<picture::GroundPlate>& plate) {
   if (!plate) return nullptr;
   return {{"height", plate->height},
           {"centre", {plate->centre.x(), plate->centre.y()}},
@@ -443,7 +447,7 @@ Json plateJson(const std::optional<GroundPlate>& plate) {
           {"shadow", plate->shadow}};
 }
 
-PictureSettings stillSettings(const Look& look) {
+PictureSettings stillSettings(const picture::Look& look) {
   PictureSettings settings;
   settings.look = look;
   settings.size = kStillSize;
@@ -452,12 +456,12 @@ PictureSettings stillSettings(const Look& look) {
 
 }  // namespace
 
-Json styleJson(Theme theme, const Look& look) {
-  Look themed = look;
+Json styleJson(picture::Theme theme, const picture::Look& look) {
+  picture::Look themed = look;
   themed.theme = theme;
-  themed.colouring = Colouring::Plain;
-  const Style style = styleOf(themed);
-  themed.colouring = Colouring::Displacement;
+  themed.colouring = picture::Colouring::Plain;
+  const picture::Style style = styleOf(themed);
+  themed.colouring = picture::Colouring::Displacement;
   return {{"background", colourJson(style.background)},
           {"brick", coloursJson(style.brick)},
           {"edge", colourJson(style.edge)},
@@ -466,31 +470,33 @@ Json styleJson(Theme theme, const Look& look) {
           {"shadow", colourJson(style.shadow)},
           {"mark", colourJson(style.mark)},
           {"overlay", colourJson(style.overlay)},
-          {"edge_width", look.outlines ? Style().edgeWidth : 0},
-          {"thinnest_edge", look.outlines ? kThinnestEdge : 0},
-          {"most_outline_share", kMaxOutlineShare},
+          {"edge_width", look.outlines ? picture::Style().edgeWidth : 0},
+          {"thinnest_edge", look.outlines ? picture::kThinnestEdge : 0},
+          {"most_outline_share", picture::kMaxOutlineShare},
           {"mark_size", style.markSize},
-          {"mark_lift", kDotLift},
+          {"mark_lift", picture::kDotLift},
           {"overlay_width", style.overlayWidth},
-          {"thinnest_overlay", kThinnestOverlay},
+          {"thinnest_overlay", picture::kThinnestOverlay},
           {"lights", lightsJson(style)},
           {"measure_lights", lightsJson(styleOf(themed))}};
 }
 
-Json mapJson(ColourMap map) {
+Json mapJson(picture::ColourMap map) {
   Json shades = Json::array();
   for (int k = 0; k < kShades; ++k) {
-    shades.push_back(coloursJson(evenShades(mapColour(map, k / (kShades - 1.0)))));
+    shades.push_back(
+        coloursJson(picture::evenShades(picture::mapColour(map, k / (kShades - 1.0)))));
   }
   return shades;
 }
 
-Json runJson(const TrajectoryReader& run, const Look& look, const PageStates& states) {
-  const Subject& subject = run.subject();
-  const PictureContent content = contentOf(run, stillSettings(look));
-  const PictureSetup setup(look, content, kStillSize);
+Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
+             const PageStates& states) {
+  const trajectory::Subject& subject = run.subject();
+  const picture::PictureContent content = contentOf(run, stillSettings(look));
+  const picture::PictureSetup setup(look, content, kStillSize);
   Json statesOfPage = statesJson(run, content, states);
-  Json curves = curvesJson(curvesAt(curvesOf(run), statesOfPage["times"]));
+  Json curves = curvesJson(trajectory::curvesAt(trajectory::curvesOf(run), statesOfPage["times"]));
   return {{"name", subject.model.name},
           {"bricks", bricksJson(subject.bricks)},
           {"states", std::move(statesOfPage)},
@@ -502,21 +508,22 @@ Json runJson(const TrajectoryReader& run, const Look& look, const PageStates& st
           {"curves", std::move(curves)}};
 }
 
-std::string stillPicture(const TrajectoryReader& run, const Look& look) {
+std::string stillPicture(const trajectory::TrajectoryReader& run, const picture::Look& look) {
   const PictureSettings settings = stillSettings(look);
   const MotionCurve motion = motionOf(run);
-  StatePainter painter(kStillSize, look, contentOf(run, settings));
+  picture::StatePainter painter(kStillSize, look, contentOf(run, settings));
   Replay replay(run);
-  std::vector<GridPicture> pictures;
+  std::vector<picture::GridPicture> pictures;
   for (const double share : kStillShares) {
-    const Sample sample = replay.at(motion.timeAt(share));
+    const trajectory::Sample sample = replay.at(motion.timeAt(share));
     pictures.push_back({painter.paint({sample.time, sample.poses, {}, share}),
                         fmt::format("{:.0f}%", 100 * share)});
   }
-  GridStyle style;
+  picture::GridStyle style;
   style.background = painter.setup().style().background;
   style.text = painter.setup().style().text;
-  return pngBytes(composeGrid(pictures, {1, static_cast<int>(pictures.size())}, style));
+  return picture::pngBytes(
+      picture::composeGrid(pictures, {1, static_cast<int>(pictures.size())}, style));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -527,7 +534,7 @@ std::string stillPicture(const TrajectoryReader& run, const Look& look) {
 namespace {
 
 /// What the run found out; nothing in old files.
-Json findingsOf(const TrajectoryReader& run) {
+Json findingsOf(const trajectory::TrajectoryReader& run) {
   const Json findings = parseJsonOrDiscard(run.end().findings);
   return findings.is_object() ? findings : Json::object();
 }
@@ -543,9 +550,9 @@ std::string lengthText(double metres, double tile) {
 }
 
 /// The sides of the box along x, y and z.
-std::string sizeText(const std::vector<Tile>& tiles) {
+std::string sizeText(const std::vector<model::Tile>& tiles) {
   Eigen::AlignedBox3d box;
-  for (const Tile& tile : tiles) {
+  for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) box.extend(vertex);
   }
   const Vector3 sides = box.sizes();
@@ -553,20 +560,20 @@ std::string sizeText(const std::vector<Tile>& tiles) {
 }
 
 /// Nothing for models without a target.
-void addErrors(const TrajectoryReader& run, double tile, Facts& facts) {
+void addErrors(const trajectory::TrajectoryReader& run, double tile, Facts& facts) {
   if (!run.subject().model.target) return;
-  const Sample first = run.sample(0);
-  const Sample last = run.sample(run.times().size() - 1);
+  const trajectory::Sample first = run.sample(0);
+  const trajectory::Sample last = run.sample(run.times().size() - 1);
   facts.emplace_back("Distance from the target, start", lengthText(first.targetError, tile));
   facts.emplace_back("Distance from the target, end", lengthText(last.targetError, tile));
 }
 
 /// Joint gaps are known of every step, overlaps of the samples alone.
-void addAccuracy(const TrajectoryReader& run, double tile, Facts& facts) {
+void addAccuracy(const trajectory::TrajectoryReader& run, double tile, Facts& facts) {
   double gap = 0, overlap = 0;
-  for (const StepRecord& step : run.steps()) gap = std::max(gap, step.jointGap);
+  for (const trajectory::StepRecord& step : run.steps()) gap = std::max(gap, step.jointGap);
   for (std::size_t k = 0; k < run.times().size(); ++k) {
-    const Sample sample = run.sample(k);
+    const trajectory::Sample sample = run.sample(k);
     gap = std::max(gap, sample.jointGap);
     overlap = std::max(overlap, sample.penetration);
   }
@@ -576,16 +583,16 @@ void addAccuracy(const TrajectoryReader& run, double tile, Facts& facts) {
 
 }  // namespace
 
-Facts factsOf(const TrajectoryReader& run) {
-  const Subject& subject = run.subject();
-  const Model& model = subject.model;
-  const double tile = tileSize(model);
+Facts factsOf(const trajectory::TrajectoryReader& run) {
+  const trajectory::Subject& subject = run.subject();
+  const model::Model& model = subject.model;
+  const double tile = model::tileSize(model);
   Facts facts = {
       {"Sheet", counted(model.tiles.size(), "tile") + ", " + counted(model.joints.size(), "joint")},
       {"Thickness", lengthText(subject.brickRule.thickness, tile)},
       {"Size, start", sizeText(model.tiles)}};
-  const Sample last = run.sample(run.times().size() - 1);
-  facts.emplace_back("Size, end", sizeText(bottomTiles(subject.bricks, last.poses)));
+  const trajectory::Sample last = run.sample(run.times().size() - 1);
+  facts.emplace_back("Size, end", sizeText(model::bottomTiles(subject.bricks, last.poses)));
   facts.emplace_back("Simulated time", fmt::format("{:.4g} s", run.times().back()));
   if (!run.end().events.empty()) facts.emplace_back("End", run.end().events.back().text);
   const Json findings = findingsOf(run);
@@ -594,13 +601,13 @@ Facts factsOf(const TrajectoryReader& run) {
   }
   addErrors(run, tile, facts);
   addAccuracy(run, tile, facts);
-  if (!run.hasMechanics()) facts.emplace_back("Energies and forces", kNoMechanics);
+  if (!run.hasMechanics()) facts.emplace_back("Energies and forces", trajectory::kNoMechanics);
   // A fact without a value is not told.
   std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
   return facts;
 }
 
-std::vector<std::string> warningsOf(const TrajectoryReader& run) {
+std::vector<std::string> warningsOf(const trajectory::TrajectoryReader& run) {
   const Json findings = findingsOf(run);
   return findings.value("warnings", std::vector<std::string>());
 }
@@ -640,11 +647,11 @@ namespace {
 
 /// Sizes whose aspects canvases are taken for: a telephone upright to a wide screen. The last is
 /// that of our pictures.
-constexpr std::array<FrameSize, 5> kSizes = {
+constexpr std::array<picture::FrameSize, 5> kSizes = {
     {{450, 800}, {600, 800}, {800, 800}, {800, 600}, {1280, 720}}};
 
 /// Metres and radians.
-Json cameraJson(const Camera& camera, double aspect) {
+Json cameraJson(const picture::Camera& camera, double aspect) {
   return {{"aspect", aspect},
           {"eye", vectorJson(camera.eye)},
           {"centre", vectorJson(camera.centre)},
@@ -655,10 +662,10 @@ Json cameraJson(const Camera& camera, double aspect) {
 }
 
 /// From the narrowest canvas to the widest.
-Json viewJson(const char* name, const Look& look, const PictureContent& content) {
+Json viewJson(const char* name, const picture::Look& look, const picture::PictureContent& content) {
   Json fits = Json::array();
-  for (const FrameSize size : kSizes) {
-    const PictureSetup setup(look, content, size);
+  for (const picture::FrameSize size : kSizes) {
+    const picture::PictureSetup setup(look, content, size);
     fits.push_back(cameraJson(setup.camera({0, content.start, {}}), size.aspect()));
   }
   return {{"name", name}, {"fits", std::move(fits)}};
@@ -666,12 +673,15 @@ Json viewJson(const char* name, const Look& look, const PictureContent& content)
 
 }  // namespace
 
-Json camerasJson(const Look& look, const PictureContent& content) {
+Json camerasJson(const picture::Look& look, const picture::PictureContent& content) {
   Json views = {viewJson("Usual", look, content)};
-  const std::pair<const char*, ViewAngles> others[] = {
-      {"Top", kTopView}, {"Front", kFrontView}, {"Side", kRightView}, {"Corner", kIsometricView}};
+  const std::pair<const char*, picture::ViewAngles> others[] = {
+      {"Top", picture::kTopView},
+      {"Front", picture::kFrontView},
+      {"Side", picture::kRightView},
+      {"Corner", picture::kIsometricView}};
   for (const auto& [name, view] : others) {
-    Look other = look;
+    picture::Look other = look;
     other.camera.view = view;
     views.push_back(viewJson(name, other, content));
   }
@@ -838,4 +848,4 @@ Json packedMagnitudes(std::span<const double> values) {
           {"codes", packedArray(std::span<const std::uint8_t>(codes))}};
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::record

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/world/bullet_world.h"
+#include "sim/engines/bullet_world.h"
 
 namespace kirireel {
 namespace {
@@ -12,8 +12,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 /// A brick on the unit circle's points at these angles; its other fields do not matter here.
-Brick brickOnCircle(const std::vector<double>& angles, double thickness) {
-  Brick brick;
+model::Brick brickOnCircle(const std::vector<double>& angles, double thickness) {
+  model::Brick brick;
   brick.thickness = thickness;
   for (const double angle : angles) {
     brick.bottom.emplace_back(std::cos(angle), std::sin(angle), 0);
@@ -23,14 +23,14 @@ Brick brickOnCircle(const std::vector<double>& angles, double thickness) {
 }
 
 /// Furthest that the hull with its margin reaches in a unit direction.
-double reach(const InsetHull& hull, const Vector3& direction) {
+double reach(const engines::InsetHull& hull, const Vector3& direction) {
   double furthest = -std::numeric_limits<double>::infinity();
   for (const Vector3& point : hull.points) furthest = std::max(furthest, point.dot(direction));
   return furthest + hull.margin;
 }
 
-void expectSameFaces(const Brick& brick) {
-  const InsetHull hull = insetHull(brick);
+void expectSameFaces(const model::Brick& brick) {
+  const engines::InsetHull hull = engines::insetHull(brick);
   // Measured: 3e-15 at most.
   EXPECT_NEAR(reach(hull, brick.normal), brick.top[0].dot(brick.normal), 1e-14);
   EXPECT_NEAR(reach(hull, -brick.normal), -brick.bottom[0].dot(brick.normal), 1e-14);
@@ -55,15 +55,15 @@ TEST(InsetHull, WithItsMarginHasTheFacesOfTheBrick) {
 
 TEST(InsetHull, TakesAFifthOfTheThicknessUpToTwoCentimetres) {
   const std::vector<double> square = {0, kPi / 2, kPi, 3 * kPi / 2};
-  EXPECT_DOUBLE_EQ(insetHull(brickOnCircle(square, 0.02)).margin, 0.004);
-  EXPECT_DOUBLE_EQ(insetHull(brickOnCircle(square, 0.1)).margin, 0.02);
-  EXPECT_DOUBLE_EQ(insetHull(brickOnCircle(square, 1)).margin, 0.02);
+  EXPECT_DOUBLE_EQ(engines::insetHull(brickOnCircle(square, 0.02)).margin, 0.004);
+  EXPECT_DOUBLE_EQ(engines::insetHull(brickOnCircle(square, 0.1)).margin, 0.02);
+  EXPECT_DOUBLE_EQ(engines::insetHull(brickOnCircle(square, 1)).margin, 0.02);
 }
 
 TEST(InsetHull, LeavesHalfOfAShortEdge) {
   // The edge between the first two points is 0.001 long.
-  const Brick sliver = brickOnCircle({0, 0.001, kPi}, 0.1);
-  const InsetHull hull = insetHull(sliver);
+  const model::Brick sliver = brickOnCircle({0, 0.001, kPi}, 0.1);
+  const engines::InsetHull hull = engines::insetHull(sliver);
   EXPECT_LT(hull.margin, 0.001);
   const double before = (sliver.bottom[1] - sliver.bottom[0]).norm();
   const double after = (hull.points[1] - hull.points[0]).norm();

@@ -1,14 +1,12 @@
-/// Our values as Bullet's and back. For the files of this module alone.
+/// Our values as Bullet's and back. For the files alone that include Bullet.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <LinearMath/btQuaternion.h>
 #include <LinearMath/btVector3.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/brick.h"
 
-namespace kirireel {
+namespace kirireel::contacts {
 
 // Debian ships Bullet in both precisions; mixed, it compiles and corrupts memory.
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built in double precision");
@@ -33,19 +31,4 @@ inline Quaternion fromBullet(const btQuaternion& q) {
   return Quaternion(q.w(), q.x(), q.y(), q.z()).normalized();
 }
 
-/// Bullet wants diagonal inertias, so a body's axes are its brick's principal axes.
-struct PrincipalAxes {
-  Quaternion rotation;  ///< from principal axes to brick axes
-  Vector3 inertia;      ///< about the principal axes
-};
-
-/// The principal axes of a brick, right-handed.
-inline PrincipalAxes principalAxes(const Brick& brick) {
-  /// Eigenvectors are orthonormal but may be left-handed, which no rotation is.
-  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(brick.inertia);
-  Matrix3 axes = solver.eigenvectors();
-  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
-  return {Quaternion(axes).normalized(), solver.eigenvalues()};
-}
-
-}  // namespace kirireel
+}  // namespace kirireel::contacts

@@ -7,7 +7,7 @@
 // 2005). It works in single precision: a gap below about 1e-6 m cannot be had. Box2D damps
 // velocities by 1 / (1 + h c) a step, so that a rate of c = -ln(1 - lost) loses the wanted part
 // within a second for short steps.
-#include "sim/world/brick_world.h"
+#include "sim/engines/brick_world.h"
 
 #ifdef KIRIREEL_BOX2D
 
@@ -16,7 +16,7 @@
 #include <box2d/box2d.h>
 #include <fmt/format.h>
 
-namespace kirireel {
+namespace kirireel::engines {
 namespace {
 
 b2Vec2 toBox2d(const Vector3& v) {
@@ -30,8 +30,9 @@ float dampingRate(double lost) {
 
 class Box2dWorld : public BrickWorld {
  public:
-  Box2dWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-             const Environment& environment, int iterations, int corrections)
+  Box2dWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+             std::span<const model::Pivot> pivots, const scene::Environment& environment,
+             int iterations, int corrections)
       : start_(start),
         world_(toBox2d(environment.gravity)),
         iterations_(iterations),
@@ -39,7 +40,7 @@ class Box2dWorld : public BrickWorld {
     // Bodies at rest under small forces would stop to be simulated.
     world_.SetAllowSleeping(false);
     for (std::size_t k = 0; k < bricks.size(); ++k) addBrick(bricks[k], start[k], environment);
-    for (const Pivot& pivot : pivots) {
+    for (const model::Pivot& pivot : pivots) {
       if (!pivot.isUpper) addPivot(pivot);
     }
   }
@@ -82,7 +83,8 @@ class Box2dWorld : public BrickWorld {
 
  private:
   /// A body without a shape, since nothing collides: its mass is set.
-  void addBrick(const Brick& brick, const Pose& start, const Environment& environment) {
+  void addBrick(const model::Brick& brick, const Pose& start,
+                const scene::Environment& environment) {
     b2BodyDef definition;
     definition.type = b2_dynamicBody;
     definition.position = toBox2d(start.position);
@@ -98,7 +100,7 @@ class Box2dWorld : public BrickWorld {
   }
 
   /// A body's angle is 0 at the start, so its axes are the world's as they were then.
-  void addPivot(const Pivot& pivot) {
+  void addPivot(const model::Pivot& pivot) {
     b2RevoluteJointDef definition;
     definition.bodyA = bodies_[pivot.brickA];
     definition.bodyB = bodies_[pivot.brickB];
@@ -116,9 +118,9 @@ class Box2dWorld : public BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& bricks, const Poses& start,
-                                           std::span<const Pivot> pivots,
-                                           const Environment& environment, int iterations,
+std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<model::Brick>& bricks,
+                                           const Poses& start, std::span<const model::Pivot> pivots,
+                                           const scene::Environment& environment, int iterations,
                                            int corrections) {
   return std::make_unique<Box2dWorld>(bricks, start, pivots, environment, iterations, corrections);
 }
@@ -127,11 +129,11 @@ std::string box2dVersion() {
   return fmt::format("{}.{}.{}", b2_version.major, b2_version.minor, b2_version.revision);
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
 
 #else
 
-namespace kirireel {
+namespace kirireel::engines {
 
 std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& /*bricks*/,
                                            const Poses& /*start*/,
@@ -145,6 +147,6 @@ std::string box2dVersion() {
   return "";
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
 
 #endif

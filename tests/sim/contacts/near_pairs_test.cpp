@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/world/contact_finder.h"
-#include "tests/sim/world/prisms.h"
+#include "sim/contacts/contact_finder.h"
+#include "tests/sim/contacts/prisms.h"
 
 namespace kirireel {
 namespace {
@@ -21,15 +21,15 @@ TEST(MotionBound, IsReachedByNoPoint) {
     to.rotation = (rotationFromVector(size * chance.vector()) * to.rotation).normalized();
     const Vector3 point = chance.vector().normalized();
     const double moved = (to.apply(point) - from.apply(point)).norm();
-    const double bound = motionBound(from, to, 1);
+    const double bound = contacts::motionBound(from, to, 1);
     EXPECT_LE(moved, bound + 1e-12);
     closest = std::max(closest, moved / bound);
   }
   EXPECT_GT(closest, 0.9);  // the bound is no looser than it must be; measured 0.99
 }
 
-std::vector<Brick> prisms(int count) {
-  std::vector<Brick> bricks;
+std::vector<model::Brick> prisms(int count) {
+  std::vector<model::Brick> bricks;
   for (int i = 0; i < count; ++i) bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
   return bricks;
 }
@@ -43,9 +43,9 @@ Poses scattered(Chance& chance, int count, double spread) {
 TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
   // Second method: all boxes against all.
   Chance chance(2);
-  const std::vector<Brick> bricks = prisms(40);
+  const std::vector<model::Brick> bricks = prisms(40);
   Poses start = scattered(chance, 40, 2);
-  NearPairs near(bricks);
+  contacts::NearPairs near(bricks);
   int found = 0, reused = 0;
   for (int step = 0; step < 100; ++step) {
     Poses end = start;
@@ -73,10 +73,10 @@ TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
 
 TEST(NearPairs, DependOnTheLastBoxesAlone) {
   Chance chance(3);
-  const std::vector<Brick> bricks = prisms(40);
+  const std::vector<model::Brick> bricks = prisms(40);
   Poses poses = scattered(chance, 40, 1);
-  NearPairs whole(bricks);
-  std::unique_ptr<NearPairs> resumed;
+  contacts::NearPairs whole(bricks);
+  std::unique_ptr<contacts::NearPairs> resumed;
   int found = 0;
   for (int step = 0; step < 100; ++step) {
     const Poses start = poses;
@@ -90,7 +90,7 @@ TEST(NearPairs, DependOnTheLastBoxesAlone) {
     StateTape tape;
     tape.transfer(whole);
     StateTape played(tape.numbers());
-    resumed = std::make_unique<NearPairs>(bricks);
+    resumed = std::make_unique<contacts::NearPairs>(bricks);
     resumed->update(start, start);
     played.transfer(*resumed);
     EXPECT_EQ(whole.pairs(), resumed->pairs()) << step;

@@ -1,4 +1,4 @@
-#include "sim/world/contact_finder.h"
+#include "sim/contacts/contact_finder.h"
 
 #include <algorithm>
 #include <numbers>
@@ -7,7 +7,7 @@
 
 #include "sim/model/lattice.h"
 #include "sim/trajectory/measures.h"
-#include "tests/sim/world/prisms.h"
+#include "tests/sim/contacts/prisms.h"
 
 namespace kirireel {
 namespace {
@@ -17,28 +17,29 @@ using test::moved;
 
 constexpr double kTolerance = 1e-6;
 
-Environment around(ContactFilter filter) {
-  Environment environment;
+scene::Environment around(scene::ContactFilter filter) {
+  scene::Environment environment;
   environment.contacts = filter;
   return environment;
 }
 
 /// What one move runs into.
 struct Found {
-  std::vector<Contact> contacts;
+  std::vector<model::Contact> contacts;
   double overlap = 0;
 };
 
-Found look(ContactFinder& finder, const Poses& start, const Poses& end) {
+Found look(contacts::ContactFinder& finder, const Poses& start, const Poses& end) {
   Found found;
   finder.startStep(start);
   found.overlap = finder.appendViolated(end, found.contacts);
   return found;
 }
 
-Found look(const std::vector<Brick>& bricks, const Poses& start, const Poses& end,
+Found look(const std::vector<model::Brick>& bricks, const Poses& start, const Poses& end,
            bool planar = false) {
-  ContactFinder finder(bricks, start, {}, around(ContactFilter::All), planar, kTolerance);
+  contacts::ContactFinder finder(bricks, start, {}, around(scene::ContactFilter::All), planar,
+                                 kTolerance);
   return look(finder, start, end);
 }
 
@@ -48,11 +49,11 @@ Pose at(double x, double y, double z) {
 
 TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
   // Bricks that come near each other in one of two finders alone.
-  const std::vector<Brick> bricks(2, test::plate(1e-3));
+  const std::vector<model::Brick> bricks(2, test::plate(1e-3));
   const Poses far = {at(0, 0, 0), at(50, 0, 0)};
-  const Environment environment = around(ContactFilter::All);
-  ContactFinder near(bricks, far, {}, environment, false, kTolerance);
-  ContactFinder other(bricks, far, {}, environment, false, kTolerance);
+  const scene::Environment environment = around(scene::ContactFilter::All);
+  contacts::ContactFinder near(bricks, far, {}, environment, false, kTolerance);
+  contacts::ContactFinder other(bricks, far, {}, environment, false, kTolerance);
   look(other, far, far);
   const Found found = look(near, {at(0, 0, 0), at(1.01, 0.2, 0)}, {at(0, 0, 0), at(0.96, 0.2, 0)});
   ASSERT_FALSE(found.contacts.empty());
@@ -62,7 +63,7 @@ TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
 TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
   // Flat through flat, and side through side, whatever way they lie in the world.
   Chance chance(1);
-  const std::vector<Brick> bricks(2, test::plate(1e-3));
+  const std::vector<model::Brick> bricks(2, test::plate(1e-3));
   const Pose besides = at(1.01, 0.2, 0), above = at(0.3, 0.2, 0.01);
   for (int trial = 0; trial < 50; ++trial) {
     const Pose world = chance.pose(3);
@@ -77,9 +78,9 @@ TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
       EXPECT_GT(found.overlap, 0.03);
       // Every contact still held at the start; one at least is violated at the end.
       double least = 0;
-      for (const Contact& contact : found.contacts) {
-        EXPECT_GT(contactGap(contact, start), 0);
-        least = std::min(least, contactGap(contact, end));
+      for (const model::Contact& contact : found.contacts) {
+        EXPECT_GT(model::contactGap(contact, start), 0);
+        least = std::min(least, model::contactGap(contact, end));
       }
       EXPECT_LT(least, -0.03);
     }
@@ -91,16 +92,16 @@ TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
   Chance chance(2);
   int met = 0;
   for (int trial = 0; trial < 400; ++trial) {
-    const std::vector<Brick> bricks = {test::prism(3 + chance.below(3), 0.5, 1e-3),
-                                       test::prism(3 + chance.below(3), 0.5, 1e-3)};
+    const std::vector<model::Brick> bricks = {test::prism(3 + chance.below(3), 0.5, 1e-3),
+                                              test::prism(3 + chance.below(3), 0.5, 1e-3)};
     const Poses start = {chance.pose(0.5), chance.pose(0.5)};
-    if (deepestPenetration(bricks, start).depth > 0) continue;
+    if (trajectory::deepestPenetration(bricks, start).depth > 0) continue;
     const Vector3 move = 0.5 * chance.vector();
     double deepest = 0;
     Poses way = start;
     for (int part = 1; part <= 100; ++part) {
       way[1].position = start[1].position + part / 100.0 * move;
-      deepest = std::max(deepest, deepestPenetration(bricks, way).depth);
+      deepest = std::max(deepest, trajectory::deepestPenetration(bricks, way).depth);
     }
     if (deepest < 1e-5) continue;
     EXPECT_FALSE(look(bricks, start, way).contacts.empty());
@@ -113,9 +114,9 @@ TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
   Chance chance(3);
   int near = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const std::vector<Brick> bricks(2, test::plate(0.1));
+    const std::vector<model::Brick> bricks(2, test::plate(0.1));
     const Poses start = {chance.pose(0.7), chance.pose(0.7)};
-    if (deepestPenetration(bricks, start).depth > 0) continue;
+    if (trajectory::deepestPenetration(bricks, start).depth > 0) continue;
     // Moved by less than they are apart along some plane: the same plane still parts them.
     Poses end = start;
     end[1].position += 1e-6 * chance.vector();
@@ -129,37 +130,38 @@ TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
 
 /// Two squares joined at one corner, opened by an angle; below zero they overlap.
 struct JoinedPair {
-  explicit JoinedPair(JointFace face = JointFace::Both) {
+  explicit JoinedPair(model::JointFace face = model::JointFace::Both) {
     shape.columns = 2;
     shape.rows = 1;
     shape.face = face;
-    const Model model = makeTessellation(shape);
-    bricks = makeBricks(model.tiles, {});
-    pivots = makePivots(model.joints, bricks);
+    const model::Model model = model::makeTessellation(shape);
+    bricks = model::makeBricks(model.tiles, {});
+    pivots = model::makePivots(model.joints, bricks);
   }
 
   /// The poses at an opening angle: every brick turned as its tile is.
   Poses opened(double angle) const {
-    const std::vector<Tile> closed = tessellationTiles(shape, 0);
-    const std::vector<Tile> tiles = tessellationTiles(shape, angle);
+    const std::vector<model::Tile> closed = model::tessellationTiles(shape, 0);
+    const std::vector<model::Tile> tiles = model::tessellationTiles(shape, angle);
     Poses poses(2);
     for (int i = 0; i < 2; ++i) {
       const Vector3 before = closed[i].vertices[1] - closed[i].vertices[0];
       const Vector3 after = tiles[i].vertices[1] - tiles[i].vertices[0];
       poses[i].rotation = Quaternion::FromTwoVectors(before, after);
-      poses[i].position = tileCentroid(tiles[i]) + Vector3(0, 0, 0.5 * bricks[i].thickness);
+      poses[i].position = model::tileCentroid(tiles[i]) + Vector3(0, 0, 0.5 * bricks[i].thickness);
     }
     return poses;
   }
 
   Found turn(double from, double to, bool planar) const {
-    ContactFinder finder(bricks, opened(0), pivots, around(ContactFilter::All), planar, kTolerance);
+    contacts::ContactFinder finder(bricks, opened(0), pivots, around(scene::ContactFilter::All),
+                                   planar, kTolerance);
     return look(finder, opened(from), opened(to));
   }
 
-  TessellationShape shape;
-  std::vector<Brick> bricks;
-  std::vector<Pivot> pivots;
+  model::TessellationShape shape;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Pivot> pivots;
 };
 
 TEST(ContactFinder, LetsJoinedBricksTurnAwayFreely) {
@@ -183,8 +185,8 @@ TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
       const Found found = pair.turn(from, -0.01, planar);
       EXPECT_FALSE(found.contacts.empty()) << from;
       EXPECT_NEAR(found.overlap, std::sin(0.01), 1e-3);  // a unit side turned through the other
-      for (const Contact& contact : found.contacts) {
-        EXPECT_GT(contactGap(contact, pair.opened(from)), -1e-12);
+      for (const model::Contact& contact : found.contacts) {
+        EXPECT_GT(model::contactGap(contact, pair.opened(from)), -1e-12);
       }
     }
   }
@@ -192,13 +194,14 @@ TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
 
 TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
   // Hinged along a side, the second plate folds over the first and may lie on it, not in it.
-  const std::vector<Brick> bricks(2, test::plate(0.02));
+  const std::vector<model::Brick> bricks(2, test::plate(0.02));
   const Vector3 hinge(0.5, 0, 0.01);
   const auto folded = [&](double angle) {
     const Quaternion turn = rotationFromVector({0, -angle, 0});
     return Poses{{}, {hinge + turn * Vector3(0.5, 0, -0.01), turn}};
   };
-  ContactFinder finder(bricks, folded(0), {}, around(ContactFilter::All), false, kTolerance);
+  contacts::ContactFinder finder(bricks, folded(0), {}, around(scene::ContactFilter::All), false,
+                                 kTolerance);
   for (const double angle : {0.0, 0.5, 1.5, 2.5, 3.0}) {
     EXPECT_TRUE(look(finder, folded(angle), folded(angle + 0.1)).contacts.empty()) << angle;
   }
@@ -210,7 +213,7 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
   // Joined at their bottom corners and 0.3 rad open, folded towards their tops about the line
   // through the pivot across the gap: whole bricks meet above the pivot at once, bricks without
   // their corners when the fold has used up the gap beside them.
-  const JoinedPair pair(JointFace::Bottom);
+  const JoinedPair pair(model::JointFace::Bottom);
   const Poses open = pair.opened(0.3);
   const Vector3 pivot = open[0].apply(pair.pivots[0].pointA);
   const Vector3 across =
@@ -227,14 +230,14 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
     return poses;
   };
   const auto meets = [&](double zone, double angle) {
-    Environment environment = around(ContactFilter::All);
+    scene::Environment environment = around(scene::ContactFilter::All);
     environment.pivotZone = zone;
-    ContactFinder finder(pair.bricks, open, pair.pivots, environment, false, kTolerance);
+    contacts::ContactFinder finder(pair.bricks, open, pair.pivots, environment, false, kTolerance);
     return !look(finder, open, folded(angle)).contacts.empty();
   };
   int towardsTops = 0;
   for (const double away : {-1.0, 1.0}) {
-    if (deepestPenetration(pair.bricks, folded(0.1 * away)).depth == 0) {
+    if (trajectory::deepestPenetration(pair.bricks, folded(0.1 * away)).depth == 0) {
       EXPECT_FALSE(meets(0, 0.1 * away));
       EXPECT_FALSE(meets(0.05, 0.1 * away));
     } else {
@@ -250,10 +253,11 @@ TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
 TEST(ContactFinder, HandsNoPairOverThroughItself) {
   // Thin plates that overlap by more than their thickness where the run begins: every plane counts
   // them as apart, but none may hand over to the one on the other side.
-  const std::vector<Brick> bricks(2, test::plate(0.01));
+  const std::vector<model::Brick> bricks(2, test::plate(0.01));
   const Quaternion upright = rotationFromVector({0, 0.5 * std::numbers::pi, 0});
   const auto crossed = [&](double height) { return Poses{{}, {Vector3(0.2, 0, height), upright}}; };
-  ContactFinder finder(bricks, crossed(0.45), {}, around(ContactFilter::All), false, kTolerance);
+  contacts::ContactFinder finder(bricks, crossed(0.45), {}, around(scene::ContactFilter::All),
+                                 false, kTolerance);
   EXPECT_TRUE(look(finder, crossed(0.45), crossed(0.46)).contacts.empty());
   EXPECT_FALSE(look(finder, crossed(0.45), crossed(0.3)).contacts.empty());
   EXPECT_FALSE(look(finder, crossed(0.45), crossed(-0.6)).contacts.empty());
@@ -262,12 +266,14 @@ TEST(ContactFinder, HandsNoPairOverThroughItself) {
 TEST(ContactFinder, FiltersPairs) {
   const JoinedPair pair;
   for (const bool joined : {true, false}) {
-    const std::vector<Pivot> pivots = joined ? pair.pivots : std::vector<Pivot>{};
-    for (const ContactFilter filter :
-         {ContactFilter::None, ContactFilter::Unjoined, ContactFilter::All}) {
-      ContactFinder finder(pair.bricks, pair.opened(0), pivots, around(filter), false, kTolerance);
+    const std::vector<model::Pivot> pivots = joined ? pair.pivots : std::vector<model::Pivot>{};
+    for (const scene::ContactFilter filter :
+         {scene::ContactFilter::None, scene::ContactFilter::Unjoined, scene::ContactFilter::All}) {
+      contacts::ContactFinder finder(pair.bricks, pair.opened(0), pivots, around(filter), false,
+                                     kTolerance);
       const Found found = look(finder, pair.opened(0.1), pair.opened(-0.1));
-      const bool meets = filter == ContactFilter::All || (filter != ContactFilter::None && !joined);
+      const bool meets =
+          filter == scene::ContactFilter::All || (filter != scene::ContactFilter::None && !joined);
       EXPECT_EQ(!found.contacts.empty(), meets);
       EXPECT_EQ(found.overlap > 0, meets);
     }
@@ -275,9 +281,10 @@ TEST(ContactFinder, FiltersPairs) {
 }
 
 TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
-  const std::vector<Brick> bricks(2, test::plate(0.5));
+  const std::vector<model::Brick> bricks(2, test::plate(0.5));
   const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
-  ContactFinder finder(bricks, overlapping(0.1), {}, around(ContactFilter::All), false, kTolerance);
+  contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
+                                 false, kTolerance);
   const Poses start = overlapping(0.1);
   EXPECT_TRUE(look(finder, start, start).contacts.empty());
   EXPECT_TRUE(look(finder, start, overlapping(0.05)).contacts.empty());
@@ -285,29 +292,31 @@ TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
   const Found deeper = look(finder, start, overlapping(0.11));
   ASSERT_FALSE(deeper.contacts.empty());
   EXPECT_NEAR(deeper.overlap, 0.01, 1e-12);  // measured 9e-18
-  for (const Contact& contact : deeper.contacts) {
+  for (const model::Contact& contact : deeper.contacts) {
     EXPECT_NEAR(contact.slack, 0.1, 1e-12);  // measured 3e-17
-    EXPECT_GT(contactGap(contact, start), -1e-12);
+    EXPECT_GT(model::contactGap(contact, start), -1e-12);
   }
 }
 
 TEST(ContactFinder, TakesBackNoOverlapThatWasGivenUp) {
-  const std::vector<Brick> bricks(2, test::plate(0.5));
+  const std::vector<model::Brick> bricks(2, test::plate(0.5));
   const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
-  ContactFinder finder(bricks, overlapping(0.1), {}, around(ContactFilter::All), false, kTolerance);
+  contacts::ContactFinder finder(bricks, overlapping(0.1), {}, around(scene::ContactFilter::All),
+                                 false, kTolerance);
   EXPECT_FALSE(look(finder, overlapping(0.04), overlapping(0.06)).contacts.empty());
   EXPECT_TRUE(look(finder, overlapping(-0.01), overlapping(-0.01)).contacts.empty());
   EXPECT_NEAR(look(finder, overlapping(-0.01), overlapping(0.02)).overlap, 0.02, 1e-12);
 }
 
 TEST(ContactFinder, GivesAPlaneOnceInAStep) {
-  const std::vector<Brick> bricks(2, test::plate(0.5));
+  const std::vector<model::Brick> bricks(2, test::plate(0.5));
   const Poses start = {{}, at(1.01, 0.3, 0)}, end = {{}, at(0.9, 0.3, 0)};
-  ContactFinder finder(bricks, start, {}, around(ContactFilter::All), true, kTolerance);
+  contacts::ContactFinder finder(bricks, start, {}, around(scene::ContactFilter::All), true,
+                                 kTolerance);
   finder.startStep(start);
-  std::vector<Contact> contacts;
+  std::vector<model::Contact> contacts;
   for (int round = 0; round < 20; ++round) finder.appendViolated(end, contacts);
-  const auto same = [](const Contact& x, const Contact& y) {
+  const auto same = [](const model::Contact& x, const model::Contact& y) {
     return x.brickA == y.brickA && x.pointA == y.pointA && x.pointB == y.pointB &&
            x.normal == y.normal;
   };
@@ -322,7 +331,7 @@ TEST(ContactFinder, GivesAPlaneOnceInAStep) {
 /// Four tiles in a heap that all run into each other, in the order given.
 Found heap(const std::vector<int>& order, int warmUps) {
   Chance chance(6);
-  std::vector<Brick> bricks;
+  std::vector<model::Brick> bricks;
   Poses start, end;
   for (int i = 0; i < 4; ++i) {
     bricks.push_back(test::prism(3 + i, 0.5 + 0.1 * i, 0.1));
@@ -337,8 +346,8 @@ Found heap(const std::vector<int>& order, int warmUps) {
     for (std::size_t i = 0; i < order.size(); ++i) result[i] = values[order[i]];
     return result;
   };
-  ContactFinder finder(sorted(bricks), sorted(start), {}, around(ContactFilter::All), false,
-                       kTolerance);
+  contacts::ContactFinder finder(sorted(bricks), sorted(start), {},
+                                 around(scene::ContactFilter::All), false, kTolerance);
   for (int i = 0; i < warmUps; ++i) {
     Poses elsewhere = sorted(start);
     elsewhere[i % 4].position += chance.vector();
@@ -351,7 +360,7 @@ Found heap(const std::vector<int>& order, int warmUps) {
 /// numbers, and the point in A.
 std::vector<std::vector<double>> signatures(const Found& found, const std::vector<int>& order) {
   std::vector<std::vector<double>> rows;
-  for (const Contact& contact : found.contacts) {
+  for (const model::Contact& contact : found.contacts) {
     const Vector3& a = contact.pointA;
     const Vector3& b = contact.pointB;
     std::vector<double> row = {static_cast<double>(order[contact.brickA]),
@@ -395,45 +404,45 @@ TEST(ContactFinder, FindsTheSameForRenumberedBricks) {
 }
 
 /// A plate whose bottom stands at a height.
-Poses standing(const Brick& brick, double height) {
+Poses standing(const model::Brick& brick, double height) {
   return {at(0, 0, height + 0.5 * brick.thickness)};
 }
 
 TEST(ContactFinder, HoldsEveryPointAboveTheGround) {
-  const std::vector<Brick> bricks = {test::plate(0.2)};
-  Environment environment;
-  environment.ground = Ground{-1, 0.7};
+  const std::vector<model::Brick> bricks = {test::plate(0.2)};
+  scene::Environment environment;
+  environment.ground = scene::Ground{-1, 0.7};
   const Poses start = standing(bricks[0], -0.99);
-  ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
+  contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
   EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
   const Found found = look(finder, start, standing(bricks[0], -1.05));
   EXPECT_NEAR(found.overlap, 0.05, 1e-15);  // measured 4e-17
   ASSERT_EQ(found.contacts.size(), 8u);
-  for (const Contact& contact : found.contacts) {
-    EXPECT_EQ(contact.brickB, kFixed);
+  for (const model::Contact& contact : found.contacts) {
+    EXPECT_EQ(contact.brickB, model::kFixed);
     EXPECT_EQ(contact.friction, 0.7);
     const double height = start[0].apply(contact.pointA).z() + 1;
-    EXPECT_NEAR(contactGap(contact, start), height, 1e-15);
+    EXPECT_NEAR(model::contactGap(contact, start), height, 1e-15);
   }
 }
 
 TEST(ContactFinder, CatchesAThinBrickThatPassesThroughTheGround) {
-  const std::vector<Brick> bricks = {test::plate(1e-3)};
-  Environment environment;
-  environment.ground = Ground{};
+  const std::vector<model::Brick> bricks = {test::plate(1e-3)};
+  scene::Environment environment;
+  environment.ground = scene::Ground{};
   const Poses start = standing(bricks[0], 0.01);
-  ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
+  contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
   EXPECT_EQ(look(finder, start, standing(bricks[0], -0.04)).contacts.size(), 8u);
 }
 
 TEST(ContactFinder, GivesTheGroundOnceInAStep) {
-  const std::vector<Brick> bricks = {test::plate(0.2)};
-  Environment environment;
-  environment.ground = Ground{};
+  const std::vector<model::Brick> bricks = {test::plate(0.2)};
+  scene::Environment environment;
+  environment.ground = scene::Ground{};
   const Poses start = standing(bricks[0], 0.01);
-  ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
+  contacts::ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
   finder.startStep(start);
-  std::vector<Contact> contacts;
+  std::vector<model::Contact> contacts;
   for (int round = 0; round < 3; ++round) {
     EXPECT_GT(finder.appendViolated(standing(bricks[0], -0.05), contacts), 0.04);
     EXPECT_EQ(contacts.size(), 8u);
@@ -441,11 +450,11 @@ TEST(ContactFinder, GivesTheGroundOnceInAStep) {
 }
 
 TEST(ContactFinder, APlanarSceneHasNoGroundToFallThrough) {
-  const std::vector<Brick> bricks = {test::plate(0.2)};
-  Environment environment;
-  environment.ground = Ground{};
+  const std::vector<model::Brick> bricks = {test::plate(0.2)};
+  scene::Environment environment;
+  environment.ground = scene::Ground{};
   const Poses start = standing(bricks[0], 0);
-  ContactFinder finder(bricks, start, {}, environment, true, kTolerance);
+  contacts::ContactFinder finder(bricks, start, {}, environment, true, kTolerance);
   EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
 }
 

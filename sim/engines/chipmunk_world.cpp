@@ -3,13 +3,13 @@
 // impulses in double precision and corrects gaps by feeding a part of them back as velocities. Its
 // damping is the part of a velocity that is kept over a second, for straight and turning motions
 // alike, so that the environment's angular damping does not count.
-#include "sim/world/brick_world.h"
+#include "sim/engines/brick_world.h"
 
 #ifdef KIRIREEL_CHIPMUNK
 
 #include <chipmunk/chipmunk.h>
 
-namespace kirireel {
+namespace kirireel::engines {
 namespace {
 
 static_assert(sizeof(cpFloat) == sizeof(double), "Chipmunk must be built in double precision");
@@ -32,15 +32,16 @@ cpVect toChipmunk(const Vector3& v) {
 
 class ChipmunkWorld : public BrickWorld {
  public:
-  ChipmunkWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-                const Environment& environment, int iterations)
+  ChipmunkWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+                std::span<const model::Pivot> pivots, const scene::Environment& environment,
+                int iterations)
       : start_(start), space_(cpSpaceNew()) {
     cpSpaceSetIterations(space_.get(), iterations);
     cpSpaceSetGravity(space_.get(), toChipmunk(environment.gravity));
     cpSpaceSetDamping(space_.get(), 1 - environment.linearDamping);
-    for (const Brick& brick : bricks) addBrick(brick);
+    for (const model::Brick& brick : bricks) addBrick(brick);
     writeMotion({start, std::vector<Velocity>(bricks.size())});
-    for (const Pivot& pivot : pivots) {
+    for (const model::Pivot& pivot : pivots) {
       if (!pivot.isUpper) addPivot(pivot);
     }
   }
@@ -87,12 +88,12 @@ class ChipmunkWorld : public BrickWorld {
   }
 
  private:
-  void addBrick(const Brick& brick) {
+  void addBrick(const model::Brick& brick) {
     bodies_.emplace_back(cpBodyNew(brick.mass, brick.inertia(2, 2)));
     cpSpaceAddBody(space_.get(), bodies_.back().get());
   }
 
-  void addPivot(const Pivot& pivot) {
+  void addPivot(const model::Pivot& pivot) {
     joints_.emplace_back(cpPivotJointNew2(bodies_[pivot.brickA].get(), bodies_[pivot.brickB].get(),
                                           anchor(pivot.brickA, pivot.pointA),
                                           anchor(pivot.brickB, pivot.pointB)));
@@ -112,9 +113,11 @@ class ChipmunkWorld : public BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& bricks, const Poses& start,
-                                              std::span<const Pivot> pivots,
-                                              const Environment& environment, int iterations) {
+std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<model::Brick>& bricks,
+                                              const Poses& start,
+                                              std::span<const model::Pivot> pivots,
+                                              const scene::Environment& environment,
+                                              int iterations) {
   return std::make_unique<ChipmunkWorld>(bricks, start, pivots, environment, iterations);
 }
 
@@ -122,11 +125,11 @@ std::string chipmunkVersion() {
   return cpVersionString;
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
 
 #else
 
-namespace kirireel {
+namespace kirireel::engines {
 
 std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& /*bricks*/,
                                               const Poses& /*start*/,
@@ -140,6 +143,6 @@ std::string chipmunkVersion() {
   return "";
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
 
 #endif

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/engines/brick_world.h"
 #include "sim/model/brick.h"
 #include "sim/scene/scene.h"
-#include "sim/world/brick_world.h"
 
-namespace kirireel {
+namespace kirireel::engines {
 
 // ------------------------------------------------------------------------------------------------
 // Bullet's rigid-body world with point joints: the baseline solver. No Bullet header is needed to
@@ -39,8 +39,9 @@ class BulletWorld : public BrickWorld {
  public:
   /// The environment gives gravity, damping, contacts and ground.
   /// Poses are those of the centres of mass. All lists are in the order of the bricks.
-  BulletWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-              const Environment& environment, const BulletSettings& settings);
+  BulletWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+              std::span<const model::Pivot> pivots, const scene::Environment& environment,
+              const BulletSettings& settings);
   ~BulletWorld() override;
   BulletWorld(const BulletWorld&) = delete;
   BulletWorld& operator=(const BulletWorld&) = delete;
@@ -67,8 +68,9 @@ std::string bulletVersion();
 class MultiBodyWorld : public BrickWorld {
  public:
   /// `iterations` of the solver in each step; the environment gives gravity and damping.
-  MultiBodyWorld(const std::vector<Brick>& bricks, const Poses& start,
-                 std::span<const Pivot> pivots, const Environment& environment, int iterations);
+  MultiBodyWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
+                 int iterations);
   ~MultiBodyWorld() override;
 
   void applyLoad(int brick, const Vector3& force, const Vector3& torque) override;
@@ -96,10 +98,10 @@ struct InsetHull {
 /// an edge would otherwise lose more than half of its length.
 /// The brick is convex.
 /// Throws nothing; O(n) in its corners.
-InsetHull insetHull(const Brick& brick);
+InsetHull insetHull(const model::Brick& brick);
 
 /// The largest margin of a brick's convex pieces, metres.
-double contactMargin(const Brick& brick);
+double contactMargin(const model::Brick& brick);
 
 // ------------------------------------------------------------------------------------------------
 // Where joints rule: contacts there would fight them.
@@ -109,7 +111,7 @@ double contactMargin(const Brick& brick);
 class PivotZones {
  public:
   /// Links, whose corners are apart, have no zone.
-  PivotZones(const std::vector<Brick>& bricks, std::span<const Pivot> pivots);
+  PivotZones(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots);
 
   /// Whether a contact point of two bricks, given in world axes, lies within max(4 margins, 0.05
   /// mean edges) of a pivot that these two share, or of the line between both pivots of a hinge.
@@ -123,9 +125,9 @@ class PivotZones {
     int joint = 0;
   };
 
-  void add(const std::vector<Brick>& bricks, const Pivot& pivot);
+  void add(const std::vector<model::Brick>& bricks, const model::Pivot& pivot);
 
   std::map<std::pair<int, int>, std::vector<Zone>> zones_;  // keys: lower brick index first
 };
 
-}  // namespace kirireel
+}  // namespace kirireel::engines

@@ -10,7 +10,7 @@
 #include "sim/model/brick.h"
 #include "sim/scene/scene.h"
 
-namespace kirireel {
+namespace kirireel::engines {
 
 // ------------------------------------------------------------------------------------------------
 // What a physics engine's world does with bricks: the seam between a deployment and the engines
@@ -48,15 +48,17 @@ class BrickWorld {
 /// gravity along x and y and the damping of all velocities (its linear one). Null where this
 /// program was built without Chipmunk.
 /// `start` holds one pose a brick. Steps may have any length.
-std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& bricks, const Poses& start,
-                                              std::span<const Pivot> pivots,
-                                              const Environment& environment, int iterations);
+std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<model::Brick>& bricks,
+                                              const Poses& start,
+                                              std::span<const model::Pivot> pivots,
+                                              const scene::Environment& environment,
+                                              int iterations);
 
 /// The same in Box2D's world of single precision, with revolute joints. `iterations` of its solver
 /// for velocities, and `corrections` of that for positions, in each step. Null without Box2D.
-std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& bricks, const Poses& start,
-                                           std::span<const Pivot> pivots,
-                                           const Environment& environment, int iterations,
+std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<model::Brick>& bricks,
+                                           const Poses& start, std::span<const model::Pivot> pivots,
+                                           const scene::Environment& environment, int iterations,
                                            int corrections);
 
 /// Bricks in MuJoCo's joint coordinates: hinges that span all bricks as a tree are its joints, the
@@ -66,9 +68,10 @@ std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& bricks, con
 /// MuJoCo. Throws std::runtime_error for bricks that MuJoCo cannot have.
 /// Costs MuJoCo's compilation of a model with all bricks, and steps with a dense Newton solve over
 /// all joint coordinates that loops touch.
-std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& bricks, const Poses& start,
-                                            std::span<const Pivot> pivots,
-                                            const Environment& environment, bool planar);
+std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<model::Brick>& bricks,
+                                            const Poses& start,
+                                            std::span<const model::Pivot> pivots,
+                                            const scene::Environment& environment, bool planar);
 
 /// The versions in use, e.g. "7.0.3"; empty where this program was built without the engine.
 std::string chipmunkVersion();
@@ -77,4 +80,4 @@ std::string box2dVersion();
 /// The version of MuJoCo in use, as "3.1.6".
 std::string mujocoVersion();
 
-}  // namespace kirireel
+}  // namespace kirireel::engines

@@ -10,7 +10,7 @@
 // are the brick (bullet_world.h). Friction coefficients belong to pairs, where Bullet multiplies
 // those of two bodies. Contact points near a shared pivot are removed (bullet_world.h), as they
 // would pry the joint open.
-#include "sim/world/bullet_world.h"
+#include "sim/engines/bullet_world.h"
 
 #include <algorithm>
 #include <optional>
@@ -23,13 +23,32 @@
 #include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <Eigen/Eigenvalues>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
-#include "sim/world/bullet_values.h"
+#include "sim/contacts/bullet_values.h"
 
-namespace kirireel {
+namespace kirireel::engines {
 namespace {
+
+using contacts::fromBullet;
+using contacts::toBullet;
+
+/// Bullet wants diagonal inertias, so a body's axes are its brick's principal axes.
+struct PrincipalAxes {
+  Quaternion rotation;  ///< from principal axes to brick axes
+  Vector3 inertia;      ///< about the principal axes
+};
+
+/// The principal axes of a brick, right-handed.
+PrincipalAxes principalAxes(const model::Brick& brick) {
+  // Eigenvectors are orthonormal but may be left-handed, which no rotation is.
+  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(brick.inertia);
+  Matrix3 axes = solver.eigenvectors();
+  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
+  return {Quaternion(axes).normalized(), solver.eigenvalues()};
+}
 
 // Collision groups: what may be in a pair with what.
 constexpr int kBrickGroup = 1;
@@ -62,7 +81,7 @@ SolverParts makeSolver(BulletMethod method) {
   return made;
 }
 
-std::unique_ptr<btConvexHullShape> makeHull(const Brick& brick, const PrincipalAxes& axes) {
+std::unique_ptr<btConvexHullShape> makeHull(const model::Brick& brick, const PrincipalAxes& axes) {
   // A body's axes are the principal axes of the brick, so that points are turned into them.
   const InsetHull hull = insetHull(brick);
   auto shape = std::make_unique<btConvexHullShape>();
@@ -80,13 +99,13 @@ class KirigamiWorld : public btDiscreteDynamicsWorld {
  public:
   KirigamiWorld(btDispatcher& dispatcher, btBroadphaseInterface& broadphase,
                 btConstraintSolver& solver, btCollisionConfiguration& configuration,
-                const Environment& environment, PivotZones zones, const Poses& poses)
+                const scene::Environment& environment, PivotZones zones, const Poses& poses)
       : btDiscreteDynamicsWorld(&dispatcher, &broadphase, &solver, &configuration),
         brickFriction_(environment.brickFriction),
         zones_(std::move(zones)),
         poses_(poses) {
     if (environment.ground) groundFriction_ = environment.ground->friction;
-    detects_ = environment.ground || environment.contacts != ContactFilter::None;
+    detects_ = environment.ground || environment.contacts != scene::ContactFilter::None;
   }
 
   void performDiscreteCollisionDetection() override {
@@ -137,28 +156,29 @@ struct BulletWorld::Internals {
   std::vector<std::unique_ptr<btTypedConstraint>> joints;
   std::optional<KirigamiWorld> world;
 
-  void addShape(const Brick& brick, const PrincipalAxes& principal);
-  void addBrick(const Brick& brick, const Environment& environment);
-  void addPivot(const Pivot& pivot, const Environment& environment);
-  void addGround(const Ground& ground);
+  void addShape(const model::Brick& brick, const PrincipalAxes& principal);
+  void addBrick(const model::Brick& brick, const scene::Environment& environment);
+  void addPivot(const model::Pivot& pivot, const scene::Environment& environment);
+  void addGround(const scene::Ground& ground);
   void placeBodies();
 };
 
 /// A hull, or for a concave brick one shape of several hulls, which do not meet each other.
-void BulletWorld::Internals::addShape(const Brick& brick, const PrincipalAxes& principal) {
+void BulletWorld::Internals::addShape(const model::Brick& brick, const PrincipalAxes& principal) {
   if (brick.parts.empty()) {
     shapes.push_back(makeHull(brick, principal));
     return;
   }
   auto whole = std::make_unique<btCompoundShape>();
-  for (const BrickPiece& piece : convexPieces(brick)) {
+  for (const model::BrickPiece& piece : model::convexPieces(brick)) {
     shapes.push_back(makeHull(piece.shape, principal));
     whole->addChildShape(btTransform::getIdentity(), shapes.back().get());
   }
   shapes.push_back(std::move(whole));
 }
 
-void BulletWorld::Internals::addBrick(const Brick& brick, const Environment& environment) {
+void BulletWorld::Internals::addBrick(const model::Brick& brick,
+                                      const scene::Environment& environment) {
   const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
   addShape(brick, principal);
   btRigidBody::btRigidBodyConstructionInfo info(brick.mass, nullptr, shapes.back().get(),
@@ -169,21 +189,22 @@ void BulletWorld::Internals::addBrick(const Brick& brick, const Environment& env
   body.setUserIndex(static_cast<int>(bodies.size()) - 1);
   // Bodies that Bullet takes for resting are no longer moved by springs.
   body.setActivationState(DISABLE_DEACTIVATION);
-  const bool touchesBricks = environment.contacts != ContactFilter::None;
+  const bool touchesBricks = environment.contacts != scene::ContactFilter::None;
   world->addRigidBody(&body, kBrickGroup,
                       touchesBricks ? kBrickGroup | kGroundGroup : kGroundGroup);
 }
 
-void BulletWorld::Internals::addPivot(const Pivot& pivot, const Environment& environment) {
+void BulletWorld::Internals::addPivot(const model::Pivot& pivot,
+                                      const scene::Environment& environment) {
   const Vector3 pointA = axes[pivot.brickA].rotation.conjugate() * pivot.pointA;
   const Vector3 pointB = axes[pivot.brickB].rotation.conjugate() * pivot.pointB;
   joints.push_back(std::make_unique<btPoint2PointConstraint>(
       *bodies[pivot.brickA], *bodies[pivot.brickB], toBullet(pointA), toBullet(pointB)));
-  const bool joinedPassThrough = environment.contacts != ContactFilter::All;
+  const bool joinedPassThrough = environment.contacts != scene::ContactFilter::All;
   world->addConstraint(joints.back().get(), joinedPassThrough);
 }
 
-void BulletWorld::Internals::addGround(const Ground& ground) {
+void BulletWorld::Internals::addGround(const scene::Ground& ground) {
   shapes.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), ground.height));
   groundBody = std::make_unique<btRigidBody>(0, nullptr, shapes.back().get());
   groundBody->setUserIndex(kGroundIndex);
@@ -202,9 +223,9 @@ void BulletWorld::Internals::placeBodies() {
   }
 }
 
-BulletWorld::BulletWorld(const std::vector<Brick>& bricks, const Poses& start,
-                         std::span<const Pivot> pivots, const Environment& environment,
-                         const BulletSettings& settings)
+BulletWorld::BulletWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+                         std::span<const model::Pivot> pivots,
+                         const scene::Environment& environment, const BulletSettings& settings)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.motion = {start, std::vector<Velocity>(bricks.size())};
@@ -217,9 +238,9 @@ BulletWorld::BulletWorld(const std::vector<Brick>& bricks, const Poses& start,
   in.world->getSolverInfo().m_numIterations = settings.iterations;
   in.world->getSolverInfo().m_erp = settings.jointCorrection;
   in.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
-  for (const Brick& brick : bricks) in.addBrick(brick, environment);
+  for (const model::Brick& brick : bricks) in.addBrick(brick, environment);
   in.placeBodies();
-  for (const Pivot& pivot : pivots) in.addPivot(pivot, environment);
+  for (const model::Pivot& pivot : pivots) in.addPivot(pivot, environment);
   if (environment.ground) in.addGround(*environment.ground);
 }
 
@@ -296,11 +317,12 @@ struct MultiBodyWorld::Internals {
   std::vector<std::unique_ptr<btMultiBodyPoint2Point>> joints;
   std::optional<UntouchedWorld> world;
 
-  void addBrick(const Brick& brick, const Environment& environment);
-  void addPivot(const Pivot& pivot);
+  void addBrick(const model::Brick& brick, const scene::Environment& environment);
+  void addPivot(const model::Pivot& pivot);
 };
 
-void MultiBodyWorld::Internals::addBrick(const Brick& brick, const Environment& environment) {
+void MultiBodyWorld::Internals::addBrick(const model::Brick& brick,
+                                         const scene::Environment& environment) {
   const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
   btMultiBody& body = *bodies.emplace_back(
       // No links, the mass and principal inertia, no fixed base, no sleeping.
@@ -318,7 +340,7 @@ void MultiBodyWorld::Internals::addBrick(const Brick& brick, const Environment& 
   world->addCollisionObject(&collider, 0, 0);
 }
 
-void MultiBodyWorld::Internals::addPivot(const Pivot& pivot) {
+void MultiBodyWorld::Internals::addPivot(const model::Pivot& pivot) {
   const Vector3 pointA = axes[pivot.brickA].rotation.conjugate() * pivot.pointA;
   const Vector3 pointB = axes[pivot.brickB].rotation.conjugate() * pivot.pointB;
   btMultiBodyPoint2Point& joint = *joints.emplace_back(std::make_unique<btMultiBodyPoint2Point>(
@@ -328,17 +350,17 @@ void MultiBodyWorld::Internals::addPivot(const Pivot& pivot) {
   world->addMultiBodyConstraint(&joint);
 }
 
-MultiBodyWorld::MultiBodyWorld(const std::vector<Brick>& bricks, const Poses& start,
-                               std::span<const Pivot> pivots, const Environment& environment,
-                               int iterations)
+MultiBodyWorld::MultiBodyWorld(const std::vector<model::Brick>& bricks, const Poses& start,
+                               std::span<const model::Pivot> pivots,
+                               const scene::Environment& environment, int iterations)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.world.emplace(&in.dispatcher, &in.broadphase, &in.solver, &in.configuration);
   in.world->setGravity(toBullet(environment.gravity));
   in.world->getSolverInfo().m_numIterations = iterations;
-  for (const Brick& brick : bricks) in.addBrick(brick, environment);
+  for (const model::Brick& brick : bricks) in.addBrick(brick, environment);
   writeMotion({start, std::vector<Velocity>(bricks.size())});
-  for (const Pivot& pivot : pivots) in.addPivot(pivot);
+  for (const model::Pivot& pivot : pivots) in.addPivot(pivot);
 }
 
 MultiBodyWorld::~MultiBodyWorld() {
@@ -398,7 +420,7 @@ constexpr double kMarginOfThickness = 0.2;  // so that three fifths of the thick
 constexpr double kLargestEdgeLoss = 0.5;    // of an edge's length
 
 /// For each vertex of the bottom: how far it moves, in the plane, for a unit inset of the edges.
-std::vector<Vector3> insetDirections(const Brick& brick) {
+std::vector<Vector3> insetDirections(const model::Brick& brick) {
   const std::size_t count = brick.bottom.size();
   std::vector<Vector3> inwards(count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -415,7 +437,7 @@ std::vector<Vector3> insetDirections(const Brick& brick) {
 }
 
 // The wanted margin, or less where an edge would lose too much.
-double marginFor(const Brick& brick, const std::vector<Vector3>& directions) {
+double marginFor(const model::Brick& brick, const std::vector<Vector3>& directions) {
   double margin = std::min(kLargestMargin, kMarginOfThickness * brick.thickness);
   const std::size_t count = brick.bottom.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -430,15 +452,15 @@ double marginFor(const Brick& brick, const std::vector<Vector3>& directions) {
 
 }  // namespace
 
-double contactMargin(const Brick& brick) {
+double contactMargin(const model::Brick& brick) {
   double margin = 0;
-  for (const BrickPiece& piece : convexPieces(brick)) {
+  for (const model::BrickPiece& piece : model::convexPieces(brick)) {
     margin = std::max(margin, insetHull(piece.shape).margin);
   }
   return margin;
 }
 
-InsetHull insetHull(const Brick& brick) {
+InsetHull insetHull(const model::Brick& brick) {
   const std::vector<Vector3> directions = insetDirections(brick);
   InsetHull hull;
   hull.margin = marginFor(brick, directions);
@@ -464,9 +486,9 @@ constexpr double kMargins = 4;
 constexpr double kEdges = 0.05;
 
 // Metres; the larger of the two rules.
-double zoneRadius(const Brick& a, const Brick& b) {
+double zoneRadius(const model::Brick& a, const model::Brick& b) {
   const double margin = std::max(contactMargin(a), contactMargin(b));
-  return std::max(kMargins * margin, kEdges * 0.5 * (meanEdge(a) + meanEdge(b)));
+  return std::max(kMargins * margin, kEdges * 0.5 * (model::meanEdge(a) + model::meanEdge(b)));
 }
 
 // A segment without length is a point.
@@ -480,13 +502,14 @@ double distanceToSegment(const Vector3& point, const Vector3& from, const Vector
 
 }  // namespace
 
-PivotZones::PivotZones(const std::vector<Brick>& bricks, std::span<const Pivot> pivots) {
-  for (const Pivot& pivot : pivots) {
+PivotZones::PivotZones(const std::vector<model::Brick>& bricks,
+                       std::span<const model::Pivot> pivots) {
+  for (const model::Pivot& pivot : pivots) {
     if (pivot.distance == 0) add(bricks, pivot);
   }
 }
 
-void PivotZones::add(const std::vector<Brick>& bricks, const Pivot& pivot) {
+void PivotZones::add(const std::vector<model::Brick>& bricks, const model::Pivot& pivot) {
   const bool swapped = pivot.brickB < pivot.brickA;
   const std::pair<int, int> pair = std::minmax(pivot.brickA, pivot.brickB);
   const Vector3& point = swapped ? pivot.pointB : pivot.pointA;
@@ -510,4 +533,4 @@ bool PivotZones::contains(int brickA, int brickB, const Poses& poses, const Vect
   });
 }
 
-}  // namespace kirireel
+}  // namespace kirireel::engines
