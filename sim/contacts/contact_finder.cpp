@@ -8,9 +8,9 @@
 // 3. Bricks on the ground: a brick whose lowest vertex is below the ground gets a contact at each
 //    of its vertices, of which the solver holds those that push.
 //
-// Bodies are numbered: first the bricks, then the parts of obstacles, so that a body is an obstacle
-// where its number is not below movingCount(). Pairs are visited in the order of their numbers, so
-// that contacts have the same order on every machine.
+// Within this file bodies are numbered: first the bricks, then the parts of obstacles. Pairs are
+// visited in the order of their numbers, so that contacts have the same order on every machine. A
+// contact that is given away has an obstacle's part in world axes and the obstacle's own number.
 //
 // Bricks that share a corner are looked at without that corner (pivotZone of an edge, see
 // shared_corners.h): bricks joined on one face would else be stopped by the least fold, as the
@@ -23,6 +23,7 @@
 #include <limits>
 #include <map>
 #include <unordered_map>
+#include <utility>
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
@@ -50,25 +51,50 @@ std::vector<model::Brick> shapesOf(const std::vector<model::BrickPiece>& pieces)
   return shapes;
 }
 
-/// The bricks, then the bodies of obstacles, and the convex pieces of them all.
+/// A convex piece of an obstacle: a box, a face of a mesh, a sphere.
+struct ObstaclePart {
+  model::Brick body;             ///< its shape; of a sphere the cube round it
+  Pose pose;                     ///< where it stays
+  std::optional<double> radius;  ///< of a sphere, metres
+  double friction = 0;           ///< Coulomb coefficient
+  int obstacle = 0;              ///< that it belongs to, from 0
+};
+
+/// The parts of all obstacles, in order.
+std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obstacles);
+
+std::vector<model::Brick> withParts(std::vector<model::Brick> bricks,
+                                    const std::vector<ObstaclePart>& parts) {
+  for (const ObstaclePart& part : parts) bricks.push_back(part.body);
+  return bricks;
+}
+
+/// The bricks, then the parts of obstacles, and the convex pieces of them all.
 struct ContactBodies {
-  ContactBodies(const std::vector<model::Brick>& all, const std::vector<ObstaclePart>& obstacles)
-      : bricks(all),
-        parts(obstacles),
-        pieces(model::convexPieces(bricks)),
+  ContactBodies(const std::vector<model::Brick>& bricks, std::vector<ObstaclePart> obstacles)
+      : brickCount(static_cast<int>(bricks.size())),
+        parts(std::move(obstacles)),
+        bodies(withParts(bricks, parts)),
+        pieces(model::convexPieces(bodies)),
         shapes(shapesOf(pieces)),
-        firstPiece(bricks.size()) {
+        firstPiece(bodies.size()) {
     // Backwards, so that the first piece of each brick is what stays.
     for (std::size_t k = pieces.size(); k-- > 0;) {
       firstPiece[pieces[k].brick] = static_cast<int>(k);
     }
   }
 
-  int movingCount() const { return static_cast<int>(bricks.size() - parts.size()); }
   /// The obstacle's part that a body is; null for a brick.
   const ObstaclePart* partOf(int body) const {
-    return body < movingCount() ? nullptr : &parts[body - movingCount()];
+    return body < brickCount ? nullptr : &parts[body - brickCount];
   }
+  /// Of all bodies, by those of the bricks.
+  Poses posesOf(Poses bricks) const {
+    for (const ObstaclePart& part : parts) bricks.push_back(part.pose);
+    return bricks;
+  }
+  model::Contact given(model::Contact contact) const;
+  model::Contact betweenBodies(model::Contact contact) const;
   /// Pieces move with their bricks.
   Poses posesOfPieces(const Poses& poses) const {
     Poses placed;
@@ -77,18 +103,53 @@ struct ContactBodies {
     return placed;
   }
 
-  std::vector<model::Brick> bricks;
+  int brickCount;
   std::vector<ObstaclePart> parts;
+  std::vector<model::Brick> bodies;
   std::vector<model::BrickPiece> pieces;  // those of one body never meet each other
   std::vector<model::Brick> shapes;       // of the pieces
   std::vector<int> firstPiece;            // of each body
 };
 
+/// A contact of two bodies as others know it.
+model::Contact ContactBodies::given(model::Contact contact) const {
+  if (const ObstaclePart* part = partOf(contact.brickA)) {
+    contact.partA = contact.brickA - brickCount;
+    contact.brickA = model::kFirstObstacle - part->obstacle;
+    contact.pointA = part->pose.apply(contact.pointA);
+    contact.edgeA = part->pose.rotation * contact.edgeA;
+  } else if (const ObstaclePart* other = partOf(contact.brickB)) {
+    contact.partB = contact.brickB - brickCount;
+    contact.brickB = model::kFirstObstacle - other->obstacle;
+    contact.pointB = other->pose.apply(contact.pointB);
+    contact.normal = other->pose.rotation * contact.normal;
+  }
+  return contact;
+}
+
+/// The same the other way.
+model::Contact ContactBodies::betweenBodies(model::Contact contact) const {
+  if (!model::isBrick(contact.brickA)) {
+    const Pose& pose = parts[contact.partA].pose;
+    contact.brickA = brickCount + std::exchange(contact.partA, 0);
+    contact.pointA = pose.rotation.conjugate() * (contact.pointA - pose.position);
+    contact.edgeA = pose.rotation.conjugate() * contact.edgeA;
+  } else if (!model::isBrick(contact.brickB)) {
+    const Pose& pose = parts[contact.partB].pose;
+    contact.brickB = brickCount + std::exchange(contact.partB, 0);
+    contact.pointB = pose.rotation.conjugate() * (contact.pointB - pose.position);
+    contact.normal = pose.rotation.conjugate() * contact.normal;
+  }
+  return contact;
+}
+
 }  // namespace
 
 struct ContactFinder::Internals {
-  Internals(const std::vector<model::Brick>& all, const std::vector<ObstaclePart>& obstacles)
-      : bodies(all, obstacles), near(bodies.shapes) {}
+  Internals(const std::vector<model::Brick>& bricks, const scene::Environment& surroundings)
+      : bodies(bricks, obstacleParts(surroundings.obstacles)),
+        environment(surroundings),
+        near(bodies.shapes) {}
 
   /// Of two pieces, the smaller number first.
   BrickPair& pairOf(int a, int b);
@@ -133,7 +194,7 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
   if (corners == joined.end() || environment.pivotZone == 0)
     return add(bodies.shapes[a], bodies.shapes[b]);
-  const double length = model::cutLength(bodies.bricks[pieceA.brick], bodies.bricks[pieceB.brick],
+  const double length = model::cutLength(bodies.bodies[pieceA.brick], bodies.bodies[pieceB.brick],
                                          environment.pivotZone);
   return add(model::withoutCorners(pieceA, corners->second.ofA, length),
              model::withoutCorners(pieceB, corners->second.ofB, length));
@@ -165,8 +226,8 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
 // Takes notice of a move; the list of near pairs changes seldom.
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
   if (environment.contacts == scene::ContactFilter::None && bodies.parts.empty()) return;
-  const bool areBricks = bodies.pieces.size() == bodies.bricks.size();
-  const bool isNew = areBricks ? near.update(from, to)
+  const bool areConvex = bodies.pieces.size() == bodies.bodies.size();
+  const bool isNew = areConvex ? near.update(from, to)
                                : near.update(bodies.posesOfPieces(from), bodies.posesOfPieces(to));
   if (isNew) listNearPairs();
 }
@@ -209,7 +270,7 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
   // The lowest vertex alone decides whether the brick is in the ground.
   double lowest = std::numeric_limits<double>::infinity();
   for (const std::vector<Vector3>* points :
-       {&bodies.bricks[brick].bottom, &bodies.bricks[brick].top}) {
+       {&bodies.bodies[brick].bottom, &bodies.bodies[brick].top}) {
     for (const Vector3& point : *points) lowest = std::min(lowest, point.dot(up));
   }
   lowest += end.position.z();
@@ -217,7 +278,7 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
   if (groundGiven[brick] == step) return height - lowest;
   groundGiven[brick] = step;
   for (const std::vector<Vector3>* points :
-       {&bodies.bricks[brick].bottom, &bodies.bricks[brick].top}) {
+       {&bodies.bodies[brick].bottom, &bodies.bodies[brick].top}) {
     for (const Vector3& point : *points) {
       contacts.push_back({brick, model::kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
       contacts.back().friction = environment.ground->friction;
@@ -228,21 +289,20 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
 
 ContactFinder::ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
                              std::span<const model::Pivot> pivots,
-                             const scene::Environment& environment, bool planar, double tolerance,
-                             const std::vector<ObstaclePart>& obstacles)
-    : internals_(std::make_unique<Internals>(bricks, obstacles)) {
+                             const scene::Environment& environment, bool planar, double tolerance)
+    : internals_(std::make_unique<Internals>(bricks, environment)) {
   Internals& in = *internals_;
   in.groundGiven.assign(bricks.size(), -1);
   in.joined = model::sharedCorners(pivots);
-  in.environment = environment;
   in.planar = planar;
   in.tolerance = tolerance;
-  in.updatePairs(start, start);
+  in.start = in.bodies.posesOf(start);
+  in.updatePairs(in.start, in.start);
   for (BrickPair* pair : in.nearPairs) {
     checkInterruption();
     // Flush bricks of rounded models overlap a little where the run begins. They may keep that, but
     // an obstacle may not be entered at all.
-    pair->keepOverlap(seenFrom(start[pair->a()], start[pair->b()]));
+    pair->keepOverlap(seenFrom(in.start[pair->a()], in.start[pair->b()]));
     if (pair->slack() > 0) in.overlapping.push_back(pair);
   }
 }
@@ -255,16 +315,19 @@ void ContactFinder::transfer(StateTape& tape) {
 
 void ContactFinder::startStep(const Poses& start) {
   Internals& in = *internals_;
-  in.start = start;
+  in.start = in.bodies.posesOf(start);
   ++in.step;
   for (BrickPair* pair : in.overlapping) {
-    pair->shrinkOverlap(seenFrom(start[pair->a()], start[pair->b()]));
+    pair->shrinkOverlap(seenFrom(in.start[pair->a()], in.start[pair->b()]));
   }
 }
 
 // Pairs of bricks, then spheres, then the ground.
-double ContactFinder::appendViolated(const Poses& end, std::vector<model::Contact>& contacts) {
+double ContactFinder::appendViolated(const Poses& ofBricks, std::vector<model::Contact>& contacts) {
   Internals& in = *internals_;
+  // Without obstacles nothing is copied.
+  const Poses placed = in.bodies.parts.empty() ? Poses() : in.bodies.posesOf(ofBricks);
+  const Poses& end = in.bodies.parts.empty() ? ofBricks : placed;
   in.updatePairs(in.start, end);
   in.examined += static_cast<double>(in.nearPairs.size() + in.nearSpheres.size());
   double overlap = 0;
@@ -283,10 +346,11 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<model::Contac
   }
   for (std::size_t c = first; c < contacts.size(); ++c) {
     contacts[c].friction = in.frictionWith(contacts[c].brickA, contacts[c].brickB);
+    contacts[c] = in.bodies.given(contacts[c]);
   }
   // A planar sheet on the ground never leaves it.
   if (in.environment.ground && !in.planar) {
-    for (int i = 0; i < in.bodies.movingCount(); ++i) {
+    for (int i = 0; i < in.bodies.brickCount; ++i) {
       overlap = std::max(overlap, in.appendGround(i, end[i], contacts));
     }
   }
@@ -297,8 +361,9 @@ double ContactFinder::pairsExamined() const {
   return internals_->examined;
 }
 
-std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& poses) const {
+std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& ofBricks) const {
   const Internals& in = *internals_;
+  const Poses poses = in.bodies.posesOf(ofBricks);
   for (const BrickPair* pair : in.nearPairs) {
     const ObstaclePart* part = in.bodies.partOf(pair->b());
     if (part && pair->slack() > in.tolerance) return {{pair->a(), part->obstacle, pair->slack()}};
@@ -312,10 +377,11 @@ std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& p
   return std::nullopt;
 }
 
-bool ContactFinder::isCurrent(const model::Contact& contact) const {
+bool ContactFinder::isCurrent(const model::Contact& given) const {
   // The ground's contacts hold while they push.
-  if (contact.brickB == model::kFixed) return true;
+  if (given.brickB == model::kFixed) return true;
   const Internals& in = *internals_;
+  const model::Contact contact = in.bodies.betweenBodies(given);
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.bodies.partOf(b);
   // The nearest points of a sphere's contact turn with the brick, so that they are found anew in
@@ -516,8 +582,6 @@ void append(const scene::Obstacle& obstacle, int number, std::vector<ObstaclePar
   }
 }
 
-}  // namespace
-
 std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obstacles) {
   std::vector<ObstaclePart> parts;
   for (std::size_t k = 0; k < obstacles.size(); ++k) {
@@ -525,6 +589,8 @@ std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obst
   }
   return parts;
 }
+
+}  // namespace
 
 // ------------------------------------------------------------------------------------------------
 // Whether a step may lead from one relative pose of two convex bricks to another.

@@ -51,22 +51,6 @@ class NearPairs {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Obstacles as bodies that bricks can be paired with.
-
-/// A convex piece of an obstacle: a box, a face of a mesh, a sphere.
-struct ObstaclePart {
-  model::Brick body;             ///< its shape; of a sphere the cube round it
-  Pose pose;                     ///< where it stays
-  std::optional<double> radius;  ///< of a sphere, metres
-  double friction = 0;           ///< Coulomb coefficient
-  int obstacle = 0;              ///< that it belongs to, from 0
-};
-
-/// The parts of all obstacles, in order.
-/// Throws InputError for a mesh that cannot be read.
-std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obstacles);
-
-// ------------------------------------------------------------------------------------------------
 // Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
 // bricks decide. No Bullet header is needed to use it.
 
@@ -88,12 +72,12 @@ struct ObstacleOverlap {
 /// keep that overlap but not deepen it.
 class ContactFinder : public model::ContactSource {
  public:
-  /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet.
-  /// `obstacles`: the parts whose bodies are the last of the bricks, which stay where they are.
-  /// `pivots` says which bricks are joined. `bricks` are copied. Poses are one a body.
+  /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet. `pivots`
+  /// says which bricks are joined. `bricks` are copied. Poses are one a brick; obstacles are the
+  /// environment's. Throws InputError for an obstacle's mesh that cannot be read.
   ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
-                bool planar, double tolerance, const std::vector<ObstaclePart>& obstacles = {});
+                bool planar, double tolerance);
   ~ContactFinder() override;
 
   void startStep(const Poses& start) override;

@@ -46,8 +46,7 @@ std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::N
 //
 // *Steps to a tolerance* (advanceToTolerance): see tolerance_steps.cpp.
 //
-// Obstacles are pinned bodies after the bricks; they are appended to the poses before the solver is
-// called and taken away afterwards.
+// The solver knows obstacles, as the ground, by their contacts alone.
 
 namespace {
 
@@ -77,19 +76,6 @@ std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const 
   return supports;
 }
 
-/// The bricks and the bodies of obstacles. The latter weigh as much as a brick, so that the
-/// solver's mean weight stays what it is without them.
-std::vector<model::Brick> bodiesOf(const std::vector<model::Brick>& bricks,
-                                   const std::vector<contacts::ObstaclePart>& obstacles) {
-  std::vector<model::Brick> bodies = bricks;
-  for (const contacts::ObstaclePart& part : obstacles) {
-    bodies.push_back(part.body);
-    bodies.back().mass = bricks.front().mass;
-    bodies.back().inertia = bricks.front().inertia;
-  }
-  return bodies;
-}
-
 /// The forces of all points in which two things touch.
 struct PairSum {
   Vector3 force = Vector3::Zero();
@@ -112,14 +98,13 @@ struct PairSum {
   }
 };
 
-/// The solver of a scene's joints and forces between pairs, for its bricks and what else is a body.
+/// The solver of a scene's joints and forces between pairs.
 std::unique_ptr<mechanics::JointSolver> solverOf(const scene::Scene& scene,
                                                  const scene::Needs& needs,
-                                                 const std::vector<model::Brick>& bricks,
-                                                 const std::vector<model::Brick>& bodies) {
+                                                 const std::vector<model::Brick>& bricks) {
   scene::Ties ties = scene::dynamicTies(scene, bricks);
   return mechanics::makeJointSolver(
-      bodies, ties.pivots,
+      bricks, ties.pivots,
       {needs.planar.on, model::tileSize(scene.model), groundSupports(scene, needs, bricks),
        std::move(ties.pairForces)});
 }
@@ -143,27 +128,22 @@ void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
 
 DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
                                const std::vector<model::Brick>& bricks, const Poses& start)
-    : brickCount_(bricks.size()),
+    : bricks_(bricks),
       countsFrom_(scene.model.fileOrder.countsFrom),
       tileSize_(model::tileSize(scene.model)),
       environment_(scene.environment),
-      obstacles_(contacts::obstacleParts(scene.environment.obstacles)),
-      bodies_(bodiesOf(bricks, obstacles_)),
-      solver_(solverOf(scene, needs, bricks, bodies_)),
+      solver_(solverOf(scene, needs, bricks)),
       substeps_(scene.solver.substeps.value_or(1)),
       keepsEnergy_(scene.hinges.areLigaments || scene.hinges.panels),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()),
       touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);
-  if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
   if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
-  Poses poses = start;
-  appendObstacles(poses);
   const auto finder = [&](double tolerance) {
     auto made = std::make_unique<contacts::ContactFinder>(
-        bodies_, poses, model::makePivots(scene.model.joints, bricks), scene.environment,
-        needs.planar.on, tolerance, obstacles_);
-    requireFree(made->overlapWithObstacle(poses), countsFrom_);
+        bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
+        needs.planar.on, tolerance);
+    requireFree(made->overlapWithObstacle(start), countsFrom_);
     return made;
   };
   contacts_ = finder(touching_);
@@ -172,49 +152,29 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
   exactContacts_ = finder(touching_);
 }
 
-void DirectDynamics::appendObstacles(Poses& poses) const {
-  for (const contacts::ObstaclePart& part : obstacles_) poses.push_back(part.pose);
-}
-
-void DirectDynamics::leaveObstacles(Motion& motion) const {
-  motion.poses.resize(brickCount_);
-  motion.velocities.resize(brickCount_);
-}
-
-// Obstacles stay; a state that cannot be closed is given back as it was.
+// A state that cannot be closed is given back as it was.
 bool DirectDynamics::assemble(Poses& poses) {
   Poses closed = poses;
-  appendObstacles(closed);
   if (solver_->assemble(closed) > kClosed * tileSize_) return false;
-  closed.resize(brickCount_);
   poses = std::move(closed);
   return true;
 }
 
 void DirectDynamics::fitVelocities(Motion& motion) {
-  appendObstacles(motion.poses);
-  motion.velocities.resize(bodies_.size());
   solver_->collide(motion);
-  leaveObstacles(motion);
 }
 
 void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
-  std::vector<bool> held = pinned;
-  held.resize(bodies_.size(), true);
-  isPinned_ = std::ranges::find(held, true) != held.end();
-  solver_->setPinned(held);
+  isPinned_ = std::ranges::find(pinned, true) != pinned.end();
+  solver_->setPinned(pinned);
 }
 
-/// The actuation with what surrounds the bricks, for all bodies.
+/// The actuation with what surrounds the bricks.
 mechanics::TimedLoads DirectDynamics::allLoads(const mechanics::TimedLoads& actuation) const {
-  return [this, &actuation, brickPoses = Poses()](double seconds, const Poses& poses,
-                                                  std::vector<model::Load>& loads) mutable {
+  return [this, &actuation](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
     checkInterruption();  // a step may be halved many times
-    brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
-    loads.resize(brickCount_);
-    actuation(seconds, brickPoses, loads);
-    addEnvironmentLoads(environment_, std::span(bodies_).first(brickCount_), poses, loads);
-    loads.resize(bodies_.size());
+    actuation(seconds, poses, loads);
+    addEnvironmentLoads(environment_, bricks_, poses, loads);
   };
 }
 
@@ -226,20 +186,17 @@ StepReport DirectDynamics::advance(Motion& motion, double step,
   const mechanics::LoadSource now = [&](const Poses& poses, std::vector<model::Load>& loads) {
     all(0, poses, loads);
   };
-  appendObstacles(motion.poses);
-  motion.velocities.resize(bodies_.size());
   StepReport report;
   for (int substep = 0; substep < substeps_; ++substep) {
     report += solver_->advance(motion, step / substeps_, now, contacts_.get());
   }
-  leaveObstacles(motion);
   return report;
 }
 
 void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
   contacts::ContactFinder* exact = exactContacts_ ? exactContacts_.get() : contacts_.get();
   toleranceSteps_ = std::make_unique<ToleranceSteps>(
-      bodies_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, isRubbing_},
+      bricks_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, isRubbing_},
       mechanics::ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_,
                                        keepsEnergy_},
       tolerance.firstOrderStep);
@@ -248,12 +205,7 @@ void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
 StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
                                               const mechanics::TimedLoads& actuation) {
   const mechanics::TimedLoads all = allLoads(actuation);
-  appendObstacles(motion.poses);
-  motion.velocities.resize(bodies_.size());
-  const StepReport report = toleranceSteps_->advance(motion, seconds, all, isPinned_);
-  leaveObstacles(motion);
-  for (mechanics::PassedState& state : toleranceSteps_->passed()) leaveObstacles(state.motion);
-  return report;
+  return toleranceSteps_->advance(motion, seconds, all, isPinned_);
 }
 
 std::span<const mechanics::PassedState> DirectDynamics::passed() const {
@@ -262,18 +214,11 @@ std::span<const mechanics::PassedState> DirectDynamics::passed() const {
 }
 
 std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const {
-  Poses all = poses;
-  appendObstacles(all);
   std::map<std::pair<int, int>, PairSum> pairs;
-  for (const mechanics::TouchForce& touch : solver_->touchForces(all)) {
-    const bool isSwapped = touch.brickB != model::kFixed && touch.brickB < touch.brickA;
+  for (const mechanics::TouchForce& touch : solver_->touchForces(poses)) {
+    const bool isSwapped = model::isBrick(touch.brickB) && touch.brickB < touch.brickA;
     const int tile = isSwapped ? touch.brickB : touch.brickA;
-    const int body = isSwapped ? touch.brickA : touch.brickB;
-    const auto obstacle = static_cast<std::size_t>(body) - brickCount_;
-    const bool isBrick = body < static_cast<int>(brickCount_);
-    const int other = body == model::kFixed ? trajectory::Hold::kGround
-                      : isBrick             ? body
-                                : trajectory::Hold::kFirstObstacle - obstacles_[obstacle].obstacle;
+    const int other = isSwapped ? touch.brickA : touch.brickB;
     pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
   }
   std::vector<trajectory::Hold> holds;
@@ -287,19 +232,14 @@ std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const
 std::string DirectDynamics::nameOf(const mechanics::ContactLoad& load) const {
   const int tile = countsFrom_ + load.brickA;
   if (load.brickB == model::kFixed) return fmt::format("tile {} and the ground", tile);
-  const std::size_t other = static_cast<std::size_t>(load.brickB);
-  return other < brickCount_ ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
-                             : fmt::format("tile {} and obstacle {}", tile,
-                                           obstacles_[other - brickCount_].obstacle);
+  return model::isBrick(load.brickB)
+             ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
+             : fmt::format("tile {} and obstacle {}", tile, model::kFirstObstacle - load.brickB);
 }
 
 std::vector<std::string> DirectDynamics::loadedContacts() const {
   std::vector<std::string> names;
-  for (const mechanics::ContactLoad& load : solver_->contactLoads()) {
-    std::string name = nameOf(load);
-    // An obstacle may have several parts.
-    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
-  }
+  for (const mechanics::ContactLoad& load : solver_->contactLoads()) names.push_back(nameOf(load));
   return names;
 }
 

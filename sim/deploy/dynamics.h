@@ -124,23 +124,18 @@ class DirectDynamics : public Dynamics {
   void transfer(StateTape& tape) override;
 
  private:
-  bool hasObstacles() const { return !obstacles_.empty(); }
-  void appendObstacles(Poses& poses) const;
-  void leaveObstacles(Motion& motion) const;
   std::string nameOf(const mechanics::ContactLoad& load) const;
   mechanics::TimedLoads allLoads(const mechanics::TimedLoads& actuation) const;
 
-  std::size_t brickCount_;
+  std::vector<model::Brick> bricks_;
   int countsFrom_;   // the first tile, in messages
   double tileSize_;  // metres
   scene::Environment environment_;
-  std::vector<contacts::ObstaclePart> obstacles_;
-  std::vector<model::Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
   std::unique_ptr<mechanics::JointSolver> solver_;
   int substeps_;
   bool keepsEnergy_;                                   // to a tolerance in time
   bool isRubbing_;                                     // planar bricks on a ground with friction
-  bool isPinned_ = false;                              // some body
+  bool isPinned_ = false;                              // some brick
   double touching_;                                    // gap of points that touch, metres
   std::unique_ptr<contacts::ContactFinder> contacts_;  // null where nothing can be touched
   /// The same, finer, for steps to a tolerance; null without one.

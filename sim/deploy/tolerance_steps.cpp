@@ -30,22 +30,24 @@ constexpr int kMostImpacts = 8;  // in one call
 constexpr int kCallsToWait = 8;
 constexpr int kImpactBisections = 60;  // to the last bit
 
-/// The bricks of a contact alone.
-Motion motionOf(const model::Contact& contact, const Motion& all) {
-  Motion motion{{all.poses[contact.brickA]}, {all.velocities[contact.brickA]}};
-  if (contact.brickB == model::kFixed) return motion;
-  motion.poses.push_back(all.poses[contact.brickB]);
-  motion.velocities.push_back(all.velocities[contact.brickB]);
+/// The motion of the bricks of a contact alone. Numbers them anew in the contact.
+Motion motionOf(model::Contact& contact, const Motion& all) {
+  Motion motion;
+  for (int* number : {&contact.brickA, &contact.brickB}) {
+    if (!model::isBrick(*number)) continue;
+    motion.poses.push_back(all.poses[*number]);
+    motion.velocities.push_back(all.velocities[*number]);
+    *number = static_cast<int>(motion.poses.size()) - 1;
+  }
   return motion;
 }
 
 /// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
 /// last moment at which it is open.
-double momentOfClosing(model::Contact contact, const Motion& from, const Motion& to, double seconds,
-                       double latest) {
-  const Motion start = motionOf(contact, from), end = motionOf(contact, to);
-  contact.brickA = 0;
-  if (contact.brickB != model::kFixed) contact.brickB = 1;
+double momentOfClosing(model::Contact numbered, const Motion& from, const Motion& to,
+                       double seconds, double latest) {
+  model::Contact contact = numbered;
+  const Motion start = motionOf(contact, from), end = motionOf(numbered, to);
   double open = 0, closed = latest;
   for (int k = 0; k < kImpactBisections && model::contactGap(contact, start.poses) > 0; ++k) {
     const double middle = 0.5 * (open + closed);
@@ -84,10 +86,11 @@ std::optional<double> ToleranceSteps::momentOfImpact() const {
 
 /// Has the solver hold these contacts.
 void ToleranceSteps::setHeld(std::vector<model::Contact> contacts) {
-  // Obstacles are pinned bodies.
-  const bool onGround =
-      std::ranges::find(contacts, model::kFixed, &model::Contact::brickB) != contacts.end();
-  extrapolation_.setSupported(isPinned_ || contacts_.isRubbing || onGround);
+  const auto isHeld = [](const model::Contact& contact) {
+    return !model::isBrick(contact.brickA) || !model::isBrick(contact.brickB);
+  };
+  extrapolation_.setSupported(isPinned_ || contacts_.isRubbing ||
+                              std::ranges::any_of(contacts, isHeld));
   solver_.holdContacts(contacts);
 }
 
@@ -114,11 +117,11 @@ double ToleranceSteps::collide(double now, const std::vector<model::Contact>& cl
       held.push_back(contact);
   }
   setHeld(std::move(held));
-  const double energy = trajectory::kineticEnergy(bodies_, motion);
+  const double energy = trajectory::kineticEnergy(bricks_, motion);
   passed_.push_back({now, motion});
   solver_.collide(motion);
   passed_.push_back({now, motion});
-  return energy - trajectory::kineticEnergy(bodies_, motion);
+  return energy - trajectory::kineticEnergy(bricks_, motion);
 }
 
 /// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or

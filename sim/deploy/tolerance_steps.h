@@ -1,4 +1,4 @@
-/// Steps of a scene's bodies that keep a tolerance in time, from impact to impact.
+/// Steps of a scene's bricks that keep a tolerance in time, from impact to impact.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace kirireel::deploy {
 
-/// What bodies run into in steps to a tolerance.
+/// What bricks run into in steps to a tolerance.
 struct ToleranceContacts {
   contacts::ContactFinder* coarse =
       nullptr;  ///< for steps of first order; null where nothing can be touched
@@ -27,18 +27,17 @@ struct ToleranceContacts {
 /// that cannot be done.
 class ToleranceSteps {
  public:
-  /// Bodies, solver and finders must outlive this; bodies, motions and loads include obstacles,
-  /// which are pinned. `firstOrderStep`: see TimeTolerance.
-  ToleranceSteps(const std::vector<model::Brick>& bodies, mechanics::JointSolver& solver,
+  /// Bricks, solver and finders must outlive this. `firstOrderStep`: see TimeTolerance.
+  ToleranceSteps(const std::vector<model::Brick>& bricks, mechanics::JointSolver& solver,
                  const ToleranceContacts& contacts,
                  const mechanics::ExtrapolationSettings& settings, double firstOrderStep)
-      : bodies_(bodies),
+      : bricks_(bricks),
         solver_(solver),
         contacts_(contacts),
         firstOrderStep_(firstOrderStep),
-        extrapolation_(bodies, solver, settings) {}
+        extrapolation_(bricks, solver, settings) {}
 
-  /// Advances the motion by so many seconds. `isPinned`: some body is.
+  /// Advances the motion by so many seconds. `isPinned`: some brick is.
   StepReport advance(Motion& motion, double seconds, const mechanics::TimedLoads& loads,
                      bool isPinned);
 
@@ -61,7 +60,7 @@ class ToleranceSteps {
   StepReport goOnByFirstOrder(Motion& motion, double begin, double end,
                               const mechanics::TimedLoads& loads);
 
-  /// A step that was not taken, because bodies meet in it.
+  /// A step that was not taken, because bricks meet in it.
   struct Meeting {
     Motion from;
     Motion to;
@@ -69,7 +68,7 @@ class ToleranceSteps {
     std::vector<model::Contact> contacts;  // that are violated at its end, whole planes of them
   };
 
-  const std::vector<model::Brick>& bodies_;
+  const std::vector<model::Brick>& bricks_;
   mechanics::JointSolver& solver_;
   ToleranceContacts contacts_;
   double firstOrderStep_;  // seconds

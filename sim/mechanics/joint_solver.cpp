@@ -356,11 +356,12 @@ ContactRow<D> Stepper<D>::contactRow(const model::Contact& contact, const Poses&
 /// No contact moves a pinned brick.
 template <int D>
 void Stepper<D>::holdPinned(Row& row) const {
-  if (pinned_[row.contact.brickA]) {
+  const auto isHeld = [&](int body) { return model::isBrick(body) && pinned_[body]; };
+  if (isHeld(row.contact.brickA)) {
     row.normalA.setZero();
     row.tangentA.setZero();
   }
-  if (row.contact.brickB != model::kFixed && pinned_[row.contact.brickB]) {
+  if (isHeld(row.contact.brickB)) {
     row.normalB.setZero();
     row.tangentB.setZero();
   }
@@ -498,7 +499,7 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   for (const Row& row : kept_.contacts) {
     const auto [low, high] = std::minmax(row.contact.brickA, row.contact.brickB);
     const std::pair<int, int> pair =
-        low == model::kFixed ? std::pair(high, model::kFixed) : std::pair<int, int>(low, high);
+        model::isBrick(low) ? std::pair<int, int>(low, high) : std::pair<int, int>(high, low);
     if (row.multiplier > 0) forces[pair] += row.multiplier / kept_.step;
   }
   std::vector<ContactLoad> loads;
@@ -513,16 +514,20 @@ std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   for (const auto* rows : {&kept_.contacts, &kept_.supports}) {
     for (Row row : *rows) {
       placeRow(row, poses);
-      // The velocity of A's point along a direction begins with that direction.
+      // The velocity of a brick's point along a direction begins with that direction.
       constexpr int kAxes = D == 6 ? 3 : 2;
-      TouchForce touch = {row.contact.brickA, row.contact.brickB,
-                          poses[row.contact.brickA].apply(row.contact.pointA), Vector3::Zero(), 0};
+      const auto& [a, b] = std::tie(row.contact.brickA, row.contact.brickB);
+      const bool onA = model::isBrick(a);
+      TouchForce touch = {onA ? a : b, onA ? b : a,
+                          model::poseOf(a, poses).apply(row.contact.pointA), Vector3::Zero(), 0};
+      const auto& tangents = onA ? row.tangentA : row.tangentB;
+      const auto& normal = onA ? row.normalA : row.normalB;
       touch.force.template head<kAxes>() =
-          row.tangentA.template leftCols<kAxes>().transpose() * row.slipMultiplier / kept_.step;
+          tangents.template leftCols<kAxes>().transpose() * row.slipMultiplier / kept_.step;
       if (row.hasNormal) {
         touch.push = row.multiplier / kept_.step;
         touch.force.template head<kAxes>() +=
-            touch.push * row.normalA.template head<kAxes>().transpose();
+            touch.push * normal.template head<kAxes>().transpose();
       }
       forces.push_back(touch);
     }

@@ -53,14 +53,14 @@ struct LoadGain {
 /// What two touching bricks push each other with.
 struct ContactLoad {
   int brickA = 0;              ///< its number, from 0
-  int brickB = model::kFixed;  ///< above brickA, or kFixed
+  int brickB = model::kFixed;  ///< above brickA, or what does not move
   double force = 0;            ///< newtons, the sum over the pair's points
 };
 
-/// The force at one point where two bricks, or a brick and the ground, touch.
+/// The force at one point where two bricks, or a brick and what does not move, touch.
 struct TouchForce {
   int brickA = 0;              ///< its number, from 0
-  int brickB = model::kFixed;  ///< or kFixed
+  int brickB = model::kFixed;  ///< or the ground's or an obstacle's
   Vector3 point;               ///< world axes
   Vector3 force;    ///< on brick A, friction included, newtons; brick B gets the opposite
   double push = 0;  ///< of that along the normal, newtons, from 0

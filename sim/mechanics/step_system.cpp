@@ -26,12 +26,13 @@ std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
 template <int D>
 void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
   const model::Contact& contact = row.contact;
-  const Vector3 a = poses[contact.brickA].rotation * contact.edgeA;
-  const Vector3 b = poses[contact.brickB].rotation * contact.normal;
+  const Pose& poseA = model::poseOf(contact.brickA, poses);
+  const Pose& poseB = model::poseOf(contact.brickB, poses);
+  const Vector3 a = poseA.rotation * contact.edgeA;
+  const Vector3 b = poseB.rotation * contact.normal;
   const double length = a.cross(b).norm();
   const Vector3 normal = a.cross(b) / length;
-  const Vector3 between =
-      poses[contact.brickA].apply(contact.pointA) - poses[contact.brickB].apply(contact.pointB);
+  const Vector3 between = poseA.apply(contact.pointA) - poseB.apply(contact.pointB);
   const Vector3 d = between - normal.dot(between) * normal;
   row.normalA += Coordinates<D>::turning(a.cross(b.cross(d)) / length);
   row.normalB += Coordinates<D>::turning(b.cross(d.cross(a)) / length);
@@ -42,30 +43,36 @@ void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
 template <int D>
 // w = C u for this row, m/s; positive where the points part.
 double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
-  double w = normalA.dot(u.segment<D>(D * contact.brickA));
-  if (contact.brickB != model::kFixed) w += normalB.dot(u.segment<D>(D * contact.brickB));
+  double w = 0;
+  if (model::isBrick(contact.brickA)) w += normalA.dot(u.segment<D>(D * contact.brickA));
+  if (model::isBrick(contact.brickB)) w += normalB.dot(u.segment<D>(D * contact.brickB));
   return w;
 }
 
 template <int D>
 typename ContactRow<D>::Tangent ContactRow<D>::slipVelocity(const Eigen::VectorXd& u) const {
-  Tangent w = tangentA * u.segment<D>(D * contact.brickA);
-  if (contact.brickB != model::kFixed) w += tangentB * u.segment<D>(D * contact.brickB);
+  Tangent w = Tangent::Zero();
+  if (model::isBrick(contact.brickA)) w += tangentA * u.segment<D>(D * contact.brickA);
+  if (model::isBrick(contact.brickB)) w += tangentB * u.segment<D>(D * contact.brickB);
   return w;
 }
 
 template <int D>
 void ContactRow<D>::addNormal(double scale, Eigen::VectorXd& to) const {
-  to.segment<D>(D * contact.brickA) += scale * normalA.transpose();
-  if (contact.brickB != model::kFixed)
-    to.segment<D>(D * contact.brickB) += scale * normalB.transpose();
+  const auto add = [&](int brick, const RowVector& row) {
+    if (model::isBrick(brick)) to.segment<D>(D * brick) += scale * row.transpose();
+  };
+  add(contact.brickA, normalA);
+  add(contact.brickB, normalB);
 }
 
 template <int D>
 void ContactRow<D>::addTangent(const Tangent& scale, Eigen::VectorXd& to) const {
-  to.segment<D>(D * contact.brickA) += tangentA.transpose() * scale;
-  if (contact.brickB != model::kFixed)
-    to.segment<D>(D * contact.brickB) += tangentB.transpose() * scale;
+  const auto add = [&](int brick, const TangentRows& rows) {
+    if (model::isBrick(brick)) to.segment<D>(D * brick) += rows.transpose() * scale;
+  };
+  add(contact.brickA, tangentA);
+  add(contact.brickB, tangentB);
 }
 
 template <int D>
@@ -99,11 +106,11 @@ typename ContactRow<D>::Tangent ContactRow<D>::trialSlipImpulse(const Eigen::Vec
 template <int D>
 void placeRow(ContactRow<D>& row, const Poses& poses) {
   const model::Contact& contact = row.contact;
-  const Pose& poseA = poses[contact.brickA];
+  const Pose& poseA = model::poseOf(contact.brickA, poses);
   const Vector3 armA = poseA.rotation * contact.pointA;
   const Vector3 normal = model::contactNormal(contact, poses);
   Vector3 armB = Vector3::Zero();
-  if (contact.brickB != model::kFixed) {
+  if (model::isBrick(contact.brickB)) {
     // A plane of B turns with B, so B's arm too goes to A's point.
     const Pose& poseB = poses[contact.brickB];
     armB = contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
@@ -521,18 +528,18 @@ void StepSystem<D>::keepLengthwiseRow(const model::Pivot& pivot, const Poses& po
   rows.b.row(0) = alongB;
 }
 
-/// Adds weight * [a b]^T [a b] for rows of a pair of bricks; those of a brick that does not move
-/// are left out.
+/// Adds weight * [a b]^T [a b] for rows of a pair of bricks; those of what does not move are left
+/// out.
 template <int D>
 template <int kRows>
 void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
                                     const Eigen::Matrix<double, kRows, D>& a,
                                     const Eigen::Matrix<double, kRows, D>& b, double weight) {
   const Eigen::Matrix<double, D, kRows> weightedA = weight * a.transpose();
-  matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
-  if (pair.brickB == model::kFixed) return;
   const Eigen::Matrix<double, D, kRows> weightedB = weight * b.transpose();
-  matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
+  if (model::isBrick(pair.brickA)) matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
+  if (model::isBrick(pair.brickB)) matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
+  if (!pair.hasEdge()) return;
   if (pair.brickA < pair.brickB) {
     matrix_.addToOffDiagonal(pair.edge, weightedA.lazyProduct(b));
   } else {
@@ -573,7 +580,7 @@ void StepSystem<D>::addPairBlocksToMatrix() {
 template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
-  if (pair.brickB != model::kFixed) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
+  if (pair.hasEdge()) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
   if (row.active) addRowsToMatrix<1>(pair, row.normalA, row.normalB, rho_);
   if (!row.rubs()) return;
   // The tangents along the slip stiffness' own directions.
@@ -589,8 +596,8 @@ void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
 template <int D>
 bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (const ContactRow<D>& row : contacts) {
-    if (!row.acts() || row.contact.brickB == model::kFixed) continue;
-    graph_.edgeOf(row.contact.brickA, row.contact.brickB);
+    const PairOnGraph pair{row.contact.brickA, row.contact.brickB};
+    if (row.acts() && pair.hasEdge()) graph_.edgeOf(pair.brickA, pair.brickB);
   }
   if (graph_.hasGrown()) matrix_.analyze(brickCount(), graph_.edges());
   matrix_.setZero();

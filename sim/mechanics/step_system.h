@@ -173,7 +173,7 @@ struct ContactRow {
   model::Contact contact;  ///< as it was found
   bool hasNormal = true;   ///< false for supports, which only rub
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
-  /// That of B is zero where the other side is fixed.
+  /// That of what does not move means nothing.
   RowVector normalA, normalB;
   /// Two rows for each brick, likewise, along two directions that span the contact's plane.
   TangentRows tangentA, tangentB;
@@ -256,11 +256,15 @@ class BrickGraph {
   bool hasGrown_ = true;
 };
 
-/// Two bricks, the second perhaps kFixed, and their edge of the graph.
+/// Two bricks, one of them perhaps what does not move (see model::isBrick), and their edge of the
+/// graph.
 struct PairOnGraph {
-  int brickA = 0;  ///< its number, from 0
-  int brickB = 0;  ///< its number, from 0, or kFixed
-  int edge = 0;    ///< its number on the graph; 0 where B is kFixed
+  int brickA = 0;  ///< its number, from 0, or below 0
+  int brickB = 0;  ///< likewise
+  int edge = 0;    ///< its number on the graph, where there is one
+
+  /// Whether both move.
+  bool hasEdge() const { return model::isBrick(brickA) && model::isBrick(brickB); }
 };
 
 // ------------------------------------------------------------------------------------------------

@@ -32,8 +32,22 @@ struct Load {
 // ------------------------------------------------------------------------------------------------
 // A place where a brick may touch another brick or something that does not move.
 
-/// Index of "something that does not move" (the ground) in a contact.
+/// The ground's number where a brick's could stand. Numbers below 0 are of what does not move: no
+/// solver has a body for it.
 inline constexpr int kFixed = -1;
+/// Obstacle 0's number; that of obstacle k is kFirstObstacle - k.
+inline constexpr int kFirstObstacle = -2;
+
+/// Whether a number is a brick's.
+inline bool isBrick(int number) {
+  return number >= 0;
+}
+
+/// The pose of a brick, or the world's own axes for what does not move.
+inline const Pose& poseOf(int number, const Poses& poses) {
+  static const Pose kWorld;
+  return isBrick(number) ? poses[number] : kWorld;
+}
 
 /// A point of brick A that may not pass a plane of brick B, or an edge of A that may not pass an
 /// edge of B. All is kept in the bricks' axes, so that the gap is exact at any later pose, not only
@@ -42,18 +56,17 @@ inline constexpr int kFixed = -1;
 /// + slack, and that of two edges the same with n = e_A x e_B / |e_A x e_B|. It may not become
 /// negative.
 struct Contact {
-  int brickA = 0;       ///< its number, from 0
-  int brickB = kFixed;  ///< or kFixed
-  Vector3 pointA;       ///< on brick A, in its axes
-  Vector3 pointB;       ///< on the plane or edge, in the axes of brick B, or of the world
-  Vector3 normal;  ///< of the plane, unit, towards A, in the axes of B, or of the world; or the
-                   ///< direction of B's edge
-  bool isEdge = false;
-  Vector3 edgeA = Vector3::Zero();  ///< direction of A's edge, in its axes: edgeA x B's edge points
+  int brickA = 0;       ///< its number, from 0, or an obstacle's
+  int brickB = kFixed;  ///< its number, or the ground's or an obstacle's; one of the two is a brick
+  Vector3 pointA;       ///< on brick A, in its axes; of an obstacle in the world's
+  Vector3 pointB;       ///< on the plane or edge of B, likewise
+  Vector3 normal;       ///< of the plane, unit, towards A, or the direction of B's edge; as pointB
+  bool isEdge = false;  ///< both sides are edges
+  Vector3 edgeA = Vector3::Zero();  ///< direction of A's edge, as pointA: edgeA x B's edge points
                                     ///< from B towards A
   double friction = 0;              ///< Coulomb coefficient of the pair
   double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
-  int partA = 0;                    ///< which convex part of a concave brick A
+  int partA = 0;                    ///< which convex part of a concave brick A, or of all obstacles
   int partB = 0;                    ///< likewise of B
 
   bool operator==(const Contact&) const = default;
@@ -74,18 +87,16 @@ inline bool onOnePlane(const Contact& x, const Contact& y) {
 
 /// The contact's unit normal from B towards A at the given poses, world axes.
 inline Vector3 contactNormal(const Contact& contact, const Poses& poses) {
-  if (contact.brickB == kFixed) return contact.normal;
-  const Vector3 ofB = poses[contact.brickB].rotation * contact.normal;
+  const Vector3 ofB = poseOf(contact.brickB, poses).rotation * contact.normal;
   if (!contact.isEdge) return ofB;
-  return (poses[contact.brickA].rotation * contact.edgeA).cross(ofB).normalized();
+  return (poseOf(contact.brickA, poses).rotation * contact.edgeA).cross(ofB).normalized();
 }
 
 /// Signed distance of the point from the plane, or of the edges, at the given poses plus the slack,
 /// metres; negative where the contact is violated.
 inline double contactGap(const Contact& contact, const Poses& poses) {
-  const Vector3 pointA = poses[contact.brickA].apply(contact.pointA);
-  const Vector3 pointB =
-      contact.brickB == kFixed ? contact.pointB : poses[contact.brickB].apply(contact.pointB);
+  const Vector3 pointA = poseOf(contact.brickA, poses).apply(contact.pointA);
+  const Vector3 pointB = poseOf(contact.brickB, poses).apply(contact.pointB);
   return contactNormal(contact, poses).dot(pointA - pointB) + contact.slack;
 }
 

@@ -9,6 +9,7 @@
 #include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
 #include "sim/model/brick.h"
+#include "sim/model/contact.h"
 #include "sim/model/model.h"
 #include "sim/model/pair_force.h"
 #include "sim/scene/scene.h"
@@ -61,9 +62,9 @@ enum class HoldKind {
 /// World axes.
 struct Hold {
   /// What a tile touches when that is no tile; obstacle k is kFirstObstacle - k.
-  static constexpr int kGround = -1;
+  static constexpr int kGround = model::kFixed;
   /// Obstacle 0.
-  static constexpr int kFirstObstacle = -2;
+  static constexpr int kFirstObstacle = model::kFirstObstacle;
 
   HoldKind kind = HoldKind::Contact;  ///< what holds
   int tile = 0;                       ///< its number, from 0

@@ -77,6 +77,47 @@ TEST(Obstacles, ABrickFallsOntoABoxAndRests) {
   }
 }
 
+TEST(Obstacles, PushWithTheWeightOfWhatRestsOnThem) {
+  // A wide box holds the brick's corners with its face, a narrow one the brick's face with its own
+  // corners.
+  for (const double width : {2.0, 0.2}) {
+    const scene::Obstacle under = box({0.02, 0.01, -0.5}, {width, width, 1});
+    Moving run(sceneOf({rectangle({0, 0, 0}, 0.8, 0.6)}, under));
+    run.advance(24);
+    const std::vector<trajectory::Hold> holds = run.dynamics->contacts(run.motion.poses);
+    ASSERT_EQ(holds.size(), 1U) << width;
+    EXPECT_EQ(holds[0].tile, 0);
+    EXPECT_EQ(holds[0].other, trajectory::Hold::kFirstObstacle);
+    const Vector3 weight(0, 0, -kGravity * run.bricks[0].mass);
+    EXPECT_LT((holds[0].force + weight).norm(), 1e-12 * weight.norm()) << width;  // measured 2e-16
+    // About the middle of the brick the push has no moment.
+    const Vector3 arm = holds[0].point - place(run);
+    const Vector3 moment = holds[0].moment + arm.cross(holds[0].force);
+    EXPECT_LT(moment.norm(), 1e-12 * weight.norm()) << width;  // measured 1e-16
+    EXPECT_THAT(run.dynamics->loadedContacts(), ::testing::ElementsAre("tile 0 and obstacle 0"));
+  }
+}
+
+// No solver has a body for an obstacle: one that nothing meets leaves every bit as it is.
+TEST(Obstacles, ChangeNothingWhereNothingMeetsThem) {
+  model::TessellationShape shape;
+  shape.columns = shape.rows = 3;
+  scene::Scene with = sceneOf(model::makeTessellation(shape).tiles, box({0, 0, 50}, {1, 2, 3}));
+  with.model = model::makeTessellation(shape);
+  with.model.target.reset();
+  scene::Scene without = with;
+  without.environment.obstacles.clear();
+  without.environment.contacts = with.environment.contacts = scene::ContactFilter::All;
+  Moving one(with), other(without);
+  ASSERT_FALSE(scene::sceneNeeds(without).planar.on);
+  one.advance(20, {0.3, 0.1, 0});
+  other.advance(20, {0.3, 0.1, 0});
+  for (std::size_t i = 0; i < one.bricks.size(); ++i) {
+    EXPECT_EQ(one.motion.poses[i].position, other.motion.poses[i].position) << i;
+    EXPECT_EQ(one.motion.poses[i].rotation.coeffs(), other.motion.poses[i].rotation.coeffs()) << i;
+  }
+}
+
 TEST(Obstacles, ABrickTipsOverAnEdgeOnceItsMiddleIsBeyond) {
   for (const double middle : {0.48, 0.52}) {
     // The box ends at x = 0.5.
