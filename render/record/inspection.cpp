@@ -221,9 +221,9 @@ std::string inspectionJson(const Inspection& inspection) {
   json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();
   json["rigid_bound"] = inspection.rigidBound ? Json(*inspection.rigidBound) : Json();
   json["assembled_error"] = inspection.assembledError ? Json(*inspection.assembledError) : Json();
-  json["needs"] = {{"planar", needJson(inspection.needs.planar)},
-                   {"contacts", needJson(inspection.needs.contacts)},
-                   {"ground", needJson(inspection.needs.ground)}};
+  json["needs"] = {{"planar", fieldsJson<Json>(inspection.needs.planar)},
+                   {"contacts", fieldsJson<Json>(inspection.needs.contacts)},
+                   {"ground", fieldsJson<Json>(inspection.needs.ground)}};
   return jsonText(json, 2) + "\n";
 }
 

@@ -21,6 +21,7 @@
 // The same texts of settings and findings stand in trajectory.h5, where `verify` compares them.
 #include "render/record/summary.h"
 
+#include <array>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -69,23 +70,19 @@ void addStepFigures(Json& json, const std::string& part, const StepReport& took)
   }
 }
 
+/// Of the figures of accuracy, those that only runs with a target have.
+constexpr std::array kOfTarget = {&deploy::Accuracy::targetErrorStart,
+                                  &deploy::Accuracy::targetErrorEnd,
+                                  &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::rigidBound,
+                                  &deploy::Accuracy::springsRestError};
+
 /// Lengths; null where there is no target or nothing was searched.
 Json accuracyJson(const RunSummary& summary, bool hasTarget) {
-  const deploy::Accuracy& accuracy = summary.accuracy;
-  Json json = {{"joint_gap_max", accuracy.jointGapMax},
-               {"joint_gap_mean", accuracy.jointGapMean},
-               {"joint_gap_end", accuracy.jointGapEnd},
-               {"joint_opening_max", accuracy.jointOpeningMax},
-               {"assembly_move", accuracy.assemblyMove},
-               {"target_error_start", onlyIf(hasTarget, accuracy.targetErrorStart)},
-               {"target_error_end", onlyIf(hasTarget, accuracy.targetErrorEnd)},
-               {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
-               {"rigid_bound", onlyIf(hasTarget, accuracy.rigidBound)},
-               {"springs_rest_error", onlyIf(hasTarget, accuracy.springsRestError)},
-               {"assembled_error", onlyIf(summary.assembledError >= 0, summary.assembledError)},
-               {"penetration_max", accuracy.penetrationMax},
-               {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
-               {"penetration_grown_max", accuracy.penetrationGrownMax}};
+  Json json = fieldsJson<Json>(summary.accuracy);
+  if (!hasTarget) {
+    for (const auto figure : kOfTarget) json[nameOfField(figure)] = nullptr;
+  }
+  json[deploy::kAssembledError] = onlyIf(summary.assembledError >= 0, summary.assembledError);
   addStepFigures(json, "accuracy", summary.deployCost.took);
   return json;
 }
@@ -96,9 +93,9 @@ Json elasticityJson(const std::optional<model::Elasticity>& elasticity) {
   for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
     json[kind.name.counted] = elasticity->count(kind.name.counted);
   }
-  json["energy_start"] = elasticity->energyStart;
-  json["energy_end"] = elasticity->energyEnd;
-  json["moment_end"] = elasticity->momentEnd;
+  for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
+    json[figure.name] = (*elasticity).*figure.member;
+  }
   return json;
 }
 
@@ -192,13 +189,6 @@ Json velocitiesJson(const std::vector<scene::InitialVelocity>& velocities, int c
                     {"linear", vectorJson(velocity.linear)},
                     {"angular", vectorJson(velocity.angular)}});
   }
-  return json;
-}
-
-Json eventsJson(const std::vector<trajectory::Event>& events) {
-  Json json = Json::array();
-  for (const trajectory::Event& event : events)
-    json.push_back({{"time", event.time}, {"what", event.text}});
   return json;
 }
 
@@ -347,17 +337,15 @@ Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
           {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},
           {"path", pathJson(scene, summary)},
           {"blocking", blockingJson(summary.blocking)},
-          {"needs",
-           {{"planar", needJson(summary.needs.planar)},
-            {"contacts", needJson(summary.needs.contacts)},
-            {"ground", needJson(summary.needs.ground)},
-            {"obstacles", needJson(summary.needs.obstacles)}}}};
+          {"needs", fieldsJson<Json>(summary.needs)}};
 }
 
 }  // namespace
 
-Json needJson(const scene::Need& need) {
-  return {{"on", need.on}, {"reason", need.reason}};
+Json eventsJson(const std::vector<trajectory::Event>& events) {
+  Json json = Json::array();
+  for (const trajectory::Event& event : events) json.push_back(fieldsJson<Json>(event));
+  return json;
 }
 
 std::string summaryJson(const scene::Scene& scene, const RecordSettings& settings,

@@ -13,8 +13,8 @@
 
 namespace kirireel::record {
 
-/// What a scene needs, and why, as files say it.
-Json needJson(const scene::Need& need);
+/// Events by time, as summary.json has them.
+Json eventsJson(const std::vector<trajectory::Event>& events);
 
 /// The text of summary.json, keys in a fixed order, ending in a newline. The same run gives the
 /// same text but for "cost", "versions" and "sha256", the seal of all that stands before it.

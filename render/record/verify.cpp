@@ -122,6 +122,12 @@ class Verifier {
              fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
   }
 
+  /// A figure among the summary's "accuracy".
+  void compareAccuracy(const Json& stated, double deploy::Accuracy::*figure, double computed) {
+    const char* name = nameOfField(figure);
+    compare(exports::output::kSummary, name, stated.at(name), computed);
+  }
+
   /// An entry of the summary of which trajectory.h5 has a copy.
   void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
     if (stated != copy)
@@ -159,7 +165,7 @@ class Verifier {
     }
     compareEnd(summary, run);
     compareModel(summary.at("model"), run.subject().model);
-    compareCopy("events", summary.at("events"), eventsOf(run));
+    compareCopy("events", summary.at("events"), eventsJson(run.end().events));
     compareCopy("settings", summary.at("settings"), parseJson(run.subject().settings));
     const Json findings = parseJson(run.end().findings);
     for (const auto& [entry, found] : findings.items())
@@ -167,15 +173,6 @@ class Verifier {
     compareSteps(summary, run);
     compareStates(summary, run, pivots);
     compareVideo(summary);
-  }
-
-  /// As summary.json has them.
-  static Json eventsOf(const trajectory::TrajectoryReader& run) {
-    Json events = Json::array();
-    for (const trajectory::Event& event : run.end().events) {
-      events.push_back({{"time", event.time}, {"what", event.text}});
-    }
-    return events;
   }
 
   /// The last event of a run repeats its outcome and reason.
@@ -217,12 +214,11 @@ class Verifier {
       leastError = std::min(leastError, step.targetError);
     }
     const Json& accuracy = summary.at("accuracy");
-    compare(exports::output::kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
-            gapSum / static_cast<double>(run.steps().size()));
-    compare(exports::output::kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
+    compareAccuracy(accuracy, &deploy::Accuracy::jointGapMean,
+                    gapSum / static_cast<double>(run.steps().size()));
+    compareAccuracy(accuracy, &deploy::Accuracy::jointGapMax, largestGap);
     if (run.subject().model.target)
-      compare(exports::output::kSummary, "target_error_min", accuracy.at("target_error_min"),
-              leastError);
+      compareAccuracy(accuracy, &deploy::Accuracy::targetErrorMin, leastError);
     // Counts of steps: figures without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
@@ -239,17 +235,15 @@ class Verifier {
     const trajectory::Sample first = run.sample(0);
     const trajectory::Sample last = run.sample(run.times().size() - 1);
     const Poses asRead = model::startPoses(subject.model.tiles, subject.bricks);
-    compare(exports::output::kSummary, "assembly_move", stated.at("assembly_move"),
-            trajectory::targetError(model::bottomTiles(subject.bricks, asRead), subject.bricks,
-                                    first.poses));
-    compare(exports::output::kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
+    compareAccuracy(stated, &deploy::Accuracy::assemblyMove,
+                    trajectory::targetError(model::bottomTiles(subject.bricks, asRead),
+                                            subject.bricks, first.poses));
+    compareAccuracy(stated, &deploy::Accuracy::jointGapEnd, last.jointGap);
     if (subject.model.target) {
-      compare(exports::output::kSummary, "target_error_start", stated.at("target_error_start"),
-              first.targetError);
-      compare(exports::output::kSummary, "target_error_end", stated.at("target_error_end"),
-              last.targetError);
-      compare(exports::output::kSummary, "rigid_bound", stated.at("rigid_bound"),
-              trajectory::rigidBound(subject.model.tiles, *subject.model.target));
+      compareAccuracy(stated, &deploy::Accuracy::targetErrorStart, first.targetError);
+      compareAccuracy(stated, &deploy::Accuracy::targetErrorEnd, last.targetError);
+      compareAccuracy(stated, &deploy::Accuracy::rigidBound,
+                      trajectory::rigidBound(subject.model.tiles, *subject.model.target));
     }
     compareElasticity(summary, subject, first.poses, last.poses);
     // A run that ended among the samples of an earlier process does not know these states.
@@ -283,12 +277,10 @@ class Verifier {
       compare(exports::output::kSummary, "elasticity." + name, stated.value(name, 0),
               found.count(name));
     }
-    compare(exports::output::kSummary, "elasticity.energy_start", stated.at("energy_start"),
-            found.energyStart);
-    compare(exports::output::kSummary, "elasticity.energy_end", stated.at("energy_end"),
-            found.energyEnd);
-    compare(exports::output::kSummary, "elasticity.moment_end", stated.at("moment_end"),
-            found.momentEnd);
+    for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
+      compare(exports::output::kSummary, std::string("elasticity.") + figure.name,
+              stated.at(figure.name), found.*figure.member);
+    }
   }
 
   /// How each figure is computed from its state. What is passed must outlive the list.
@@ -306,18 +298,20 @@ class Verifier {
     const auto error = [&](const Poses& poses) {
       return trajectory::targetError(*subject.model.target, subject.bricks, poses);
     };
+    using deploy::Accuracy;
     std::vector<StateFigure> figures = {
-        {"joint_gap_max", gap},
-        {"joint_opening_max", gap},
-        {"penetration_max", [overlaps](const Poses& poses) { return overlaps->at(poses).whole; }},
-        {"penetration_outside_pivots_max",
+        {nameOfField(&Accuracy::jointGapMax), gap},
+        {nameOfField(&Accuracy::jointOpeningMax), gap},
+        {nameOfField(&Accuracy::penetrationMax),
+         [overlaps](const Poses& poses) { return overlaps->at(poses).whole; }},
+        {nameOfField(&Accuracy::penetrationOutsidePivotsMax),
          [overlaps](const Poses& poses) { return overlaps->at(poses).outsidePivots; }},
-        {"penetration_grown_max",
+        {nameOfField(&Accuracy::penetrationGrownMax),
          [overlaps](const Poses& poses) { return overlaps->at(poses).grown; }}};
     if (!subject.model.target) return figures;
-    figures.push_back({"target_error_min", error});
-    figures.push_back({"assembled_error", error});
-    figures.push_back({"springs_rest_error", error});
+    figures.push_back({nameOfField(&Accuracy::targetErrorMin), error});
+    figures.push_back({deploy::kAssembledError, error});
+    figures.push_back({nameOfField(&Accuracy::springsRestError), error});
     return figures;
   }
 

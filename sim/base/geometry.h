@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "sim/base/fields.h"
+
 namespace kirireel {
 
 /// A point (metres) or a direction, or three numbers of any unit that is said.
@@ -41,12 +43,24 @@ struct Pose {
 
   /// Where a point of the brick's own axes stands in the world, metres.
   Vector3 apply(const Vector3& point) const { return position + rotation * point; }
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Pose>(field("position", &Pose::position, "m"),
+                                field("rotation", &Pose::rotation));
+  }
 };
 
 /// How one brick moves, in world axes.
 struct Velocity {
   Vector3 linear = Vector3::Zero();   ///< of the centre of mass, m/s
   Vector3 angular = Vector3::Zero();  ///< rad/s
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Velocity>(field("linear", &Velocity::linear, "m/s"),
+                                    field("angular", &Velocity::angular, "rad/s"));
+  }
 };
 
 /// The poses of all bricks at one time, in the order of the model's tiles.
@@ -56,6 +70,12 @@ using Poses = std::vector<Pose>;
 struct Motion {
   Poses poses;                       ///< one a brick
   std::vector<Velocity> velocities;  ///< one a brick
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Motion>(field("poses", &Motion::poses),
+                                  field("velocities", &Motion::velocities));
+  }
 };
 
 /// The rotations as matrices, brick axes to world axes: cheaper than quaternions where a brick has

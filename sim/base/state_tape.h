@@ -3,11 +3,13 @@
 
 #include <concepts>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "sim/base/fields.h"
 #include "sim/base/geometry.h"
 
 namespace kirireel {
@@ -21,6 +23,7 @@ concept HasState = requires(Value& value, StateTape& tape) {
 };
 
 /// Records a state, or plays it back: whatever has a state lists its parts once, for both ways.
+/// Structs that describe their fields (base/fields.h) are passed field by field.
 ///
 ///     void Clock::transfer(StateTape& tape) { tape.transfer(hours_, minutes_); }
 ///
@@ -66,9 +69,6 @@ class StateTape {
   void pass(std::vector<bool>& flags);
   void pass(std::string& text);
   void pass(Quaternion& rotation) { pass(rotation.coeffs()); }
-  void pass(Pose& pose) { transfer(pose.position, pose.rotation); }
-  void pass(Velocity& velocity) { transfer(velocity.linear, velocity.angular); }
-  void pass(Motion& motion) { transfer(motion.poses, motion.velocities); }
 
   template <typename Whole>
   requires std::integral<Whole> || std::is_enum_v<Whole>
@@ -95,6 +95,21 @@ class StateTape {
   void pass(std::vector<Value>& list) {
     list.resize(passSize(list.size()));
     for (Value& value : list) pass(value);
+  }
+
+  /// Whether there is something comes first, so that playing back knows what to read.
+  template <typename Value>
+  void pass(std::optional<Value>& optional) {
+    bool isThere = optional.has_value();
+    pass(isThere);
+    if (!isThere) return optional.reset();
+    if (!optional) optional.emplace();
+    pass(*optional);
+  }
+
+  template <HasFields Struct>
+  void pass(Struct& of) {
+    forEachField(of, [this](const auto& /*field*/, auto& value) { pass(value); });
   }
 
   template <HasState Value>

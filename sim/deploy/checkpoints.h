@@ -25,8 +25,11 @@ struct RunState {
   double time = 0;              ///< simulated seconds
   std::vector<double> numbers;  ///< all that it goes on from, see StateTape; empty before the run
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(time, numbers); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<RunState>(field("time", &RunState::time, "s"),
+                                    field("numbers", &RunState::numbers));
+  }
 };
 
 /// A folder with the latest checkpoint of one run: state.h5, which appears whole, and the samples

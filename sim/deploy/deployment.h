@@ -30,6 +30,9 @@ enum class Outcome {
 /// "settled", "locked", "out_of_time", "diverged", "interrupted".
 std::string toString(Outcome outcome);
 
+/// What files call DeploymentResult::assembledError.
+inline constexpr const char* kAssembledError = "assembled_error";
+
 /// How accurate a run was. Lengths in metres.
 struct Accuracy {
   double jointGapMax = 0;      ///< largest of any pivot at the start and the end of any step
@@ -50,11 +53,22 @@ struct Accuracy {
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) {
-    tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
-                  targetErrorStart, targetErrorEnd, targetErrorMin, rigidBound, springsRestError,
-                  penetrationMax, penetrationOutsidePivotsMax, penetrationGrownMax);
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Accuracy>(
+        field("joint_gap_max", &Accuracy::jointGapMax, "m"),
+        field("joint_gap_mean", &Accuracy::jointGapMean, "m"),
+        field("joint_gap_end", &Accuracy::jointGapEnd, "m"),
+        field("joint_opening_max", &Accuracy::jointOpeningMax, "m"),
+        field("assembly_move", &Accuracy::assemblyMove, "m"),
+        field("target_error_start", &Accuracy::targetErrorStart, "m"),
+        field("target_error_end", &Accuracy::targetErrorEnd, "m"),
+        field("target_error_min", &Accuracy::targetErrorMin, "m"),
+        field("rigid_bound", &Accuracy::rigidBound, "m"),
+        field("springs_rest_error", &Accuracy::springsRestError, "m"),
+        field("penetration_max", &Accuracy::penetrationMax, "m"),
+        field("penetration_outside_pivots_max", &Accuracy::penetrationOutsidePivotsMax, "m"),
+        field("penetration_grown_max", &Accuracy::penetrationGrownMax, "m"));
   }
 };
 

@@ -34,9 +34,13 @@ struct TrialEnd {
   double opening = 0;  ///< how far compliant joints opened, metres
   double work = 0;     ///< that it cost, see SearchBudget
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) {
-    tape.transfer(arrives, jams, cutShort, keepsClear, error, opening, work);
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<TrialEnd>(
+        field("arrives", &TrialEnd::arrives), field("jams", &TrialEnd::jams),
+        field("cut_short", &TrialEnd::cutShort), field("keeps_clear", &TrialEnd::keepsClear),
+        field("error", &TrialEnd::error, "m"), field("opening", &TrialEnd::opening, "m"),
+        field("work", &TrialEnd::work));
   }
 };
 

@@ -32,8 +32,8 @@ RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick
       assembledError_(nearest.error) {
   if (!model.target) return;
   accuracy_.springsRestError = nearest.restError;
-  states_.push_back({"assembled_error", kNoTime, nearest.poses});
-  states_.push_back({"springs_rest_error", kNoTime, nearest.restPoses});
+  states_.push_back({kAssembledError, kNoTime, nearest.poses});
+  states_.push_back({nameOfField(&Accuracy::springsRestError), kNoTime, nearest.restPoses});
 }
 
 // The start is observed as a step of no length: it counts in means and maxima.
@@ -59,12 +59,11 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   gapBefore_ = gapNow_;
   gapNow_ = accuracy_.jointGapEnd = gap.max;
   gapSum_ += gap.mean;
-  raise(accuracy_.jointGapMax, "joint_gap_max", gap.max, state);
-  if (jointsAreCompliant) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max, state);
-  raise(accuracy_.penetrationMax, "penetration_max", overlaps.whole, state);
-  raise(accuracy_.penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
-        overlaps.outsidePivots, state);
-  raise(accuracy_.penetrationGrownMax, "penetration_grown_max", overlaps.grown, state);
+  raise(&Accuracy::jointGapMax, gap.max, state);
+  if (jointsAreCompliant) raise(&Accuracy::jointOpeningMax, gap.max, state);
+  raise(&Accuracy::penetrationMax, overlaps.whole, state);
+  raise(&Accuracy::penetrationOutsidePivotsMax, overlaps.outsidePivots, state);
+  raise(&Accuracy::penetrationGrownMax, overlaps.grown, state);
   observeTarget(state, gap);
   ++count_;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
@@ -78,10 +77,10 @@ void RunFigures::keepState(const char* figure, const TimedPoses& state) {
 }
 
 // The first value is taken whatever it is, so that each figure has a state.
-void RunFigures::raise(double& figure, const char* name, double value, const TimedPoses& state) {
-  if (count_ > 0 && !(value > figure)) return;
-  figure = value;
-  keepState(name, state);
+void RunFigures::raise(double Accuracy::*figure, double value, const TimedPoses& state) {
+  if (count_ > 0 && !(value > accuracy_.*figure)) return;
+  accuracy_.*figure = value;
+  keepState(nameOfField(figure), state);
 }
 
 // Two least errors: of any state, and of states with closed joints.
@@ -90,11 +89,11 @@ void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointG
   const double error = accuracy_.targetErrorEnd = targetErrorOf(state.poses);
   if (count_ == 0 || error < accuracy_.targetErrorMin) {
     accuracy_.targetErrorMin = error;
-    keepState("target_error_min", state);
+    keepState(nameOfField(&Accuracy::targetErrorMin), state);
   }
   if (gap.max <= kClosedShare * tileSize_ && error < assembledError_) {
     assembledError_ = error;
-    keepState("assembled_error", state);
+    keepState(kAssembledError, state);
   }
 }
 

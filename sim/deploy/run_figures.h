@@ -68,7 +68,7 @@ class RunFigures {
 
  private:
   void keepState(const char* figure, const TimedPoses& state);
-  void raise(double& figure, const char* name, double value, const TimedPoses& state);
+  void raise(double Accuracy::*figure, double value, const TimedPoses& state);
   void observeTarget(const TimedPoses& state, const trajectory::JointGap& gap);
 
   const model::Model& model_;

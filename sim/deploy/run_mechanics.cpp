@@ -131,12 +131,11 @@ double valueBetween(double first, double last, double share) {
 
 trajectory::Energies energiesBetween(const trajectory::Energies& first,
                                      const trajectory::Energies& last, double share) {
-  const auto value = [&](double trajectory::Energies::*field) {
-    return valueBetween(first.*field, last.*field, share);
-  };
-  return {value(&trajectory::Energies::kinetic), value(&trajectory::Energies::spring),
-          value(&trajectory::Energies::elastic), value(&trajectory::Energies::work),
-          value(&trajectory::Energies::damped),  value(&trajectory::Energies::impacted)};
+  trajectory::Energies between;
+  forEachField(between, [&](const auto& field, double& value) {
+    value = valueBetween(first.*field.member, last.*field.member, share);
+  });
+  return between;
 }
 
 /// Adds a contact's force to what is applied to its tiles.

@@ -90,8 +90,11 @@ class RunMechanics {
     trajectory::Energies before;  ///< where the last step began
     trajectory::Energies now;     ///< where it has ended
 
-    /// Records or plays back.
-    void transfer(StateTape& tape) { tape.transfer(before, now); }
+    /// For files; see base/fields.h.
+    static constexpr auto fields() {
+      return describeFields<Account>(field("before", &Account::before),
+                                     field("now", &Account::now));
+    }
   };
   /// Of the last step, joules.
   const Account& account() const { return account_; }

@@ -93,7 +93,12 @@ class TimelineRunner {
     std::vector<Vector3> path;  // from where the point was
     double from = 0;            // seconds
 
-    void transfer(StateTape& tape) { tape.transfer(entry, point, path, from); }
+    /// For files; see base/fields.h.
+    static constexpr auto fields() {
+      return describeFields<ActiveDrag>(
+          field("entry", &ActiveDrag::entry), field("point", &ActiveDrag::point, "m"),
+          field("path", &ActiveDrag::path, "m"), field("from", &ActiveDrag::from, "s"));
+    }
   };
 
   const scene::timeline::Drag& dragOf(const ActiveDrag& active) const {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/base/state_tape.h"
 #include "sim/model/brick.h"
 
 namespace kirireel::model {
@@ -25,8 +24,11 @@ struct Load {
   Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, indefinite part cut
   Matrix6 damping = Matrix6::Zero();    ///< minus the derivative by velocity
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(force, stiffness, damping); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Load>(field("force", &Load::force), field("stiffness", &Load::stiffness),
+                                field("damping", &Load::damping));
+  }
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -71,10 +73,15 @@ struct Contact {
 
   bool operator==(const Contact&) const = default;
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) {
-    tape.transfer(brickA, brickB, pointA, pointB, normal, isEdge, edgeA, friction, slack, partA,
-                  partB);
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Contact>(
+        field("brick_a", &Contact::brickA), field("brick_b", &Contact::brickB),
+        field("point_a", &Contact::pointA, "m"), field("point_b", &Contact::pointB, "m"),
+        field("normal", &Contact::normal), field("is_edge", &Contact::isEdge),
+        field("edge_a", &Contact::edgeA), field("friction", &Contact::friction),
+        field("slack", &Contact::slack, "m"), field("part_a", &Contact::partA),
+        field("part_b", &Contact::partB));
   }
 };
 

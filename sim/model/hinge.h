@@ -208,6 +208,14 @@ struct Elasticity {
 
   /// How many pairs a force has, by the same name.
   int count(const std::string& name) const;
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Elasticity>(field("counts", &Elasticity::counts),
+                                      field("energy_start", &Elasticity::energyStart, "J"),
+                                      field("energy_end", &Elasticity::energyEnd, "J"),
+                                      field("moment_end", &Elasticity::momentEnd, "N m"));
+  }
 };
 
 /// The elasticity of a run that begins and ends in these poses.

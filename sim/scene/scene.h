@@ -234,6 +234,11 @@ struct Scene {
 struct Need {
   bool on = false;     ///< whether it is modelled
   std::string reason;  ///< one short phrase for the summary
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Need>(field("on", &Need::on), field("reason", &Need::reason));
+  }
 };
 
 /// What a scene needs and what it can do without.
@@ -242,6 +247,13 @@ struct Needs {
   Need contacts;   ///< collision detection between bricks
   Need ground;     ///< the ground plane as a contact
   Need obstacles;  ///< things that bricks run into
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Needs>(
+        field("planar", &Needs::planar), field("contacts", &Needs::contacts),
+        field("ground", &Needs::ground), field("obstacles", &Needs::obstacles));
+  }
 };
 
 /// "the start was moved by 1.2 m and turned by 90 degrees onto its target (--no-align keeps it)".

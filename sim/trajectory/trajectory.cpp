@@ -4,16 +4,6 @@
 
 namespace kirireel::trajectory {
 
-void Sample::transfer(StateTape& tape) {
-  tape.transfer(time, poses, jointGap, targetError, penetration, pinned, steps);
-  // Whether there is something comes first, so that playing back knows what to read.
-  bool known = mechanics.has_value();
-  tape.transfer(known);
-  if (!known) return mechanics.reset();
-  if (!mechanics) mechanics.emplace();
-  tape.transfer(*mechanics);
-}
-
 // Bricks are made from the scene's tiles as the run makes them.
 Subject subjectOf(const scene::Scene& scene) {
   std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/fields.h"
 #include "sim/base/geometry.h"
-#include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
@@ -24,8 +24,13 @@ struct StepRecord {
   double targetError = 0;   ///< largest; 0 without a target
   StepReport took;          ///< what the solver reports
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(time, jointGap, jointGapMean, targetError, took); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<StepRecord>(
+        field("time", &StepRecord::time, "s"), field("joint_gap", &StepRecord::jointGap, "m"),
+        field("joint_gap_mean", &StepRecord::jointGapMean, "m"),
+        field("target_error", &StepRecord::targetError, "m"), field("took", &StepRecord::took));
+  }
 };
 
 /// Where the energy of a run with dynamics is at one time, joules. What was put in is what there is
@@ -45,9 +50,17 @@ struct Energies {
   /// What the integrator, and pins that caught moving tiles, have taken: the rest.
   double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) {
-    tape.transfer(kinetic, spring, elastic, work, damped, impacted);
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Energies>(
+        field("kinetic", &Energies::kinetic, "J", "of the bricks"),
+        field("spring", &Energies::spring, "J",
+              "stored in springs that pull tiles, and in compliant joints"),
+        field("elastic", &Energies::elastic, "J", "stored in springs at hinges and ligaments"),
+        field("work", &Energies::work, "J", "put in so far by drives and gravity"),
+        field("damped", &Energies::damped, "J", "taken so far by dampers"),
+        field("impacted", &Energies::impacted, "J",
+              "taken so far by impacts and friction of contacts"));
   }
 };
 
@@ -74,8 +87,13 @@ struct Hold {
   Vector3 point;        ///< a pinned tile's centre of mass, where it is gripped, or the middle of
                         ///< the push, metres
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(kind, tile, other, force, moment, point); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Hold>(field("kind", &Hold::kind), field("tile", &Hold::tile),
+                                field("other", &Hold::other), field("force", &Hold::force, "N"),
+                                field("moment", &Hold::moment, "N m"),
+                                field("point", &Hold::point, "m"));
+  }
 };
 
 /// What a run with dynamics knows of a state beyond its poses.
@@ -88,8 +106,13 @@ struct Mechanics {
   std::vector<bool> isIndeterminate;
   std::vector<Hold> holds;  ///< pins and grips by tile, then contacts by tiles
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(energies, jointForces, isIndeterminate, holds); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Mechanics>(field("energies", &Mechanics::energies),
+                                     field("joint_forces", &Mechanics::jointForces, "N"),
+                                     field("is_indeterminate", &Mechanics::isIndeterminate),
+                                     field("holds", &Mechanics::holds));
+  }
 };
 
 /// The state at one time, with its measures. Lengths in metres.
@@ -105,8 +128,15 @@ struct Sample {
   /// Of runs with dynamics by the direct solver; a path is geometry, and engines do not tell.
   std::optional<Mechanics> mechanics;
 
-  /// Records or plays back.
-  void transfer(StateTape& tape);
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Sample>(field("time", &Sample::time, "s"), field("poses", &Sample::poses),
+                                  field("joint_gap", &Sample::jointGap, "m"),
+                                  field("target_error", &Sample::targetError, "m"),
+                                  field("penetration", &Sample::penetration, "m"),
+                                  field("pinned", &Sample::pinned), field("steps", &Sample::steps),
+                                  field("mechanics", &Sample::mechanics));
+  }
 };
 
 /// The state in which a figure of the summary was reached, so that it can be computed again.
@@ -115,8 +145,12 @@ struct FigureState {
   double time = 0;     ///< simulated seconds from the start
   Poses poses;         ///< one a brick
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(figure, time, poses); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<FigureState>(field("figure", &FigureState::figure),
+                                       field("time", &FigureState::time, "s"),
+                                       field("poses", &FigureState::poses));
+  }
 };
 
 /// Something that happened during a run.
@@ -126,8 +160,10 @@ struct Event {
 
   bool operator==(const Event&) const = default;
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(time, text); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Event>(field("time", &Event::time, "s"), field("what", &Event::text));
+  }
 };
 
 /// What a trajectory shows: all that stays the same from the first sample to the last, and enough

@@ -88,6 +88,8 @@ SampleTable readSamples(const TrajectoryReader& run) {
 // that pictures need neither the scene nor the program that made it. Names and units stand in
 // trajectory_file.h, which the reader shares.
 
+using layout::arrayOf;
+
 namespace {
 
 void append(std::vector<double>& numbers, const Vector3& vector) {
@@ -334,9 +336,9 @@ void TrajectoryWriter::Internals::addCurves() {
 /// Made with the first sample that has mechanics: whether a run has any shows there.
 void TrajectoryWriter::Internals::addMechanics() {
   file.addGroup("energy");
-  for (const layout::EnergyChannel& channel : layout::kEnergies) {
-    addSeries(file, channel.name, {}, "J");
-    file.setAttribute(channel.name, "description", std::string(channel.description));
+  for (const auto& energy : layout::kEnergies) {
+    addSeries(file, arrayOf(energy), {}, energy.unit);
+    file.setAttribute(arrayOf(energy), "description", std::string(energy.meaning));
   }
   if (jointCount > 0) {
     file.addGroup("forces");
@@ -355,14 +357,13 @@ void TrajectoryWriter::Internals::addMechanics() {
   file.setAttribute(
       layout::kHoldTiles, "description",
       std::string("tile, and for a contact the other: a tile, -1 ground, -2 - k obstacle k"));
-  for (const layout::HoldChannel& channel : layout::kHolds)
-    addSeries(file, channel.name, {3}, channel.unit);
+  for (const auto& vector : layout::kHolds) addSeries(file, arrayOf(vector), {3}, vector.unit);
 }
 
 // One row in each series of energies and forces, and a row for each hold.
 void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics) {
-  for (const layout::EnergyChannel& channel : layout::kEnergies)
-    file.append(channel.name, {&(mechanics.energies.*channel.field), 1});
+  for (const auto& energy : layout::kEnergies)
+    file.append(arrayOf(energy), {&(mechanics.energies.*energy.member), 1});
   if (jointCount > 0) {
     std::vector<double> forces;
     for (const Vector3& force : mechanics.jointForces) trajectory::append(forces, force);
@@ -381,10 +382,10 @@ void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics
   file.append(layout::kHoldTimes, std::vector<double>(kinds.size(), time));
   file.append(layout::kHoldKinds, kinds);
   file.append(layout::kHoldTiles, tiles);
-  for (const layout::HoldChannel& channel : layout::kHolds) {
+  for (const auto& vector : layout::kHolds) {
     std::vector<double> entries;
-    for (const Hold& hold : mechanics.holds) trajectory::append(entries, hold.*channel.field);
-    file.append(channel.name, entries);
+    for (const Hold& hold : mechanics.holds) trajectory::append(entries, hold.*vector.member);
+    file.append(arrayOf(vector), entries);
   }
 }
 
@@ -422,12 +423,10 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
   addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");
   file.setAttribute("rotation", "columns", std::string("w, x, y, z"));
   file.addGroup("measures");
-  for (const layout::Measure& measure : layout::kMeasures) addSeries(file, measure.name, {}, "m");
+  for (const auto& measure : layout::kMeasures) addSeries(file, arrayOf(measure), {}, measure.unit);
   file.addGroup("steps");
-  for (const layout::StepColumn& column : layout::kStepColumns)
-    addSeries(file, column.name, {}, column.unit);
-  for (const StepFigure& figure : kStepFigures)
-    addSeries(file, layout::arrayOf(figure), {}, figure.unit);
+  for (const auto& column : layout::kStepColumns) addSeries(file, arrayOf(column), {}, column.unit);
+  for (const StepFigure& figure : kStepFigures) addSeries(file, arrayOf(figure), {}, figure.unit);
   internals_->addCurves();
 }
 
@@ -444,17 +443,17 @@ void TrajectoryWriter::append(const Sample& sample) {
   file.append("time", {&sample.time, 1});
   file.append("position", positions);
   file.append("rotation", rotations);
-  for (const layout::Measure& measure : layout::kMeasures)
-    file.append(measure.name, {&(sample.*measure.field), 1});
-  for (const layout::StepColumn& column : layout::kStepColumns) {
+  for (const auto& measure : layout::kMeasures)
+    file.append(arrayOf(measure), {&(sample.*measure.member), 1});
+  for (const auto& column : layout::kStepColumns) {
     std::vector<double> entries;
-    for (const StepRecord& step : sample.steps) entries.push_back(step.*column.field);
-    file.append(column.name, entries);
+    for (const StepRecord& step : sample.steps) entries.push_back(step.*column.member);
+    file.append(arrayOf(column), entries);
   }
   for (const StepFigure& figure : kStepFigures) {
     std::vector<double> entries;
     for (const StepRecord& step : sample.steps) entries.push_back(figure.get(step.took));
-    file.append(layout::arrayOf(figure), entries);
+    file.append(arrayOf(figure), entries);
   }
   if (sample.mechanics && internals_->samples == 0) internals_->addMechanics();
   if (sample.mechanics) internals_->append(sample.time, *sample.mechanics);
@@ -825,16 +824,16 @@ struct TrajectoryReader::FileRun final : Internals {
 
   void readMeasures() {
     for (std::size_t k = 0; k < kMeasures.size(); ++k) {
-      requireShape(kMeasures[k].name, {times.size()});
-      measures[k] = file.doubles(kMeasures[k].name);
+      requireShape(arrayOf(kMeasures[k]), {times.size()});
+      measures[k] = file.doubles(arrayOf(kMeasures[k]));
     }
   }
 
   /// Everything but the joints' forces, which are read with each sample.
   void readMechanics() {
     for (std::size_t k = 0; k < kEnergies.size(); ++k) {
-      requireShape(kEnergies[k].name, {times.size()});
-      energies[k] = file.doubles(kEnergies[k].name);
+      requireShape(arrayOf(kEnergies[k]), {times.size()});
+      energies[k] = file.doubles(arrayOf(kEnergies[k]));
     }
     const std::size_t joints = subject.model.joints.size();
     if (joints > 0) {
@@ -849,14 +848,14 @@ struct TrajectoryReader::FileRun final : Internals {
     std::array<std::vector<double>, layout::kHolds.size()> vectors;
     bool isWhole = kinds.size() == count && tiles.size() == 2 * count;
     for (std::size_t c = 0; c < vectors.size(); ++c) {
-      vectors[c] = file.doubles(layout::kHolds[c].name);
+      vectors[c] = file.doubles(arrayOf(layout::kHolds[c]));
       isWhole = isWhole && vectors[c].size() == 3 * count;
     }
     if (!isWhole) file.refuse("the arrays in holds differ in length");
     for (std::size_t h = 0; h < count; ++h) {
       holds.push_back(hold(kinds[h], tiles[2 * h], tiles[2 * h + 1]));
       for (std::size_t c = 0; c < vectors.size(); ++c) {
-        holds.back().*layout::kHolds[c].field = Vector3(&vectors[c][3 * h]);
+        holds.back().*layout::kHolds[c].member = Vector3(&vectors[c][3 * h]);
       }
     }
   }
@@ -882,7 +881,7 @@ struct TrajectoryReader::FileRun final : Internals {
   Mechanics mechanics(std::size_t index) const {
     Mechanics result;
     for (std::size_t k = 0; k < kEnergies.size(); ++k) {
-      result.energies.*kEnergies[k].field = energies[k][index];
+      result.energies.*kEnergies[k].member = energies[k][index];
     }
     const std::size_t joints = subject.model.joints.size();
     if (joints > 0) {
@@ -919,13 +918,13 @@ struct TrajectoryReader::FileRun final : Internals {
 
   // All figures of all steps, a few numbers each.
   void readSteps() {
-    steps.resize(file.doubles(kStepColumns.front().name).size());
-    for (const layout::StepColumn& column : kStepColumns) {
-      const std::vector<double> entries = stepEntries(column.name);
-      for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*column.field = entries[k];
+    steps.resize(file.doubles(arrayOf(kStepColumns.front())).size());
+    for (const auto& column : kStepColumns) {
+      const std::vector<double> entries = stepEntries(arrayOf(column));
+      for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*column.member = entries[k];
     }
     for (const StepFigure& figure : kStepFigures) {
-      const std::string name = layout::arrayOf(figure);
+      const std::string name = arrayOf(figure);
       // Files of earlier releases lack some figures, which are 0 then.
       if (!file.has(name)) continue;
       const std::vector<double> entries = stepEntries(name);
@@ -990,7 +989,7 @@ struct TrajectoryReader::FileRun final : Internals {
     Sample sample;
     sample.time = times.at(index);
     for (std::size_t k = 0; k < kMeasures.size(); ++k) {
-      sample.*kMeasures[k].field = measures[k][index];
+      sample.*kMeasures[k].member = measures[k][index];
     }
     sample.poses = poses("", index);
     sample.steps = stepsOf(index);

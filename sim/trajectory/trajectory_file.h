@@ -71,6 +71,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -182,51 +183,38 @@ inline constexpr double kFirstVersion = 1;   ///< had neither steps nor figures
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 
-/// A figure that each sample has.
-struct Measure {
-  const char* name;       ///< of its array
-  double Sample::*field;  ///< of a sample
-};
-/// All of them, in metres.
-inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
-                                         Measure{"measures/target_error", &Sample::targetError},
-                                         Measure{"measures/penetration", &Sample::penetration}};
-
+/// The numbers that each sample has; its time comes first.
+inline constexpr auto kSampleNumbers = fieldsOfType<double>(Sample::fields());
+static_assert(kSampleNumbers.front().member == &Sample::time);
+/// The same without the time.
+inline constexpr std::span kMeasures = std::span(kSampleNumbers).subspan<1>();
 /// What each step has, beside the figures of its report.
-struct StepColumn {
-  const char* name;           ///< of its array
-  double StepRecord::*field;  ///< of a step
-  const char* unit;           ///< of the array
-};
-/// All of them.
-inline constexpr std::array kStepColumns = {
-    StepColumn{"steps/time", &StepRecord::time, "s"},
-    StepColumn{"steps/joint_gap", &StepRecord::jointGap, "m"},
-    StepColumn{"steps/joint_gap_mean", &StepRecord::jointGapMean, "m"},
-    StepColumn{"steps/target_error", &StepRecord::targetError, "m"}};
+inline constexpr auto kStepColumns = fieldsOfType<double>(StepRecord::fields());
+/// Energies that each sample of a run with dynamics has.
+inline constexpr auto kEnergies = fieldsOfType<double>(Energies::fields());
+/// Vectors of a hold.
+inline constexpr auto kHolds = fieldsOfType<Vector3>(Hold::fields());
 
+/// The array of a figure of the samples.
+inline std::string arrayOf(const Field<Sample, double>& figure) {
+  return std::string("measures/") + figure.name;
+}
+/// Of the steps.
+inline std::string arrayOf(const Field<StepRecord, double>& column) {
+  return std::string("steps/") + column.name;
+}
+/// Of an energy.
+inline std::string arrayOf(const Field<Energies, double>& energy) {
+  return std::string("energy/") + energy.name;
+}
+/// Of a vector of the holds.
+inline std::string arrayOf(const Field<Hold, Vector3>& vector) {
+  return std::string("holds/") + vector.name;
+}
 /// The array of a figure of the steps' reports. Files of earlier releases do not have all.
 inline std::string arrayOf(const StepFigure& figure) {
   return std::string("steps/") + figure.name;
 }
-
-/// Energies that each sample of a run with dynamics has.
-struct EnergyChannel {
-  const char* name;         ///< of its array
-  double Energies::*field;  ///< of a sample
-  const char* description;  ///< in words, for the file
-};
-/// All of them, in joules.
-inline constexpr std::array kEnergies = {
-    EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
-    EnergyChannel{"energy/spring", &Energies::spring,
-                  "stored in springs that pull tiles, and in compliant joints"},
-    EnergyChannel{"energy/elastic", &Energies::elastic,
-                  "stored in springs at hinges and ligaments"},
-    EnergyChannel{"energy/work", &Energies::work, "put in so far by drives and gravity"},
-    EnergyChannel{"energy/damped", &Energies::damped, "taken so far by dampers"},
-    EnergyChannel{"energy/impacted", &Energies::impacted,
-                  "taken so far by impacts and friction of contacts"}};
 
 /// Forces of all joints, newtons, see Mechanics.
 inline constexpr const char* kJointForces = "forces/joint";
@@ -238,16 +226,6 @@ inline constexpr const char* kHoldTimes = "holds/time";
 inline constexpr const char* kHoldKinds = "holds/kind";
 /// The tile, and what it touches.
 inline constexpr const char* kHoldTiles = "holds/tiles";
-/// Vectors of a hold.
-struct HoldChannel {
-  const char* name;      ///< of its array
-  Vector3 Hold::*field;  ///< of a hold
-  const char* unit;      ///< of the array
-};
-/// All of them.
-inline constexpr std::array kHolds = {HoldChannel{"holds/force", &Hold::force, "N"},
-                                      HoldChannel{"holds/moment", &Hold::moment, "N m"},
-                                      HoldChannel{"holds/point", &Hold::point, "m"}};
 
 }  // namespace kirireel::trajectory::layout
 

@@ -147,58 +147,43 @@ void expectSameBricks(const std::vector<model::Brick>& a, const std::vector<mode
   }
 }
 
-void expectSameMechanics(const trajectory::Mechanics& a, const trajectory::Mechanics& b) {
-  for (const trajectory::layout::EnergyChannel& channel : trajectory::layout::kEnergies) {
-    EXPECT_EQ(a.energies.*channel.field, b.energies.*channel.field) << channel.name;
-  }
-  EXPECT_EQ(a.jointForces, b.jointForces);
-  EXPECT_EQ(a.isIndeterminate, b.isIndeterminate);
-  ASSERT_EQ(a.holds.size(), b.holds.size());
-  for (std::size_t h = 0; h < a.holds.size(); ++h) {
-    EXPECT_EQ(a.holds[h].kind, b.holds[h].kind);
-    EXPECT_EQ(a.holds[h].tile, b.holds[h].tile);
-    EXPECT_EQ(a.holds[h].other, b.holds[h].other);
-    for (const trajectory::layout::HoldChannel& channel : trajectory::layout::kHolds) {
-      EXPECT_EQ(a.holds[h].*channel.field, b.holds[h].*channel.field) << channel.name;
-    }
+template <HasFields Struct>
+void expectSame(const Struct& a, const Struct& b);
+
+void expectSameValue(const Quaternion& a, const Quaternion& b, const char* name) {
+  EXPECT_EQ(a.coeffs(), b.coeffs()) << name;
+}
+void expectSameValue(const StepReport& a, const StepReport& b, const char* name) {
+  for (const StepFigure& figure : kStepFigures) {
+    EXPECT_EQ(figure.get(a), figure.get(b)) << name << ", " << figure.name;
   }
 }
-
-void expectSameSample(const trajectory::Sample& a, const trajectory::Sample& b) {
-  ASSERT_EQ(a.mechanics.has_value(), b.mechanics.has_value());
-  if (a.mechanics) expectSameMechanics(*a.mechanics, *b.mechanics);
-  EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.jointGap, b.jointGap);
-  EXPECT_EQ(a.targetError, b.targetError);
-  EXPECT_EQ(a.penetration, b.penetration);
-  ASSERT_EQ(a.poses.size(), b.poses.size());
-  for (std::size_t i = 0; i < a.poses.size(); ++i) {
-    EXPECT_EQ(a.poses[i].position, b.poses[i].position);
-    EXPECT_EQ(a.poses[i].rotation.coeffs(), b.poses[i].rotation.coeffs());
-  }
-  ASSERT_EQ(a.steps.size(), b.steps.size()) << a.time;
-  for (std::size_t k = 0; k < a.steps.size(); ++k) {
-    for (const trajectory::layout::StepColumn& column : trajectory::layout::kStepColumns) {
-      EXPECT_EQ(a.steps[k].*column.field, b.steps[k].*column.field) << column.name;
-    }
-    for (const StepFigure& figure : kStepFigures) {
-      EXPECT_EQ(figure.get(a.steps[k].took), figure.get(b.steps[k].took)) << figure.name;
-    }
+template <typename Value>
+void expectSameValue(const Value& a, const Value& b, const char* name) {
+  if constexpr (HasFields<Value>) {
+    expectSame(a, b);
+  } else {
+    EXPECT_EQ(a, b) << name;
   }
 }
+template <HasFields Value>
+void expectSameValue(const std::vector<Value>& a, const std::vector<Value>& b, const char* name) {
+  ASSERT_EQ(a.size(), b.size()) << name;
+  for (std::size_t k = 0; k < a.size(); ++k) expectSame(a[k], b[k]);
+}
+template <HasFields Value>
+void expectSameValue(const std::optional<Value>& a, const std::optional<Value>& b,
+                     const char* name) {
+  ASSERT_EQ(a.has_value(), b.has_value()) << name;
+  if (a) expectSame(*a, *b);
+}
 
-void expectSameFigureStates(const std::vector<trajectory::FigureState>& a,
-                            const std::vector<trajectory::FigureState>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    EXPECT_EQ(a[k].figure, b[k].figure);
-    EXPECT_EQ(a[k].time, b[k].time);
-    ASSERT_EQ(a[k].poses.size(), b[k].poses.size());
-    for (std::size_t i = 0; i < a[k].poses.size(); ++i) {
-      EXPECT_EQ(a[k].poses[i].position, b[k].poses[i].position);
-      EXPECT_EQ(a[k].poses[i].rotation.coeffs(), b[k].poses[i].rotation.coeffs());
-    }
-  }
+/// All that the struct describes.
+template <HasFields Struct>
+void expectSame(const Struct& a, const Struct& b) {
+  forEachField(a, [&](const auto& field, const auto& value) {
+    expectSameValue(value, b.*field.member, field.name);
+  });
 }
 
 /// What a call throws, as its message.
@@ -235,9 +220,9 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   EXPECT_EQ(read.ground->friction, 0.125);
   EXPECT_EQ(read.events, written.events);
   EXPECT_EQ(read.findings, written.findings);
-  expectSameFigureStates(read.figureStates, written.figureStates);
+  expectSameValue(read.figureStates, written.figureStates, "figures");
   ASSERT_EQ(read.samples.size(), 7U);
-  for (std::size_t k = 0; k < 7; ++k) expectSameSample(read.samples[k], written.samples[k]);
+  for (std::size_t k = 0; k < 7; ++k) expectSame(read.samples[k], written.samples[k]);
 }
 
 // The format of release 0.1, from before steps were stored.
@@ -309,7 +294,7 @@ TEST(TrajectoryFile, GivesAnySampleInAnyOrder) {
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   EXPECT_EQ(reader.times().size(), 2500U);
   for (const std::size_t k : {2499, 0, 1024, 1023, 7}) {
-    expectSameSample(reader.sample(k), written.samples[k]);
+    expectSame(reader.sample(k), written.samples[k]);
   }
 }
 
