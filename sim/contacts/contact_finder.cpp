@@ -149,10 +149,13 @@ struct ContactFinder::Internals {
   Internals(const std::vector<model::Brick>& bricks, const scene::Environment& surroundings)
       : bodies(bricks, obstacleParts(surroundings.obstacles)),
         environment(surroundings),
-        near(bodies.shapes) {}
+        near(bodies.shapes),
+        wholeShapes(bodies.pieces.size()) {}
 
   /// Of two pieces, the smaller number first.
   BrickPair& pairOf(int a, int b);
+  std::shared_ptr<const PieceShape> shapeOf(const model::Brick& piece) const;
+  std::shared_ptr<const PieceShape> wholeShape(int piece);
   SpherePair& sphereOf(int piece, int sphere);
   bool mayTouch(int a, int b) const;
   void updatePairs(const Poses& from, const Poses& to);
@@ -170,8 +173,10 @@ struct ContactFinder::Internals {
   double examined = 0;  // pairs so far
   Poses start;
   NearPairs near;
-  std::unordered_map<Key, BrickPair> pairs;  // of pieces that ever were near
-  std::vector<BrickPair*> nearPairs;         // that are near now, in order of bricks
+  PairScratch scratch;
+  std::vector<std::shared_ptr<const PieceShape>> wholeShapes;  // of the pieces; null until needed
+  std::unordered_map<Key, BrickPair> pairs;                    // of pieces that ever were near
+  std::vector<BrickPair*> nearPairs;  // that are near now, in order of bricks
   std::unordered_map<Key, SpherePair> spheres;
   std::vector<SpherePair*> nearSpheres;
   std::vector<BrickPair*> overlapping;  // that overlapped where the run began
@@ -186,18 +191,31 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   if (known != pairs.end()) return known->second;
   const model::BrickPiece& pieceA = bodies.pieces[a];
   const model::BrickPiece& pieceB = bodies.pieces[b];
-  const auto add = [&](const model::Brick& shapeA, const model::Brick& shapeB) -> BrickPair& {
-    OutlinedPiece ofA{pieceA.brick, pieceA.part, makeOutline(shapeA, planar)};
-    OutlinedPiece ofB{pieceB.brick, pieceB.part, makeOutline(shapeB, planar)};
-    return pairs.try_emplace(key, std::move(ofA), std::move(ofB), tolerance).first->second;
+  const auto add = [&](std::shared_ptr<const PieceShape> ofA,
+                       std::shared_ptr<const PieceShape> ofB) -> BrickPair& {
+    return pairs
+        .try_emplace(key, OutlinedPiece{pieceA.brick, pieceA.part, std::move(ofA)},
+                     OutlinedPiece{pieceB.brick, pieceB.part, std::move(ofB)}, tolerance, scratch)
+        .first->second;
   };
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
   if (corners == joined.end() || environment.pivotZone == 0)
-    return add(bodies.shapes[a], bodies.shapes[b]);
+    return add(wholeShape(a), wholeShape(b));
   const double length = model::cutLength(bodies.bodies[pieceA.brick], bodies.bodies[pieceB.brick],
                                          environment.pivotZone);
-  return add(model::withoutCorners(pieceA, corners->second.ofA, length),
-             model::withoutCorners(pieceB, corners->second.ofB, length));
+  return add(shapeOf(model::withoutCorners(pieceA, corners->second.ofA, length)),
+             shapeOf(model::withoutCorners(pieceB, corners->second.ofB, length)));
+}
+
+std::shared_ptr<const PieceShape> ContactFinder::Internals::shapeOf(
+    const model::Brick& piece) const {
+  return std::make_shared<PieceShape>(makeOutline(piece, planar));
+}
+
+// Made for the first pair that needs it.
+std::shared_ptr<const PieceShape> ContactFinder::Internals::wholeShape(int piece) {
+  if (!wholeShapes[piece]) wholeShapes[piece] = shapeOf(bodies.shapes[piece]);
+  return wholeShapes[piece];
 }
 
 // The pair of a piece of a brick and the piece that stands for a sphere, made where it is new.
@@ -677,27 +695,29 @@ Pose seenFrom(const Pose& seer, const Pose& seen) {
   return {back * (seen.position - seer.position), back * seen.rotation};
 }
 
-BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance)
+PieceShape::PieceShape(Outline ofPiece) : outline(std::move(ofPiece)) {
+  placeOutline(outline, {}, placed);
+}
+
+BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance, PairScratch& scratch)
     : a_(std::move(a)),
       b_(std::move(b)),
-      radiusB_(outerRadius(b_.outline)),
+      scratch_(scratch),
+      radiusB_(outerRadius(outlineB())),
       tolerance_(tolerance),
-      planes_(separatingPlanes(a_.outline, b_.outline)),
+      planes_(separatingPlanes(a_.shape->outline, outlineB())),
       last_(planes_.front()),
-      clearance_(-kInfinity) {
-  // A never moves in its own axes: it is placed once.
-  placeOutline(a_.outline, {}, placedA_);
-}
+      clearance_(-kInfinity) {}
 
 void BrickPair::keepOverlap(const Pose& startOfB) {
   // The largest separation over all planes is the distance of the two, or, where it is negative,
   // minus the least depth.
-  placeOutline(b_.outline, startOfB, startB_);
+  placeOutline(outlineB(), startOfB, scratch_.startB);
   slack_ = std::max(0.0, -bestSeparationAtStart());
 }
 
 void BrickPair::shrinkOverlap(const Pose& startOfB) {
-  placeOutline(b_.outline, startOfB, startB_);
+  placeOutline(outlineB(), startOfB, scratch_.startB);
   // What has come apart must not overlap again.
   slack_ = std::min(slack_, std::max(0.0, -bestSeparationAtStart()));
 }
@@ -711,11 +731,11 @@ bool BrickPair::isSurelyApart(const PairMove& move) const {
 }
 
 double BrickPair::separationAtStart(const SeparatingPlane& plane) const {
-  return separation(plane, placedA_, startB_);
+  return separation(plane, placedA(), scratch_.startB);
 }
 
 double BrickPair::separationAtEnd(const SeparatingPlane& plane) const {
-  return separation(plane, placedA_, endB_);
+  return separation(plane, placedA(), scratch_.endB);
 }
 
 // The largest separation over all planes, metres.
@@ -731,7 +751,7 @@ bool BrickPair::lastPlaneHolds() {
   if (after < -tolerance_ - slack_) return false;
   if (separationAtStart(last_) < -tolerance_ - slack_) return false;
   // The separation along one plane is a lower bound of the distance.
-  lookedAt_ = endB_.pose;
+  lookedAt_ = scratch_.endB.pose;
   clearance_ = after;
   return true;
 }
@@ -741,8 +761,8 @@ bool BrickPair::lastPlaneHolds() {
 double BrickPair::appendViolated(const PairMove& move, long step,
                                  std::vector<model::Contact>& contacts) {
   if (isSurelyApart(move)) return 0;
-  placeOutline(b_.outline, move.start, startB_);
-  placeOutline(b_.outline, move.end, endB_);
+  placeOutline(outlineB(), move.start, scratch_.startB);
+  placeOutline(outlineB(), move.end, scratch_.endB);
   if (lastPlaneHolds()) return 0;
   const double limit = -tolerance_ - slack_;
   const double bestBefore = bestSeparationAtStart();
@@ -779,9 +799,9 @@ double BrickPair::appendViolated(const PairMove& move, long step,
 /// pair that may overlap by more than it is thick could hand over through itself.
 bool BrickPair::keptApartInTurn(const PairMove& move) const {
   const Screw screw = screwBetween(move.start, move.end);
-  PlacedOutline way = startB_;
+  PlacedOutline way = scratch_.startB;
   const auto holds = [&](const SeparatingPlane& plane) {
-    return separation(plane, placedA_, way) >= -tolerance_;
+    return separation(plane, placedA(), way) >= -tolerance_;
   };
   const auto ends = [&](const SeparatingPlane& plane) {
     return separationAtEnd(plane) >= -tolerance_;
@@ -796,12 +816,12 @@ bool BrickPair::keptApartInTurn(const PairMove& move) const {
     const double from = reached;
     for (int round = 0; round < kTouchBisections; ++round) {
       const double part = 0.5 * (reached + lost);
-      placeOutline(b_.outline, onTheWay(screw, move.start, part), way);
+      placeOutline(outlineB(), onTheWay(screw, move.start, part), way);
       (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
     }
     // No plane holds any further: the two really meet.
     if (reached == from) return false;
-    placeOutline(b_.outline, onTheWay(screw, move.start, reached), way);
+    placeOutline(outlineB(), onTheWay(screw, move.start, reached), way);
   }
   return false;
 }
@@ -812,7 +832,7 @@ const SeparatingPlane* BrickPair::planeToGive(long step) {
   std::vector<const SeparatingPlane*> candidates;
   double best = -kInfinity;
   for (const SeparatingPlane& plane : planes_) {
-    if (!isSteady(plane, placedA_, startB_)) continue;
+    if (!isSteady(plane, placedA(), scratch_.startB)) continue;
     best = std::max(best, separationAtStart(plane));
     if (canGive(plane, step)) candidates.push_back(&plane);
   }
@@ -840,7 +860,7 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Conta
   last_ = plane;
   given_.push_back(plane);
   const std::size_t first = contacts.size();
-  appendPlaneContacts(plane, a_.brick, b_.brick, placedA_, startB_, contacts);
+  appendPlaneContacts(plane, a_.brick, b_.brick, placedA(), scratch_.startB, contacts);
   for (std::size_t c = first; c < contacts.size(); ++c) {
     const bool onA = contacts[c].brickA == a_.brick;
     // The overlap from the start of the run moves the contact's zero.
@@ -852,7 +872,7 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<model::Conta
 
 bool BrickPair::isCurrent(const model::Contact& contact, const Pose& startOfB) const {
   PlacedOutline placedB;
-  placeOutline(b_.outline, startOfB, placedB);
+  placeOutline(outlineB(), startOfB, placedB);
   return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
 }
 
@@ -861,8 +881,8 @@ bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& plac
   // An edge against an edge has no face that it could lie on.
   if (contact.isEdge) return false;
   const bool onA = contact.brickA == a_.brick;
-  const PlacedOutline& other = onA ? placedB : placedA_;
-  const Vector3 point = (onA ? placedA_ : placedB).pose.apply(contact.pointA);
+  const PlacedOutline& other = onA ? placedB : placedA();
+  const Vector3 point = (onA ? placedA() : placedB).pose.apply(contact.pointA);
   for (std::size_t f = 0; f < other.normals.size(); ++f) {
     const Vector3& onFace = other.points[other.outline->facePoints[f]];
     // Beyond the plane of any face, the point is outside the other brick, so that it cannot touch
@@ -884,8 +904,8 @@ bool BrickPair::isApartOtherwise(const model::Contact& contact,
       (swapped ? -1 : 1) * model::contactNormal(numbered, {Pose{}, placedB.pose});
   return std::any_of(planes_.begin(), planes_.end(), [&](const SeparatingPlane& plane) {
     return plane.kind != SeparatingPlane::Kind::Edges &&
-           planeNormal(plane, placedA_, placedB).dot(normal) < kSameDirection &&
-           separation(plane, placedA_, placedB) >= -tolerance_ - slack_;
+           planeNormal(plane, placedA(), placedB).dot(normal) < kSameDirection &&
+           separation(plane, placedA(), placedB) >= -tolerance_ - slack_;
   });
 }
 

@@ -137,8 +137,12 @@ struct SeparatingPlane {
 
   bool operator==(const SeparatingPlane&) const = default;
 
-  /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(kind, a, b, sign); }
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<SeparatingPlane>(
+        field("kind", &SeparatingPlane::kind), field("a", &SeparatingPlane::a),
+        field("b", &SeparatingPlane::b), field("sign", &SeparatingPlane::sign));
+  }
 };
 
 /// All planes to be tried for a pair: the faces of both, and in space the products of their edges.
@@ -175,20 +179,38 @@ struct PairMove {
 /// The pose of a brick in the axes of another.
 Pose seenFrom(const Pose& seer, const Pose& seen);
 
+/// The outline of a convex piece of a brick, in the brick's own axes.
+struct PieceShape {
+  /// Costs one copy of the outline.
+  explicit PieceShape(Outline ofPiece);
+  PieceShape(const PieceShape&) = delete;
+  PieceShape& operator=(const PieceShape&) = delete;
+
+  const Outline outline;
+  PlacedOutline placed;  ///< the same where the brick's axes are the world's
+};
+
 /// A convex piece of a brick, as its pairs look at it.
 struct OutlinedPiece {
-  int brick = 0;    ///< that it is of
-  int part = 0;     ///< its number within the brick
-  Outline outline;  ///< of the piece, in the brick's own axes
+  int brick = 0;                            ///< that it is of
+  int part = 0;                             ///< its number within the brick
+  std::shared_ptr<const PieceShape> shape;  ///< shared by the pairs of the piece
+};
+
+/// Where pairs place brick B while they look at a step, one pair after the other.
+struct PairScratch {
+  PlacedOutline startB;  ///< where the step starts
+  PlacedOutline endB;    ///< where it ends
 };
 
 /// Everything about a pair is looked at in the axes of brick A.
 class BrickPair {
  public:
-  /// A piece of each brick. `tolerance`: overlap in metres that counts as none.
+  /// A piece of each brick. `tolerance`: overlap in metres that counts as none. The scratch must
+  /// outlive this; what it holds means nothing between calls.
   /// Costs the making of all planes of the pair: faces of both, and in space products of their
   /// edges.
-  BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance);
+  BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance, PairScratch& scratch);
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
 
@@ -219,6 +241,8 @@ class BrickPair {
   void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
 
  private:
+  const Outline& outlineB() const { return b_.shape->outline; }
+  const PlacedOutline& placedA() const { return a_.shape->placed; }
   bool touches(const model::Contact& contact, const PlacedOutline& placedB) const;
   bool isApartOtherwise(const model::Contact& contact, const PlacedOutline& placedB) const;
   bool isSurelyApart(const PairMove& move) const;
@@ -232,6 +256,7 @@ class BrickPair {
   void givePlane(const SeparatingPlane& plane, std::vector<model::Contact>& contacts);
 
   OutlinedPiece a_, b_;
+  PairScratch& scratch_;
   double radiusB_;
   double tolerance_;
   double slack_ = 0;
@@ -241,7 +266,6 @@ class BrickPair {
   double clearance_;                    // the separation then
   std::vector<SeparatingPlane> given_;  // whose contacts were given in this step
   long givenStep_ = -1;
-  PlacedOutline placedA_, startB_, endB_;
 };
 
 // ------------------------------------------------------------------------------------------------

@@ -33,7 +33,13 @@ SteppedScene::SteppedScene(const scene::Scene& scene)
     : SteppedScene(scene, model::makeBricks(scene.model.tiles, scene.brick),
                    [](const scene::Scene& asked, const std::vector<model::Brick>& bricks,
                       const Poses& start) {
-                     return deploy::makeDynamics(asked, scene::sceneNeeds(asked), bricks, start);
+                     auto made =
+                         deploy::makeDynamics(asked, scene::sceneNeeds(asked), bricks, start);
+                     const double step = asked.solver.timestep;
+                     if (asked.solver.tolerance > 0) {
+                       made->setTolerance({asked.solver.tolerance, step, step});
+                     }
+                     return made;
                    }) {}
 
 SteppedScene::SteppedScene(const scene::Scene& scene, const Method& method)
