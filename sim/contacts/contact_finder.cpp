@@ -18,6 +18,7 @@
 #include "sim/contacts/contact_finder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -156,6 +157,7 @@ struct ContactFinder::Internals {
   BrickPair& pairOf(int a, int b);
   std::shared_ptr<const PieceShape> shapeOf(const model::Brick& piece) const;
   std::shared_ptr<const PieceShape> wholeShape(int piece);
+  const std::vector<SeparatingPlane>& planesOf(const Outline& a, const Outline& b);
   SpherePair& sphereOf(int piece, int sphere);
   bool mayTouch(int a, int b) const;
   void updatePairs(const Poses& from, const Poses& to);
@@ -174,6 +176,7 @@ struct ContactFinder::Internals {
   Poses start;
   NearPairs near;
   PairScratch scratch;
+  std::map<std::array<std::size_t, 4>, std::vector<SeparatingPlane>> planeLists;  // of all pairs
   std::vector<std::shared_ptr<const PieceShape>> wholeShapes;  // of the pieces; null until needed
   std::unordered_map<Key, BrickPair> pairs;                    // of pieces that ever were near
   std::vector<BrickPair*> nearPairs;  // that are near now, in order of bricks
@@ -193,9 +196,11 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const model::BrickPiece& pieceB = bodies.pieces[b];
   const auto add = [&](std::shared_ptr<const PieceShape> ofA,
                        std::shared_ptr<const PieceShape> ofB) -> BrickPair& {
+    const std::vector<SeparatingPlane>& planes = planesOf(ofA->outline, ofB->outline);
     return pairs
         .try_emplace(key, OutlinedPiece{pieceA.brick, pieceA.part, std::move(ofA)},
-                     OutlinedPiece{pieceB.brick, pieceB.part, std::move(ofB)}, tolerance, scratch)
+                     OutlinedPiece{pieceB.brick, pieceB.part, std::move(ofB)}, planes, tolerance,
+                     scratch)
         .first->second;
   };
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
@@ -205,6 +210,16 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
                                          environment.pivotZone);
   return add(shapeOf(model::withoutCorners(pieceA, corners->second.ofA, length)),
              shapeOf(model::withoutCorners(pieceB, corners->second.ofB, length)));
+}
+
+// Planes are told by numbers of faces and edges, so that pairs of as many have the same list.
+const std::vector<SeparatingPlane>& ContactFinder::Internals::planesOf(const Outline& a,
+                                                                       const Outline& b) {
+  const std::array counts = {a.normals.size(), a.directions.size(), b.normals.size(),
+                             b.directions.size()};
+  const auto [list, isNew] = planeLists.try_emplace(counts);
+  if (isNew) list->second = separatingPlanes(a, b);
+  return list->second;
 }
 
 std::shared_ptr<const PieceShape> ContactFinder::Internals::shapeOf(
@@ -699,13 +714,14 @@ PieceShape::PieceShape(Outline ofPiece) : outline(std::move(ofPiece)) {
   placeOutline(outline, {}, placed);
 }
 
-BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance, PairScratch& scratch)
+BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<SeparatingPlane>& planes,
+                     double tolerance, PairScratch& scratch)
     : a_(std::move(a)),
       b_(std::move(b)),
       scratch_(scratch),
       radiusB_(outerRadius(outlineB())),
       tolerance_(tolerance),
-      planes_(separatingPlanes(a_.shape->outline, outlineB())),
+      planes_(planes),
       last_(planes_.front()),
       clearance_(-kInfinity) {}
 

@@ -206,11 +206,11 @@ struct PairScratch {
 /// Everything about a pair is looked at in the axes of brick A.
 class BrickPair {
  public:
-  /// A piece of each brick. `tolerance`: overlap in metres that counts as none. The scratch must
-  /// outlive this; what it holds means nothing between calls.
-  /// Costs the making of all planes of the pair: faces of both, and in space products of their
-  /// edges.
-  BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance, PairScratch& scratch);
+  /// A piece of each brick, and separatingPlanes() of the two. `tolerance`: overlap in metres that
+  /// counts as none. Planes and scratch must outlive this; what the scratch holds means nothing
+  /// between calls.
+  BrickPair(OutlinedPiece a, OutlinedPiece b, const std::vector<SeparatingPlane>& planes,
+            double tolerance, PairScratch& scratch);
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
 
@@ -260,7 +260,7 @@ class BrickPair {
   double radiusB_;
   double tolerance_;
   double slack_ = 0;
-  std::vector<SeparatingPlane> planes_;
+  const std::vector<SeparatingPlane>& planes_;
   SeparatingPlane last_;                // that kept the pair apart when last looked at
   Pose lookedAt_;                       // B's pose then
   double clearance_;                    // the separation then
