@@ -523,6 +523,44 @@ TEST(Boundaries, TypesHaveNamesOfTheirOwn) {
   for (const auto& [name, files] : places) EXPECT_THAT(files, SizeIs(1)) << name;
 }
 
+/// What a page names between backquotes.
+std::vector<std::string> namesIn(const std::string& page) {
+  static const std::regex quoted("`([^`\n]+)`");
+  const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / page);
+  std::vector<std::string> names;
+  for (std::sregex_iterator match(text.begin(), text.end(), quoted), end; match != end; ++match) {
+    names.push_back((*match)[1]);
+  }
+  return names;
+}
+
+// Those in a folder by their paths, others by their names alone.
+TEST(Boundaries, FilesThatPagesNameAreThere) {
+  const fs::path root = KIRIREEL_SOURCE_DIR;
+  std::set<std::string> fileNames;
+  for (const char* folder : {"sim", "render", "tests", "scripts", "docs"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder)) {
+      fileNames.insert(entry.path().filename().string());
+    }
+  }
+  static const std::regex path("(sim|render|tests|scripts|docs|data)/[a-z0-9_./-]+");
+  static const std::regex source("[a-z0-9_]+\\.(h|cpp)");
+  int count = 0;
+  for (const char* page : {"ARCHITECTURE.md", "CONTRIBUTING.md"}) {
+    for (const std::string& name : namesIn(page)) {
+      if (std::regex_match(name, path)) {
+        EXPECT_TRUE(fs::exists(root / name)) << page << ": " << name;
+      } else if (std::regex_match(name, source)) {
+        EXPECT_TRUE(fileNames.contains(name)) << page << ": " << name;
+      } else {
+        continue;
+      }
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 100);
+}
+
 // Files are as large as their subject; where one is larger than this, it has two.
 TEST(Boundaries, SourceFilesHaveOneSubject) {
   for (const SourceFile& file : sources()) {
