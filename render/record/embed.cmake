@@ -1,5 +1,5 @@
-# Writes FILES into OUTPUT, C++ that gives each by its name: see embedded_files.h.
-set(text "#include \"render/record/embedded_files.h\"\n\nnamespace kirireel::record {\n\n")
+# Writes FILES into OUTPUT, C++ that gives each by its name: see page.h.
+set(text "#include \"render/record/page.h\"\n\nnamespace kirireel::record {\n\n")
 string(APPEND text "std::string_view embeddedFile(std::string_view name) {\n")
 foreach(file IN LISTS FILES)
   get_filename_component(name ${file} NAME)

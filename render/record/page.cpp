@@ -18,7 +18,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,7 +27,6 @@
 #include "render/picture/grid.h"
 #include "render/picture/png.h"
 #include "render/picture/state_painter.h"
-#include "render/record/embedded_files.h"
 #include "render/record/pace.h"
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
@@ -741,10 +739,6 @@ std::int32_t zigzag(std::int64_t difference) {
 }
 
 }  // namespace
-
-Json vectorJson(const Vector3& vector) {
-  return {vector.x(), vector.y(), vector.z()};
-}
 
 Json packedArray(std::span<const float> entries) {
   return packedAs("f32", entries);

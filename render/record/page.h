@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,9 +39,6 @@ std::string htmlText(const std::string& text);
 // An array is stored little-endian in planes (the first bytes of all entries, then the second
 // bytes, ...), compressed by zlib, in base 64. In planes, numbers that are alike give long runs of
 // equal bytes, so they shrink further.
-
-/// [x, y, z].
-Json vectorJson(const Vector3& vector);
 
 /// {"type": "f32" | "f64" | "i32" | "u16" | "u8", "count": entries, "data": text}, which packed.js
 /// unpacks.
@@ -133,7 +131,7 @@ std::string stillPicture(const trajectory::TrajectoryReader& run, const picture:
 //
 // A page is page.html with its style sheet, its scripts, three.js (r111, MIT licence) and the
 // runs' data within. What it shows looks as our pictures do: colours, lights, widths and cameras
-// come from render/picture and render/painter as data.
+// come from render/picture as data.
 
 /// The file that a page is, in its folder.
 inline constexpr const char* kPageFile = "page.html";
@@ -151,6 +149,10 @@ struct WebPageSettings {
   double mostMegabytes = 25;  ///< a larger page is refused; 1e6 bytes each
   picture::Look look;         ///< of all runs
 };
+
+/// All bytes of a file of render/record/web or of three.js by its name, for example "page.css", as
+/// the program has it within; empty where it was built without it.
+std::string_view embeddedFile(std::string_view name);
 
 /// Whether this program can make pages: three.js was there when it was built. three.js is taken in
 /// at build time.

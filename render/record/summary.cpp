@@ -154,10 +154,6 @@ Json costJson(const RunSummary& summary) {
   return json;
 }
 
-Json vectorJson(const Vector3& vector) {
-  return {vector.x(), vector.y(), vector.z()};
-}
-
 Json obstaclesJson(const std::vector<scene::Obstacle>& obstacles) {
   Json json = Json::array();
   for (const scene::Obstacle& obstacle : obstacles) {
@@ -341,6 +337,10 @@ Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
 }
 
 }  // namespace
+
+Json vectorJson(const Vector3& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
 
 Json eventsJson(const std::vector<trajectory::Event>& events) {
   Json json = Json::array();

@@ -13,6 +13,9 @@
 
 namespace kirireel::record {
 
+/// [x, y, z].
+Json vectorJson(const Vector3& vector);
+
 /// Events by time, as summary.json has them.
 Json eventsJson(const std::vector<trajectory::Event>& events);
 

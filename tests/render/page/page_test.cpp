@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "render/picture/style.h"
-#include "render/record/embedded_files.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/lattice.h"
