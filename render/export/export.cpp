@@ -438,8 +438,41 @@ ExportFormat deckFormat() {
             .isWanted = [](const DeckSettings& decks) { return decks.periodic; }}}};
 }
 
+using Path = std::filesystem::path;
+
+void writePlanarObj(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
+  writeTextFile(file, planarObjText(exporter.sheetOf(sample)));
+}
+
+void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
+  model::writeTiles(exporter.sheetOf(sample), file);
+}
+
+void writeVtu(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
+  writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample));
+}
+
+void writePvd(Exporter& exporter, const Path& file) {
+  writeTextFile(file, pvdText(exporter.series(".vtu")));
+}
+
+void writeGlb(Exporter& exporter, const Path& file) {
+  writeTextFile(file, exporter.animation());
+}
+
+void writeFold(Exporter& exporter, const Path& file) {
+  writeTextFile(file, foldText(model::inFileOrder(exporter.subject().model), exporter.sheets()));
+}
+
+void writeSvg(Exporter& exporter, const Path& file) {
+  writeTextFile(file, patternSvg(patternOf(exporter)));
+}
+
+void writeDxf(Exporter& exporter, const Path& file) {
+  writeTextFile(file, patternDxf(patternOf(exporter)));
+}
+
 const std::vector<ExportFormat>& exportFormats() {
-  using Path = std::filesystem::path;
   static const std::vector<ExportFormat> formats = {
       // Closed bricks: a group a tile; triangles; triangles, binary.
       {"obj", {{".obj", writeSurface}}},
@@ -447,54 +480,19 @@ const std::vector<ExportFormat>& exportFormats() {
       {"stl", {{".stl", writeSurface}}},
       // The bottoms of bricks, which are the tiles: polygons as PyKirigami has them; as
       // vertices.txt.
-      {"planar",
-       {{"_planar.obj",
-         [](Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-           writeTextFile(file, planarObjText(exporter.sheetOf(sample)));
-         }}}},
-      {"vertices",
-       {{"_vertices.txt",
-         [](Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-           model::writeTiles(exporter.sheetOf(sample), file);
-         }}}},
+      {"planar", {{"_planar.obj", writePlanarObj}}},
+      {"vertices", {{"_vertices.txt", writeVertices}}},
       deckFormat(),
       // A Gmsh 4.1 mesh of the same elements.
       {kGmsh, {{kGmshFile}}},
       // ParaView, with measures as fields.
-      {"vtu",
-       {{".vtu",
-         [](Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-           writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample));
-         }},
-        ofDeployment("deployment.pvd",
-                     [](Exporter& exporter, const Path& file) {
-                       writeTextFile(file, pvdText(exporter.series(".vtu")));
-                     })}},
+      {"vtu", {{".vtu", writeVtu}, ofDeployment("deployment.pvd", writePvd)}},
       // The whole deployment, animated; the states as frames of a FOLD file.
-      {"glb",
-       {ofDeployment("deployment.glb",
-                     [](Exporter& exporter, const Path& file) {
-                       writeTextFile(file, exporter.animation());
-                     })}},
-      {"fold",
-       {ofDeployment("deployment.fold",
-                     [](Exporter& exporter, const Path& file) {
-                       writeTextFile(file, foldText(model::inFileOrder(exporter.subject().model),
-                                                    exporter.sheets()));
-                     })}},
+      {"glb", {ofDeployment("deployment.glb", writeGlb)}},
+      {"fold", {ofDeployment("deployment.fold", writeFold)}},
       // What to cut to make the start.
-      {"svg",
-       {ofDeployment("cut_pattern.svg",
-                     [](Exporter& exporter, const Path& file) {
-                       writeTextFile(file, patternSvg(patternOf(exporter)));
-                     })},
-       requirePattern},
-      {"dxf",
-       {ofDeployment("cut_pattern.dxf",
-                     [](Exporter& exporter, const Path& file) {
-                       writeTextFile(file, patternDxf(patternOf(exporter)));
-                     })},
-       requirePattern}};
+      {"svg", {ofDeployment("cut_pattern.svg", writeSvg)}, requirePattern},
+      {"dxf", {ofDeployment("cut_pattern.dxf", writeDxf)}, requirePattern}};
   return formats;
 }
 
