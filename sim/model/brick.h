@@ -23,6 +23,13 @@ struct BrickRule {
   double thickness = 0.02;         ///< metres, positive; the paper's default
   MassRule mass = MassRule::Unit;  ///< the inertia is always the true prism's, scaled to the mass
   double density = 1000;           ///< kg/m^3, used by MassRule::Prism
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<BrickRule>(field("thickness", &BrickRule::thickness, "m"),
+                                     field("mass", &BrickRule::mass),
+                                     field("density", &BrickRule::density, "kg/m^3"));
+  }
 };
 
 /// A rigid prism, in brick axes: origin at its centre of mass, axes parallel to the world's at the
@@ -38,6 +45,15 @@ struct Brick {
   /// The convex parts of a concave brick, as corner numbers of its bottom (see convex_parts.h);
   /// none: the brick is convex.
   std::vector<PolygonPart> parts;
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Brick>(
+        field("bottom", &Brick::bottom, "m"), field("top", &Brick::top, "m"),
+        field("normal", &Brick::normal), field("thickness", &Brick::thickness, "m"),
+        field("volume", &Brick::volume, "m^3"), field("mass", &Brick::mass, "kg"),
+        field("inertia", &Brick::inertia, "kg m^2"), field("parts", &Brick::parts));
+  }
 };
 
 /// The convex parts of a bottom for Brick::parts.

@@ -131,6 +131,17 @@ struct Ligament {
 
   /// Whether it has no length.
   bool isPin() const { return start.isZero(); }
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Ligament>(
+        field("brick_a", &Ligament::brickA), field("brick_b", &Ligament::brickB),
+        field("joint", &Ligament::joint), field("point_a", &Ligament::pointA, "m"),
+        field("point_b", &Ligament::pointB, "m"), field("start", &Ligament::start, "m"),
+        field("across", &Ligament::across),
+        field("stretch_stiffness", &Ligament::stretchStiffness, "N/m"),
+        field("shear_stiffness", &Ligament::shearStiffness), field("opening", &Ligament::opening));
+  }
 };
 
 /// The stiffnesses of a neck as a beam of Timoshenko's: with A = w t, I = t w^3 / 12, G = E / (2 (1

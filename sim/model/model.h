@@ -14,6 +14,11 @@ namespace kirireel::model {
 /// A planar polygon whose sides do not cross, convex or not: one line of vertices.txt.
 struct Tile {
   std::vector<Vector3> vertices;  ///< at least 3, metres, anticlockwise seen from the tile's normal
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Tile>(field("vertices", &Tile::vertices, "m"));
+  }
 };
 
 /// The face of its two bricks that a joint lies on; values as in column 5 of constraints.txt.
@@ -26,6 +31,11 @@ struct Corner {
   int vertex = 0;  ///< from 0, within the tile
 
   bool operator==(const Corner&) const = default;
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Corner>(field("tile", &Corner::tile), field("vertex", &Corner::vertex));
+  }
 };
 
 /// What a joint holds.
@@ -45,6 +55,14 @@ struct Joint {
                                     ///< joints, metres; a link's has a length
   /// Whether the two are parts of one tile that bends between them: they never touch.
   bool isWithinTile = false;
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Joint>(field("a", &Joint::a), field("b", &Joint::b),
+                                 field("face", &Joint::face), field("kind", &Joint::kind),
+                                 field("apart", &Joint::apart, "m"),
+                                 field("is_within_tile", &Joint::isWithinTile));
+  }
 };
 
 /// Something that a reader put right in a file, so that the model is what was meant.
