@@ -44,10 +44,10 @@ Motion motionOf(model::Contact& contact, const Motion& all) {
 
 /// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
 /// last moment at which it is open.
-double momentOfClosing(model::Contact numbered, const Motion& from, const Motion& to,
+double momentOfClosing(const model::Contact& closing, const Motion& from, const Motion& to,
                        double seconds, double latest) {
-  model::Contact contact = numbered;
-  const Motion start = motionOf(contact, from), end = motionOf(numbered, to);
+  model::Contact contact = closing, atEnd = closing;
+  const Motion start = motionOf(contact, from), end = motionOf(atEnd, to);
   double open = 0, closed = latest;
   for (int k = 0; k < kImpactBisections && model::contactGap(contact, start.poses) > 0; ++k) {
     const double middle = 0.5 * (open + closed);
