@@ -13,7 +13,7 @@
 // contact that is given away has an obstacle's part in world axes and the obstacle's own number.
 //
 // Bricks that share a corner are looked at without that corner (pivotZone of an edge, see
-// shared_corners.h): bricks joined on one face would else be stopped by the least fold, as the
+// model/contact.h): bricks joined on one face would else be stopped by the least fold, as the
 // edges at their joint already touch.
 #include "sim/contacts/contact_finder.h"
 
@@ -89,10 +89,12 @@ struct ContactBodies {
   const ObstaclePart* partOf(int body) const {
     return body < brickCount ? nullptr : &parts[body - brickCount];
   }
-  /// Of all bodies, by those of the bricks.
-  Poses posesOf(Poses bricks) const {
-    for (const ObstaclePart& part : parts) bricks.push_back(part.pose);
-    return bricks;
+  /// Of all bodies, by those of the bricks: these themselves without obstacles, else `all`.
+  const Poses& posesOf(const Poses& ofBricks, Poses& all) const {
+    if (parts.empty()) return ofBricks;
+    all = ofBricks;
+    for (const ObstaclePart& part : parts) all.push_back(part.pose);
+    return all;
   }
   model::Contact given(model::Contact contact) const;
   model::Contact betweenBodies(model::Contact contact) const;
@@ -173,7 +175,8 @@ struct ContactFinder::Internals {
   double tolerance = 0;
   long step = 0;
   double examined = 0;  // pairs so far
-  Poses start;
+  Poses start;          // of all bodies
+  Poses placed;         // the same elsewhere, see posesOf()
   NearPairs near;
   PairScratch scratch;
   std::map<std::array<std::size_t, 4>, std::vector<SeparatingPlane>> planeLists;  // of all pairs
@@ -329,7 +332,7 @@ ContactFinder::ContactFinder(const std::vector<model::Brick>& bricks, const Pose
   in.joined = model::sharedCorners(pivots);
   in.planar = planar;
   in.tolerance = tolerance;
-  in.start = in.bodies.posesOf(start);
+  in.start = in.bodies.posesOf(start, in.placed);
   in.updatePairs(in.start, in.start);
   for (BrickPair* pair : in.nearPairs) {
     checkInterruption();
@@ -348,7 +351,7 @@ void ContactFinder::transfer(StateTape& tape) {
 
 void ContactFinder::startStep(const Poses& start) {
   Internals& in = *internals_;
-  in.start = in.bodies.posesOf(start);
+  in.start = in.bodies.posesOf(start, in.placed);
   ++in.step;
   for (BrickPair* pair : in.overlapping) {
     pair->shrinkOverlap(seenFrom(in.start[pair->a()], in.start[pair->b()]));
@@ -358,9 +361,7 @@ void ContactFinder::startStep(const Poses& start) {
 // Pairs of bricks, then spheres, then the ground.
 double ContactFinder::appendViolated(const Poses& ofBricks, std::vector<model::Contact>& contacts) {
   Internals& in = *internals_;
-  // Without obstacles nothing is copied.
-  const Poses placed = in.bodies.parts.empty() ? Poses() : in.bodies.posesOf(ofBricks);
-  const Poses& end = in.bodies.parts.empty() ? ofBricks : placed;
+  const Poses& end = in.bodies.posesOf(ofBricks, in.placed);
   in.updatePairs(in.start, end);
   in.examined += static_cast<double>(in.nearPairs.size() + in.nearSpheres.size());
   double overlap = 0;
@@ -396,7 +397,8 @@ double ContactFinder::pairsExamined() const {
 
 std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& ofBricks) const {
   const Internals& in = *internals_;
-  const Poses poses = in.bodies.posesOf(ofBricks);
+  Poses placed;
+  const Poses& poses = in.bodies.posesOf(ofBricks, placed);
   for (const BrickPair* pair : in.nearPairs) {
     const ObstaclePart* part = in.bodies.partOf(pair->b());
     if (part && pair->slack() > in.tolerance) return {{pair->a(), part->obstacle, pair->slack()}};

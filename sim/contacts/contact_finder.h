@@ -74,7 +74,7 @@ class ContactFinder : public model::ContactSource {
  public:
   /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet. `pivots`
   /// says which bricks are joined. `bricks` are copied. Poses are one a brick; obstacles are the
-  /// environment's. Throws InputError for an obstacle's mesh that cannot be read.
+  /// environment's.
   ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
                 bool planar, double tolerance);

@@ -132,7 +132,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
       countsFrom_(scene.model.fileOrder.countsFrom),
       tileSize_(model::tileSize(scene.model)),
       environment_(scene.environment),
-      solver_(solverOf(scene, needs, bricks)),
+      solver_(solverOf(scene, needs, bricks_)),  // which refers to its bricks
       substeps_(scene.solver.substeps.value_or(1)),
       keepsEnergy_(scene.hinges.areLigaments || scene.hinges.panels),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()),
@@ -337,7 +337,7 @@ std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
 
 // ------------------------------------------------------------------------------------------------
 // Keeping a path symmetric. A state is replaced by the mean of its images under the group
-// (model/symmetry.h) where it has drifted from it by more than the asymmetry of closed states
+// (model/isometry.h) where it has drifted from it by more than the asymmetry of closed states
 // themselves; the mean of closed states is closed to the second order of the drift, and its joints
 // are closed again where that is not enough. A mean that cannot be closed is not taken.
 
