@@ -151,7 +151,7 @@ std::vector<SweepValue> SweepPlan::run(std::uint64_t index) const {
 // ------------------------------------------------------------------------------------------------
 // Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives values with their place in the
 // file; every refusal names file, line and column. What keys mean is not known here:
-// cli/sweep_runs.cpp checks each of them against the options of a run.
+// cli/sweep_command.cpp checks each of them against the options of a run.
 //
 // A value is kept as the text that would be typed on a command line ("25", "0,0,-9.81", "true"),
 // because that is what the options read. Numbers of a range are made by SweepRange::at().

@@ -5,8 +5,8 @@
 ///       double time = 0;
 ///       std::string text;
 ///       static constexpr auto fields() {
-///         return describeFields<Event>(field("time", &Event::time, "s"), field("what",
-///         &Event::text));
+///         return describeFields<Event>(field("time", &Event::time, "s"),
+///                                      field("what", &Event::text));
 ///       }
 ///     };
 #pragma once
@@ -53,8 +53,9 @@ constexpr bool takes(std::index_sequence<k...>) {
 /// How many fields a struct without constructors has, up to `most`.
 template <typename Struct, std::size_t most = 24>
 constexpr std::size_t fieldCount() {
-  if constexpr (takes<Struct>(std::make_index_sequence<most>())) return most;
-  if constexpr (!takes<Struct>(std::make_index_sequence<most>())) {
+  if constexpr (takes<Struct>(std::make_index_sequence<most>())) {
+    return most;
+  } else {
     return fieldCount<Struct, most - 1>();
   }
 }

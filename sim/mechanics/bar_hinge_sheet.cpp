@@ -95,7 +95,7 @@ BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
 }
 
 // A tile that gives is no rigid body. Its pose is the start's, moved by the rigid motion that fits
-// its nodes best by least squares (model/alignment.h).
+// its nodes best by least squares (model/isometry.h).
 Poses BarHingeSheet::posesAt(const Vector& q) const {
   Poses poses = model_.start;
   for (std::size_t t = 0; t < poses.size(); ++t) {

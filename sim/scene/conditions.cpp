@@ -182,7 +182,7 @@ void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model) {
 // ------------------------------------------------------------------------------------------------
 // Surfaces of obstacles as polygons, for pictures, and the floor that a box is thickened from. A
 // sphere's polygons have their corners on the sphere, so that they lie within it by up to about
-// one per cent of the radius; collisions use the exact sphere (world/sphere_pair.h).
+// one per cent of the radius; collisions use the exact sphere (contacts/contact_finder.h).
 
 namespace {
 
