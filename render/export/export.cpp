@@ -29,6 +29,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "render/export/deck.h"
 #include "render/export/flat_sheet.h"

@@ -17,6 +17,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "render/picture/label.h"
 #include "sim/base/error.h"

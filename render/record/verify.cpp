@@ -179,7 +179,8 @@ class Verifier {
   void compareEnd(const Json& summary, const trajectory::TrajectoryReader& run) {
     compare(exports::output::kSummary, "end_time", summary.at("end_time"), run.times().back());
     const std::string outcome = summary.at("outcome");
-    const std::string stated = fmt::format("{}: {}", outcome, summary.at("reason"));
+    const std::string reason = summary.at("reason");
+    const std::string stated = fmt::format("{}: {}", outcome, reason);
     // What interrupts the painting comes after the run.
     if (outcome == "interrupted" || run.end().events.empty()) return;
     if (run.end().events.back().text != stated) {

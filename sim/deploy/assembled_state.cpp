@@ -23,6 +23,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"

@@ -34,6 +34,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
