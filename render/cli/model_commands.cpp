@@ -200,9 +200,8 @@ int carryOut(const InspectOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Studies measure this machine: seconds of CPU time against error, of our solver and of engines
-// that were found when the program was built. Rows are kept as they are finished, so an interrupted
-// study goes on with --resume.
+// Studies measure this machine: seconds of CPU time against error, of our solver and of Bullet's.
+// Rows are kept as they are finished, so an interrupted study continues with --resume.
 
 namespace {
 
@@ -230,30 +229,15 @@ std::string commandText(const StudyOrder& order) {
                      order.settings.extent == study::Extent::Quick ? " --quick" : "");
 }
 
-/// What a timing depends on: program, compiler, Eigen.
+/// What a timing depends on: program, compiler, Eigen, Bullet.
 std::string ownVersions() {
   std::vector<std::string> parts;
   for (const auto& [name, version] : record::allVersions()) {
-    if (name == "kirireel" || name == "compiler" || name == "eigen") {
+    if (name == "kirireel" || name == "compiler" || name == "eigen" || name == "bullet") {
       parts.push_back(fmt::format("{} {}", name, version));
     }
   }
   return fmt::format("{}", fmt::join(parts, ", "));
-}
-
-/// Engines are found when the program is built; a study leaves out those that were not.
-void sayWhatIsMissing() {
-  const std::vector<std::pair<study::Engine, const char*>> packages = {
-      {study::Engine::Chipmunk, "libchipmunk-dev"},
-      {study::Engine::Box2d, "libbox2d-dev"},
-      {study::Engine::Mujoco, "libmujoco-dev"}};
-  for (const auto& [engine, package] : packages) {
-    if (study::isAvailable(engine)) continue;
-    fmt::print(stderr,
-               "kirireel: built without {0}, which is left out; install {1} and build again to "
-               "compare with it\n",
-               study::toString(engine), package);
-  }
 }
 
 /// Returns whether the study came to its end.
@@ -286,7 +270,7 @@ bool runOne(const study::Study& study, const study::StudySettings& settings) {
 CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
   order.settings.folder = "out/study";
   CLI::App* command = program.add_subcommand(
-      "study", "measure speed against error, beside other engines, on this machine");
+      "study", "measure speed against error, beside Bullet, on this machine");
   addPlace(*command, "NAME", order.name, "a study, or all; see --list");
   OptionGroup group(*command, "Study");
   group.flag("--list", "say which studies there are", [&order] { order.list = true; });
@@ -314,7 +298,6 @@ int carryOut(const StudyOrder& order) {
   study::StudySettings settings = order.settings;
   settings.command = commandText(order);
   settings.versions = ownVersions();
-  sayWhatIsMissing();
   noteSignals();
   for (const study::Study* study : chosen) {
     if (runOne(*study, settings)) continue;

@@ -268,10 +268,9 @@ std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
   const double error = stability.finite ? trial.error(run, time) : std::nan("");
   const bool held = stability.finite && gap <= kGapAllowed && stability.growth <= kGrowthAllowed &&
                     overlap <= kOverlapAllowed;
-  return {{trial.tried, toString(method.engine), outcomeOf(stability, steps), cell(time),
-           cell(error), trial.errorMeaning, cell(gap), cell(std::max(0.0, stability.growth)),
-           cell(overlap), cell(stability.unconverged), cell(1e3 * run.seconds() / time),
-           cell(held)}};
+  return {{trial.tried, method.engine.name, outcomeOf(stability, steps), cell(time), cell(error),
+           trial.errorMeaning, cell(gap), cell(std::max(0.0, stability.growth)), cell(overlap),
+           cell(stability.unconverged), cell(1e3 * run.seconds() / time), cell(held)}};
 }
 
 // One row: whether an input was refused, and with which message.
@@ -293,8 +292,8 @@ std::vector<StudyCase> hardCasesCases(Extent extent) {
   const double budget = quick ? 3 : 30;
   std::vector<StudyCase> made;
   for (const HardTrial& trial : hardTrials(quick)) {
-    for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
-      made.push_back({fmt::format("{} {}", trial.name, toString(method.engine)),
+    for (const Method& method : {Method{kDirect}, bulletBaseline()}) {
+      made.push_back({fmt::format("{} {}", trial.name, method.engine.name),
                       [=] { return tryOut(trial, method, budget); }});
     }
   }

@@ -23,12 +23,6 @@ constexpr int kReferenceRate = 1920;   // of the coarsest of three runs
 constexpr double kTimedSeconds = 0.5;  // of CPU: short runs are timed again, and the least counts
 constexpr int kMostTimes = 9;
 
-struct MovingJob {
-  Method method;
-  int side = 10;  // tiles
-  bool planar = true;
-};
-
 /// What one run leaves; an engine in which the sheet flies apart has no errors worth a number.
 struct MovingRun {
   SheetWay states;
@@ -37,9 +31,9 @@ struct MovingRun {
 };
 
 // One run of a method over kSeconds, with the tiles at each state's time.
-MovingRun runMoving(const MovingJob& job) {
+MovingRun runMoving(const SheetMethod& job) {
   // Engines get one point joint a hinge in the plane, which is enough and costs them least.
-  const bool isPoint = job.planar && job.method.engine != Engine::Direct;
+  const bool isPoint = job.planar && job.method.engine != kDirect;
   scene::Scene scene =
       sheetScene(job.side, job.planar, isPoint ? model::JointFace::Bottom : model::JointFace::Both,
                  kFirstAngle);
@@ -60,9 +54,7 @@ MovingRun runMoving(const MovingJob& job) {
 
 // The exact way, to the third order of 1/1920 s.
 SheetWay limitOfFixedSteps(int side) {
-  const auto statesAt = [&](int rate) {
-    return runMoving({{Engine::Direct, rate}, side, true}).states;
-  };
+  const auto statesAt = [&](int rate) { return runMoving({{kDirect, rate}, true, side}).states; };
   return limitOfSteps(statesAt(kReferenceRate), statesAt(2 * kReferenceRate),
                       statesAt(4 * kReferenceRate));
 }
@@ -80,10 +72,10 @@ double errorInTime(const MovingRun& run, int side) {
 }
 
 // One row of the table.
-std::vector<Row> measureMoving(const MovingJob& job) {
+std::vector<Row> measureMoving(const SheetMethod& job) {
   const MovingRun run = leastTimed([&] { return runMoving(job); }, kMostTimes, kTimedSeconds);
   const Method& method = job.method;
-  return {{toString(method.engine), job.planar ? "plane" : "space", cell(job.side * job.side),
+  return {{method.engine.name, job.planar ? "plane" : "space", cell(job.side * job.side),
            cell(method.rate), cell(method.substeps), cell(method.iterations),
            cell(method.tolerance), cell(1e3 * run.cpuSeconds / kSeconds), cell(run.gap),
            cell(errorInTime(run, job.side))}};
@@ -91,33 +83,18 @@ std::vector<Row> measureMoving(const MovingJob& job) {
 
 // Ours with fixed steps from 1/30 s on, and with steps of up to 1/30 s to a tolerance in tiles.
 void addOurs(std::vector<Method>& methods) {
-  for (const int rate : {30, 45, 60, 90, 120, 240, 480, 960})
-    methods.push_back({Engine::Direct, rate});
+  for (const int rate : {30, 45, 60, 90, 120, 240, 480, 960}) methods.push_back({kDirect, rate});
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
-    methods.push_back({.engine = Engine::Direct, .rate = 30, .tolerance = tolerance});
+    methods.push_back({.engine = kDirect, .rate = 30, .tolerance = tolerance});
   }
 }
 
-// Methods for the plane or for space: Box2D and Chipmunk know the plane alone, and Bullet has no
-// plane of its own. The rates are multiples of kStatesASecond.
+// Bullet has no plane of its own. The rates are multiples of kStatesASecond.
 std::vector<Method> movingMethods(bool planar, Extent extent) {
   std::vector<Method> methods;
   addOurs(methods);
-  if (isAvailable(Engine::Mujoco)) {
-    for (const int rate : {240, 960, 3840}) methods.push_back({Engine::Mujoco, rate});
-  }
-  if (planar && isAvailable(Engine::Box2d)) {
-    for (const int rate : {240, 960, 3840}) {
-      for (const int iterations : {1, 2, 8}) {
-        methods.push_back({Engine::Box2d, rate, 1, iterations});
-      }
-    }
-  }
-  if (planar && isAvailable(Engine::Chipmunk)) {
-    for (const int rate : {240, 960, 3840}) methods.push_back({Engine::Chipmunk, rate, 1, 10});
-  }
   if (planar) return methods;
-  for (const Engine engine : {Engine::SequentialImpulse, Engine::Nncg, Engine::MultiBody}) {
+  for (const Engine& engine : {kSequentialImpulse, kNncg, kMultiBody}) {
     methods.push_back({engine, 240, 1, 10});
     methods.push_back({engine, 960, 1, 50});
     if (extent == Extent::Full) methods.push_back({engine, 240, 20, 50});
@@ -125,23 +102,26 @@ std::vector<Method> movingMethods(bool planar, Extent extent) {
   return methods;
 }
 
-// Names of cases must differ, since a study is resumed by them.
-std::vector<StudyCase> movingCases(Extent extent) {
-  std::vector<StudyCase> made;
+std::vector<SheetMethod> movingSheets(Extent extent) {
+  std::vector<SheetMethod> sheets;
   for (const int side : {10, 20}) {
     if (side > 10 && extent == Extent::Quick) continue;
     for (const bool planar : {true, false}) {
       for (const Method& method : movingMethods(planar, extent)) {
-        const MovingJob job{method, side, planar};
-        const std::string rate =
-            method.engine == Engine::Direct ? "" : fmt::format(" 1/{} s", method.rate);
-        made.push_back({fmt::format("{}{} {} {}", toString(method), rate,
-                                    planar ? "plane" : "space", side * side),
-                        [job] { return measureMoving(job); }});
+        sheets.push_back({method, planar, side});
       }
     }
   }
-  return made;
+  return sheets;
+}
+
+// Names of cases must differ, since a study is resumed by them.
+StudyCase movingCase(const SheetMethod& sheet, Extent /*extent*/) {
+  const Method& method = sheet.method;
+  const std::string rate = method.engine == kDirect ? "" : fmt::format(" 1/{} s", method.rate);
+  return {fmt::format("{}{} {} {}", toString(method), rate, sheet.planar ? "plane" : "space",
+                      sheet.side * sheet.side),
+          [sheet] { return measureMoving(sheet); }};
 }
 
 /// Over all settings of an engine, the least ratio of its CPU time to our cheapest setting that
@@ -166,11 +146,12 @@ double leastCostAtEqualError(const Table& table, const std::string& engine,
   return least;
 }
 
-// One figure for each engine, motion and size. It is not a number where the engine is absent.
+// One figure for each engine, motion and size. It is not a number where rows are absent.
 std::vector<Finding> movingFindings(const Table& table) {
+  std::vector<std::string> inSpace = {"sequential impulse", "nncg", "multibody"};
+  std::ranges::copy(otherEngines(table, "space"), std::back_inserter(inSpace));
   const std::vector<std::pair<std::string, std::vector<std::string>>> engines = {
-      {"plane", {"box2d", "mujoco", "chipmunk"}},
-      {"space", {"mujoco", "sequential impulse", "nncg", "multibody"}}};
+      {"plane", otherEngines(table, "plane")}, {"space", inSpace}};
   std::vector<Finding> found;
   for (const char* tiles : {"100", "400"}) {
     for (const auto& [motion, names] : engines) {
@@ -189,7 +170,7 @@ std::vector<Finding> movingFindings(const Table& table) {
 
 }  // namespace
 
-Study movingStudy() {
+Study movingStudy(const SheetMethods& methods) {
   return {
       "moving",
       "CPU time against error in time while all of a sheet moves, 100 and 400 squares",
@@ -203,8 +184,12 @@ Study movingStudy() {
        {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
        {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},
        {"error_m", "largest distance of a vertex from where it should be at that time, metres"}},
-      movingCases,
+      sheetCases(methods, movingCase),
       movingFindings};
+}
+
+Study movingStudy() {
+  return movingStudy(movingSheets);
 }
 
 }  // namespace kirireel::study

@@ -45,13 +45,6 @@ constexpr int kLeastSteps = 3;
 // From here on costs follow a power law.
 constexpr double kLeastTiles = 100;
 
-struct ScalingRun {
-  Method method;
-  bool planar;
-  int side;
-  double budget;  // CPU seconds
-};
-
 /// Bytes that the program holds at present.
 double heldBytes() {
   // glibc's own account: blocks in use and mapped blocks, without what the system has set aside.
@@ -61,43 +54,41 @@ double heldBytes() {
 
 // Memory is what the program holds after the run less what it held before: bricks, joints, plan and
 // factor.
-std::vector<Row> growSheet(const ScalingRun& settings) {
+std::vector<Row> growSheet(const SheetMethod& settings, double budget) {
   const scene::Scene scene = sheetScene(settings.side, settings.planar);
   const double before = heldBytes();
   SteppedScene run(scene, settings.method);
   int steps = 0;
   double gap = 0;
-  while (steps < kSteps && (steps < kLeastSteps || run.seconds() < settings.budget)) {
+  while (steps < kSteps && (steps < kLeastSteps || run.seconds() < budget)) {
     run.advance();
     gap = std::max(gap, run.gap());
     ++steps;
   }
-  return {{toString(settings.method.engine), settings.planar ? "plane" : "space",
+  return {{settings.method.engine.name, settings.planar ? "plane" : "space",
            cell(settings.side * settings.side), cell(steps), cell(1e3 * run.seconds() / steps),
            cell(1e3 * run.setupSeconds()), cell((heldBytes() - before) / 1e6), cell(gap)}};
 }
 
 // Sides of the sheets: tiles quadruple, and at last grow by 6.25 times. Each engine runs with one
 // setting; the sweeps of 50 iterations are those of the baseline.
-std::vector<StudyCase> scalingCases(Extent extent) {
+std::vector<SheetMethod> scalingSheets(Extent extent) {
   const bool quick = extent == Extent::Quick;
-  std::vector<StudyCase> made;
+  std::vector<SheetMethod> sheets;
   const auto add = [&](const Method& method, bool planar, const std::vector<int>& sides) {
-    if (!isAvailable(method.engine)) return;
-    for (const int side : sides) {
-      made.push_back(
-          {fmt::format("{} {} {}", toString(method), planar ? "plane" : "space", side * side), [=] {
-             return growSheet({method, planar, side, quick ? 1.0 : 5.0});
-           }});
-    }
+    for (const int side : sides) sheets.push_back({method, planar, side});
   };
-  add({Engine::Direct}, true, {5, 10, 20, 40, 100});
-  add({Engine::Direct}, false,
-      quick ? std::vector{5, 10, 20, 40} : std::vector{5, 10, 20, 40, 100});
+  add({kDirect}, true, {5, 10, 20, 40, 100});
+  add({kDirect}, false, quick ? std::vector{5, 10, 20, 40} : std::vector{5, 10, 20, 40, 100});
   add(bulletBaseline(), false, quick ? std::vector{5, 10, 20} : std::vector{5, 10, 20, 40, 100});
-  add({Engine::Chipmunk, 240, 4, 50}, true,
-      quick ? std::vector{5, 10, 20} : std::vector{5, 10, 20, 40, 100});
-  return made;
+  return sheets;
+}
+
+StudyCase scalingCase(const SheetMethod& sheet, Extent extent) {
+  const double budget = extent == Extent::Quick ? 1.0 : 5.0;  // CPU seconds
+  return {fmt::format("{} {} {}", toString(sheet.method), sheet.planar ? "plane" : "space",
+                      sheet.side * sheet.side),
+          [sheet, budget] { return growSheet(sheet, budget); }};
 }
 
 // The slope of a column over the tiles, both as logarithms, of one engine and motion.
@@ -117,23 +108,30 @@ double exponent(const Table& table, const std::string& engine, const std::string
 std::vector<Finding> scalingFindings(const Table& table) {
   const std::string time = "ms_per_step";
   const std::string memory = "memory_mb";
-  return {{"direct_exponent_plane", exponent(table, "direct", "plane", time),
-           "b of CPU time = a tiles^b from 100 tiles on, ours in the plane"},
-          {"direct_exponent_space", exponent(table, "direct", "space", time),
-           "the same of ours in space"},
-          {"bullet_exponent_space", exponent(table, "sequential impulse", "space", time),
-           "the same of Bullet"},
-          {"chipmunk_exponent_plane", exponent(table, "chipmunk", "plane", time),
-           "the same of Chipmunk"},
-          {"direct_memory_exponent_plane", exponent(table, "direct", "plane", memory),
-           "b of memory = a tiles^b, ours in the plane"},
-          {"direct_memory_exponent_space", exponent(table, "direct", "space", memory),
-           "the same of ours in space"}};
+  std::vector<Finding> found = {
+      {"direct_exponent_plane", exponent(table, "direct", "plane", time),
+       "b of CPU time = a tiles^b from 100 tiles on, ours in the plane"},
+      {"direct_exponent_space", exponent(table, "direct", "space", time),
+       "the same of ours in space"},
+      {"bullet_exponent_space", exponent(table, "sequential impulse", "space", time),
+       "the same of Bullet"},
+      {"direct_memory_exponent_plane", exponent(table, "direct", "plane", memory),
+       "b of memory = a tiles^b, ours in the plane"},
+      {"direct_memory_exponent_space", exponent(table, "direct", "space", memory),
+       "the same of ours in space"}};
+  for (const std::string motion : {"plane", "space"}) {
+    for (const std::string& engine : otherEngines(table, motion)) {
+      found.push_back({fmt::format("{}_exponent_{}", engine, motion),
+                       exponent(table, engine, motion, time),
+                       fmt::format("b of CPU time = a tiles^b from 100 tiles on, {}", engine)});
+    }
+  }
+  return found;
 }
 
 }  // namespace
 
-Study scalingStudy() {
+Study scalingStudy(const SheetMethods& methods) {
   return {"scaling",
           "cost and memory of a step on sheets of 25 to 10,000 tiles",
           {{"engine", "what held the joints"},
@@ -144,8 +142,12 @@ Study scalingStudy() {
            {"setup_ms", "CPU milliseconds before the first step"},
            {"memory_mb", "that bricks, joints and solver hold, millions of bytes"},
            {"gap_m", "largest joint gap of all steps, metres"}},
-          scalingCases,
+          sheetCases(methods, scalingCase),
           scalingFindings};
+}
+
+Study scalingStudy() {
+  return scalingStudy(scalingSheets);
 }
 
 }  // namespace kirireel::study

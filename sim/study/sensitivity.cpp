@@ -56,7 +56,7 @@ std::vector<Row> follow(const SensitivityCurve& curve) {
     if (step % perRow != 0 && !last) continue;
     const double error =
         trajectory::targetError(*scene.model.target, run.bricks(), run.motion().poses);
-    rows.push_back({curve.family, curve.parameter, cell(curve.value), toString(curve.method.engine),
+    rows.push_back({curve.family, curve.parameter, cell(curve.value), curve.method.engine.name,
                     cell(step / double(curve.method.rate)), cell(error), cell(gap),
                     cell(1e3 * run.seconds() * curve.method.rate / step)});
     if (last) break;
@@ -80,7 +80,7 @@ std::vector<StudyCase> sensitivityCases(Extent extent) {
   for (const std::string family : {"square-to-disk", "cap"}) {
     for (const std::string parameter : {"k_f", "mu_v", "thickness"}) {
       for (const double value : valuesOf(parameter, quick)) {
-        for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
+        for (const Method& method : {Method{kDirect}, bulletBaseline()}) {
           const SensitivityCurve curve{family, parameter,         value,
                                        method, quick ? 1.0 : 4.0, quick ? 3.0 : 15.0};
           made.push_back({fmt::format("{} {} {} {}", family, parameter, value, toString(method)),

@@ -116,8 +116,8 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   for (const State& state : states) {
     const std::vector<model::Tile>& wanted = exact.at(&state);
     const double radius = radiusOf(state.tiles);
-    rows.push_back({toString(method.engine), cell(state.time), cell(state.angle / kDegree),
-                    cell(radius), cell(std::abs(radius - radiusOf(wanted))),
+    rows.push_back({method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
+                    cell(std::abs(radius - radiusOf(wanted))),
                     cell(vertexError(state.tiles, fitted(wanted, state.tiles)).max),
                     cell(state.gap)});
   }
@@ -128,7 +128,7 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
 std::vector<StudyCase> squareToDiskCases(Extent extent) {
   const double seconds = extent == Extent::Quick ? 3 : 6;
   std::vector<StudyCase> made;
-  for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
+  for (const Method& method : {Method{kDirect}, bulletBaseline()}) {
     made.push_back({toString(method), [=] { return deployAndCompare(method, seconds); }});
   }
   return made;

@@ -4,13 +4,13 @@
 #include "sim/study/stepped_scene.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
 #include "sim/base/interruption.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/rest.h"
-#include "sim/engines/brick_world.h"
 #include "sim/engines/bullet_world.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
@@ -125,92 +125,63 @@ Stability watchStability(SteppedScene& run, int steps, double cpuSeconds) {
 
 namespace {
 
-// The engines that share BulletWorld differ in this alone. All others count as the usual sweeps.
-engines::BulletMethod bulletMethod(Engine engine) {
-  if (engine == Engine::Nncg) return engines::BulletMethod::Nncg;
-  if (engine == Engine::Dantzig) return engines::BulletMethod::Dantzig;
-  return engines::BulletMethod::SequentialImpulse;
+// The engines that share BulletWorld differ only in its method.
+template <engines::BulletMethod Solver>
+std::unique_ptr<engines::BrickWorld> makeBulletWorld(const Method& method,
+                                                     const scene::Scene& scene,
+                                                     const std::vector<model::Brick>& bricks,
+                                                     const Poses& start) {
+  return std::make_unique<engines::BulletWorld>(
+      bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
+      engines::BulletSettings{Solver, method.iterations, method.jointCorrection});
 }
 
-// Null for an engine that this build lacks.
-std::unique_ptr<engines::BrickWorld> makeWorld(const Method& method, const scene::Scene& scene,
-                                               const std::vector<model::Brick>& bricks,
-                                               const Poses& start) {
-  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
-  const scene::Environment& environment = scene.environment;
-  if (method.engine == Engine::MultiBody) {
-    return std::make_unique<engines::MultiBodyWorld>(bricks, start, pivots, environment,
-                                                     method.iterations);
-  }
-  if (method.engine == Engine::Chipmunk) {
-    return engines::makeChipmunkWorld(bricks, start, pivots, environment, method.iterations);
-  }
-  if (method.engine == Engine::Box2d) {
-    return engines::makeBox2dWorld(
-        bricks, start, pivots, environment, method.iterations,
-        // Box2D recommends 8 iterations for velocities and 3 for positions.
-        std::max(1, 3 * method.iterations / 8));
-  }
-  if (method.engine == Engine::Mujoco) {
-    return engines::makeMujocoWorld(bricks, start, pivots, environment,
-                                    scene::sceneNeeds(scene).planar.on);
-  }
-  return std::make_unique<engines::BulletWorld>(
-      bricks, start, pivots, environment,
-      engines::BulletSettings{bulletMethod(method.engine), method.iterations,
-                              method.jointCorrection});
+std::unique_ptr<engines::BrickWorld> makeMultiBodyWorld(const Method& method,
+                                                        const scene::Scene& scene,
+                                                        const std::vector<model::Brick>& bricks,
+                                                        const Poses& start) {
+  return std::make_unique<engines::MultiBodyWorld>(bricks, start,
+                                                   model::makePivots(scene.model.joints, bricks),
+                                                   scene.environment, method.iterations);
 }
 
 }  // namespace
 
-// These words stand in the tables' column "engine" and are what findings look for.
-std::string toString(Engine engine) {
-  switch (engine) {
-    case Engine::Direct:
-      return "direct";
-    case Engine::SequentialImpulse:
-      return "sequential impulse";
-    case Engine::Nncg:
-      return "nncg";
-    case Engine::Dantzig:
-      return "dantzig";
-    case Engine::MultiBody:
-      return "multibody";
-    case Engine::Chipmunk:
-      return "chipmunk";
-    case Engine::Box2d:
-      return "box2d";
-    case Engine::Mujoco:
-      return "mujoco";
-  }
-  return "unknown";
-}
-
-// Bullet is always there.
-bool isAvailable(Engine engine) {
-  switch (engine) {
-    case Engine::Chipmunk:
-      return !engines::chipmunkVersion().empty();
-    case Engine::Box2d:
-      return !engines::box2dVersion().empty();
-    case Engine::Mujoco:
-      return !engines::mujocoVersion().empty();
-    default:
-      return true;
-  }
-}
+// Findings look for these names in the tables' column "engine".
+constinit const Engine kDirect{"direct"};
+constinit const Engine kSequentialImpulse{
+    "sequential impulse", makeBulletWorld<engines::BulletMethod::SequentialImpulse>};
+constinit const Engine kNncg{"nncg", makeBulletWorld<engines::BulletMethod::Nncg>};
+constinit const Engine kDantzig{"dantzig", makeBulletWorld<engines::BulletMethod::Dantzig>};
+constinit const Engine kMultiBody{"multibody", makeMultiBodyWorld};
 
 Method bulletBaseline() {
-  return {Engine::SequentialImpulse, 240, 20, 50};
+  return {kSequentialImpulse, 240, 20, 50};
+}
+
+std::vector<Method> sweepMethods(const Engine& engine, Extent extent) {
+  struct Sweeps {
+    int substeps;
+    int iterations;
+  };
+  std::vector<Sweeps> sweeps{{1, 10}, {1, 50}, {4, 50}, {20, 50}, {20, 200}};
+  if (extent == Extent::Full) {
+    sweeps.insert(sweeps.end(), {{1, 200}, {4, 10}, {4, 200}, {20, 10}, {20, 1000}});
+  }
+  std::vector<Method> methods;
+  for (const Sweeps& sweep : sweeps) {
+    methods.push_back({engine, 240, sweep.substeps, sweep.iterations});
+  }
+  return methods;
 }
 
 // Engines are told by substeps x iterations; ours by its step, or by its tolerance where it has
 // one.
 std::string toString(const Method& method) {
   if (method.tolerance > 0) return fmt::format("direct to {:.0e} tiles", method.tolerance);
-  if (method.engine == Engine::Direct) return fmt::format("direct 1/{} s", method.rate);
+  if (method.engine == kDirect) return fmt::format("direct 1/{} s", method.rate);
   std::string text =
-      fmt::format("{} {} x {}", toString(method.engine), method.substeps, method.iterations);
+      fmt::format("{} {} x {}", method.engine.name, method.substeps, method.iterations);
   if (method.jointCorrection != Method{}.jointCorrection) {
     text += fmt::format(" erp {}", method.jointCorrection);
   }
@@ -221,7 +192,7 @@ std::string toString(const Method& method) {
 DynamicsMaker dynamicsMaker(const Method& method) {
   return [method](const scene::Scene& scene, const std::vector<model::Brick>& bricks,
                   const Poses& start) -> std::unique_ptr<deploy::Dynamics> {
-    if (method.engine == Engine::Direct) {
+    if (method.engine == kDirect) {
       auto direct =
           std::make_unique<deploy::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks, start);
       if (method.tolerance > 0) {
@@ -231,9 +202,32 @@ DynamicsMaker dynamicsMaker(const Method& method) {
       }
       return direct;
     }
-    return std::make_unique<deploy::WorldDynamics>(makeWorld(method, scene, bricks, start),
-                                                   method.substeps, bricks.size());
+    return std::make_unique<deploy::WorldDynamics>(
+        method.engine.makeWorld(method, scene, bricks, start), method.substeps, bricks.size());
   };
+}
+
+std::function<std::vector<StudyCase>(Extent)> sheetCases(const SheetMethods& methods,
+                                                         StudyCase (*makeCase)(const SheetMethod&,
+                                                                               Extent)) {
+  return [methods, makeCase](Extent extent) {
+    std::vector<StudyCase> cases;
+    for (const SheetMethod& sheet : methods(extent)) cases.push_back(makeCase(sheet, extent));
+    return cases;
+  };
+}
+
+std::vector<std::string> otherEngines(const Table& table, const std::string& motion) {
+  std::vector<std::string> found;
+  for (const Row& row : table.rows) {
+    const std::string& name = table.text(row, "engine");
+    const bool isOwn =
+        std::ranges::any_of(std::array{kDirect, kSequentialImpulse, kNncg, kDantzig, kMultiBody},
+                            [&name](const Engine& engine) { return engine.name == name; });
+    const bool isKnown = isOwn || std::ranges::find(found, name) != found.end();
+    if (!isKnown && table.text(row, "motion") == motion) found.push_back(name);
+  }
+  return found;
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-/// Scenes as studies step them, with every engine that is compared.
+/// Scenes as studies step them, with each engine that they compare.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,9 @@
 
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"
+#include "sim/engines/brick_world.h"
 #include "sim/scene/scene.h"
+#include "sim/study/study.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::study {
@@ -19,31 +21,34 @@ namespace kirireel::study {
 // ------------------------------------------------------------------------------------------------
 // The solvers that studies compare.
 
+struct Method;
+
+/// Makes a physics engine's world of bricks, each at its start pose, with the method's settings.
+using WorldMaker = std::unique_ptr<engines::BrickWorld> (*)(const Method& method,
+                                                            const scene::Scene& scene,
+                                                            const std::vector<model::Brick>& bricks,
+                                                            const Poses& start);
+
 /// What holds the joints.
-enum class Engine {
-  Direct,             ///< our direct solver
-  SequentialImpulse,  ///< Bullet's usual solver
-  Nncg,               ///< Bullet's conjugate gradients
-  Dantzig,            ///< Bullet's pivoting
-  MultiBody,          ///< Bullet's multibodies, as PyBullet has them; no contacts
-  Chipmunk,           ///< in the plane alone; no contacts
-  Box2d,              ///< likewise, in single precision
-  Mujoco,             ///< in joint coordinates; no contacts
+struct Engine {
+  const char* name = "";           ///< in tables, column "engine"
+  WorldMaker makeWorld = nullptr;  ///< null for our direct solver
+
+  bool operator==(const Engine&) const = default;
 };
 
-/// "direct", "sequential impulse", ...
-std::string toString(Engine engine);
-
-/// Whether this program was built with it.
-bool isAvailable(Engine engine);
+extern const Engine kDirect;             ///< our direct solver
+extern const Engine kSequentialImpulse;  ///< Bullet's default solver
+extern const Engine kNncg;               ///< Bullet's conjugate gradients
+extern const Engine kDantzig;            ///< Bullet's pivoting
+extern const Engine kMultiBody;          ///< Bullet's multibodies, as in PyBullet; no contacts
 
 /// An engine with its settings.
 struct Method {
-  Engine engine = Engine::Direct;  ///< whose steps they are
-  int rate = 240;                  ///< steps a simulated second
-  int substeps = 1;                ///< of the engine in each step
-  int iterations = 0;            ///< in each substep, of the engines that iterate; Box2D has 3/8 of
-                                 ///< them for positions, one at least
+  Engine engine = kDirect;       ///< whose steps they are
+  int rate = 240;                ///< steps a simulated second
+  int substeps = 1;              ///< of the engine in each step
+  int iterations = 0;            ///< in each substep, of the engines that iterate
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
   /// Of ours in time, tiles, where steps are not fixed: then `rate` is that of the longest.
   double tolerance = 0;
@@ -59,7 +64,11 @@ std::string toString(const Method& method);
 using DynamicsMaker = std::function<std::unique_ptr<deploy::Dynamics>(
     const scene::Scene&, const std::vector<model::Brick>& bricks, const Poses& start)>;
 
-/// The maker of a method's dynamics. Its engine must be available.
+/// An engine at 240 steps a second with various substeps and iterations: they trade against each
+/// other at equal cost.
+std::vector<Method> sweepMethods(const Engine& engine, Extent extent);
+
+/// The maker of a method's dynamics.
 /// The maker may be called often, also from several threads.
 DynamicsMaker dynamicsMaker(const Method& method);
 
@@ -141,6 +150,38 @@ Stability watchStability(SteppedScene& run, int steps,
 /// The model of a family with its usual values, its start turned into the target's axes; no
 /// contacts.
 scene::Scene familyScene(const std::string& family);
+
+// ------------------------------------------------------------------------------------------------
+// Studies of methods on square sheets. `kirireel study` gives them ours and Bullet's, a bench
+// program those of other engines.
+
+/// A method on a square sheet.
+struct SheetMethod {
+  Method method;       ///< what steps the sheet
+  bool planar = true;  ///< in the plane, else in space
+  int side = 0;        ///< tiles along an edge, in studies of several sizes
+};
+
+/// The methods of an extent, in the order of the cases.
+using SheetMethods = std::function<std::vector<SheetMethod>(Extent)>;
+
+/// Error against CPU time. Sheets have one size.
+Study workPrecisionStudy(const SheetMethods& methods);
+/// Precision in time of a sheet in motion. Rates are multiples of 15 steps a second.
+Study movingStudy(const SheetMethods& methods);
+/// How CPU time grows with the number of tiles.
+Study scalingStudy(const SheetMethods& methods);
+/// Rotating squares against their exact motion. Sheets have one size.
+Study tessellationStudy(const SheetMethods& methods);
+
+/// The cases of a study of sheets: one for each method.
+std::function<std::vector<StudyCase>(Extent)> sheetCases(const SheetMethods& methods,
+                                                         StudyCase (*makeCase)(const SheetMethod&,
+                                                                               Extent));
+
+/// The engines in the table's rows of a motion that are neither ours nor Bullet's, in the order of
+/// their first rows.
+std::vector<std::string> otherEngines(const Table& table, const std::string& motion);
 
 // ------------------------------------------------------------------------------------------------
 // CPU times that scatter.

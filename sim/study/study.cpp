@@ -16,8 +16,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/engines/brick_world.h"
-#include "sim/engines/bullet_world.h"
 
 namespace kirireel::study {
 namespace {
@@ -163,16 +161,6 @@ std::string processorName() {
   return "unknown processor";
 }
 
-// An engine that this build lacks is called absent, so that a gap in a table explains itself.
-std::string engineVersions() {
-  const auto named = [](const char* name, const std::string& version) {
-    return fmt::format(", {} {}", name, version.empty() ? "absent" : version);
-  };
-  return fmt::format(
-      "bullet {}{}{}{}", engines::bulletVersion(), named("chipmunk", engines::chipmunkVersion()),
-      named("box2d", engines::box2dVersion()), named("mujoco", engines::mujocoVersion()));
-}
-
 // What has to be the same for two tables to be comparable, and how to make the table again.
 Caption makeCaption(const Study& study, const StudySettings& settings) {
   Caption caption;
@@ -180,7 +168,7 @@ Caption makeCaption(const Study& study, const StudySettings& settings) {
   caption.extent = settings.extent == Extent::Quick ? "quick" : "full";
   caption.command = settings.command;
   caption.machine = machineText();
-  caption.versions = fmt::format("{}, {}", settings.versions, engineVersions());
+  caption.versions = settings.versions;
   return caption;
 }
 

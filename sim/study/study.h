@@ -101,7 +101,7 @@ const std::vector<Study>& studies();
 const Study& studyNamed(const std::string& name);
 
 // The studies, one file each.
-/// Error against CPU time, beside other engines.
+/// Error against CPU time.
 Study workPrecisionStudy();
 /// Precision in time of a sheet in motion.
 Study movingStudy();
@@ -125,7 +125,7 @@ struct StudySettings {
   Extent extent = Extent::Full;  ///< how much of it
   bool resume = false;  ///< keep the rows that an earlier run of the same extent has finished
   std::string command;  ///< that was typed, for the caption
-  /// Of the program and what it is made with; engines add their own.
+  /// Of the program, what it is made with and the engines that are compared.
   std::string versions;
 };
 

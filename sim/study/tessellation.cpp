@@ -20,20 +20,14 @@ constexpr double kStartDegrees = 2.3;  // 0.04 radians
 // Weak springs, so that many steps fall on every degree.
 constexpr double kStiffness = 10;
 
-struct TessellationRun {
-  Method method;
-  bool planar;
-  double seconds;
-};
-
 // Rows of one run, a degree apart.
-std::vector<Row> openSheet(const TessellationRun& settings) {
+std::vector<Row> openSheet(const SheetMethod& settings, double seconds) {
   scene::Scene scene = sheetScene(kTessellationSide, settings.planar);
   scene.springs.springStiffness = scene.springs.torqueStiffness = kStiffness;
   SteppedScene run(scene, settings.method);
   std::vector<Row> rows;
   double lastDegrees = -1;  // of the row before
-  const int steps = static_cast<int>(settings.seconds * settings.method.rate);
+  const int steps = static_cast<int>(seconds * settings.method.rate);
   VertexError worst;  // since the row before, so that no step is passed over
   double gap = 0;
   for (int step = 1; step <= steps; ++step) {
@@ -43,7 +37,7 @@ std::vector<Row> openSheet(const TessellationRun& settings) {
     worst = {std::max(worst.max, error.max), std::max(worst.mean, error.mean)};
     gap = std::max(gap, run.gap());
     if (std::abs(angle / kDegree - lastDegrees) < 1 && step < steps) continue;
-    rows.push_back({toString(settings.method.engine), settings.planar ? "plane" : "space",
+    rows.push_back({settings.method.engine.name, settings.planar ? "plane" : "space",
                     cell(step / double(settings.method.rate)), cell(angle / kDegree),
                     cell(worst.max), cell(worst.mean), cell(gap)});
     lastDegrees = angle / kDegree;
@@ -53,20 +47,14 @@ std::vector<Row> openSheet(const TessellationRun& settings) {
   return rows;
 }
 
-// Ours in the plane and in space, Bullet in space, Chipmunk in the plane where it is there.
-std::vector<StudyCase> tessellationCases(Extent extent) {
+std::vector<SheetMethod> tessellationSheets(Extent /*extent*/) {
+  return {{{kDirect}, true}, {{kDirect}, false}, {bulletBaseline(), false}};
+}
+
+StudyCase tessellationCase(const SheetMethod& sheet, Extent extent) {
   const double seconds = extent == Extent::Quick ? 5 : 10;
-  std::vector<StudyCase> made;
-  const auto add = [&](const Method& method, bool planar) {
-    made.push_back({fmt::format("{} {}", toString(method), planar ? "plane" : "space"), [=] {
-                      return openSheet({method, planar, seconds});
-                    }});
-  };
-  add({Engine::Direct}, true);
-  add({Engine::Direct}, false);
-  add(bulletBaseline(), false);
-  if (isAvailable(Engine::Chipmunk)) add({Engine::Chipmunk, 240, 4, 50}, true);
-  return made;
+  return {fmt::format("{} {}", toString(sheet.method), sheet.planar ? "plane" : "space"),
+          [sheet, seconds] { return openSheet(sheet, seconds); }};
 }
 
 /// The largest error of an engine's rows, up to kStartDegrees or beyond.
@@ -93,22 +81,29 @@ double largestAngle(const Table& table) {
 // The start is told apart: near the closed state the motion is singular, and errors are larger
 // there.
 std::vector<Finding> tessellationFindings(const Table& table) {
-  return {{"direct_error_start", largestError(table, "direct", true),
-           "largest vertex error of ours up to 2.3 degrees, metres"},
-          {"direct_error_open", largestError(table, "direct", false),
-           "largest vertex error of ours beyond, metres"},
-          {"direct_angle", largestAngle(table), "that ours reached, degrees"},
-          {"bullet_error_start", largestError(table, "sequential impulse", true),
-           "the same of Bullet up to 2.3 degrees, metres"},
-          {"bullet_error_open", largestError(table, "sequential impulse", false),
-           "the same of Bullet beyond, metres"},
-          {"chipmunk_error_open", largestError(table, "chipmunk", false),
-           "the same of Chipmunk beyond, metres"}};
+  std::vector<Finding> found = {
+      {"direct_error_start", largestError(table, "direct", true),
+       "largest vertex error of ours up to 2.3 degrees, metres"},
+      {"direct_error_open", largestError(table, "direct", false),
+       "largest vertex error of ours beyond, metres"},
+      {"direct_angle", largestAngle(table), "that ours reached, degrees"},
+      {"bullet_error_start", largestError(table, "sequential impulse", true),
+       "the same of Bullet up to 2.3 degrees, metres"},
+      {"bullet_error_open", largestError(table, "sequential impulse", false),
+       "the same of Bullet beyond, metres"}};
+  for (const char* motion : {"plane", "space"}) {
+    for (const std::string& engine : otherEngines(table, motion)) {
+      found.push_back(
+          {fmt::format("{}_error_open", engine), largestError(table, engine, false),
+           fmt::format("largest vertex error of {} beyond 2.3 degrees, metres", engine)});
+    }
+  }
+  return found;
 }
 
 }  // namespace
 
-Study tessellationStudy() {
+Study tessellationStudy(const SheetMethods& methods) {
   return {"tessellation",
           "4 x 4 squares from 0 to 90 degrees against the exact motion",
           {{"engine", "what held the joints"},
@@ -120,8 +115,12 @@ Study tessellationStudy() {
             "steps since the row before, metres"},
            {"mean_error_m", "mean distance of all vertices, of the worst of these steps, metres"},
            {"gap_m", "largest joint gap of these steps, metres"}},
-          tessellationCases,
+          sheetCases(methods, tessellationCase),
           tessellationFindings};
+}
+
+Study tessellationStudy() {
+  return tessellationStudy(tessellationSheets);
 }
 
 }  // namespace kirireel::study

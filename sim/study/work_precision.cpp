@@ -1,4 +1,4 @@
-// CPU time against error for settings of all engines, on a sheet of 100 squares that opens from the
+// CPU time against error for settings of engines, on a sheet of 100 squares that opens from the
 // closed state.
 //
 // Three errors are measured: the largest joint gap of any step; the error of shape, against the
@@ -8,6 +8,7 @@
 // costs at no larger gap, the largest ratio of gaps at no larger cost.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include <fmt/format.h>
@@ -75,7 +76,7 @@ Measured runOnce(const Job& job) {
 /// Where the sheet is by time, as ever shorter fixed steps have it.
 SheetWay referenceWay(double seconds) {
   const auto wayAt = [&](int rate) {
-    return runOnce({{Engine::Direct, rate}, true, model::JointFace::Both, seconds}).way;
+    return runOnce({{kDirect, rate}, true, model::JointFace::Both, seconds}).way;
   };
   return limitOfSteps(wayAt(kFineRate), wayAt(2 * kFineRate), wayAt(4 * kFineRate));
 }
@@ -94,72 +95,54 @@ std::vector<Row> measure(const Job& job) {
   const double error =
       std::isnan(measured.gap) ? measured.gap : wayError(measured.way, referenceFor(job.seconds));
   const Method& method = job.method;
-  return {{toString(method.engine), job.planar ? "plane" : "space",
-           cell(job.face == model::JointFace::Both && method.engine != Engine::Chipmunk ? 2 : 1),
-           cell(method.rate), cell(method.substeps), cell(method.iterations),
-           cell(method.jointCorrection), cell(method.tolerance), cell(measured.simulated),
+  return {{method.engine.name, job.planar ? "plane" : "space",
+           cell(job.face == model::JointFace::Both ? 2 : 1), cell(method.rate),
+           cell(method.substeps), cell(method.iterations), cell(method.jointCorrection),
+           cell(method.tolerance), cell(measured.simulated),
            cell(1e3 * measured.cpuSeconds / measured.simulated), cell(measured.gap),
            cell(measured.shapeError), cell(error)}};
 }
 
-/// Substeps and iterations of the engines that sweep.
-struct Sweeps {
-  int substeps;
-  int iterations;
-};
-
-// Iterations and substeps trade against each other at equal cost: both are varied.
-std::vector<Method> sweepMethods(Engine engine, Extent extent) {
-  std::vector<Sweeps> sweeps{{1, 10}, {1, 50}, {4, 50}, {20, 50}, {20, 200}};
-  if (extent == Extent::Full) {
-    sweeps.insert(sweeps.end(), {{1, 200}, {4, 10}, {4, 200}, {20, 10}, {20, 1000}});
-  }
-  std::vector<Method> methods;
-  for (const Sweeps& sweep : sweeps) {
-    methods.push_back({engine, 240, sweep.substeps, sweep.iterations});
-  }
-  return methods;
-}
-
 // Bullet's correction of 0.8 in place of the default takes gaps back faster, which may add energy.
-std::vector<Method> allMethods(bool planar, Extent extent) {
+std::vector<Method> allMethods(Extent extent) {
   std::vector<Method> methods;
   const auto add = [&](const std::vector<Method>& more) {
     methods.insert(methods.end(), more.begin(), more.end());
   };
-  for (const int rate : {15, 30, 60, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
+  for (const int rate : {15, 30, 60, 120, 240, 480, 960}) methods.push_back({kDirect, rate});
   for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
-    methods.push_back({.engine = Engine::Direct, .rate = 60, .tolerance = tolerance});
+    methods.push_back({.engine = kDirect, .rate = 60, .tolerance = tolerance});
   }
-  add(sweepMethods(Engine::SequentialImpulse, extent));
-  methods.push_back({Engine::SequentialImpulse, 240, 20, 200, 0.8});
-  if (extent == Extent::Full) methods.push_back({Engine::SequentialImpulse, 240, 20, 1000, 0.8});
-  add(sweepMethods(Engine::Nncg, extent));
-  add(sweepMethods(Engine::MultiBody, extent));
+  add(sweepMethods(kSequentialImpulse, extent));
+  methods.push_back({kSequentialImpulse, 240, 20, 200, 0.8});
+  if (extent == Extent::Full) methods.push_back({kSequentialImpulse, 240, 20, 1000, 0.8});
+  add(sweepMethods(kNncg, extent));
+  add(sweepMethods(kMultiBody, extent));
   // Where pivoting fails, Bullet sweeps instead.
-  methods.push_back({Engine::Dantzig, 240, 1, 50});
-  if (planar && isAvailable(Engine::Chipmunk)) add(sweepMethods(Engine::Chipmunk, extent));
+  methods.push_back({kDantzig, 240, 1, 50});
   return methods;
 }
 
-// Every method in the plane and in space. A quick study has shorter runs and fewer settings.
-std::vector<StudyCase> workPrecisionCases(Extent extent) {
-  const bool quick = extent == Extent::Quick;
-  std::vector<StudyCase> made;
-  const auto add = [&](const Method& method, bool planar, model::JointFace face) {
-    const Job job{method, planar, face, quick ? 1.0 : 2.0, quick ? kQuickBudget : kBudget};
-    made.push_back({fmt::format("{} {} {}", toString(method), planar ? "plane" : "space",
-                                face == model::JointFace::Both ? "hinges" : "points"),
-                    [job] { return measure(job); }});
-  };
+// Every method in the plane and in space.
+std::vector<SheetMethod> workPrecisionSheets(Extent extent) {
+  std::vector<SheetMethod> sheets;
   for (const bool planar : {true, false}) {
-    for (const Method& method : allMethods(planar, extent)) {
-      // In the plane, one point joint a hinge will do for Bullet, and costs it least.
-      const bool one = planar && method.engine != Engine::Direct;
-      add(method, planar, one ? model::JointFace::Bottom : model::JointFace::Both);
-    }
+    for (const Method& method : allMethods(extent)) sheets.push_back({method, planar});
   }
-  return made;
+  return sheets;
+}
+
+// A quick study has shorter runs. In the plane, one point joint a hinge will do for engines, and
+// costs them least.
+StudyCase workPrecisionCase(const SheetMethod& sheet, Extent extent) {
+  const auto& [method, planar, side] = sheet;
+  const bool quick = extent == Extent::Quick;
+  const bool one = planar && method.engine != kDirect;
+  const Job job{method, planar, one ? model::JointFace::Bottom : model::JointFace::Both,
+                quick ? 1.0 : 2.0, quick ? kQuickBudget : kBudget};
+  return {fmt::format("{} {} {}", toString(method), planar ? "plane" : "space",
+                      one ? "points" : "hinges"),
+          [job] { return measure(job); }};
 }
 
 /// One row as a point of speed and error.
@@ -184,21 +167,13 @@ std::vector<CostPoint> pointsOf(const Table& table, const std::string& motion) {
 }
 
 bool isOurs(const CostPoint& point) {
-  return point.engine == "direct";
+  return point.engine == kDirect.name;
 }
 
-bool isBullet(const CostPoint& point) {
-  return !isOurs(point) && point.engine != "chipmunk";
-}
-
-bool isChipmunk(const CostPoint& point) {
-  return point.engine == "chipmunk";
-}
-
-using Belongs = bool (*)(const CostPoint&);
+using Belongs = std::function<bool(const CostPoint&)>;
 
 /// CPU time of the setting with the least gap, over that of ours at the same step.
-double tightestOverOurs(const std::vector<CostPoint>& points, Belongs belongs) {
+double tightestOverOurs(const std::vector<CostPoint>& points, const Belongs& belongs) {
   const CostPoint* tightest = nullptr;
   for (const CostPoint& point : points) {
     if (belongs(point) && (!tightest || point.gap < tightest->gap)) tightest = &point;
@@ -210,7 +185,7 @@ double tightestOverOurs(const std::vector<CostPoint>& points, Belongs belongs) {
 }
 
 /// Over all settings, the least ratio of CPU time to our cheapest setting that has no larger gap.
-double leastOverOurs(const std::vector<CostPoint>& points, Belongs belongs) {
+double leastOverOurs(const std::vector<CostPoint>& points, const Belongs& belongs) {
   double least = std::nan("");
   for (const CostPoint& point : points) {
     if (!belongs(point)) continue;
@@ -224,7 +199,7 @@ double leastOverOurs(const std::vector<CostPoint>& points, Belongs belongs) {
 }
 
 /// The largest ratio of our gap to that of a setting which costs no less.
-double gapAtEqualCost(const std::vector<CostPoint>& points, Belongs belongs) {
+double gapAtEqualCost(const std::vector<CostPoint>& points, const Belongs& belongs) {
   double largest = std::nan("");
   for (const CostPoint& point : points) {
     if (!belongs(point)) continue;
@@ -240,7 +215,7 @@ double gapAtEqualCost(const std::vector<CostPoint>& points, Belongs belongs) {
 // Three figures for one engine: what it costs to come near our gap, and what our gap is at its
 // cost.
 void addComparison(std::vector<Finding>& found, const std::vector<CostPoint>& points,
-                   const std::string& motion, const std::string& engine, Belongs belongs) {
+                   const std::string& motion, const std::string& engine, const Belongs& belongs) {
   const std::string title = fmt::format("{}_{}", engine, motion);
   found.push_back(
       {title + "_tightest_cost", tightestOverOurs(points, belongs),
@@ -255,15 +230,21 @@ std::vector<Finding> workPrecisionFindings(const Table& table) {
   std::vector<Finding> found;
   for (const std::string motion : {"plane", "space"}) {
     const std::vector<CostPoint> points = pointsOf(table, motion);
-    addComparison(found, points, motion, "bullet", isBullet);
-    if (motion == "plane") addComparison(found, points, motion, "chipmunk", isChipmunk);
+    const std::vector<std::string> others = otherEngines(table, motion);
+    addComparison(found, points, motion, "bullet", [&others](const CostPoint& point) {
+      return !isOurs(point) && std::ranges::find(others, point.engine) == others.end();
+    });
+    for (const std::string& engine : others) {
+      addComparison(found, points, motion, engine,
+                    [&engine](const CostPoint& point) { return point.engine == engine; });
+    }
   }
   return found;
 }
 
 }  // namespace
 
-Study workPrecisionStudy() {
+Study workPrecisionStudy(const SheetMethods& methods) {
   return {"work-precision",
           "CPU time against joint gap and position, 100 squares from closed",
           {{"engine", "what held the joints"},
@@ -281,8 +262,12 @@ Study workPrecisionStudy() {
             "largest distance of a vertex from the exact sheet at the same opening angle, metres"},
            {"way_error_m",
             "largest distance of a vertex from where it should be at that time, metres"}},
-          workPrecisionCases,
+          sheetCases(methods, workPrecisionCase),
           workPrecisionFindings};
+}
+
+Study workPrecisionStudy() {
+  return workPrecisionStudy(workPrecisionSheets);
 }
 
 }  // namespace kirireel::study

@@ -72,8 +72,8 @@ void expectStableToATolerance(scene::Scene scene, double tolerance, int steps) {
       scene.brick.thickness = kThicknesses[(s + 2 * d + s / 2) % 4];
       SCOPED_TRACE(fmt::format("k_f {}, mu_v {}, to {}, thickness {}", kStiffnesses[s],
                                kDampings[d], tolerance, scene.brick.thickness));
-      study::SteppedScene run(
-          scene, {.engine = study::Engine::Direct, .rate = 60, .tolerance = tolerance});
+      study::SteppedScene run(scene,
+                              {.engine = study::kDirect, .rate = 60, .tolerance = tolerance});
       const study::Stability result = study::watchStability(run, steps);
       EXPECT_TRUE(result.finite);
       EXPECT_LT(result.growth, tolerance);  // measured 0.76 times, and falls at 1e-4
@@ -110,8 +110,7 @@ TEST(Conservation, OfEnergyUnderUndampedSprings) {
   for (const model::Model& model : sheetAndCap()) {
     scene::Scene scene = undamped(model);
     model::alignStartToTarget(scene.model);
-    study::SteppedScene run(scene,
-                            {.engine = study::Engine::Direct, .rate = 60, .tolerance = 1e-6});
+    study::SteppedScene run(scene, {.engine = study::kDirect, .rate = 60, .tolerance = 1e-6});
     const double start = run.energy();
     for (int k = 0; k < 600; ++k) run.advance();
     EXPECT_NEAR(run.energy(), start, 1e-3 * start);  // measured 6e-5 and 1e-5
@@ -143,8 +142,7 @@ TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
   for (const model::Model& model : sheetAndCap()) {
     scene::Scene scene = undamped(model);
     model::alignStartToTarget(scene.model);
-    study::SteppedScene pulled(scene,
-                               {.engine = study::Engine::Direct, .rate = 60, .tolerance = 1e-6});
+    study::SteppedScene pulled(scene, {.engine = study::kDirect, .rate = 60, .tolerance = 1e-6});
     for (int k = 0; k < 30; ++k) pulled.advance();
     scene.model.target.reset();
     test::Moving moving(scene);

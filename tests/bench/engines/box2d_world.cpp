@@ -7,16 +7,14 @@
 // 2005). It works in single precision: a gap below about 1e-6 m cannot be had. Box2D damps
 // velocities by 1 / (1 + h c) a step, so that a rate of c = -ln(1 - lost) loses the wanted part
 // within a second for short steps.
-#include "sim/engines/brick_world.h"
-
-#ifdef KIRIREEL_BOX2D
-
 #include <cmath>
 
 #include <box2d/box2d.h>
 #include <fmt/format.h>
 
-namespace kirireel::engines {
+#include "tests/bench/engines/other_worlds.h"
+
+namespace kirireel::bench {
 namespace {
 
 b2Vec2 toBox2d(const Vector3& v) {
@@ -28,7 +26,7 @@ float dampingRate(double lost) {
   return static_cast<float>(-std::log1p(-lost));
 }
 
-class Box2dWorld : public BrickWorld {
+class Box2dWorld : public engines::BrickWorld {
  public:
   Box2dWorld(const std::vector<model::Brick>& bricks, const Poses& start,
              std::span<const model::Pivot> pivots, const scene::Environment& environment,
@@ -118,10 +116,11 @@ class Box2dWorld : public BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<model::Brick>& bricks,
-                                           const Poses& start, std::span<const model::Pivot> pivots,
-                                           const scene::Environment& environment, int iterations,
-                                           int corrections) {
+std::unique_ptr<engines::BrickWorld> makeBox2dWorld(const std::vector<model::Brick>& bricks,
+                                                    const Poses& start,
+                                                    std::span<const model::Pivot> pivots,
+                                                    const scene::Environment& environment,
+                                                    int iterations, int corrections) {
   return std::make_unique<Box2dWorld>(bricks, start, pivots, environment, iterations, corrections);
 }
 
@@ -129,24 +128,4 @@ std::string box2dVersion() {
   return fmt::format("{}.{}.{}", b2_version.major, b2_version.minor, b2_version.revision);
 }
 
-}  // namespace kirireel::engines
-
-#else
-
-namespace kirireel::engines {
-
-std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& /*bricks*/,
-                                           const Poses& /*start*/,
-                                           std::span<const Pivot> /*pivots*/,
-                                           const Environment& /*environment*/, int /*iterations*/,
-                                           int /*corrections*/) {
-  return nullptr;
-}
-
-std::string box2dVersion() {
-  return "";
-}
-
-}  // namespace kirireel::engines
-
-#endif
+}  // namespace kirireel::bench

@@ -1,15 +1,12 @@
 // MuJoCo has no function that makes a model from numbers: it is written as a text in its own format
 // and read from memory. The bricks that a breadth-first walk along the hinges reaches are bodies
 // within each other, their hinges joints; every other hinge closes a loop and is a "connect".
-#include "sim/engines/brick_world.h"
-
+//
 // MuJoCo holds joints exactly, as its coordinates are joint angles; what a "connect" holds it keeps
 // by its soft constraints, so that gaps appear at closed loops alone. Model: E. Todorov, T. Erez,
 // Y. Tassa, MuJoCo: A physics engine for model-based control, IROS 2012. Velocities cannot be
 // written in joint coordinates without solving for them: a push by M v / t for the time t = kPush,
 // with gravity off, gives accelerations whose t-fold are the joint velocities.
-#ifdef KIRIREEL_MUJOCO
-
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -20,7 +17,9 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-namespace kirireel::engines {
+#include "tests/bench/engines/other_worlds.h"
+
+namespace kirireel::bench {
 namespace {
 
 // Loops are as hard as MuJoCo lets them be: they close within two steps, which is the soonest that
@@ -200,7 +199,7 @@ MujocoModel readModelText(const std::string& text) {
   return model;
 }
 
-class MujocoWorld : public BrickWorld {
+class MujocoWorld : public engines::BrickWorld {
  public:
   MujocoWorld(const std::vector<model::Brick>& bricks, const Poses& start,
               std::span<const model::Pivot> pivots, const scene::Environment& environment,
@@ -305,10 +304,11 @@ class MujocoWorld : public BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<model::Brick>& bricks,
-                                            const Poses& start,
-                                            std::span<const model::Pivot> pivots,
-                                            const scene::Environment& environment, bool planar) {
+std::unique_ptr<engines::BrickWorld> makeMujocoWorld(const std::vector<model::Brick>& bricks,
+                                                     const Poses& start,
+                                                     std::span<const model::Pivot> pivots,
+                                                     const scene::Environment& environment,
+                                                     bool planar) {
   return std::make_unique<MujocoWorld>(bricks, start, pivots, environment, planar);
 }
 
@@ -316,23 +316,4 @@ std::string mujocoVersion() {
   return mj_versionString();
 }
 
-}  // namespace kirireel::engines
-
-#else
-
-namespace kirireel::engines {
-
-std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& /*bricks*/,
-                                            const Poses& /*start*/,
-                                            std::span<const Pivot> /*pivots*/,
-                                            const Environment& /*environment*/, bool /*planar*/) {
-  return nullptr;
-}
-
-std::string mujocoVersion() {
-  return "";
-}
-
-}  // namespace kirireel::engines
-
-#endif
+}  // namespace kirireel::bench

@@ -3,13 +3,11 @@
 // impulses in double precision and corrects gaps by feeding a part of them back as velocities. Its
 // damping is the part of a velocity that is kept over a second, for straight and turning motions
 // alike, so that the environment's angular damping does not count.
-#include "sim/engines/brick_world.h"
-
-#ifdef KIRIREEL_CHIPMUNK
-
 #include <chipmunk/chipmunk.h>
 
-namespace kirireel::engines {
+#include "tests/bench/engines/other_worlds.h"
+
+namespace kirireel::bench {
 namespace {
 
 static_assert(sizeof(cpFloat) == sizeof(double), "Chipmunk must be built in double precision");
@@ -30,7 +28,7 @@ cpVect toChipmunk(const Vector3& v) {
   return cpv(v.x(), v.y());
 }
 
-class ChipmunkWorld : public BrickWorld {
+class ChipmunkWorld : public engines::BrickWorld {
  public:
   ChipmunkWorld(const std::vector<model::Brick>& bricks, const Poses& start,
                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
@@ -56,8 +54,9 @@ class ChipmunkWorld : public BrickWorld {
 
   void applyLoad(int brick, const Vector3& force, const Vector3& torque) override {
     // Chipmunk sets forces to zero after each step.
-    cpBodySetForce(bodies_[brick].get(), toChipmunk(force));
-    cpBodySetTorque(bodies_[brick].get(), torque.z());
+    cpBody* body = bodies_[brick].get();
+    cpBodySetForce(body, cpvadd(cpBodyGetForce(body), toChipmunk(force)));
+    cpBodySetTorque(body, cpBodyGetTorque(body) + torque.z());
   }
 
   void advance(double step) override { cpSpaceStep(space_.get(), step); }
@@ -113,11 +112,11 @@ class ChipmunkWorld : public BrickWorld {
 
 }  // namespace
 
-std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<model::Brick>& bricks,
-                                              const Poses& start,
-                                              std::span<const model::Pivot> pivots,
-                                              const scene::Environment& environment,
-                                              int iterations) {
+std::unique_ptr<engines::BrickWorld> makeChipmunkWorld(const std::vector<model::Brick>& bricks,
+                                                       const Poses& start,
+                                                       std::span<const model::Pivot> pivots,
+                                                       const scene::Environment& environment,
+                                                       int iterations) {
   return std::make_unique<ChipmunkWorld>(bricks, start, pivots, environment, iterations);
 }
 
@@ -125,24 +124,4 @@ std::string chipmunkVersion() {
   return cpVersionString;
 }
 
-}  // namespace kirireel::engines
-
-#else
-
-namespace kirireel::engines {
-
-std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& /*bricks*/,
-                                              const Poses& /*start*/,
-                                              std::span<const Pivot> /*pivots*/,
-                                              const Environment& /*environment*/,
-                                              int /*iterations*/) {
-  return nullptr;
-}
-
-std::string chipmunkVersion() {
-  return "";
-}
-
-}  // namespace kirireel::engines
-
-#endif
+}  // namespace kirireel::bench
