@@ -111,6 +111,7 @@ Need planarNeed(const Scene& scene) {
 Need contactNeed(const Scene& scene) {
   switch (scene.environment.contacts) {
     case ContactFilter::Auto:
+      return {false, "unless bricks meet on the way"};
     case ContactFilter::None:
       return {false, "not asked for"};
     case ContactFilter::Unjoined:

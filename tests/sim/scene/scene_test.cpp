@@ -87,6 +87,8 @@ TEST(SceneNeeds, ContactsFollowTheFilter) {
   expectNeed(scene::sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
   scene.environment.contacts = scene::ContactFilter::None;
   expectNeed(scene::sceneNeeds(scene).contacts, false, "not asked for");
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  expectNeed(scene::sceneNeeds(scene).contacts, false, "unless bricks meet on the way");
 }
 
 TEST(SceneNeeds, ASingleBrickTouchesNone) {
