@@ -1,22 +1,26 @@
-"""Runs every block of README.md, docs/guide.md and docs/gallery.md, each page in a folder of its own.
+"""Runs every block of README.md, docs/guide.md, docs/sweeps.md and docs/gallery.md in a copy of the sources.
 
-Fenced blocks say what they are. `sh install` is for a system without a compiler, where
-tests/package/bare_root runs it. README's blocks are indented; what they are shows in how they begin.
+Fenced blocks say what they are. `sh root` installs packages of Debian, `sh clone` what the sources make, and
+`sh install` our packages; these blocks run in a bare Debian, for pages_on_bare_debian and
+tests/package/bare_root. Indented blocks are known by how they begin.
 """
 
 import os
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from fresh.test_scripts import copy_sources
+
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = pathlib.Path(os.environ["KIRIREEL_PROGRAM"])
-BUILD = pathlib.Path(os.environ["KIRIREEL_BUILD"])
 FINE = (0, 3)  # exit code 3: a run ended short of its target, which is no mistake of the page
+INDENTED = ("README.md", "docs/sweeps.md")
 
 
 def fenced_blocks(text):
@@ -24,23 +28,94 @@ def fenced_blocks(text):
 
 
 def indented_blocks(text):
+    """With the kinds that fenced blocks would have."""
     blocks = re.findall(r"(?:^|\n\n)((?:    [^\n]*\n(?:\n(?=    ))?)+)", text)
-    return [re.sub(r"^    ", "", block, flags=re.M) for block in blocks]
+    return [(kind_of(block), block) for block in (re.sub(r"^    ", "", b, flags=re.M) for b in blocks)]
+
+
+def kind_of(block):
+    if "──" in block:
+        return "drawing"
+    if block.startswith("scripts/demo"):
+        return "sh sources"
+    if block.startswith("apt-get "):
+        # The first line installs, the others are as everywhere.
+        return "sh root"
+    if block.startswith("export PATH="):
+        return "sh path"
+    if block.startswith("kirireel "):
+        return "sh"
+    if block.startswith(("job=", "parallel ")):
+        return "sh cluster"
+    if block.startswith(("generate =", "# sweep.toml")):
+        return "toml sweep.toml"
+    if block.startswith(("[list]", "[latin_hypercube]")):
+        return "toml part"
+    if block.startswith("["):
+        return "toml scene.toml"
+    raise AssertionError(f"no test knows what to do with this block:\n{block}")
+
+
+def blocks_of(name):
+    text = (SOURCES / name).read_text()
+    blocks = indented_blocks(text) if name in INDENTED else fenced_blocks(text)
+    if not blocks:
+        raise AssertionError(f"{name} has no blocks")
+    return blocks
+
+
+def commands(kind, block, place):
+    """Shell commands that do what a block says. place: "here", or in a Debian that has nothing else "clone"
+    (in the folder of the sources) or "packages" (which are in /root)."""
+    here = "'END OF BLOCK'"
+    lines = [line for line in block.replace("\\\n", " ").splitlines() if line]
+    if kind in ("sh", "sh link"):
+        return lines
+    if kind in ("sh root", "sh path", "sh clone"):
+        if place == "here":
+            return [line for line in lines if line.startswith(("kirireel ", "scripts/plot"))]
+        return lines if (kind, place) != ("sh clone", "packages") else []
+    if kind == "sh install":
+        return [f"(cd /root && {line})" for line in lines] if place == "packages" else []
+    if kind == "sh packages":
+        return lines if place == "packages" else []
+    if kind in ("drawing", "sh sources", "sh cluster", "toml part"):
+        return []
+    if kind == "python":
+        return [f"python3 -W ignore - <<{here}\n{block}END OF BLOCK"]
+    if kind == "octave":
+        return [f"cat > block.m <<{here}\n{block}END OF BLOCK", "octave-cli --no-gui -q block.m"]
+    if kind.startswith("toml "):
+        name = kind.split()[1]
+        run = {"scene.toml": ["kirireel simulate data/tessellation_4x4 --scene scene.toml --contacts none --duration 2"],
+               "sweep.toml": ["kirireel sweep sweep.toml"]}
+        return [f"cat > {name} <<{here}\n{block}END OF BLOCK", *run.get(name, [])]
+    raise AssertionError(f"no test knows what to do with a block of {kind}")
+
+
+def bare_script(name, place):
+    """A shell script of a page, for a Debian that has nothing else."""
+    steps = ["set -u"]
+    for kind, block in blocks_of(name):
+        for command in commands(kind, block, place):
+            steps.append(f"echo {shlex.quote('+ ' + command.splitlines()[0])}")
+            steps.append(command)
+            steps.append("code=$?; if [ $code != 0 ] && [ $code != 3 ]; then echo failed: exit code $code; exit 1; fi")
+    return "\n".join(steps) + "\n"
 
 
 class Page:
-    """A folder in which a page's blocks run one after the other."""
+    """A copy of the sources in which a page's blocks run one after the other."""
 
     def __init__(self, folder):
-        self.folder = pathlib.Path(folder)
-        for name in ("data", "docs", "scripts"):
-            (self.folder / name).symlink_to(SOURCES / name)
-        # The page's program, and the Python that the module is for.
-        commands = self.folder / ".bin"
-        commands.mkdir()
-        (commands / "kirireel").symlink_to(PROGRAM)
-        (commands / "python3").symlink_to(sys.executable)
-        self.environment = {**os.environ, "PATH": f"{commands}:{os.environ['PATH']}"}
+        self.folder = pathlib.Path(folder, "a clone")
+        copy_sources(self.folder)
+        # The program of this build, and the Python that the module is for.
+        programs = pathlib.Path(folder, "bin")
+        programs.mkdir()
+        (programs / "kirireel").symlink_to(os.environ["KIRIREEL_PROGRAM"])
+        (programs / "python3").symlink_to(sys.executable)
+        self.environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}
 
     def run(self, *words):
         end = subprocess.run([str(word) for word in words], cwd=self.folder, text=True,
@@ -49,89 +124,50 @@ class Page:
             raise AssertionError(f"{words}: exit code {end.returncode}\n{end.stdout}{end.stderr}")
         return end.stdout
 
-    def shell(self, block):
-        for line in block.splitlines():
-            if line:
-                self.run("bash", "-c", line)
-
-    def write(self, name, block):
-        (self.folder / name).write_text(block)
-
-
-def run_link(page, block):
-    """The example of the page against what this build installs."""
-    prefix = page.folder / "installed"
-    page.run("cmake", "--install", BUILD, "--prefix", prefix, "--component", "development")
-    page.environment["CMAKE_PREFIX_PATH"] = str(prefix)
-    page.shell(block)
-
-
-def run_octave(page, block):
-    if shutil.which("octave-cli"):
-        page.write("block.m", block)
-        return page.run("octave-cli", "--no-gui", "-q", "block.m")
-    print("octave is not installed: its block was left out")
-    return ""
-
-
-def run_fenced(page, kind, block):
-    if kind == "sh":
-        page.shell(block)
-    elif kind == "sh install":
-        page.run("bash", "-n", "-c", block)
-    elif kind == "sh link":
-        run_link(page, block)
-    elif kind == "python":
-        page.run("python3", "-W", "ignore", "-c", block)
-    elif kind == "octave":
-        run_octave(page, block)
-    elif kind.startswith("toml "):
-        page.write(kind.split()[1], block)
-    else:
-        raise AssertionError(f"no test knows what to do with a block of {kind}")
-
-
-def run_indented(page, block):
-    """Of README.md."""
-    if "──" in block:
-        return  # a drawing
-    if block.startswith("scripts/"):
-        for line in block.splitlines():
-            page.run("bash", "-n", line.split()[0])  # they build, and run these tests
-    elif block.startswith(("kirireel", "build/release/render/cli/kirireel")):
-        page.shell(block.replace("build/release/render/cli/kirireel", "kirireel"))
-    elif block.startswith("generate ="):
-        page.write("sweep.toml", block)
-        page.run("kirireel", "sweep", "sweep.toml")
-    elif block.startswith("["):
-        page.write("scene.toml", block)
-        page.run("kirireel", "simulate", "data/tessellation_4x4", "--scene", "scene.toml",
-                 "--contacts", "none", "--duration", "2")
-    else:
-        raise AssertionError(f"no test knows what to do with this block:\n{block}")
+    def run_block(self, kind, block):
+        if kind == "octave" and not shutil.which("octave-cli"):
+            print("octave is not installed: its block was left out")
+            return ""
+        if kind == "sh link":
+            # What this build installs.
+            prefix = self.folder / "installed"
+            self.run("cmake", "--install", os.environ["KIRIREEL_BUILD"], "--prefix", prefix,
+                     "--component", "development")
+            self.environment["CMAKE_PREFIX_PATH"] = str(prefix)
+        if kind.startswith("sh"):
+            self.run("bash", "-n", "-c", block)
+        return "".join(self.run("bash", "-c", command) for command in commands(kind, block, "here"))
 
 
 class Pages(unittest.TestCase):
-    def run_page(self, name, blocks, run):
-        self.assertTrue(blocks, f"{name} has no blocks")
+    def run_page(self, name):
         with tempfile.TemporaryDirectory() as folder:
             page = Page(folder)
-            for block in blocks:
+            for kind, block in blocks_of(name):
                 with self.subTest(block=block):
-                    run(page, block)
+                    page.run_block(kind, block)
 
     def test_readme(self):
-        text = (SOURCES / "README.md").read_text()
-        self.run_page("README.md", indented_blocks(text), run_indented)
+        self.run_page("README.md")
+
+    def test_readme_names_the_defaults_of_the_help(self):
+        help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "record", "--help"], text=True,
+                                   capture_output=True).stdout
+        defaults = dict(re.findall(r"^  (--[a-z-]+) .*\(default ([\w.]+)[^()]*\)$", help_text, re.M))
+        rows = re.findall(r"^\| `(--[a-z-]+)[^`]*` \|.*?\((\d[\w.]*|auto)\b", (SOURCES / "README.md").read_text(), re.M)
+        self.assertGreater(len(rows), 4)
+        for option, default in rows:
+            self.assertEqual(default, defaults[option], option)
 
     def test_guide(self):
-        text = (SOURCES / "docs/guide.md").read_text()
-        self.run_page("docs/guide.md", fenced_blocks(text),
-                      lambda page, block: run_fenced(page, *block))
+        self.run_page("docs/guide.md")
+
+    def test_sweeps(self):
+        self.run_page("docs/sweeps.md")
 
     def test_gallery_shows_every_family(self):
         text = (SOURCES / "docs/gallery.md").read_text()
-        help_text = subprocess.run([PROGRAM, "generate", "--help"], text=True, capture_output=True)
+        help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "generate", "--help"], text=True, capture_output=True)
         families = re.findall(r"^  ([a-z-]+) ", help_text.stdout.split("Subcommands:")[1], re.M)
         shown = [block.split()[2] for _, block in fenced_blocks(text)]
         self.assertEqual(shown, families)
@@ -139,9 +175,7 @@ class Pages(unittest.TestCase):
             self.assertTrue((SOURCES / "docs" / picture).exists(), picture)
 
     def test_gallery(self):
-        text = (SOURCES / "docs/gallery.md").read_text()
-        self.run_page("docs/gallery.md", fenced_blocks(text),
-                      lambda page, block: run_fenced(page, *block))
+        self.run_page("docs/gallery.md")
 
 
 class Examples(unittest.TestCase):
@@ -153,8 +187,9 @@ class Examples(unittest.TestCase):
 
     def test_figure_is_a_picture(self):
         with tempfile.TemporaryDirectory() as folder:
-            Page(folder).run("python3", "docs/examples/python/plot_study.py", "study.png")
-            picture = pathlib.Path(folder, "study.png").read_bytes()
+            page = Page(folder)
+            page.run("python3", "docs/examples/python/plot_study.py", "study.png")
+            picture = (page.folder / "study.png").read_bytes()
         self.assertTrue(picture.startswith(b"\x89PNG"))
 
     def test_octave_reads_what_python_reads(self):
@@ -166,10 +201,10 @@ class Examples(unittest.TestCase):
             page = Page(folder)
             run = kirireel.deploy(kirireel.read(SOURCES / "data/cap"), no_video=True, no_snapshots=True)
             run.save(page.folder / "run")
-            said = run_octave(page, 'addpath ("docs/examples/octave");'
+            said = page.run_block("octave", 'addpath ("docs/examples/octave");'
                               'run = read_trajectory ("run/trajectory.h5");'
                               'printf ("%.17g %.17g %.17g %d", run.time(end), '
-                              'run.position(1, 2, end), run.rotation(4, 3, end), columns (run.position));')
+                              'run.position(1, 2, end), run.rotation(4, 3, end), columns (run.position));\n')
         time, place, turn, tiles = map(float, said.split())
         self.assertEqual(time, run.time[-1])
         self.assertEqual(place, run.position[-1, 1, 0])
@@ -178,4 +213,4 @@ class Examples(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    print(bare_script(*sys.argv[1:]), end="")
