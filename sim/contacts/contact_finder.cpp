@@ -573,8 +573,12 @@ bool NearPairs::update(const Poses& start, const Poses& end) {
 }
 
 void NearPairs::transfer(StateTape& tape) {
-  tape.transfer(internals_->boxedFrom, internals_->boxedTo);
-  if (tape.isPlaying()) internals_->setBoxes();
+  Internals& in = *internals_;
+  tape.transfer(in.boxedFrom, in.boxedTo);
+  if (!tape.isPlaying()) return;
+  // Recorded before the first update, there is no move to list pairs for.
+  if (in.boxedTo.empty()) return in.pairs.clear();
+  in.setBoxes();
 }
 
 const std::vector<std::pair<int, int>>& NearPairs::pairs() const {

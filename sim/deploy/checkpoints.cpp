@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kState = "state.h5";
-constexpr const char* kFormat = "kirireel checkpoint 10";
+constexpr const char* kFormat = "kirireel checkpoint 11";
 constexpr const char* kNumbers = "numbers";
 // 4 MB: samples that wait for a checkpoint take no more memory than this, and are still in the
 // processor's cache when they are written.

@@ -244,7 +244,7 @@ std::vector<std::string> DirectDynamics::loadedContacts() const {
 }
 
 void DirectDynamics::transfer(StateTape& tape) {
-  tape.transfer(*solver_);
+  tape.transfer(*solver_, isPinned_);
   if (toleranceSteps_) tape.transfer(*toleranceSteps_);
   if (contacts_) tape.transfer(*contacts_);
   if (exactContacts_) tape.transfer(*exactContacts_);

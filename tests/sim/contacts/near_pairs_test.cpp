@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/base/state_tape.h"
 #include "sim/contacts/contact_finder.h"
 #include "tests/sim/contacts/prisms.h"
 
@@ -38,6 +39,23 @@ Poses scattered(Chance& chance, int count, double spread) {
   Poses poses;
   for (int i = 0; i < count; ++i) poses.push_back(chance.pose(spread));
   return poses;
+}
+
+// A state that was recorded before the first update has no boxes, and none of a later one are kept.
+TEST(NearPairs, PlayAStateFromBeforeTheFirstUpdate) {
+  Chance chance(3);
+  const std::vector<model::Brick> bricks = prisms(10);
+  const Poses poses = scattered(chance, 10, 0.1);
+  contacts::NearPairs unused(bricks), used(bricks);
+  StateTape tape;
+  unused.transfer(tape);
+  ASSERT_TRUE(used.update(poses, poses));
+  ASSERT_FALSE(used.pairs().empty());
+  StateTape played(tape.numbers());
+  used.transfer(played);
+  EXPECT_TRUE(used.pairs().empty());
+  EXPECT_TRUE(used.update(poses, poses));
+  EXPECT_FALSE(used.pairs().empty());
 }
 
 TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {

@@ -149,6 +149,24 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
   }
 }
 
+// Contact finders that have never been asked for a pair, and pins that a timeline sets.
+TEST(Checkpoints, GoOnWhereBricksPassThroughEachOther) {
+  scene::Scene scene = sheetScene(3, 0.5, 0.2);
+  scene.environment.contacts = scene::ContactFilter::None;
+  scene.environment.gravity = Vector3(0, 0, -9.81);
+  scene.environment.ground = scene::Ground{0, 0.4};
+  scene.solver.planar = false;
+  scene.stop.duration = 0.5;
+  for (const double tolerance : {0.0, 1e-3}) {
+    scene.solver.tolerance = tolerance;
+    for (const bool isPinned : {false, true}) {
+      scene.timeline.clear();
+      if (isPinned) scene.timeline.push_back({{}, Pin{{0}}});
+      expectResumedAt({2, 5, 8}, scene, deployWhole(scene));
+    }
+  }
+}
+
 TEST(Checkpoints, GoOnAmongObstacles) {
   // A sheet that falls on a sphere and a box, over which it folds and slides.
   scene::Scene scene = sheetScene(4, 0.4, 0.8);
