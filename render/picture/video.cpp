@@ -541,13 +541,13 @@ const std::vector<VideoFormat>& videoFormats() {
 }
 
 bool isVideo(const std::filesystem::path& file) {
-  return std::ranges::find(videoFormats(), file.extension().string(), &VideoFormat::ending) !=
+  return std::ranges::find(videoFormats(), endingOf(file), &VideoFormat::ending) !=
          videoFormats().end();
 }
 
 const VideoFormat& videoFormatOf(const std::filesystem::path& file) {
   const std::vector<VideoFormat>& formats = videoFormats();
-  const std::string ending = file.extension().string();
+  const std::string ending = endingOf(file);
   const auto found = std::ranges::find_if(
       formats, [&](const VideoFormat& format) { return format.ending == ending; });
   if (found != formats.end()) return *found;

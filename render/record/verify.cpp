@@ -320,7 +320,7 @@ class Verifier {
   void compareVideo(const Json& summary) {
     for (const std::string name : summary.at("files")) {
       // A GIF leaves out what its players could not show.
-      if (!picture::isVideo(name) || fs::path(name).extension() == ".gif") continue;
+      if (!picture::isVideo(name) || endingOf(name) == ".gif") continue;
       // One that was painted again since is not the run's.
       if (exports::listedFiles(folder_ / exports::output::kContents).contains(name)) return;
       compare(exports::output::kSummary, "video_frames", summary.at("video_frames"),

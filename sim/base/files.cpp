@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -70,6 +71,13 @@ void noteInput(const InputFile& file) {
   for (InputRecord* record = innermost; record; record = record->outer_) {
     record->files_.push_back(file);
   }
+}
+
+std::string endingOf(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(),
+                         [](unsigned char letter) { return std::tolower(letter); });
+  return ending;
 }
 
 std::ifstream openInputFile(const std::filesystem::path& path) {

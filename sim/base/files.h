@@ -45,6 +45,9 @@ class InputRecord {
   InputRecord* outer_;  // of the same thread; null for the first
 };
 
+/// A name's ending with its dot, in lower case: ".svg" of "SHEET.Svg"; "" where it has none.
+std::string endingOf(const std::filesystem::path& file);
+
 /// Opens a file that is read piece by piece, and notes it. The stream has failed where the file
 /// cannot be opened.
 std::ifstream openInputFile(const std::filesystem::path& path);

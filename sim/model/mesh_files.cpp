@@ -175,8 +175,9 @@ std::string modelName(const fs::path& file) {
   return stem.ends_with(ending) ? stem.substr(0, stem.size() - ending.size()) : stem;
 }
 
-fs::path deployedName(const fs::path& contracted) {
-  return contracted.parent_path() / (modelName(contracted) + "_deployed.obj");
+/// With an ending such as ".obj".
+fs::path deployedName(const fs::path& contracted, const fs::path& ending) {
+  return contracted.parent_path() / (modelName(contracted) + "_deployed" + ending.string());
 }
 
 // All vertices first, then a face for each tile.
@@ -202,9 +203,12 @@ std::string objText(const std::vector<Tile>& tiles, const CornerNumbers& numbers
 }  // namespace
 
 std::optional<fs::path> deployedSibling(const fs::path& contracted) {
-  const fs::path sibling = deployedName(contracted);
-  if (sibling == contracted || !fs::exists(sibling)) return std::nullopt;
-  return sibling;
+  // In the letters of the contracted one first.
+  for (const fs::path& ending : {contracted.extension(), fs::path(".obj"), fs::path(".OBJ")}) {
+    const fs::path sibling = deployedName(contracted, ending);
+    if (sibling != contracted && fs::exists(sibling)) return sibling;
+  }
+  return std::nullopt;
 }
 
 Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
@@ -254,7 +258,8 @@ void writeObjPair(const Model& inOrder, const fs::path& file) {
   }
   const CornerNumbers numbers = sharedNumbers(model);
   writeTextFile(file, objText(model.tiles, numbers) + comments);
-  if (model.target) writeTextFile(deployedName(file), objText(*model.target, numbers));
+  if (model.target)
+    writeTextFile(deployedName(file, file.extension()), objText(*model.target, numbers));
 }
 
 // ------------------------------------------------------------------------------------------------

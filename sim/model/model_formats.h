@@ -76,6 +76,9 @@ struct PlanarPlace {
 /// Whether a file's name is that of a planar model's tiles, joints or hull.
 bool isPlanarName(const std::filesystem::path& file);
 
+/// Whether a file's name is that of a planar model's joints.
+bool isJointList(const std::filesystem::path& file);
+
 /// The file of vertices of the model that a file is part of, by its name. Throws InputError where
 /// there is none.
 std::filesystem::path planarVertices(const std::filesystem::path& file);

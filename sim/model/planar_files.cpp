@@ -1,11 +1,12 @@
 // Which files beside each other make one planar model.
 //
-// Programs leave many files in one folder, told apart by their names alone. The part of a name
-// before "vertices" is the prefix of a model; every other file belongs to the model with the
-// longest prefix that begins its name. Of several lists of joints the one is chosen that the user
-// named, directly or by the hull that goes with it; else the one that is called as the vertices
-// are; else the only one. Nothing is guessed beyond that: several lists without a usual name are
-// refused with their names.
+// Programs leave many files in one folder, told apart by their names alone. What a file holds is
+// said by the last of the words "vertices", "constraints" and "hull" in its name, because a model
+// may be called "hull" itself. The part of a name before "vertices" is the prefix of a model; every
+// other file belongs to the model with the longest prefix that begins its name. Of several lists of
+// joints the one is chosen that the user named, directly or by the hull that goes with it; else the
+// one that is called as the vertices are; else the only one. Nothing is guessed beyond that:
+// several lists without a usual name are refused with their names.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -36,13 +37,22 @@ constexpr const char* kVertices = "vertices";
 constexpr const char* kConstraints = "constraints";
 constexpr const char* kHull = "hull";
 
-bool hasWord(const fs::path& file, const std::string& word) {
-  return file.extension() == ".txt" && file.stem().string().find(word) != std::string::npos;
-}
-
-/// NAME_hull_tiles.txt lists tiles, not corners.
-bool isHull(const fs::path& file) {
-  return hasWord(file, kHull) && !hasWord(file, "tiles");
+/// The word that says what a file holds; "" for another file. The words before it are of the
+/// model's name, or name a variant.
+std::string wordOf(const fs::path& file) {
+  if (endingOf(file) != ".txt") return "";
+  const std::string stem = file.stem().string();
+  std::string word;
+  std::size_t last = 0;
+  for (const char* candidate : {kVertices, kConstraints, kHull}) {
+    const std::size_t at = stem.rfind(candidate);
+    if (at == stem.npos || (!word.empty() && at < last)) continue;
+    word = candidate;
+    last = at;
+  }
+  // NAME_hull_tiles.txt lists tiles, not corners.
+  const bool listsTiles = word == kHull && stem.find("tiles", last) != stem.npos;
+  return listsTiles ? "" : word;
 }
 
 /// The part of a name before one of the three words: "penrose_" of penrose_vertices.txt.
@@ -58,7 +68,7 @@ std::vector<fs::path> textFilesBeside(const fs::path& file) {
   // A folder that cannot be listed counts as empty: opening the named file gives a better message.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() != ".txt" || !entry.is_regular_file(ignored)) continue;
+    if (endingOf(entry.path()) != ".txt" || !entry.is_regular_file(ignored)) continue;
     files.push_back(file.parent_path() / entry.path().filename());
   }
   // The system lists files in any order.
@@ -70,21 +80,19 @@ std::vector<fs::path> textFilesBeside(const fs::path& file) {
 std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path>& beside) {
   std::optional<fs::path> owner;
   for (const fs::path& vertices : beside) {
-    if (!hasWord(vertices, kVertices)) continue;
+    if (wordOf(vertices) != kVertices) continue;
     if (!file.filename().string().starts_with(prefixOf(vertices))) continue;
     if (!owner || prefixOf(vertices).size() > prefixOf(*owner).size()) owner = vertices;
   }
   return owner;
 }
 
-template <typename Test>
-std::vector<fs::path> partsOfModel(const fs::path& vertices, const Test& isPart) {
+/// The files of a model that hold what the word says.
+std::vector<fs::path> partsOfModel(const fs::path& vertices, const std::string& word) {
   const std::vector<fs::path> beside = textFilesBeside(vertices);
   std::vector<fs::path> parts;
   for (const fs::path& file : beside) {
-    if (isPart(file) && !hasWord(file, kVertices) && ownerOf(file, beside) == vertices) {
-      parts.push_back(file);
-    }
+    if (wordOf(file) == word && ownerOf(file, beside) == vertices) parts.push_back(file);
   }
   return parts;
 }
@@ -110,8 +118,8 @@ fs::path namedList(const fs::path& jointsFile, const fs::path& vertices) {
 // What the user named, else what goes with it, else the usual name, else the only one.
 fs::path chosenList(const fs::path& named, const fs::path& vertices,
                     const std::vector<fs::path>& lists) {
-  if (hasWord(named, kConstraints) && !hasWord(named, kVertices)) return named;
-  if (isHull(named)) {
+  if (wordOf(named) == kConstraints) return named;
+  if (wordOf(named) == kHull) {
     const fs::path partner = withWord(named, kHull, kConstraints);
     if (contains(lists, partner)) return partner;
   }
@@ -130,7 +138,7 @@ fs::path chosenList(const fs::path& named, const fs::path& vertices,
 
 std::optional<fs::path> chosenHull(const fs::path& named, const fs::path& joints,
                                    const std::vector<fs::path>& hulls) {
-  if (isHull(named) && !hasWord(named, kVertices)) return named;
+  if (wordOf(named) == kHull) return named;
   const fs::path partner = withWord(joints, kConstraints, kHull);
   if (contains(hulls, partner)) return partner;
   if (hulls.size() == 1) return hulls.front();
@@ -150,11 +158,15 @@ std::string fileNames(const std::vector<fs::path>& files) {
 }
 
 bool isPlanarName(const fs::path& file) {
-  return hasWord(file, kVertices) || hasWord(file, kConstraints) || isHull(file);
+  return !wordOf(file).empty();
+}
+
+bool isJointList(const fs::path& file) {
+  return wordOf(file) == kConstraints;
 }
 
 fs::path planarVertices(const fs::path& file) {
-  if (hasWord(file, kVertices)) return file;
+  if (wordOf(file) == kVertices) return file;
   const std::optional<fs::path> owner = ownerOf(file, textFilesBeside(file));
   if (owner) return *owner;
   throw inputErrorAt({file},
@@ -163,14 +175,14 @@ fs::path planarVertices(const fs::path& file) {
 }
 
 std::vector<fs::path> jointLists(const fs::path& vertices) {
-  return partsOfModel(vertices, [](const fs::path& file) { return hasWord(file, kConstraints); });
+  return partsOfModel(vertices, kConstraints);
 }
 
 PlanarPlace planarPlace(const fs::path& named, const fs::path& jointsFile) {
   PlanarPlace place;
   place.vertices = planarVertices(named);
   place.otherJoints = jointLists(place.vertices);
-  place.otherHulls = partsOfModel(place.vertices, isHull);
+  place.otherHulls = partsOfModel(place.vertices, kHull);
   place.joints = jointsFile.empty() ? chosenList(named, place.vertices, place.otherJoints)
                                     : namedList(jointsFile, place.vertices);
   place.hull = chosenHull(named, place.joints, place.otherHulls);
@@ -1002,7 +1014,7 @@ TileTable patternTable(const fs::path& file, const std::vector<Tile>& tiles) {
 
 Model readCutPattern(const fs::path& file, std::vector<std::string>& warnings) {
   const std::string text = readTextFile(file, kPatternPurpose);
-  const bool isSvg = file.extension() == ".svg" || file.extension() == ".SVG";
+  const bool isSvg = endingOf(file) == ".svg";
   PatternReader reader(isSvg ? svgLines(text, file) : dxfLines(text, file), file);
   Model model;
   model.name = file.stem().string();

@@ -28,13 +28,6 @@ const std::string kFormats =
     "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
     "pattern (.svg, .dxf)";
 
-std::string endingOf(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char letter) { return std::tolower(letter); });
-  return ending;
-}
-
 /// Another list of joints can only stand for one that is a file of its own.
 void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return;
@@ -55,9 +48,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
     const fs::path folder = vertices.has_parent_path() ? vertices.parent_path() : ".";
     ReadSettings own = settings;
     // A list that was named itself is the one to take: its own folder gives all else.
-    const bool isList =
-        path.filename() != "vertices.txt" && !path.stem().string().starts_with("hull");
-    if (own.jointsFile.empty() && isList) own.jointsFile = path;
+    if (own.jointsFile.empty() && isJointList(path)) own.jointsFile = path;
     return readModelFolder(folder, own, warnings);
   }
   requireNoJointsFile(path, settings);

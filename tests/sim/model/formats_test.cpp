@@ -582,6 +582,49 @@ TEST(FormatErrors, PlanarFiles) {
       "vertices");
 }
 
+// The same files under another name of the model are the same model.
+TEST(PlanarNames, NeverChangeWhatFilesHold) {
+  const std::string squares = "0 0 1 0 1 1 0 1\n1 1 2 1 2 2 1 2\n";
+  for (const std::string name :
+       {"sheet", "hull", "tiles", "rotating_tiles", "constraints_v2", "vertices", "hull_tiles",
+        "a b", "süß", "hull_vertices_constraints"}) {
+    SCOPED_TRACE(name);
+    for (const std::string ending : {".txt", ".TXT"}) {
+      const TemporaryFolder folder;
+      folder.write(name + "_vertices" + ending, squares);
+      folder.write(name + "_constraints" + ending, "1 3 2 1\n");
+      folder.write(name + "_hull" + ending, "0 0\n0 1\n1 2\n");
+      folder.write(name + "_hull_tiles" + ending, "0\n1\n");
+      for (const std::string part : {"_vertices", "_constraints", "_hull"}) {
+        std::vector<std::string> warnings;
+        const model::Model model =
+            model::readModel(folder.path() / (name + part + ending), {}, warnings);
+        EXPECT_EQ(model.name, name);
+        ASSERT_EQ(model.joints.size(), 1U);
+        ASSERT_TRUE(model.hull.has_value());
+        EXPECT_EQ(model.hull->size(), 3U);
+        EXPECT_THAT(warnings, testing::IsEmpty());
+      }
+    }
+  }
+}
+
+TEST(FileEndings, MayHaveCapitals) {
+  const TemporaryFolder folder;
+  std::vector<std::string> warnings;
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  folder.write("a_contracted.OBJ", obj);
+  folder.write("a_deployed.OBJ", obj);
+  EXPECT_TRUE(model::readModel(folder.path() / "a_contracted.OBJ", {}, warnings).target);
+  folder.write("b_contracted.Obj", obj);
+  folder.write("b_deployed.obj", obj);
+  EXPECT_TRUE(model::readModel(folder.path() / "b_contracted.Obj", {}, warnings).target);
+  // Read as the format that its ending names.
+  folder.write("c.Svg", "<svg></svg>");
+  EXPECT_THAT([&] { model::readModel(folder.path() / "c.Svg", {}, warnings); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("there are no tiles in it")));
+}
+
 TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   EXPECT_EQ(
       messageFor({{"a.stl", ""}}, "a.stl"),
