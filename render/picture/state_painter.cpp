@@ -528,7 +528,7 @@ void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t
   for (const int tile : tiles) {
     if (tile < static_cast<int>(count)) continue;
     throw InputError(fmt::format("error: {}: there is no tile {}; the model's are numbered 0 to {}",
-                                 option, tile, count - 1));
+                                 option, tile, static_cast<long>(count) - 1));
   }
 }
 

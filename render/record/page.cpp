@@ -119,7 +119,7 @@ std::string mediaType(const std::filesystem::path& file) {
       {".mp4", "video/mp4"},   {".webm", "video/webm"}, {".png", "image/png"},
       {".apng", "image/apng"}, {".gif", "image/gif"},   {".svg", "image/svg+xml"}};
   for (const auto& [ending, type] : types) {
-    if (file.extension() == ending) return type;
+    if (endingOf(file) == ending) return type;
   }
   return "application/octet-stream";
 }
@@ -274,7 +274,10 @@ picture::PictureContent anyContent() {
   return content;
 }
 
-picture::Style styleOf(const picture::Look& look) {
+/// Without what is said of single tiles, which no style holds.
+picture::Style styleOf(picture::Look look) {
+  look.tileColours.clear();
+  look.tileOpacities.clear();
   // So large that no line is thickened: the page does that for its own size.
   return picture::PictureSetup(look, anyContent(), {picture::kMaxFrameSide, picture::kMaxFrameSide})
       .style();

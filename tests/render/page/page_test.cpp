@@ -78,6 +78,17 @@ TEST_F(WebPage, HasTheColoursAndLightsOfOurPictures) {
   EXPECT_EQ(data["light"]["edge_width"], picture::Style().edgeWidth);
 }
 
+TEST_F(WebPage, TakesColoursAndOpacitiesOfSingleTiles) {
+  const Json plain = dataOf(text());
+  settings_.look.tileColours = {{{0, 3}, {0, 128, 128}, "hinge row"}};
+  settings_.look.tileOpacities = {{{1}, 0.3}};
+  EXPECT_EQ(dataOf(text())["light"], plain["light"]);
+  settings_.look.tileOpacities = {{{4}, 0.3}};
+  EXPECT_THAT([&] { text(); },
+              testing::ThrowsMessage<InputError>("error: --tile-opacity: there is no tile 4; the "
+                                                 "model's are numbered 0 to 3"));
+}
+
 TEST_F(WebPage, ShowsStatesAtEqualStepsOfMotion) {
   const Json states = dataOf(text())["runs"][0]["states"];
   ASSERT_EQ(states["progress"].size(), 5U);
