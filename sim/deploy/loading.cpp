@@ -69,9 +69,9 @@ void requireEquilibria(const scene::Scene& scene) {
   if (const scene::Need planar = scene::sceneNeeds(scene).planar;
       !planar.on && !scene.hinges.panels) {
     throw InputError(fmt::format(
-        "error: grips load rigid tiles in the plane alone, but {}; let the tiles bend (--panels), "
+        "error: grips load rigid tiles only in the plane, but {}; let the tiles bend (--panels), "
         "or leave the grips away",
-        planar.reason));
+        scene.solver.planar ? "--planar is off" : planar.reason));
   }
   const auto isLink = [](const model::Joint& joint) {
     return joint.kind == model::JointKind::Link;

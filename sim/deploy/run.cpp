@@ -162,10 +162,12 @@ void Run::takeStep() {
     if (motion_.isLost()) {
       const double lostAt = time();
       takeBack();
-      return end({Outcome::Diverged,
-                  fmt::format("a brick left all bounds at {:.4g} s; try a shorter --timestep or "
-                              "more damping",
-                              lostAt)});
+      const bool areLoose = bricks_.scene.model.joints.empty();
+      return end(
+          {Outcome::Diverged, fmt::format("{} left all bounds at {:.4g} s; try {}",
+                                          areLoose ? "a brick without joints" : "a brick", lostAt,
+                                          areLoose ? "a shorter --duration, or --actuation none"
+                                                   : "a shorter --timestep or more damping")});
     }
     recorder_.observe(report, drive_.jointsAreCompliant());
     rest_.observe(motion_, clock_.length(), report, drive_.isOnPath());

@@ -775,8 +775,9 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
     return ties;
   }
   if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
-    throw InputError(fmt::format(
-        "error: --ligaments gives necks in the plane alone, but {}; leave it away", planar.reason));
+    throw InputError(
+        fmt::format("error: --ligaments works only in the plane, but {}. Remove one of them",
+                    scene.solver.planar ? "--planar is off" : planar.reason));
   }
   addJoints(scene, bricks, ties);
   return ties;

@@ -167,7 +167,7 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene = turnedUnit();
   scene.solver.planar = false;
   EXPECT_THAT(refusalOf(scene),
-              HasSubstr("grips load rigid tiles in the plane alone, but asked for"));
+              HasSubstr("grips load rigid tiles only in the plane, but --planar is off"));
   scene = turnedUnit();
   scene.grips[1].turn = 0;
   EXPECT_THAT(refusalOf(scene), HasSubstr("no grip moves or pushes anything"));
@@ -183,7 +183,7 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.hinges.areLigaments = true;
   scene.grips.clear();
   scene.solver.planar = false;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments gives necks in the plane alone, but asked"));
+  EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments works only in the plane, but --planar is off"));
   scene = turnedUnit();
   scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
   scene.hinges.areLigaments = true;
