@@ -1,7 +1,8 @@
 // How a command line becomes an order:
 //
-// - 1. PyKirigami's spellings are replaced by ours (command_line.h), and where some were found,
-//   its defaults are appended for what was not given.
+// - 1. PyKirigami's spellings are replaced by ours (command_line.h). If there are some, its
+// constants
+//   apply to what is not given. Underscores in other names are read as hyphens.
 // - 2. CLI11 parses the words. Each option calls a reader that writes into the order which its
 //   command was added with; a wrong value throws InputError there, so that all are refused in the
 //   same words. Extra words are allowed at this stage.
@@ -20,7 +21,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -119,9 +119,9 @@ std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::st
 /// A command of the program.
 struct Command {
   CLI::App* app = nullptr;
-  /// Checks what was read, after parsing. `isLikePeer`: what is left out is as PyKirigami has it,
-  /// where the command runs a scene.
-  std::function<Order(bool isLikePeer)> completeOrder;
+  /// Checks what was read, after parsing. `peerSpelling`: the word that selects PyKirigami's
+  /// constants if the command runs a scene; empty: none.
+  std::function<Order(const std::string& peerSpelling)> completeOrder;
 };
 
 /// A command with its order, which its options fill.
@@ -130,8 +130,8 @@ Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
   const auto order = std::make_shared<Wanted>();
   CLI::App* app = add(program, *order);
   // Both closures share the order, which lives until the list of commands goes.
-  return {app, [app, order](bool isLikePeer) -> Order {
-            if constexpr (std::is_same_v<Wanted, RecordOrder>) order->isLikePeer = isLikePeer;
+  return {app, [app, order](const std::string& peerSpelling) -> Order {
+            if constexpr (std::is_same_v<Wanted, RecordOrder>) order->peerSpelling = peerSpelling;
             completeOrder(*app, *order);
             return *order;
           }};
@@ -163,7 +163,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.completeOrder(usesPeerSpellings(arguments));
+    if (command.app->parsed()) return command.completeOrder(peerSpelling(arguments));
   }
   throw InputError(fmt::format("error: no command given; choose {}, see kirireel --help",
                                scene::listWords(commandNames(program))));
@@ -286,32 +286,40 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 
 namespace {
 
-/// With hyphens for underscores. An entry may bring a value along, after an equals sign.
+/// All names that PyKirigami has, those of its paper, and what they are here; "" for those that it
+/// reads without effect or that only move its window's camera. An entry may bring a value along,
+/// after an equals sign. Names that both programs spell alike are not listed.
 const std::map<std::string, std::string>& peerOptions() {
   static const std::map<std::string, std::string> options = {
-      {"--brick-thickness", "--thickness"},
+      {"--brick_thickness", "--thickness"},
       {"-bt", "--thickness"},
+      {"--spring_stiffness", "--spring-stiffness"},
       {"-ss", "--spring-stiffness"},
+      {"--torque_stiffness", "--torque-stiffness"},
+      {"--force_damping", "--force-damping"},
       {"-fd", "--force-damping"},
-      {"--no-adaptive-stiffness", "--no-adaptive"},
-      {"--ground-plane", "--ground"},
+      {"--torque_damping", "--torque-damping"},
+      {"--linear_damping", "--linear-damping"},
+      {"--angular_damping", "--angular-damping"},
+      {"--no_adaptive_stiffness", "--no-adaptive"},
+      {"--ground_plane", "--ground"},
       {"-gp", "--ground"},
+      {"--ground_friction", "--ground-friction"},
       {"-gf", "--ground-friction"},
-      {"--filter-collision", "--contacts=unjoined"},
-      {"--no-collision", "--contacts=unjoined"},
-      {"--num-substeps", "--substeps"},
-      {"--cm-expansion", "--actuation=expansion"},
-      {"--target-vertices-file", "--target"},
+      {"--filter_collision", "--contacts=unjoined"},
+      {"--no_collision", "--contacts=unjoined"},
+      {"--auto_detect_connections", "--auto-detect-connections"},
+      {"--num_substeps", "--substeps"},
+      {"--cm_expansion", "--actuation=expansion"},
+      {"--target_vertices_file", "--target"},
+      {"--model", "--model"},
+      {"--camera_distance", ""},
+      {"-cd", ""},
+      {"--max_steps", ""},
+      {"--auto_export_interval", ""},
+      {"--export_prefix", ""},
   };
   return options;
-}
-
-/// Options with a value that PyKirigami reads and does nothing with, or that only move its window's
-/// camera.
-bool isWithoutEffect(const std::string& name) {
-  static const std::set<std::string> names = {"--camera-distance", "-cd", "--max-steps",
-                                              "--auto-export-interval", "--export-prefix"};
-  return names.contains(name);
 }
 
 const std::string kLike = "--like";
@@ -323,11 +331,22 @@ bool asksForPeer(const std::vector<std::string>& arguments, std::size_t i) {
   return arguments[i] == kLike + "=" + kPeer;
 }
 
-/// Names without a counterpart come back as they are, with hyphens.
-std::string translateName(std::string name) {
-  if (name.starts_with("--")) std::replace(name.begin(), name.end(), '_', '-');
-  const auto found = peerOptions().find(name);
-  return found == peerOptions().end() ? name : found->second;
+/// The hyphens or underscores within the name of a long option replaced by others.
+std::string withSeparators(std::string name, char from, char to) {
+  if (name.starts_with("--")) std::replace(name.begin() + 2, name.end(), from, to);
+  return name;
+}
+
+/// The counterpart of a name, with hyphens.
+std::string translateName(const std::string& name) {
+  const auto found = peerOptions().find(withSeparators(name, '-', '_'));
+  return found == peerOptions().end() ? withSeparators(name, '_', '-') : found->second;
+}
+
+/// Whether only PyKirigami spells an option so. With hyphens some of its names are ours.
+bool isPeerName(const std::string& name) {
+  const auto found = peerOptions().find(withSeparators(name, '-', '_'));
+  return found != peerOptions().end() && (found->first == name || found->second != name);
 }
 
 }  // namespace
@@ -353,7 +372,7 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
     const std::string name = translateName(argument.substr(0, nameEnd));
     const std::string value = argument.substr(nameEnd);
     if (name == "--headless") continue;
-    if (isWithoutEffect(name)) {
+    if (name.empty()) {
       skip = value.empty();  // the value is the next argument
       continue;
     }
@@ -368,15 +387,13 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
   return translated;
 }
 
-bool usesPeerSpellings(const std::vector<std::string>& arguments) {
+std::string peerSpelling(const std::vector<std::string>& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
-    if (asksForPeer(arguments, i)) return true;
+    if (asksForPeer(arguments, i)) return fmt::format("{} {}", kLike, kPeer);
+    const std::string name = arguments[i].substr(0, arguments[i].find('='));
+    if (isPeerName(name)) return name;
   }
-  return std::ranges::any_of(arguments, [](const std::string& argument) {
-    if (!argument.starts_with('-')) return false;
-    const std::string name = argument.substr(0, argument.find('='));
-    return name == "--model" || isWithoutEffect(translateName(name)) || translateName(name) != name;
-  });
+  return "";
 }
 
 }  // namespace kirireel::cli

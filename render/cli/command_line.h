@@ -109,9 +109,9 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 /// are left alone. Nothing is thrown: what is unknown stays for the parser to refuse.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
-/// Whether any of the arguments is spelled as PyKirigami spells it, or is --like pykirigami,
-/// so that what is not given is to be as there. An underscore in the name of any long option
-/// counts, because only PyKirigami has them.
-bool usesPeerSpellings(const std::vector<std::string>& arguments);
+/// The first argument that is a name of PyKirigami's own, or "--like pykirigami": what is not given
+/// is as there then. Empty: there is none. Other underscores are read as hyphens and select
+/// nothing.
+std::string peerSpelling(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel::cli

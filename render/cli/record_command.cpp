@@ -23,6 +23,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "render/cli/option_effect.h"
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/run_commands.h"
@@ -235,6 +236,7 @@ void applyPeerDefaults(CLI::App& command) {
 
 void completeOrder(CLI::App& command, RecordOrder& order) {
   if (!order.madeModel) requireGiven(order.model, "MODEL", command);
+  const std::set<std::string> typed = givenOptions(command);
   // What the scene file reads is noted in the order's inputs while the record lives.
   scene::SceneFile file;
   {
@@ -244,10 +246,19 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
       file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
     }
   }
-  if (order.isLikePeer) applyPeerDefaults(command);
+  const bool isLikePeer = !order.peerSpelling.empty();
+  if (isLikePeer) applyPeerDefaults(command);
   // What the scene file says is in the order's text, whichever way it says it.
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
   requireConsistent(command, order.scene);
+  const bool paints = command.get_option_no_throw("--video") != nullptr;
+  requireEffect({.command = &command,
+                 .pictures = paints ? &order.settings : nullptr,
+                 .exports = &order.settings.exports,
+                 // PyKirigami accepts its options in any company.
+                 .scene = isLikePeer ? nullptr : &order.scene,
+                 .page = order.page},
+                typed);
   order.text = orderText(command, order.scene, file);
   // After the text was made: there the name stands as it was typed.
   order.scene.hinges.file = besideModel(order.scene.hinges.file, order.model);
@@ -287,6 +298,7 @@ RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& wa
   inputs.modelName = result.scene.model.name;
   result.settings = order.settings;
   result.settings.sceneText = order.text.scene;
+  result.settings.peerSpelling = order.peerSpelling;
   result.settings.inputs = inputs.files;
   result.settings.order = fingerprintOf(order, inputs);
   if (result.settings.folder.empty()) {

@@ -66,7 +66,8 @@ struct RecordOrder {
       faces;  ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   double unit = 1;  ///< of length in all files, metres; gravity and density are SI until prepared
-  bool isLikePeer = false;  ///< what is left out is as PyKirigami has it
+  /// The word that selects PyKirigami's constants for what is not given; empty: none.
+  std::string peerSpelling;
   scene::Scene scene =
       scene::openScene();  ///< everything but the model; the ground's height is not known yet
   SceneRequest request;    ///< what is added to the model

@@ -262,6 +262,10 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
   text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));
+  if (!settings.peerSpelling.empty()) {
+    text += fmt::format("PyKirigami's constants for what is not given, because of {}\n",
+                        settings.peerSpelling);
+  }
   for (const std::string& warning : summary.warnings) text += fmt::format("warning: {}\n", warning);
   if (scene.model.target && !summary.loadCurve) {
     text += describeTarget(scene, summary);

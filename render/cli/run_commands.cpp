@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "render/cli/option_effect.h"
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
@@ -59,6 +60,9 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
         "error: a figure of several runs belongs to none of their folders; give its own with "
         "--out");
   }
+  requireEffect(
+      {.command = &command, .pictures = &order.settings, .runs = order.trajectories.size()},
+      givenOptions(command));
 }
 
 int carryOut(const RenderOrder& order) {
@@ -310,10 +314,12 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
 
 void completeOrder(const CLI::App& command, ExportOrder& order) {
   requireGiven(order.trajectory, "TRAJECTORY", command);
-  if (!order.settings.formats.empty()) return;
-  throw InputError(
-      "error: --format is missing, as in kirireel export TRAJECTORY --format obj,inp; "
-      "see kirireel export --help");
+  if (order.settings.formats.empty()) {
+    throw InputError(
+        "error: --format is missing, as in kirireel export TRAJECTORY --format obj,inp; "
+        "see kirireel export --help");
+  }
+  requireEffect({.command = &command, .exports = &order.settings}, givenOptions(command));
 }
 
 int carryOut(const ExportOrder& order) {
@@ -399,6 +405,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
   requireGiven(order.run, "RUN", command);
   if (std::filesystem::is_directory(order.run)) order.run /= exports::output::kTrajectory;
+  requireEffect({.command = &command, .curves = &order.settings}, givenOptions(command));
 }
 
 int carryOut(const CurvesOrder& order) {

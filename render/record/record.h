@@ -118,6 +118,8 @@ struct RecordSettings : PictureSettings {
   std::string order;      ///< fingerprint of all that decides the run, for summary.json and for
                           ///< checkpoints, which runs without one do not make
   std::string sceneText;  ///< all settings as a scene file, for summary.json; empty when not known
+  /// The word that selected PyKirigami's constants for what was not given; empty: none.
+  std::string peerSpelling;
   std::vector<InputFile> inputs;  ///< files that the run is made from, for summary.json
   bool resume = false;     ///< go on from the folder's checkpoint, if it is of the same order
   bool meshes = true;      ///< initial and final, OBJ and PLY

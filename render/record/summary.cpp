@@ -294,6 +294,7 @@ Json settingsJson(const scene::Scene& scene, const RecordSettings& settings) {
   json["stop"]["settle_time"] = scene.stop.settleTime;
   json["velocities"] = velocitiesJson(scene.velocities, scene.model.fileOrder.countsFrom);
   json["pictures"] = pictureJson(settings);
+  json["defaults"] = settings.peerSpelling.empty() ? "kirireel" : "pykirigami";
   json["scene"] = settings.sceneText.empty() ? Json(nullptr) : Json(settings.sceneText);
   return json;
 }

@@ -20,32 +20,33 @@ std::string refusal(std::vector<std::string> options) {
 
 TEST(Contradictions, NameWhatAnOptionNeeds) {
   EXPECT_EQ(refusal({"--solver", "bullet", "--joint-stiffness", "1e6"}),
-            "error: --joint-stiffness works with --solver direct alone; give that too, or leave "
-            "--joint-stiffness away");
-  EXPECT_EQ(
-      refusal({"--path", "straight", "--guide-time", "2"}),
-      "error: --guide-time works with --path guided alone; give that too, or leave --guide-time "
-      "away");
+            "error: --joint-stiffness works only with --solver direct. Add --solver direct or "
+            "remove --joint-stiffness");
+  EXPECT_EQ(refusal({"--path", "straight", "--guide-time", "2"}),
+            "error: --guide-time works only with --path guided. Add --path guided or remove "
+            "--guide-time");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"--guide-stiffness", "10"}, "--guide-stiffness works with --path guided "},
+      {{"--guide-stiffness", "10"}, "--guide-stiffness works only with --path guided "},
       {{"--path", "straight", "--joint-stiffness", "1e6"},
-       "--joint-stiffness works with --path guided "},
-      {{"--path", "guided", "--solver", "bullet"}, "--path guided works with --solver direct "},
-      {{"--path", "guided", "--cm_expansion"}, "--path guided works with --actuation target "},
-      {{"--solver", "bullet", "--pin", "0"}, "--pin works with --solver direct "},
-      {{"--solver", "bullet", "--link", "0,0,2,1"}, "--link works with --solver direct "},
-      {{"--iterations", "90"}, "--iterations works with --solver bullet "},
-      {{"--solver", "bullet", "--tolerance", "1e-4"}, "--tolerance works with --solver direct "},
-      {{"--tolerance", "1e-4", "--substeps", "2"}, "--substeps works with --tolerance 0 "},
+       "--joint-stiffness works only with --path guided "},
+      {{"--path", "guided", "--solver", "bullet"},
+       "--path guided works only with --solver direct "},
+      {{"--path", "guided", "--cm_expansion"}, "--path guided works only with --actuation target "},
+      {{"--solver", "bullet", "--pin", "0"}, "--pin works only with --solver direct "},
+      {{"--solver", "bullet", "--link", "0,0,2,1"}, "--link works only with --solver direct "},
+      {{"--iterations", "90"}, "--iterations works only with --solver bullet "},
+      {{"--solver", "bullet", "--tolerance", "1e-4"},
+       "--tolerance works only with --solver direct "},
+      {{"--tolerance", "1e-4", "--substeps", "2"}, "--substeps works only with --tolerance 0 "},
       {{"--tolerance", "1e-4", "--path", "guided"}, "--path guided moves tiles in fixed steps"},
-      {{"--boundary-size", "3"}, "--boundary-size works with --actuation boundary "},
+      {{"--boundary-size", "3"}, "--boundary-size works only with --actuation boundary "},
       {{"--cm_expansion", "--boundary-aspect", "3"},
-       "--boundary-aspect works with --actuation boundary "},
-      {{"--density", "900"}, "--density works with --mass prism "},
+       "--boundary-aspect works only with --actuation boundary "},
+      {{"--density", "900"}, "--density works only with --mass prism "},
       {{"--faces", "fold", "--auto_detect_connections"},
        "--auto-detect-connections is --faces pykirigami; leave one of them away"},
-      {{"--pace", "even", "--speed", "0.5"}, "--speed works with --pace real "},
-      {{"--length", "5", "--pace", "real"}, "--length works with --pace even "},
+      {{"--pace", "even", "--speed", "0.5"}, "--speed works only with --pace real "},
+      {{"--length", "5", "--pace", "real"}, "--length works only with --pace even "},
       {{"--length", "5", "--speed", "0.5"}, "--length is for an even pace and --speed for real "},
   };
   for (const auto& [options, start] : cases) {
@@ -78,10 +79,9 @@ TEST(Contradictions, LeaveConsistentOptionsAlone) {
 TEST(Contradictions, AreFoundInSceneFilesToo) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "run.toml") << "[actuation]\nguide_time = 2\n";
-  EXPECT_EQ(
-      refusal({"--scene", (folder / "run.toml").string()}),
-      "error: --guide-time works with --path guided alone; give that too, or leave --guide-time "
-      "away");
+  EXPECT_EQ(refusal({"--scene", (folder / "run.toml").string()}),
+            "error: --guide-time works only with --path guided. Add --path guided or remove "
+            "--guide-time");
   std::ofstream(folder / "run.toml") << "[actuation]\nguide_time = 2\npath = \"guided\"\n";
   EXPECT_EQ(refusal({"--scene", (folder / "run.toml").string()}), "accepted");
 }

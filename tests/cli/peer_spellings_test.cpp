@@ -45,12 +45,29 @@ TEST(PeerSpellings, PutTheModelInItsPlaceAndDropHeadless) {
 }
 
 TEST(PeerSpellings, AreKnownFromOurs) {
-  EXPECT_TRUE(cli::usesPeerSpellings({"record", "fan", "--brick_thickness", "0.1"}));
-  EXPECT_TRUE(cli::usesPeerSpellings({"record", "--model=fan"}));
-  EXPECT_TRUE(cli::usesPeerSpellings({"record", "fan", "-ss", "25"}));
-  EXPECT_TRUE(cli::usesPeerSpellings({"record", "fan", "-cd", "9"}));
-  EXPECT_FALSE(
-      cli::usesPeerSpellings({"record", "my_fan", "--thickness", "0.1", "--gravity", "-9"}));
+  const std::vector<std::pair<Words, std::string>> cases = {
+      {{"record", "fan", "--brick_thickness", "0.1"}, "--brick_thickness"},
+      {{"record", "fan", "--brick-thickness", "0.1"}, "--brick-thickness"},
+      {{"record", "--model=fan"}, "--model"},
+      {{"record", "fan", "-ss", "25"}, "-ss"},
+      {{"record", "fan", "-cd", "9"}, "-cd"},
+      {{"record", "fan", "--no-collision"}, "--no-collision"},
+      {{"record", "fan", "--spring_stiffness=25"}, "--spring_stiffness"},
+      {{"record", "fan", "--ground_friction", "1"}, "--ground_friction"},
+      {{"record", "fan", "--like", "pykirigami"}, "--like pykirigami"},
+      {{"record", "my_fan", "--thickness", "0.1", "--gravity", "-9"}, ""},
+      {{"record", "fan", "--spring-stiffness", "25"}, ""},
+      {{"record", "fan", "--auto-detect-connections"}, ""}};
+  for (const auto& [words, expected] : cases) EXPECT_EQ(cli::peerSpelling(words), expected);
+}
+
+// An underscore in an option that only Kirireel has is a hyphen, and selects no constants.
+TEST(PeerSpellings, AreNoOtherUnderscores) {
+  const Words words = {"record", "fan",           "--walk_time",
+                       "3",      "--no_outlines", "--colour_map=viridis"};
+  EXPECT_EQ(cli::peerSpelling(words), "");
+  EXPECT_EQ(cli::translatePeerSpellings(words),
+            (Words{"record", "fan", "--walk-time", "3", "--no-outlines", "--colour-map=viridis"}));
 }
 
 TEST(PeerSpellings, LeaveValuesAndOwnSpellingsAlone) {

@@ -1,0 +1,409 @@
+// An option that is read and does nothing is worse than an error: a user would draw conclusions
+// from a number that nothing has used. So it is refused, with the reason.
+//
+// - Settings of a scene carry their conditions (sim/scene/settings.h), such as "--solver direct".
+//   They hold for the command line and for scene files.
+// - optionEffects() lists when all other options have an effect. It holds for what was typed only:
+// a
+//   scene file may carry settings for several uses.
+// - requireConsistent() has what concerns two settings at once.
+#include "render/cli/option_effect.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <span>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "render/picture/state_painter.h"
+#include "render/picture/video.h"
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+#include "sim/scene/settings.h"
+
+namespace kirireel::cli {
+namespace {
+
+bool isGiven(const CLI::App& command, const char* option);
+
+// ------------------------------------------------------------------------------------------------
+// Pictures and videos.
+
+bool hasGrid(const OptionContext& context) {
+  return context.pictures->snapshots;
+}
+bool hasFrames(const OptionContext& context) {
+  return context.pictures->paintsFrames();
+}
+bool hasVideo(const OptionContext& context) {
+  return context.pictures->video;
+}
+bool hasPicture(const OptionContext& context) {
+  return context.pictures->paints() || context.page;
+}
+bool hasGridOrFrames(const OptionContext& context) {
+  return hasGrid(context) || hasFrames(context);
+}
+bool hasPng(const OptionContext& context) {
+  const record::PictureSettings& pictures = *context.pictures;
+  return pictures.snapshots || pictures.frames || !pictures.chosenFrames.empty();
+}
+bool isOneRun(const OptionContext& context) {
+  return context.runs == 1;
+}
+bool hasOutlines(const OptionContext& context) {
+  return context.pictures->look.outlines;
+}
+bool showsMeasure(const OptionContext& context) {
+  return picture::isMeasure(context.pictures->look.colouring);
+}
+bool showsMeasureOrPage(const OptionContext& context) {
+  return showsMeasure(context) || context.page;
+}
+bool showsPlainColours(const OptionContext& context) {
+  const bool hasOthers =
+      showsMeasure(context) || context.pictures->look.colouring == picture::Colouring::Shape;
+  return !hasOthers || context.page;
+}
+bool mayBePerspective(const OptionContext& context) {
+  return context.pictures->look.camera.orthographic != true;
+}
+bool hasPreset(const OptionContext& context) {
+  const record::PictureSettings& pictures = *context.pictures;
+  return !pictures.encoder.empty() || endingOf(pictures.videoFile) == ".mp4";
+}
+/// A video that was named is meant, too; the default one only comes along.
+bool mayBeTransparent(const OptionContext& context) {
+  const record::PictureSettings& pictures = *context.pictures;
+  if (pictures.video && picture::videoFormatOf(pictures.videoFile).transparent) return true;
+  const bool isNamed =
+      isGiven(*context.command, "--video") || isGiven(*context.command, "--format");
+  return hasPng(context) && !(pictures.video && isNamed);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Exports and curves.
+
+bool exportsOneOf(const OptionContext& context, std::initializer_list<const char*> formats) {
+  return std::ranges::any_of(context.exports->formats, [&](const std::string& format) {
+    return std::ranges::find(formats, format) != formats.end();
+  });
+}
+bool hasElements(const OptionContext& context) {
+  return exportsOneOf(context, {"inp", "msh"});
+}
+bool hasDeck(const OptionContext& context) {
+  return exportsOneOf(context, {"inp"});
+}
+bool hasPattern(const OptionContext& context) {
+  return exportsOneOf(context, {"svg", "dxf"});
+}
+/// A cut pattern is of the start, and a GLB file of all samples.
+bool hasStates(const OptionContext& context) {
+  return std::ranges::any_of(context.exports->formats, [](const std::string& format) {
+    return format != "svg" && format != "dxf" && format != "glb";
+  });
+}
+bool hasPatches(const OptionContext& context) {
+  return context.exports->elements.joints == exports::JointStyle::Patch;
+}
+bool hasNecks(const OptionContext& context) {
+  return context.exports->elements.joints == exports::JointStyle::Neck;
+}
+bool hasSolids(const OptionContext& context) {
+  return context.exports->elements.family == exports::ElementFamily::Solid;
+}
+bool countsElements(const OptionContext& context) {
+  return context.exports->elements.size == 0;
+}
+bool hasPlot(const OptionContext& context) {
+  return !context.curves->plots.empty();
+}
+bool hasPngPlot(const OptionContext& context) {
+  return std::ranges::find(context.curves->plots, picture::PageFormat::Png) !=
+         context.curves->plots.end();
+}
+
+// ------------------------------------------------------------------------------------------------
+// Scenes.
+
+bool mayTouch(const OptionContext& context) {
+  return context.scene->environment.contacts != scene::ContactFilter::None;
+}
+bool hasGrips(const OptionContext& context) {
+  return !context.scene->grips.empty();
+}
+/// A timeline may name a target later.
+bool mayHaveDrive(const OptionContext& context) {
+  return context.scene->actuation.drive != scene::Drive::None || !context.scene->timeline.empty();
+}
+bool mayWalk(const OptionContext& context) {
+  const scene::PathKind path = context.scene->path.kind;
+  return path == scene::PathKind::Auto || path == scene::PathKind::Continuation;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The table.
+
+constexpr const char* kNoGrid = "without the snapshot grid";
+constexpr const char* kGrid = "Remove --no-snapshots";
+constexpr const char* kNoFrames = "without frames of a video";
+constexpr const char* kFrames = "Remove --no-video, add --frames";
+constexpr const char* kSeveral = "in a figure of several runs";
+constexpr const char* kSingle = "Render the runs one by one";
+constexpr const char* kNoDeck = "without a deck";
+constexpr const char* kDeck = "Export inp";
+constexpr const char* kNoNeck = "without necks";
+constexpr const char* kNeck = "Add --joints neck";
+constexpr const char* kNoMeasure = "without a measure to colour by";
+constexpr const char* kMeasure = "Add --colour error or another measure";
+constexpr const char* kNoPlot = "without a figure";
+constexpr const char* kPlot = "Add --plot svg";
+constexpr const char* kNoDrive = "without a drive";
+constexpr const char* kDrive = "Remove --actuation none";
+
+constexpr OptionEffect kPictureEffects[] = {
+    {"--grid", hasGrid, kNoGrid, kGrid},
+    {"--letters", hasGrid, kNoGrid, kGrid},
+    {"--arrows", hasGrid, kNoGrid, kGrid},
+    {"--column-heads", hasGrid, kNoGrid, kGrid},
+    {"--width", hasGrid, kNoGrid, kGrid},
+    {"--font-size", hasGrid, kNoGrid, kGrid},
+    {"--figure", hasGrid, kNoGrid, kGrid},
+    {"--svg", hasGrid, kNoGrid, kGrid},
+    {"--snapshots", hasGrid, kNoGrid, kGrid},
+    {"--captions", hasGridOrFrames, "without the snapshot grid and a video",
+     "Remove --no-snapshots or --no-video"},
+    {"--scale-bar", hasGridOrFrames, "without the snapshot grid and a video",
+     "Remove --no-snapshots or --no-video"},
+    {"--dpi", hasPng, "without a PNG file", kGrid},
+    {"--no-snapshots", isOneRun, kSeveral, kSingle},
+    {"--frames", isOneRun, kSeveral, kSingle},
+    {"--frames-at", isOneRun, kSeveral, kSingle},
+    {"--fps", isOneRun, kSeveral, kSingle},
+    {"--video", isOneRun, kSeveral, kSingle},
+    {"--format", isOneRun, kSeveral, kSingle},
+    {"--length", isOneRun, kSeveral, kSingle},
+    {"--hold", isOneRun, kSeveral, kSingle},
+    {"--title", isOneRun, kSeveral, kSingle},
+    {"--subtitle", isOneRun, kSeveral, kSingle},
+    {"--progress-bar", isOneRun, kSeveral, kSingle},
+    {"--crf", isOneRun, kSeveral, kSingle},
+    {"--preset", isOneRun, kSeveral, kSingle},
+    {"--encoder", isOneRun, kSeveral, kSingle},
+    {"--video", hasVideo, "without a video", "Remove --no-video"},
+    {"--format", hasVideo, "without a video", "Remove --no-video"},
+    {"--crf", hasVideo, "without a video", "Remove --no-video"},
+    {"--encoder", hasVideo, "without a video", "Remove --no-video"},
+    {"--preset", hasVideo, "without a video", "Remove --no-video"},
+    {"--preset", hasPreset, "in a video that is not H.264", "Use .mp4"},
+    {"--length", hasFrames, kNoFrames, kFrames},
+    {"--hold", hasFrames, kNoFrames, kFrames},
+    {"--title", hasFrames, kNoFrames, kFrames},
+    {"--subtitle", hasFrames, kNoFrames, kFrames},
+    {"--progress-bar", hasFrames, kNoFrames, kFrames},
+    {"--transparent", mayBeTransparent, "in a video of this format, which is opaque",
+     "Use .apng, or --frames with --no-video"},
+    {"--colour-map", showsMeasureOrPage, kNoMeasure, kMeasure},
+    {"--colour-least", showsMeasure, kNoMeasure, kMeasure},
+    {"--colour-most", showsMeasure, kNoMeasure, kMeasure},
+    {"--brick-colour", showsPlainColours, "with colours that show something else",
+     "Add --colour plain"},
+    {"--back-colour", showsPlainColours, "with colours that show something else",
+     "Add --colour plain"},
+    {"--outline-colour", hasOutlines, "without outlines", "Remove --no-outlines"},
+    {"--outline-width", hasOutlines, "without outlines", "Remove --no-outlines"},
+    {"--distance", mayBePerspective, "in a parallel projection", "Use --projection perspective"},
+    {"Look", hasPicture, "without a picture", kGrid},
+    {"Camera", hasPicture, "without a picture", kGrid}};
+
+constexpr OptionEffect kExportEffects[] = {
+    {"Elements (inp, msh)", hasElements, "without finite elements", "Export inp or msh"},
+    {"--patch-radius", hasPatches, "without rigid patches", "Add --joints patch"},
+    {"--neck-width", hasNecks, kNoNeck, kNeck},
+    {"--neck-length", hasNecks, kNoNeck, kNeck},
+    {"--neck-radius", hasNecks, kNoNeck, kNeck},
+    {"--kerf", hasNecks, kNoNeck, kNeck},
+    {"--elements-per-edge", countsElements, "next to --element-size", "Use only one of them"},
+    {"--elements-through", hasSolids, "in shells and plane elements",
+     "Remove --shells and --plane-stress"},
+    {"--sets", hasElements, "without finite elements", "Export inp or msh"},
+    {"--deck-solver", hasDeck, kNoDeck, kDeck},
+    {"--youngs", hasDeck, kNoDeck, kDeck},
+    {"--poisson", hasDeck, kNoDeck, kDeck},
+    {"--deck-density", hasDeck, kNoDeck, kDeck},
+    {"--deck-unit", hasDeck, kNoDeck, kDeck},
+    {"--drive", hasDeck, kNoDeck, kDeck},
+    {"--buckle", hasDeck, kNoDeck, kDeck},
+    {"--periodic", hasDeck, kNoDeck, kDeck},
+    {"--deck-contacts", hasDeck, kNoDeck, kDeck},
+    {"--state-map", hasDeck, kNoDeck, kDeck},
+    {"--check", hasDeck, kNoDeck, kDeck},
+    {"--hinge-width", hasPattern, "without a cut pattern", "Export svg or dxf"},
+    {"--states", hasStates, "without files of states", "Export another format than svg, dxf, glb"},
+    {"--state", hasStates, "without files of states", "Export another format than svg, dxf, glb"}};
+
+constexpr OptionEffect kCurvesEffects[] = {
+    {"--against", hasPlot, kNoPlot, kPlot},
+    {"--width", hasPlot, kNoPlot, kPlot},
+    {"--font-size", hasPlot, kNoPlot, kPlot},
+    {"--dpi", hasPngPlot, "without a PNG figure", "Add --plot png"}};
+
+constexpr OptionEffect kSceneEffects[] = {
+    {"--brick-friction", mayTouch, "without contacts", "Remove --contacts none"},
+    {"--load-steps", hasGrips, "without [[grip]] in the scene file", "Add a grip"},
+    {"Springs to the target", mayHaveDrive, kNoDrive, kDrive},
+    {"--walk-time", mayWalk, "on a path of dynamics", "Use --path continuation"}};
+
+}  // namespace
+
+const std::vector<OptionEffect>& optionEffects() {
+  static const std::vector<OptionEffect> effects = [] {
+    std::vector<OptionEffect> all;
+    for (const std::span<const OptionEffect> part :
+         {std::span<const OptionEffect>(kPictureEffects),
+          std::span<const OptionEffect>(kExportEffects),
+          std::span<const OptionEffect>(kCurvesEffects),
+          std::span<const OptionEffect>(kSceneEffects)}) {
+      all.insert(all.end(), part.begin(), part.end());
+    }
+    return all;
+  }();
+  return effects;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The check of what was given.
+
+namespace {
+
+/// The project's own solver: other engines have no pins, links or guided paths.
+bool isDirect(const scene::Scene& scene) {
+  return scene.solver.kind == scene::SolverKind::Direct;
+}
+
+/// What must hold for an option of this command to mean anything.
+std::vector<scene::Condition> conditionsOf(const std::string& option) {
+  // Of a model's parts, which are no settings.
+  if (option == "--pin" || option == "--link") return {{isDirect, "--solver direct"}};
+  for (const scene::SettingGroup& group : scene::sceneSettings()) {
+    const auto found = std::ranges::find(group.settings, option, &scene::Setting::option);
+    if (found != group.settings.end()) return found->conditions;
+  }
+  return {};
+}
+
+/// On the command line or by a scene file, which adds its values to the same option.
+bool isGiven(const CLI::App& command, const char* option) {
+  const CLI::Option* found = command.get_option_no_throw(option);
+  return found && found->count() > 0;
+}
+
+/// Whether the command has what the effect asks about.
+bool mayAsk(const OptionEffect& effect, const OptionContext& context) {
+  const auto isIn = [&effect](std::span<const OptionEffect> part) {
+    return std::ranges::any_of(
+        part, [&effect](const OptionEffect& row) { return row.holds == effect.holds; });
+  };
+  if (isIn(kExportEffects)) return context.exports != nullptr;
+  if (isIn(kCurvesEffects)) return context.curves != nullptr;
+  if (isIn(kSceneEffects)) return context.scene != nullptr;
+  return context.pictures != nullptr;
+}
+
+/// The options that an effect is about: one, or all of a group.
+std::vector<const CLI::Option*> optionsOf(const OptionEffect& effect, const CLI::App& command) {
+  const std::string name = effect.option;
+  if (name.starts_with("--")) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (option) return {option};
+    return {};
+  }
+  return command.get_options(
+      [&](const CLI::Option* option) { return option->get_group() == name; });
+}
+
+[[noreturn]] void refuseBeside(const std::string& option, const char* others) {
+  throw InputError(
+      fmt::format("error: {} and {} say the same; leave one of them away", option, others));
+}
+
+[[noreturn]] void refuse(const std::string& option, const char* needed) {
+  throw InputError(
+      fmt::format("error: {0} works only with {1}. Add {1} or remove {0}", option, needed));
+}
+
+/// Whether an option was given with this word; the last one counts.
+bool isChosen(const CLI::App& command, const char* option, const char* word) {
+  return isGiven(command, option) && command.get_option(option)->results().back() == word;
+}
+
+}  // namespace
+
+bool hasEffect(const std::string& option, const scene::Scene& scene) {
+  return std::ranges::all_of(conditionsOf(option), [&](const scene::Condition& condition) {
+    return condition.holds(scene);
+  });
+}
+
+void requireConsistentPace(const CLI::App& command) {
+  if (isGiven(command, "--speed") && isChosen(command, "--pace", "even")) {
+    refuse("--speed", "--pace real");
+  }
+  if (isGiven(command, "--length") && isChosen(command, "--pace", "real")) {
+    refuse("--length", "--pace even");
+  }
+  if (isGiven(command, "--length") && isGiven(command, "--speed")) {
+    throw InputError(
+        "error: --length is for an even pace and --speed for real time; leave one of them away");
+  }
+}
+
+void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
+  requireConsistentPace(command);
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    for (const scene::Condition& condition : conditionsOf(option->get_name())) {
+      if (condition.holds(scene)) continue;
+      if (condition.isWithout) refuseBeside(option->get_name(), condition.needed);
+      refuse(option->get_name(), condition.needed);
+    }
+  }
+  // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.
+  const bool isGuided = scene.path.kind == scene::PathKind::Guided;
+  const scene::Drive drive = scene.actuation.drive;
+  const bool pullsToTarget = drive == scene::Drive::Target || drive == scene::Drive::Auto;
+  if (isGuided && !isDirect(scene)) refuse("--path guided", "--solver direct");
+  if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
+  if (isGuided && scene.solver.isToleranceGiven()) {
+    throw InputError(
+        "error: --path guided moves tiles in fixed steps, which keep no --tolerance; leave one of "
+        "them away");
+  }
+  if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
+    throw InputError(
+        "error: --auto-detect-connections is --faces pykirigami; leave one of them away");
+  }
+}
+
+std::set<std::string> givenOptions(const CLI::App& command) {
+  std::set<std::string> given;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() > 0) given.insert(option->get_name());
+  }
+  return given;
+}
+
+void requireEffect(const OptionContext& context, const std::set<std::string>& given) {
+  for (const OptionEffect& effect : optionEffects()) {
+    if (!mayAsk(effect, context) || effect.holds(context)) continue;
+    for (const CLI::Option* option : optionsOf(effect, *context.command)) {
+      if (!given.contains(option->get_name())) continue;
+      throw InputError(fmt::format("error: {0} has no effect {1}. {2} or remove {0}",
+                                   option->get_name(), effect.reason, effect.remedy));
+    }
+  }
+}
+
+}  // namespace kirireel::cli

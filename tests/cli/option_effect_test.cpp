@@ -1,0 +1,220 @@
+// Options that do nothing next to others are refused with the reason.
+#include "render/cli/option_effect.h"
+
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/cli/command_line.h"
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::string messageOf(const Words& words) {
+  try {
+    cli::parseCommandLine(words);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// A command line on which the option has no effect, and the words to add that give it one.
+struct Case {
+  Words idle;
+  Words cure;  // "-X" removes X
+};
+
+Words operator+(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+Words without(Words words, const std::string& word) {
+  std::erase(words, word);
+  return words;
+}
+
+/// By option and reason, as in optionEffects().
+std::multimap<std::string, Case> cases() {
+  std::multimap<std::string, Case> all;
+  const Words record = {"record", "fan"};
+  const std::map<std::string, Words> grid = {
+      {"--grid", {"2x2"}},         {"--letters", {}},     {"--arrows", {}},
+      {"--column-heads", {"a,b"}}, {"--width", {"90mm"}}, {"--font-size", {"7pt"}},
+      {"--figure", {"svg"}},       {"--svg", {}},         {"--snapshots", {"time"}}};
+  for (const auto& [option, value] : grid) {
+    const Words size = option == "--font-size" ? Words{"--width", "90mm"} : Words{};
+    all.insert({option, {record + Words{"--no-snapshots", option} + value, {"-"}}});
+  }
+  for (const auto& [option, value] :
+       std::map<std::string, Words>{{"--captions", {"time"}}, {"--scale-bar", {}}}) {
+    all.insert({option, {record + Words{"--no-snapshots", "--no-video", option} + value, {"-"}}});
+  }
+  all.insert({"--dpi", {record + Words{"--no-snapshots", "--dpi", "300"}, {"-"}}});
+  const Words several = {"render", "a", "b", "--out", "c"};
+  for (const auto& [option, value] : std::map<std::string, Words>{{"--no-snapshots", {}},
+                                                                  {"--frames", {}},
+                                                                  {"--frames-at", {"0"}},
+                                                                  {"--fps", {"30"}},
+                                                                  {"--video", {"a.mp4"}},
+                                                                  {"--format", {"mp4"}},
+                                                                  {"--length", {"5"}},
+                                                                  {"--hold", {"1"}},
+                                                                  {"--title", {"A"}},
+                                                                  {"--subtitle", {"A"}},
+                                                                  {"--progress-bar", {}},
+                                                                  {"--crf", {"20"}},
+                                                                  {"--preset", {"slow"}},
+                                                                  {"--encoder", {"libx264"}}}) {
+    all.insert({option, {several + Words{option} + value, {"b"}}});
+  }
+  for (const auto& [option, value] : std::map<std::string, Words>{{"--video", {"a.mp4"}},
+                                                                  {"--format", {"mp4"}},
+                                                                  {"--crf", {"20"}},
+                                                                  {"--preset", {"slow"}},
+                                                                  {"--encoder", {"libx264"}},
+                                                                  {"--length", {"5"}},
+                                                                  {"--hold", {"1"}},
+                                                                  {"--title", {"A"}},
+                                                                  {"--subtitle", {"A"}},
+                                                                  {"--progress-bar", {}}}) {
+    all.insert({option, {record + Words{"--no-video", option} + value, {"-"}}});
+  }
+  all.insert(
+      {"--preset", {record + Words{"--format", "gif", "--preset", "slow"}, {"--format", "mp4"}}});
+  all.insert({"--transparent",
+              {record + Words{"--format", "webm", "--transparent"}, {"--format", "apng"}}});
+  for (const auto& [option, value] : std::map<std::string, Words>{
+           {"--colour-map", {"cividis"}}, {"--colour-least", {"0"}}, {"--colour-most", {"1"}}}) {
+    all.insert({option, {record + Words{option} + value, {"--colour", "error"}}});
+  }
+  for (const std::string option : {"--brick-colour", "--back-colour"}) {
+    all.insert(
+        {option, {record + Words{"--colour", "shape", option, "teal"}, {"--colour", "plain"}}});
+  }
+  for (const auto& [option, value] :
+       std::map<std::string, Words>{{"--outline-colour", {"teal"}}, {"--outline-width", {"2"}}}) {
+    all.insert({option, {record + Words{"--no-outlines", option} + value, {"-"}}});
+  }
+  all.insert({"--distance",
+              {record + Words{"--projection", "parallel", "--distance", "5"},
+               {"--projection", "perspective"}}});
+  const Words nothing = record + Words{"--no-snapshots", "--no-video"};
+  all.insert({"Look", {nothing + Words{"--theme", "dark"}, {"--frames"}}});
+  all.insert({"Camera", {nothing + Words{"--zoom", "2"}, {"--frames"}}});
+  const Words stl = {"export", "run", "--format", "stl"};
+  const Words inp = {"export", "run", "--format", "inp"};
+  all.insert({"Elements (inp, msh)", {stl + Words{"--joints", "neck"}, {"--format", "inp"}}});
+  all.insert({"Elements (inp, msh)", {stl + Words{"--shells"}, {"--format", "msh"}}});
+  all.insert({"Elements (inp, msh)",
+              {{"export", "run", "--format", "dxf", "--kerf", "0.1"},
+               {"--format", "inp", "--joints", "neck"}}});
+  all.insert({"--patch-radius", {inp + Words{"--patch-radius", "0.1"}, {"--joints", "patch"}}});
+  for (const std::string option : {"--neck-width", "--neck-length", "--neck-radius", "--kerf"}) {
+    all.insert({option, {inp + Words{option, "0.1"}, {"--joints", "neck"}}});
+  }
+  all.insert({"--elements-per-edge",
+              {inp + Words{"--element-size", "1", "--elements-per-edge", "4"}, {}}});
+  all.insert({"--elements-through", {inp + Words{"--shells", "--elements-through", "2"}, {"-"}}});
+  all.insert({"--sets", {stl + Words{"--sets", "none"}, {"--format", "msh"}}});
+  for (const auto& [option, value] : std::map<std::string, Words>{{"--deck-solver", {"abaqus"}},
+                                                                  {"--youngs", {"1e9"}},
+                                                                  {"--poisson", {"0.2"}},
+                                                                  {"--deck-density", {"900"}},
+                                                                  {"--deck-unit", {"mm-N"}},
+                                                                  {"--drive", {"all"}},
+                                                                  {"--buckle", {}},
+                                                                  {"--periodic", {}},
+                                                                  {"--deck-contacts", {"0"}},
+                                                                  {"--state-map", {}},
+                                                                  {"--check", {}}}) {
+    all.insert(
+        {option, {Words{"export", "run", "--format", "msh", option} + value, {"--format", "inp"}}});
+  }
+  all.insert({"--hinge-width", {stl + Words{"--hinge-width", "0.1"}, {"--format", "svg"}}});
+  for (const std::string option : {"--states", "--state"}) {
+    all.insert(
+        {option, {{"export", "run", "--format", "glb", option, "final"}, {"--format", "obj"}}});
+  }
+  for (const auto& [option, value] : std::map<std::string, Words>{
+           {"--against", {"opening"}}, {"--width", {"85"}}, {"--font-size", {"7"}}}) {
+    all.insert({option, {Words{"curves", "run", option} + value, {"--plot", "svg"}}});
+  }
+  all.insert({"--dpi", {{"curves", "run", "--plot", "svg", "--dpi", "300"}, {"--plot", "png"}}});
+  all.insert(
+      {"--brick-friction",
+       {record + Words{"--contacts", "none", "--brick-friction", "0.3"}, {"--contacts", "all"}}});
+  all.insert({"--load-steps", {record + Words{"--load-steps", "3"}, {}}});
+  all.insert({"Springs to the target",
+              {record + Words{"--actuation", "none", "--spring-stiffness", "25"},
+               {"--actuation", "target"}}});
+  all.insert({"--walk-time",
+              {record + Words{"--path", "straight", "--walk-time", "3"}, {"--path", "auto"}}});
+  return all;
+}
+
+/// The words that switch something off, which a cure of "-" takes away.
+const Words kSwitches = {"--no-snapshots", "--no-video", "--no-outlines", "--shells"};
+
+TEST(OptionEffects, AreEachRefusedWithTheirReason) {
+  const std::multimap<std::string, Case> all = cases();
+  for (const cli::OptionEffect& effect : cli::optionEffects()) {
+    SCOPED_TRACE(std::string(effect.option) + " " + effect.reason);
+    const auto [first, last] = all.equal_range(effect.option);
+    const std::string expected =
+        fmt::format(" has no effect {}. {} or remove ", effect.reason, effect.remedy);
+    EXPECT_TRUE(std::any_of(first, last, [&](const auto& entry) {
+      return messageOf(entry.second.idle).find(expected) != std::string::npos;
+    })) << "no case is refused so";
+  }
+}
+
+TEST(OptionEffects, AreAcceptedWithWhatTheyNeed) {
+  for (const auto& [option, example] : cases()) {
+    if (example.cure.empty()) continue;
+    SCOPED_TRACE(fmt::format("{}", fmt::join(example.idle, " ")));
+    EXPECT_THAT(messageOf(example.idle), testing::HasSubstr(" has no effect "));
+    Words words = example.idle;
+    if (example.cure.front() == "-") {
+      for (const std::string& word : kSwitches) words = without(words, word);
+      if (option == "--font-size") words = words + Words{"--width", "90mm"};
+    } else if (example.cure.front() == "b") {
+      words = without(words, "b");
+    } else {
+      words = words + example.cure;
+      // Formats add up; only the last is asked for here.
+      const auto format = std::ranges::find(words, "--format");
+      if (words.front() == "export" && example.cure.front() == "--format")
+        words.erase(format, format + 2);
+    }
+    EXPECT_EQ(messageOf(words), "accepted");
+  }
+}
+
+// A scene file may hold settings for several uses.
+TEST(OptionEffects, AreAskedOfWhatIsTyped) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "run.toml") << "[environment]\nbrick_friction = 0.3\ncontacts = \"none\"\n"
+                                        "[style]\ncolour_map = \"cividis\"\n";
+  const Words record = {"record", "fan", "--scene", (folder / "run.toml").string()};
+  EXPECT_EQ(messageOf(record), "accepted");
+  EXPECT_EQ(messageOf(record + Words{"--brick-friction", "0.2"}),
+            "error: --brick-friction has no effect without contacts. Remove --contacts none or "
+            "remove --brick-friction");
+}
+
+// PyKirigami accepts its options in any company.
+TEST(OptionEffects, AreNotAskedOfPyKirigami) {
+  EXPECT_EQ(
+      messageOf({"record", "--model", "fan", "--actuation", "none", "--spring_stiffness", "25"}),
+      "accepted");
+}
+
+}  // namespace
+}  // namespace kirireel
