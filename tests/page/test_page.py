@@ -134,6 +134,7 @@ class Pages(unittest.TestCase):
             body.send_keys("n")
             self.assertIn("Tile 0", window.run(
                 "return document.getElementById('said').textContent"))
+            self.assert_readouts_follow(window, "said", body)
             theme = lambda: window.run("return document.documentElement.dataset.theme")
             first = theme()
             body.send_keys("t")
@@ -142,6 +143,19 @@ class Pages(unittest.TestCase):
             window.wait_until("kirireel.player.position > 0.05")
             body.send_keys(" ")
             self.assertFalse(window.run("return kirireel.player.isPlaying"))
+
+    def assert_readouts_follow(self, window, name, body):
+        """The words of the chosen tile are those of the shown state, at each end of the motion."""
+        shown = []
+        for key in ("\ue011", "\ue010"):  # Home, End
+            body.send_keys(key)
+            text, right = window.run(
+                "const [stage] = kirireel.stages;"
+                "return [document.querySelector(arguments[0]).textContent,"
+                "        stage.wordsOf(stage.chosen)];", {"said": "#said", "tip": ".tip"}[name])
+            self.assertEqual(text, right)
+            shown.append(text)
+        self.assertNotEqual(*shown)
 
     def test_a_phone_is_wide_enough_and_fingers_do_all(self):
         with Browser(self.page("cylinder"), on_phone=True) as window:
@@ -164,6 +178,8 @@ class Pages(unittest.TestCase):
             window.wait_until("!document.querySelector('.tip').hidden")
             self.assertIn("Tile %d," % tile, window.run(
                 "return document.querySelector('.tip').textContent"))
+            self.assert_readouts_follow(window, "tip", window.driver.find_element("tag name", "body"))
+            window.move_slider(0.6)
             # One finger turns, two come nearer.
             before, far = eye(), reach()
             window.touch(*[[(x + 10 * k, y)] for k in range(6)])

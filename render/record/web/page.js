@@ -36,15 +36,32 @@ class Section {
 
   show({ sample, share, progress }) {
     if (this.stage) this.stage.setState(sample, share);
+    this.describeChosen();
     for (const diagram of this.diagrams) diagram.show(sample, share, progress);
   }
 
-  /** Shows a label beside a point of the canvas, or none. */
+  /** What is said of the chosen brick in the shown state; empty if none is chosen. */
+  get words() {
+    return this.stage && this.stage.chosen >= 0 ? this.stage.wordsOf(this.stage.chosen) : "";
+  }
+
+  /** Writes these words into the label, if it is shown. */
+  describeChosen() {
+    if (!this.tip.hidden) this.tip.textContent = this.words;
+  }
+
+  /** Chooses a brick, without a label. */
+  choose(brick) {
+    this.stage.choose(brick);
+    this.tip.hidden = true;
+  }
+
+  /** Chooses a brick and shows its label beside a point of the canvas; -1: none. */
   point(brick, x, y) {
     this.stage.choose(brick);
     this.tip.hidden = brick < 0;
     if (brick < 0) return;
-    this.tip.textContent = this.stage.wordsOf(brick);
+    this.describeChosen();
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const { offsetWidth, offsetHeight } = this.tip;
     this.tip.style.left = `${Math.max(4, Math.min(x + 14, width - offsetWidth - 4))}px`;
@@ -138,7 +155,15 @@ class Page {
     byId("where").textContent = `${share}% of the motion, ${time.toFixed(2)} s`;
     byId("play").textContent = player.isPlaying ? "❚❚" : "▶";
     byId("play").setAttribute("aria-label", player.isPlaying ? "Pause" : "Play");
+    this.describeChosen();
     this.wake();
+  }
+
+  /** Describes the tile that is chosen in the first run, in its shown state. */
+  describeChosen() {
+    // A screen reader would read out every frame.
+    byId("said").setAttribute("aria-live", this.player.isPlaying ? "off" : "polite");
+    byId("said").textContent = this.sections[0].words;
   }
 
   // ---- the stages
@@ -200,6 +225,7 @@ class Page {
       const box = canvas.getBoundingClientRect();
       const brick = stage.brickAt(event.clientX, event.clientY);
       section.point(brick, event.clientX - box.left, event.clientY - box.top);
+      this.describeChosen();
     };
     canvas.addEventListener("pointermove", (event) => {
       if (event.buttons === 0 && event.pointerType === "mouse") at(event);
@@ -214,7 +240,9 @@ class Page {
       if (moved < TAP) at(event);
     });
     canvas.addEventListener("pointerleave", (event) => {
-      if (event.pointerType === "mouse") section.point(-1);
+      if (event.pointerType !== "mouse") return;
+      section.point(-1);
+      this.describeChosen();
     });
   }
 
@@ -255,8 +283,8 @@ class Page {
     if (!stage) return;
     const { count } = stage.run.bricks;
     const next = stage.chosen < 0 ? (step > 0 ? 0 : count - 1) : (stage.chosen + step + count) % count;
-    stage.choose(next);
-    byId("said").textContent = stage.wordsOf(next);
+    this.sections[0].choose(next);
+    this.describeChosen();
   }
 
   // ---- pictures, drawn only when something changes
