@@ -72,9 +72,11 @@ std::string mobilityText(const char* where, const trajectory::Mobility& mobility
   }
   return fmt::format(
       "  {}: {} degree{} of freedom beyond rigid motion; {} of {} joint equations are redundant "
-      "(singular values: least kept {:.2g}, largest dropped {:.2g})\n",
+      "({}: least kept {}{:.2g}, largest dropped {}{:.2g})\n",
       where, mobility.freedoms, mobility.freedoms == 1 ? "" : "s", mobility.redundant,
-      mobility.equations, mobility.leastKept, mobility.largestDropped);
+      mobility.equations, mobility.areBounds ? "bounds of singular values" : "singular values",
+      mobility.areBounds ? ">= " : "", mobility.leastKept, mobility.areBounds ? "<= " : "",
+      mobility.largestDropped);
 }
 
 /// One line for the state, then its overlaps and its freedoms, indented.
@@ -106,7 +108,8 @@ Json mobilityJson(const trajectory::Mobility& mobility) {
           {"rank", mobility.rank},
           {"redundant", mobility.redundant},
           {"least_singular_value_kept", mobility.leastKept},
-          {"largest_singular_value_dropped", mobility.largestDropped}};
+          {"largest_singular_value_dropped", mobility.largestDropped},
+          {"singular_values_are_bounds", mobility.areBounds}};
 }
 
 /// "plane" is null for states that are not flat.

@@ -391,7 +391,7 @@ class SignCounter {
   Eigen::SimplicialLDLT<Sparse> factors_;
 };
 
-// By signs of pivots; singular values are known to powers of ten.
+// By signs of pivots, which bound singular values by powers of ten.
 void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   const Sparse square = jacobian.transpose() * jacobian;
   // Row sums bound the largest eigenvalue.
@@ -406,6 +406,7 @@ void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   SignCounter counter(square);
   const double threshold = std::max(floor, kCounts * std::sqrt(bound));
   const int dropped = counter.below(threshold);
+  result.areBounds = true;
   result.rank = result.unknowns - dropped;
   result.largestDropped = dropped > 0 ? threshold : 0;
   // The next power of ten with more values below it.

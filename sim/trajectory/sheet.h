@@ -48,8 +48,11 @@ struct Mobility {
   int freedoms = 0;           ///< motions beyond those of the whole as one rigid body
   int redundant = 0;          ///< equations that follow from others
   double leastKept = 0;       ///< the least singular value that counts towards the rank; 0 for none
-  double largestDropped = 0;  ///< the largest one that does not, or a bound of it; 0 for none. The
-                              ///< ratio of the two says how certain the rank is.
+  double largestDropped = 0;  ///< the largest one that does not; 0 for none. The ratio of the two
+                              ///< says how certain the rank is.
+  /// The least one kept is at least leastKept, the largest one dropped at most largestDropped:
+  /// their values are not known.
+  bool areBounds = false;
 };
 
 /// Where tiles may move.
@@ -66,8 +69,8 @@ double zeroSingularValue(const model::Model& model);
 /// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
 /// that singular values are plain numbers; those above 1e-6 of the largest and above
 /// zeroSingularValue() count. Up to 900 unknowns by a dense singular value decomposition; above, by
-/// counting the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), with singular values
-/// known to powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not counted:
+/// counting the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), which
+/// bounds singular values by powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not counted:
 /// that takes minutes. For rank and freedom of links, fixed joints and pivots alike. Throws
 /// Interrupted where a scope asks for it.
 Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,

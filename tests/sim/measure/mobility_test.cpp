@@ -116,6 +116,7 @@ TEST(Mobility, SignCountsAgreeWithSingularValues) {
   EXPECT_GT(found.unknowns, 900);
   EXPECT_EQ(found.freedoms, 1);
   EXPECT_GT(found.leastKept, 10 * found.largestDropped);
+  EXPECT_TRUE(found.areBounds);
 }
 
 TEST(Mobility, SpectrumHasAClearGap) {
@@ -124,6 +125,7 @@ TEST(Mobility, SpectrumHasAClearGap) {
       trajectory::mobility(model, model.tiles, trajectory::Freedom::Plane, kThickness);
   EXPECT_GT(found.leastKept, 1e-2);
   EXPECT_LT(found.largestDropped, 1e-13);
+  EXPECT_FALSE(found.areBounds);
 }
 
 TEST(Mobility, MatchesThePublishedModels) {
