@@ -306,7 +306,7 @@ const std::map<std::string, std::string>& peerOptions() {
       {"-gp", "--ground"},
       {"--ground_friction", "--ground-friction"},
       {"-gf", "--ground-friction"},
-      {"--filter_collision", "--contacts=unjoined"},
+      {"--filter_collision", "--contacts=none"},
       {"--no_collision", "--contacts=unjoined"},
       {"--auto_detect_connections", "--auto-detect-connections"},
       {"--num_substeps", "--substeps"},

@@ -21,9 +21,9 @@ TEST(PeerSpellings, TranslateShortOptions) {
              "--ground-friction", "0.3"}));
 }
 
-TEST(PeerSpellings, ReadNoCollisionAsUnjoinedContacts) {
+TEST(PeerSpellings, ReadItsTwoCollisionSwitches) {
   EXPECT_EQ(cli::translatePeerSpellings({"--no_collision"}), (Words{"--contacts=unjoined"}));
-  EXPECT_EQ(cli::translatePeerSpellings({"--filter_collision"}), (Words{"--contacts=unjoined"}));
+  EXPECT_EQ(cli::translatePeerSpellings({"--filter_collision"}), (Words{"--contacts=none"}));
 }
 
 TEST(PeerSpellings, ReadExpansionAndTargets) {
