@@ -6,6 +6,7 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
+#include "sim/model/isometry.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel {

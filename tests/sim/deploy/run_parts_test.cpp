@@ -108,7 +108,7 @@ std::vector<std::pair<deploy::Phase, double>> phasesOf(const scene::Scene& scene
   const deploy::SceneBricks bricks(scene);
   deploy::StepClock clock(deploy::RunMotion::lookOf(scene));
   deploy::RunMotion motion(bricks, clock);
-  deploy::CurrentTarget target(bricks, 0);
+  deploy::CurrentTarget target(bricks, {.error = 0});
   deploy::RunDrive drive(bricks, clock);
   target.set(nullptr, motion.poses());
   drive.headFor(target, motion.poses());
