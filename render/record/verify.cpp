@@ -346,7 +346,9 @@ std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::st
     for (const auto& [name, noted] : summary.at("contents").items()) {
       if (!exports::difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
     }
-    return FinishedRun{summary.at("outcome"), !summary.at("shortfall").is_null(), text};
+    const Json& atTarget = summary.at("at_target");
+    return FinishedRun{summary.at("outcome"),
+                       atTarget.is_null() ? std::optional<bool>() : atTarget.get<bool>(), text};
   } catch (const Json::exception&) {
     return std::nullopt;  // sealed, but no run's
   }

@@ -38,6 +38,9 @@
 namespace kirireel::deploy {
 namespace {
 
+// At a target, a run that is this near to where springs rest, or to it, is not only slow.
+constexpr double kThere = 1.05;
+constexpr double kThereShare = 1e-6;
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
 
@@ -47,7 +50,7 @@ Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObse
          Checkpoints* checkpoints)
     : bricks_(scene),
       clock_(RunMotion::lookOf(scene)),
-      target_(bricks_, nearest),
+      target_(bricks_, nearest.restError),
       drive_(bricks_, clock_),
       timeline_(scene.timeline, bricks_.bricks, scene.model.fileOrder.countsFrom),
       motion_(bricks_, clock_),
@@ -71,7 +74,8 @@ DeploymentResult Run::finish() {
     recorder_.takeSample();
   }
   advanceToEnd();
-  if (!ending_) end(reasons().late());
+  const RunReasons reasons(bricks_, target_, motion_, rest_);
+  if (!ending_) end(reasons.late());
   recorder_.takeLastSample();
   return result();
 }
@@ -202,7 +206,6 @@ DeploymentResult Run::result() {
   recorder_.figures().leave(result);
   result.outcome = ending_->outcome;
   result.reason = ending_->reason;
-  target_.noteOwnError(recorder_.figures().assembledError());
   if (target_.isPulledTo()) result.atTarget = target_.hasArrived(motion_.poses());
   if (!trajectory.pairForces.empty()) {
     result.elasticity =
@@ -232,7 +235,7 @@ void Run::restOrGoOn() {
   const bool isPulled = target_.isPulledTo() && timeline_.forcesAreOn();
   const double error = targetErrorNow();
   const bool isShort = isPulled && error > kArrivedShare * bricks_.size;
-  if (nudges_.canGive() && isShort && !target_.isWhereSpringsRest(error)) {
+  if (nudges_.canGive() && isShort && error > kThere * target_.leastError()) {
     nudges_.giveAtRest(motion_);
     rest_.countAnew();
   } else if (isShort && !drive_.stiffness().exhausted()) {
@@ -246,16 +249,10 @@ void Run::restOrGoOn() {
     nudges_.giveAtRest(motion_);
     rest_.countAnew();
   } else if (timeline_.isOver(time())) {
-    end(reasons().atRest(isTrial_));
+    end(RunReasons(bricks_, target_, motion_, rest_).atRest(isTrial_));
   } else {
     end({Outcome::Locked, fmt::format("came to rest, yet {}", timeline_.pending())});
   }
-}
-
-// A run may have found a nearer state than the search.
-RunReasons Run::reasons() {
-  target_.noteOwnError(recorder_.figures().assembledError());
-  return {bricks_, target_, motion_, forces_, rest_};
 }
 
 // Whether bricks that hardly move are on their way: soft springs and heavy bricks are slow. Springs
@@ -266,7 +263,8 @@ bool Run::isOnlySlow() {
   if (rest_.isStuck(motion_.poses()) || scene.solver.kind == scene::SolverKind::Bullet)
     return false;
   if (target_.isPulledTo() && timeline_.forcesAreOn()) {
-    if (target_.isWhereSpringsRest(targetErrorNow())) return false;
+    const double arrived = std::max(kThere * target_.leastError(), kThereShare * tile);
+    if (targetErrorNow() <= arrived) return false;
   } else if (!scene.hinges.areOn() || drive_.isEndless()) {
     return false;
   }
@@ -283,7 +281,7 @@ bool Run::isOnlySlow() {
 bool Run::followTimeline(bool atRest) {
   if (timeline_.isOver(time())) return false;
   const double error = targetErrorNow();
-  const bool isAtTarget = atRest && target_.tiles() && target_.isWhereSpringsRest(error);
+  const bool isAtTarget = atRest && target_.tiles() && target_.isReachedAt(error);
   const TimelineView view = {time(),     atRest,          error, target_.startError(),
                              isAtTarget, &motion_.poses()};
   if (!timeline_.carryOut(view, *this, recorder_.events())) return false;
@@ -340,7 +338,7 @@ void Run::goOnFrom(const RunState& state) {
 
 // ------------------------------------------------------------------------------------------------
 // Words for how a run ends. What keeps a run from its target is named by the first of these that
-// holds: friction on the ground; contacts that carry load; steps that fail; joints that leave no freedom; a state that is
+// holds: contacts that carry load; steps that fail; joints that leave no freedom; a state that is
 // the nearest with closed joints; springs at hinges; else the pull balances itself.
 
 namespace {
@@ -350,9 +348,6 @@ constexpr double kCompliantStiffness = 1e3;
 
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
-
-// Tiles lie on the ground if they are no higher than this fraction of a tile above it.
-constexpr double kLyingShare = 1e-3;
 
 /// "contact stops tiles 3 and 4, tile 5 and the ground and 2 more".
 std::string contactWords(std::vector<std::string> contacts) {
@@ -389,7 +384,6 @@ RunEnding RunReasons::late() const {
   if (target_.isPulledTo()) {
     text += fmt::format(", {:.3g} from the target", target_.error(motion_.poses()));
   }
-  if (const std::string held = isSlow ? friction() : ""; !held.empty()) text += ": " + held;
   return {Outcome::OutOfTime, text};
 }
 
@@ -403,41 +397,10 @@ bool RunReasons::isImmobile() const {
   return found.isCounted && found.freedoms <= 0;
 }
 
-// Whether the ground's friction can hold each tile against all else that acts on it, contacts apart:
-// the horizontal force |F| <= mu m g. Empty if not, or if the tiles do not lie on the ground.
-std::string RunReasons::friction() const {
-  const scene::Environment& environment = bricks_.scene.environment;
-  const double weight = -environment.gravity.z();
-  if (!environment.ground || !(environment.ground->friction * weight > 0)) return "";
-  const double highest = environment.ground->height + bricks_.scene.brick.thickness +
-                         kLyingShare * bricks_.tileSize;
-  for (const model::Tile& tile : model::bottomTiles(bricks_.bricks, motion_.poses())) {
-    for (const Vector3& vertex : tile.vertices) {
-      if (vertex.z() > highest) return "";
-    }
-  }
-  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
-  const std::vector<Vector6> forces = forces_.appliedForces(forces_.time(), atRest);
-  double pull = 0, most = 1;
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const double force = forces[i].head<2>().norm();
-    const double held = environment.ground->friction * bricks_.bricks[i].mass * weight;
-    if (force > held) return "";
-    if (pull * held > force * most) continue;
-    pull = force;
-    most = held;
-  }
-  return fmt::format(
-      "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, friction "
-      "holds mu m g = {:.3g} N; lower --ground-friction or raise --spring-stiffness",
-      pull, most);
-}
-
 // What keeps a run from its target that has come to rest.
 std::string RunReasons::holdup() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline does not tell why";
-  if (const std::string held = friction(); !held.empty()) return held;
   const std::vector<std::string> contacts = motion_.solver().loadedContacts();
   if (!contacts.empty()) return contactWords(contacts);
   if (rest_.isStuck(motion_.poses())) return "exact joints leave the tiles no way on";
@@ -447,12 +410,8 @@ std::string RunReasons::holdup() const {
         "(--path guided --joint-stiffness {:.1g})",
         kCompliantStiffness * usualStiffness(bricks_.scene.springs, bricks_.bricks));
   }
-  const double error = target_.error(motion_.poses());
-  if (target_.isNearest(error)) return "no state with closed joints was found nearer";
-  if (target_.isWhereSpringsRest(error)) {
-    return fmt::format(
-        "the springs rest there; a state with closed joints {:.3g} from the target is known",
-        target_.nearestError());
+  if (target_.isReachedAt(target_.error(motion_.poses()))) {
+    return "no state with closed joints was found nearer";
   }
   if (bricks_.scene.hinges.areOn()) return "the springs at the hinges hold them";
   return "a local minimum of the pull, no small move brings the tiles nearer";
