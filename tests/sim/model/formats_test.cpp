@@ -622,7 +622,7 @@ TEST(FileEndings, MayHaveCapitals) {
   // Read as the format that its ending names.
   folder.write("c.Svg", "<svg></svg>");
   EXPECT_THAT([&] { model::readModel(folder.path() / "c.Svg", {}, warnings); },
-              testing::ThrowsMessage<InputError>(testing::HasSubstr("there are no tiles in it")));
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("no lines of a sheet")));
 }
 
 TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
