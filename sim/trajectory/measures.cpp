@@ -220,12 +220,19 @@ Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
   return box;
 }
 
-/// Whether two sets of pieces, each of one brick, may overlap deeper than `known`, 0 or more, as
-/// far as their boxes tell.
+/// How far one box must move along each axis, one way or the other, to be clear of the other;
+/// negative when it is clear already. As large as both boxes together allow: a box that reaches
+/// beyond the other on both sides must move by more than they share.
+Vector3 overlapsOf(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
+  return (a.max() - b.min()).cwiseMin(b.max() - a.min());
+}
+
+/// Whether two sets of pieces, each of one brick, may overlap deeper than `known`, 0 or more.
+/// False only if they do not: the axes of the boxes are axes too, so the least overlap of the boxes
+/// bounds the depth from above.
 bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
                   const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
-  const Vector3 overlaps = boxA.max().cwiseMin(boxB.max()) - boxA.min().cwiseMax(boxB.min());
-  // The axes of the boxes are axes too: the least overlap of the boxes bounds the depth from above.
+  const Vector3 overlaps = overlapsOf(boxA, boxB);
   const double least = overlaps.minCoeff();
   if (least > known) return true;
   if (least <= 0 || overlaps.maxCoeff() <= known) return false;
