@@ -23,6 +23,7 @@
 #include "sim/deploy/run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -40,6 +41,8 @@ namespace {
 
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
+// Of the energy that was put in, steps may add this share without a warning.
+constexpr double kEnergyGain = 0.01;
 
 }  // namespace
 
@@ -76,21 +79,24 @@ DeploymentResult Run::finish() {
   return result();
 }
 
-// Closes joints, sets the first velocities and measures the start.
+// Closes joints, does what the timeline has for the start, sets the first velocities and measures.
 void Run::start() {
   const scene::Scene& scene = bricks_.scene;
   Motion& now = motion_.now();
   joints_.closeAtStart(motion_, recorder_.figures());
+  now.velocities.assign(bricks_.bricks.size(), Velocity{});
+  motion_.beginHere();
   goTo(nullptr);
+  followTimeline(false);
   if (scene.velocities.empty()) {
-    now.velocities.assign(bricks_.bricks.size(), Velocity{});
-    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
+    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
   } else {
     now.velocities = scene::initialVelocities(scene.velocities, bricks_.bricks, now.poses);
     if (!scene.path.jointsAreCompliant()) motion_.solver().fitVelocities(now);
   }
   motion_.beginHere();
   recorder_.begin(drive_.jointsAreCompliant());
+  startEnergy_ = recorder_.account().now.work;
 }
 
 // Where a step is ended from within, the solver is in no state to go on from: the checkpoint before
@@ -208,11 +214,25 @@ DeploymentResult Run::result() {
     result.elasticity =
         model::elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
   }
+  warnOfEnergy(result.warnings);
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;
   result.pathReason = joints_.trouble();
   result.cost.cpuSeconds = spent_.seconds();
   return result;
+}
+
+// Steps of first order, and stiff springs, may give a run energy that nothing has put in.
+void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
+  if (bricks_.scene.actuation.drive != scene::Drive::None) return;
+  const trajectory::Energies now = recorder_.account().now;
+  const double gain = -now.integrated();
+  const double source = std::max(startEnergy_, std::abs(now.work));
+  if (!(gain > kEnergyGain * source)) return;
+  warnings.push_back(fmt::format(
+      "energy grows by {:.3g} J ({:.2g}% of what was put in), though nothing drives the bricks; "
+      "use a smaller --{}",
+      gain, 100 * gain / source, keepsTolerance(bricks_.scene) ? "tolerance" : "timestep"));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -303,7 +323,7 @@ void Run::reset() {
   motion_.goBack();
   joints_.hold(motion_.solver());
   goTo(nullptr);
-  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
+  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
 }
 
 void Run::quit() {

@@ -114,6 +114,7 @@ class Run : private TimelineStage {
   void end(RunEnding ending);
   void interrupt() { end({Outcome::Interrupted, "ended early by the caller"}); }
   DeploymentResult result();
+  void warnOfEnergy(std::vector<std::string>& warnings) const;
 
   // What may go on at rest.
   bool watchesStall() const;
@@ -150,6 +151,7 @@ class Run : private TimelineStage {
   RunRecorder recorder_;
   Checkpoints* checkpoints_;
   SpentTime spent_;
+  double startEnergy_ = 0;  // of all bricks and springs, joules
   bool isTrial_ = false;
   std::optional<RunEnding> ending_;  // once it has ended
 };
