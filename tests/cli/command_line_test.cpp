@@ -80,7 +80,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
                                           "-9.81",
                                           "--ground",
                                           "--contacts",
-                                          "none",
+                                          "unjoined",
                                           "--brick-friction",
                                           "0.2",
                                           "--linear-damping",
@@ -116,7 +116,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.environment.gravity, Vector3(0, 0, -9.81));
   ASSERT_TRUE(scene.environment.ground);
   EXPECT_EQ(scene.environment.ground->friction, 0.5);
-  EXPECT_EQ(scene.environment.contacts, scene::ContactFilter::None);
+  EXPECT_EQ(scene.environment.contacts, scene::ContactFilter::Unjoined);
   EXPECT_EQ(scene.environment.brickFriction, 0.2);
   EXPECT_EQ(scene.environment.linearDamping, 0.1);
   EXPECT_EQ(scene.environment.angularDamping, 0.2);
@@ -151,13 +151,11 @@ TEST(CommandLine, SpringsFollowFromTheModelUnlessSpelledAsPyKirigamiDoes) {
 
 TEST(CommandLine, ReadsEveryPictureOption) {
   const record::RecordSettings settings =
-      recordOrder({"record",         "fan",         "--out",      "here",
-                   "--size",         "640x360",     "--fps",      "30",
-                   "--grid",         "2x4",         "--view",     "top",
-                   "--snapshots",    "time",        "--frames",   "--no-video",
-                   "--no-snapshots", "--no-meshes", "--captions", "angle,gap",
-                   "--scale-bar",    "--dpi",       "300",        "--svg",
-                   "--gl",           "egl"})
+      recordOrder({"record",     "fan",         "--out",       "here",      "--size",
+                   "640x360",    "--fps",       "30",          "--grid",    "2x4",
+                   "--view",     "top",         "--snapshots", "time",      "--frames",
+                   "--no-video", "--no-meshes", "--captions",  "angle,gap", "--scale-bar",
+                   "--dpi",      "300",         "--svg",       "--gl",      "egl"})
           .settings;
   EXPECT_EQ(settings.folder, "here");
   EXPECT_EQ(settings.size, (picture::FrameSize{640, 360}));
@@ -172,20 +170,22 @@ TEST(CommandLine, ReadsEveryPictureOption) {
   EXPECT_TRUE(settings.svg);
   EXPECT_EQ(settings.graphics, picture::GraphicsLibrary::Egl);
   EXPECT_TRUE(settings.frames);
-  EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes);
+  EXPECT_FALSE(settings.video || settings.meshes);
+  EXPECT_FALSE(recordOrder({"record", "fan", "--no-snapshots"}).settings.snapshots);
 }
 
 TEST(CommandLine, ReadsEveryOptionOfTheLook) {
   const picture::Look look =
       recordOrder({"record", "fan", "--theme", "dark", "--colour", "rotation", "--colour-map",
-                   "cividis", "--colour-most", "90", "--brick-colour", "#102030", "--ground-look",
-                   "shadow", "--transparent", "--no-outlines", "--mark-joints", "--target-lines"})
+                   "cividis", "--colour-most", "90", "--ground-look", "shadow", "--transparent",
+                   "--no-outlines", "--mark-joints", "--target-lines"})
           .settings.look;
   EXPECT_EQ(look.theme, picture::Theme::Dark);
   EXPECT_EQ(look.colouring, picture::Colouring::Rotation);
   EXPECT_EQ(look.map, picture::ColourMap::Cividis);
   EXPECT_EQ(look.colourMost, 90);
-  EXPECT_EQ(look.brickColour, (picture::Colour{16, 32, 48}));
+  EXPECT_EQ(recordOrder({"record", "fan", "--brick-colour", "#102030"}).settings.look.brickColour,
+            (picture::Colour{16, 32, 48}));
   EXPECT_EQ(look.ground, picture::GroundLook::Shadow);
   EXPECT_TRUE(look.transparent && look.jointMarks && look.targetLines);
   EXPECT_FALSE(look.outlines);
@@ -194,14 +194,14 @@ TEST(CommandLine, ReadsEveryOptionOfTheLook) {
 TEST(CommandLine, ReadsEveryOptionOfTheCamera) {
   const picture::Look look =
       recordOrder({"record", "fan", "--yaw", "30", "--projection", "parallel", "--zoom", "2",
-                   "--margin", "0.1", "--distance", "7", "--fit", "ends", "--orbit", "180",
-                   "--camera-keys", "0:50:-35:1,2.5:90:-20:1.5"})
+                   "--margin", "0.1", "--fit", "ends", "--orbit", "180", "--camera-keys",
+                   "0:50:-35:1,2.5:90:-20:1.5"})
           .settings.look;
   EXPECT_EQ(look.camera.view, picture::viewFromYawPitch(30 * M_PI / 180, -35 * M_PI / 180));
   EXPECT_EQ(look.camera.orthographic, true);
   EXPECT_EQ(look.camera.zoom, 2);
   EXPECT_EQ(look.camera.margin, 0.1);
-  EXPECT_EQ(look.camera.distance, 7);
+  EXPECT_EQ(recordOrder({"record", "fan", "--distance", "7"}).settings.look.camera.distance, 7);
   EXPECT_EQ(look.fit, picture::FitScope::Ends);
   EXPECT_EQ(look.camera.orbit, M_PI);
   const picture::CameraKey last{2.5, picture::viewFromYawPitch(90 * M_PI / 180, -20 * M_PI / 180),
