@@ -23,7 +23,7 @@ enum class StepOutcome { Good, JointsOpen, Overlapping };
 
 /// Where a step leads whose velocities were found.
 struct StepEnd {
-  Poses poses;
+  Poses poses;              ///< empty until the velocities are found
   Eigen::VectorXd closing;  ///< what closing the joints added to the move
   bool jumped = false;      ///< that was more than it should be
 };
@@ -209,7 +209,8 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
   }
   ++report_.steps;
   if (outcome != StepOutcome::Good || end_.jumped) ++report_.unconverged;
-  if (outcome != StepOutcome::Good && contactSource_) {
+  // A step whose velocities were not found has no end.
+  if (outcome != StepOutcome::Good && (contactSource_ || end_.poses.empty())) {
     standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
@@ -239,6 +240,7 @@ template <int D>
 // The step as a whole from its start: loads, system, contacts of before.
 StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSource& loads,
                                 bool warm) {
+  end_.poses.clear();
   loads(start.poses, loads_);
   beginStep(start, step);
   startRows(start.poses, step, warm);

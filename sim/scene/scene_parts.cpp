@@ -779,6 +779,12 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
         fmt::format("error: --ligaments works only in the plane, but {}. Remove one of them",
                     scene.solver.planar ? "--planar is off" : planar.reason));
   }
+  // --planar on keeps bricks in horizontal planes; it does not make tiles lie in one.
+  if (!model::liesFlat(scene.model.tiles, 1e-9 * model::modelSize(scene.model))) {
+    throw InputError(
+        "error: --ligaments works only in the plane, but the start is not flat. Remove "
+        "--ligaments, or turn the model into the plane of x and y");
+  }
   addJoints(scene, bricks, ties);
   return ties;
 }
