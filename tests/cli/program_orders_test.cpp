@@ -40,7 +40,6 @@ const std::vector<Choice> kChoices = {
     {"--planar", "auto", "off", "solver"},
     {"--path", "straight", "guided", "actuation"},
     {"--duration", "0.02", "0.01", "stop"},
-    {"--hinge-width", "0.02", "0.01", "recording"},
 };
 
 /// What a run is asked for, and how it is said.
@@ -254,8 +253,7 @@ class Respelling {
   }
 
   static std::vector<std::string> withDefaults(std::vector<std::string> words) {
-    words.insert(words.end(), {"--angular-damping", "0.050", "--elements-through=2"});
-    words.insert(words.end(), {"--walk-time", "6.0", "--contacts", "auto"});
+    words.insert(words.end(), {"--angular-damping", "0.050", "--contacts", "auto"});
     return words;
   }
 
