@@ -115,10 +115,8 @@ TEST(ProgramCheck, SaysHowMuchElementsMatter) {
   EXPECT_THAT(end.out, testing::ContainsRegex(
                            "check: final: 1 N at both ends moves them apart by [0-9.e-]+ m, "
                            "[0-9.e-]+ m with elements half as long \\([+-][0-9.]+%\\)"));
-  std::vector<std::string> meshes = order;
-  meshes.push_back("obj");
-  EXPECT_THAT(runKirireel(meshes).err,
-              HasSubstr("error: --check runs the jobs of decks; add inp to --format"));
+  EXPECT_THAT(runKirireel({"export", out, "--check", "--format", "obj"}).err,
+              HasSubstr("error: --check has no effect without a deck. Export inp or remove --check"));
 }
 
 TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
