@@ -1,6 +1,7 @@
 /// kirireel: reads the order, carries it out, says in one line what went wrong.
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -44,11 +45,9 @@ int carryOutOrder(const std::vector<std::string>& arguments) {
   }
 }
 
-}  // namespace
-
-int main(int argumentCount, char** arguments) {
+int runProgram(const std::vector<std::string>& arguments) {
   try {
-    return carryOutOrder({arguments + 1, arguments + argumentCount});
+    return carryOutOrder(arguments);
   } catch (const InputError& error) {
     // Of the user: what to mend stands in the message.
     return complain(kExitInputWrong, error.what());
@@ -61,4 +60,21 @@ int main(int argumentCount, char** arguments) {
   } catch (const std::exception& error) {
     return complain(kExitFailed, error.what());
   }
+}
+
+/// Ends the process without the end functions of libraries. Some wait for threads of theirs, which may never
+/// end: with little memory, OpenBLAS's threads (FFmpeg links it) repeat forever to allocate 128 MiB.
+[[noreturn]] void endProcess(int exitCode) {
+  std::fflush(nullptr);
+#ifdef __SANITIZE_ADDRESS__
+  std::exit(exitCode);  // looks for leaks
+#else
+  std::_Exit(exitCode);
+#endif
+}
+
+}  // namespace
+
+int main(int argumentCount, char** arguments) {
+  endProcess(runProgram({arguments + 1, arguments + argumentCount}));
 }

@@ -275,6 +275,18 @@ TEST(BadSystem, TooLittleMemory) {
       1, "error: there is too little memory; allow more, or ask for less: fewer tiles, a smaller");
 }
 
+TEST(BadSystem, LibraryThatNeverEnds) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers want to be the first library";
+#endif
+  const std::string preload = "LD_PRELOAD=" KIRIREEL_ENDLESS_LIBRARY;
+  const auto run = [&preload](const std::string& word) {
+    return runTool("env", {preload, "timeout", "--signal=KILL", "20", KIRIREEL_PROGRAM, word});
+  };
+  EXPECT_EQ(run("--version").exitCode, 0);
+  EXPECT_EQ(run("--no-such-option").exitCode, 2);
+}
+
 TEST(BadSystem, StandardOutputThatIsFull) {
   ProgramSetting setting;
   setting.output = "/dev/full";

@@ -17,8 +17,12 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2]
 
 def copy_sources(folder):
     """What a clone has."""
-    names = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCES, check=True, capture_output=True).stdout
-    for name in filter(None, names.decode().split("\0")):
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCES, capture_output=True)
+    if listed.returncode != 0:
+        # No clone: everything but what was made.
+        shutil.copytree(SOURCES, folder, ignore=shutil.ignore_patterns("build", "out"))
+        return
+    for name in filter(None, listed.stdout.decode().split("\0")):
         if (SOURCES / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(SOURCES / name, folder / name)
