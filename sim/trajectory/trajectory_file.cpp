@@ -893,7 +893,8 @@ struct TrajectoryReader::FileRun final : Internals {
     }
     // A hold belongs to the sample with exactly its time, as the writer stores both from one
     // number.
-    const auto [first, last] = std::ranges::equal_range(holdTimes, times[index]);
+    const auto [first, last] =
+        std::equal_range(holdTimes.begin(), holdTimes.end(), times[index]);
     result.holds.assign(holds.begin() + (first - holdTimes.begin()),
                         holds.begin() + (last - holdTimes.begin()));
     return result;
