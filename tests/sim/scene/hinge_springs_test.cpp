@@ -166,8 +166,9 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
     scene::Scene there = scene;
     there.model.tiles = *scene.model.target;
     EXPECT_NEAR(spring.rest, springOf(there).hinge.start, 1e-15) << faces;
+    // A mountain seen from the upper side of the first tile rests on the other side.
     scene.hinges.rest = 20 * kDegree;
-    EXPECT_EQ(springOf(scene).rest, 20 * kDegree);
+    EXPECT_EQ(springOf(scene).rest, std::copysign(20 * kDegree, spring.rest));
     scene.hinges.own = {{0, 1, {}, 40 * kDegree, {}, {}}};
     EXPECT_EQ(springOf(scene).rest, 40 * kDegree);
   }
