@@ -45,10 +45,23 @@ void addWaypoints(Scene& scene) {
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
+/// Letters without angles fold by 180 degrees only if nothing else says how far: springs with a
+/// rest angle of their own fold the sheet instead of a pull to a target.
+void foldBySprings(Scene& scene) {
+  const bool givesTarget = scene.model.drawing && scene.model.drawing->givesTarget;
+  const bool areSprung = scene.hinges.stiffness > 0 && scene.hinges.rest;
+  if (!givesTarget || !areSprung || scene.actuation.drive != Drive::Auto) return;
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::None;
+}
+
 /// The chain of targets becomes the model's target and, before it, entries of the timeline.
 void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
                 std::vector<std::string>& warnings) {
-  if (files.empty()) return addWaypoints(scene);
+  if (files.empty()) {
+    foldBySprings(scene);
+    return addWaypoints(scene);
+  }
   scene.model.waypoints.clear();
   Timeline chain;
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
