@@ -241,6 +241,10 @@ TileTable readTiles(const fs::path& file) {
   while (text.next(line)) {
     requireWholeVertices(text, line, table.tiles.size(), line.fields.size());
     const std::size_t count = countWithoutPadding(line);
+    // A word that is no number is the likelier mistake where few vertices are left.
+    for (std::size_t k = 0; count < line.fields.size() && k < count; ++k) {
+      parseCoordinate(line.fields[k], text.at(line, line.fields[k]));
+    }
     requireWholeVertices(text, line, table.tiles.size(), count);
     Tile& tile = table.tiles.emplace_back();
     TileSource& source = table.sources.emplace_back();
