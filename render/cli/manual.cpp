@@ -596,15 +596,17 @@ class Run(Trajectory):
     def summary(self) -> Dict[str, Any]: ...
     def save(self, folder: _Path) -> List[str]: ...
 
-def read(path: _Path, *, joints_file: Optional[_Path] = ..., strict: bool = ...) -> Model: ...
+def read(path: _Path, *, joints_file: Optional[_Path] = ..., frame: int = ..., fold: float = ...,
+         join_coplanar: bool = ..., strict: bool = ...) -> Model: ...
 def open(path: _Path) -> Trajectory: ...
 )";
 
 }  // namespace
 
 const std::vector<std::string>& optionsNotForRuns() {
-  static const std::vector<std::string> names = {"help",        "out",    "json", "resume",
-                                                 "joints_file", "strict", "page"};
+  static const std::vector<std::string> names = {"help",        "out",   "json", "resume",
+                                                 "joints_file", "frame", "fold", "join_coplanar",
+                                                 "strict",      "page"};
   return names;
 }
 

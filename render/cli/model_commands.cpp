@@ -120,9 +120,25 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
   requireGiven(order.output, "OUT", command);
 }
 
+/// Of what only FOLD files hold.
+void warnOfLosses(const model::Model& model, const std::filesystem::path& output) {
+  if (output.extension() == ".fold") return;
+  std::vector<std::string> lost;
+  if (!model.waypoints.empty()) {
+    lost.push_back(fmt::format("{} targets before the last", model.waypoints.size()));
+  }
+  if (!model.foldAngles.empty()) {
+    lost.push_back(fmt::format("{} fold angles", model.foldAngles.size() / 2));
+  }
+  if (lost.empty()) return;
+  printWarnings({fmt::format("{}: warning: this format does not hold {}; a .fold file does",
+                             output.string(), fmt::join(lost, " and "))});
+}
+
 int carryOut(const ConvertOrder& order) {
   const model::Model model = readModelAt(order.input, order.target, order.reading);
   model::writeModel(model, order.output);
+  warnOfLosses(model, order.output);
   fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
              model.joints.size(), model.target ? ", a target" : "");
   return kExitDone;

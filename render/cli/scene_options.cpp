@@ -263,6 +263,23 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
         return name.empty() ? "" : scene::quotedText(name);
       });
   group
+      .value("--frame", "N", "all that are states of one sheet",
+             "frame of a FOLD file to read as the model, 0 for the file's own keys",
+             [&settings](const scene::TypedValue& typed) {
+               settings.frame = static_cast<int>(scene::parseInteger(typed, scene::Range{0, 1e6}));
+             })
+      .saidAs([&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
+  group
+      .value("--fold", "FRACTION", "1",
+             "how far M and V edges of a FOLD file fold that have no angle, as a fraction of 180 "
+             "degrees",
+             [&settings](const scene::TypedValue& typed) {
+               settings.fold = scene::parseNumber(typed, scene::Range{1e-3, 1});
+             })
+      .saidAs([&settings] { return settings.fold ? fmt::format("{}", *settings.fold) : ""; });
+  group.flag("--join-coplanar", settings.joinCoplanar,
+             "faces of an OBJ or PLY mesh that share an edge and lie in one plane are one tile");
+  group
       .flag("--strict", settings.strict,
             "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
             "instead of mending them")

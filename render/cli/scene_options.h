@@ -79,8 +79,8 @@ inline constexpr const char* kModelHelp =
 /// Adds --target. Empty when it was not given. The target must outlive the parsing.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
-/// Adds --joints-file and --strict. Both decide how files are read, and no more. The settings must
-/// outlive the parsing.
+/// Adds --joints-file, --frame, --fold, --join-coplanar and --strict. They decide how files are
+/// read, and no more. The settings must outlive the parsing.
 void addReadOptions(OptionGroup& group, model::ReadSettings& settings);
 
 /// Where a model stands: as named, or in data/ when it stands only there, or among the models that

@@ -41,6 +41,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/geometry.h"
+#include "sim/model/model_formats.h"
 #include "sim/model/read_model.h"
 
 namespace kirireel::exports {
@@ -226,12 +227,14 @@ class Exporter {
     });
   }
 
-  /// In rising time, the first being the frame that others inherit from.
-  std::vector<SheetState> sheets() const {
-    std::vector<SheetState> states;
+  /// The start and the chosen states, in rising time.
+  std::vector<model::FoldState> foldStates() const {
+    const auto title = [](double time) { return fmt::format("t = {} s", time); };
+    const double begin = trajectory_.times().front();
+    std::vector<model::FoldState> states = {{title(begin), {}}};
     for (const ChosenState& state : states_) {
       const trajectory::Sample sample = trajectory_.sample(state.sample);
-      states.push_back({sample.time, sheetOf(sample)});
+      if (sample.time > begin) states.push_back({title(sample.time), sheetOf(sample)});
     }
     return states;
   }
@@ -462,7 +465,7 @@ void writeGlb(Exporter& exporter, const Path& file) {
 }
 
 void writeFold(Exporter& exporter, const Path& file) {
-  writeTextFile(file, foldText(model::inFileOrder(exporter.subject().model), exporter.sheets()));
+  writeTextFile(file, model::foldText(exporter.subject().model, exporter.foldStates()));
 }
 
 void writeSvg(Exporter& exporter, const Path& file) {

@@ -106,19 +106,6 @@ std::string patternDxf(const std::vector<PatternLine>& lines);
 /// to the same doubles. Lengths in metres.
 std::string planarObjText(const std::vector<model::Tile>& tiles);
 
-/// A sheet at one time.
-struct SheetState {
-  double time = 0;                 ///< seconds
-  std::vector<model::Tile> tiles;  ///< of the sheet, in the order of the model's file
-};
-
-/// The text of a FOLD 1.2 file: the first state as its own frame, the others in `file_frames`,
-/// which inherit all but the coordinates. Vertices that joints of the bottom (or of both faces)
-/// hold together are one vertex, at the mean of its corners; edges of one tile are boundaries
-/// ("B"), of two flat folds ("F"). `kirireel:joints` holds the model's joints as rows of tile,
-/// vertex, tile, vertex, face. At least one state; all have the model's tiles in its order.
-std::string foldText(const model::Model& model, const std::vector<SheetState>& states);
-
 // ------------------------------------------------------------------------------------------------
 // The outline of a sheet as it is cut: tiles in one piece with the necks of material at their
 // joints, slits open by the kerf.

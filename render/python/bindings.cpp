@@ -197,8 +197,8 @@ py::array_t<int> jointArray(const model::Model& model) {
   return array;
 }
 
-/// Options are `record`'s own, joints_file and strict. Warnings are told once the interpreter is
-/// held again.
+/// Options are `record`'s own that decide how files are read. Warnings are told once the
+/// interpreter is held again.
 cli::LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   const std::vector<std::string> words = optionWords(options, {});
   cli::LoadedModel loaded = withoutInterpreter([&] { return cli::loadModel(path, words); });
@@ -253,7 +253,8 @@ void addModels(py::module_& module) {
       .def("__repr__", &describeModel);
   module.def("read", &read, "path"_a,
              "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
-             "joints_file and strict are its options. What was mended is told as a UserWarning.");
+             "joints_file, frame, fold, join_coplanar and strict are its options. What was mended "
+             "is told as a UserWarning.");
   module.def("generate", &generate, "family"_a, cli::generateDoc(cli::describeProgram()).c_str());
 }
 

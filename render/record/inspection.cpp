@@ -131,6 +131,18 @@ std::string needText(const char* name, const scene::Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
+/// "0-3,7" of rising numbers from 0, as --tile-colour takes them.
+std::string tilesText(const std::vector<int>& tiles, int countsFrom) {
+  std::string text;
+  for (std::size_t k = 0, end = 0; k < tiles.size(); k = end) {
+    for (end = k + 1; end < tiles.size() && tiles[end] == tiles[end - 1] + 1;) ++end;
+    if (k > 0) text += ',';
+    text += fmt::format("{}", countsFrom + tiles[k]);
+    if (end > k + 1) text += fmt::format("-{}", countsFrom + tiles[end - 1]);
+  }
+  return text;
+}
+
 /// "12 with 3 vertices, 4 with 4".
 template <typename Map>
 /// `pattern` has a place for the count and one for the key.
@@ -156,6 +168,10 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
     ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
   }
   for (const model::Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
+  for (std::size_t tile = 0; tile < model.tileNames.size(); ++tile) {
+    const std::string& name = model.tileNames[tile];
+    if (!name.empty()) inspection.tilesByName[name].push_back(static_cast<int>(tile));
+  }
   inspection.size = model::modelSize(model);
   inspection.tileSize = model::tileSize(model);
   inspection.suggestedThickness = model::kUsualThickness * inspection.tileSize;
@@ -190,6 +206,10 @@ std::string inspectionText(const Inspection& inspection) {
         fmt::format("coordinates are rounded to {:g} m: singular values below {:.2g} are zero\n",
                     inspection.rounding, inspection.zeroSingularValue);
   }
+  for (const auto& [name, tiles] : inspection.tilesByName) {
+    text += fmt::format("name {}: tiles {}\n", shown(name, 60),
+                        tilesText(tiles, inspection.countsFrom));
+  }
   for (const std::string& mend : inspection.mends) text += mend + "\n";
   text += stateText("start", inspection.start, inspection.countsFrom);
   if (inspection.target) {
@@ -213,6 +233,7 @@ std::string inspectionJson(const Inspection& inspection) {
     json["tiles"][fmt::format("{}", vertices)] = count;
   }
   json["joints"] = Json(inspection.jointsByKind);
+  json["names"] = Json(inspection.tilesByName);
   json["size"] = inspection.size;
   json["tile_size"] = inspection.tileSize;
   json["suggested_thickness"] = inspection.suggestedThickness;

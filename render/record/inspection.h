@@ -32,9 +32,10 @@ struct Inspection {
   std::string name;                         ///< of the model
   std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
   std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
-  double size = 0;                          ///< diagonal of the start, metres
-  double tileSize = 0;                      ///< mean edge, metres
-  double suggestedThickness = 0;            ///< of bricks, metres: a fiftieth of a tile
+  std::map<std::string, std::vector<int>> tilesByName;  ///< of groups and materials in its file
+  double size = 0;                                      ///< diagonal of the start, metres
+  double tileSize = 0;                                  ///< mean edge, metres
+  double suggestedThickness = 0;                        ///< of bricks, metres: a fiftieth of a tile
   double rounding = 0;             ///< the last digit of its coordinates, metres; 0 for all digits
   double zeroSingularValue = 0;    ///< what counts as zero because of that
   int countsFrom = 0;              ///< the first number of tiles and vertices in its file

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <fstream>
 #include <new>
+#include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -112,6 +113,13 @@ std::string readTextFile(const std::filesystem::path& file, const std::string& p
 
 Json parseJson(std::string_view text) {
   return Json::parse(text);
+}
+
+Json parseJson(std::string_view text, int mostNested) {
+  return Json::parse(text, [&](int depth, Json::parse_event_t, const Json&) {
+    if (depth > mostNested) throw std::length_error("nested too deep");
+    return true;
+  });
 }
 
 Json parseJsonOrDiscard(std::string_view text) {

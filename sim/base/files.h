@@ -79,6 +79,11 @@ using Json = nlohmann::ordered_json;
 /// What a JSON text says. Throws nlohmann::json::parse_error, which says where its syntax is wrong.
 Json parseJson(std::string_view text);
 
+/// The same for a file of others. Throws std::length_error if values are nested deeper than that:
+/// the library compares and copies them by recursion, which such a file takes to the end of the
+/// stack.
+Json parseJson(std::string_view text, int mostNested);
+
 /// The same, but discarded (Json::is_discarded) where the syntax is wrong.
 Json parseJsonOrDiscard(std::string_view text);
 

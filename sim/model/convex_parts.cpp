@@ -481,6 +481,8 @@ Model splitTiles(const Model& model, const std::vector<int>& tiles) {
     if (model.tiles[tile].vertices.size() > 3) splitter.split(tile);
   }
   Model result = splitter.take();
+  result.drawing.reset();  // its faces are not the parts
+  result.tileNames.clear();
   // Parts have an order of their own.
   if (!result.fileOrder.isReversed.empty()) result.fileOrder.isReversed.resize(result.tiles.size());
   for (const int tile : wanted) {

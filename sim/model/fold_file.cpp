@@ -1,18 +1,25 @@
-// FOLD as the origami programs write it, and Kirireel's own keys in it.
+// FOLD (1.0 to 1.2) as origami programs write it, and Kirireel's own keys in it.
 //
-// Reading goes through the file in four steps.
-// 1. Faces: faces_vertices of the file, or of the first frame that has them.
-// 2. States: vertices_coords of the file and of each frame that has some. The first is the start,
-//    the last the target.
-// 3. Joints: the key kirireel:joints, where there is one ([tile, vertex, tile, vertex, face, kind]
+// Reading goes through the file in five steps.
+// 1. Frames: the file's own keys are frame 0, file_frames are the others. A frame has its own keys
+//    and, if it inherits, those of its parent. The model is the first frame with coordinates and
+//    faces or edges. Later frames with the same faces or edges and coordinates of their own are
+//    states of the same sheet: targets, one after the other. Others are models of their own.
+// 2. Faces: faces_vertices, else faces_edges, else the faces of the planar drawing (faces.h). Slits
+//    and repeated vertices are removed, and faces that J edges join become one tile.
+// 3. Joints: the key kirireel:joints, if it exists ([tile, vertex, tile, vertex, face, kind]
 //    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (model_formats.h).
-// 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle. With
-//    any number of them, springs at folds rest at these angles.
+// 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle. M and
+//    V edges of a flat sheet without an angle fold by 180 degrees, or by the requested fraction.
+//    The sheet may lie in any plane; its upper side is where its faces run anticlockwise. A flat
+//    foldedForm is folded already, and its angles describe it.
+// 5. Springs at folds rest at these angles.
 //
-// Writing merges corners into one vertex only where they agree to the last bit in both states, so
-// that reading gives the same doubles back. Joints of corners that differ by rounding survive
-// through kirireel:joints. nlohmann's ordered_json keeps the order of keys, so that the same model
-// gives the same bytes.
+// A model keeps the vertices, edges and faces of its file (Drawing), so that writing gives the
+// same. Without them, writing merges corners into one vertex only if they agree to the last bit in
+// all states, so that reading gives the same doubles. Joints of corners that differ by rounding
+// survive through kirireel:joints. nlohmann's ordered_json keeps the order of keys, so that the
+// same model gives the same bytes.
 //
 // The library throws where types do not fit; every access below is checked first, so that messages
 // speak of faces and edges.
@@ -24,6 +31,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -32,6 +40,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/model/faces.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
@@ -42,11 +51,19 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kJoints = "kirireel:joints";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
+constexpr const char* kTarget = "kirireel:target";
+
+// Values of FOLD are nested five deep; keys of other programs may hold more.
+constexpr int kMostNested = 64;
 
 // The whole file as JSON; its syntax errors as ours.
 Json parsedFile(const fs::path& file) {
   try {
-    return parseJson(readTextFile(file, "give a FOLD file"));
+    return parseJson(readTextFile(file, "give a FOLD file"), kMostNested);
+  } catch (const std::length_error&) {
+    throw inputErrorAt({file}, fmt::format("its values are nested more than {} deep, and those of "
+                                           "FOLD 5 deep; give a FOLD file",
+                                           kMostNested));
   } catch (const Json::exception& error) {
     // The library's texts begin with "[json.exception.parse_error.101] ", which helps nobody.
     const std::string_view text = error.what();
@@ -68,101 +85,77 @@ bool fitsInt(const Json& value) {
 /// One value of the file, with the words for what is wrong with it.
 class FoldReader {
  public:
-  explicit FoldReader(const fs::path& file) : file_(file), whole_(parsedFile(file)) {
+  FoldReader(const fs::path& file, const ReadSettings& settings)
+      : file_(file), whole_(parsedFile(file)) {
     if (!whole_.is_object()) throw fault("the file holds no JSON object; give a FOLD file");
+    findFrames();
+    chooseFrame(settings);
   }
 
-  /// The corner numbers of the faces.
-  CornerNumbers faces() const {
-    // Frames inherit the faces in most files; some programs write them into the frames instead.
-    const Json* faces = find(whole_, "faces_vertices");
-    for (const Json* frame : frames()) {
-      if (faces == nullptr) faces = find(*frame, "faces_vertices");
-    }
-    if (faces == nullptr || !faces->is_array() || faces->empty()) {
-      throw fault(
-          "there are no faces_vertices; a sheet needs its faces: add them, or fold and save the "
-          "pattern with a program that finds them");
-    }
-    CornerNumbers numbers;
-    for (const Json& face : *faces) {
-      numbers.push_back(wholeNumbers(face, numbers.size()));
-      if (numbers.back().size() >= 3) continue;
-      throw fault(
-          fmt::format("face {} has {} vertices; a tile has at least 3: complete it or "
-                      "delete it",
-                      numbers.size() - 1, numbers.back().size()));
-    }
-    return numbers;
-  }
-
-  /// The coordinates of all frames that have some.
+  /// The coordinates of the start, and after them those of all states of the same sheet.
   std::vector<std::vector<Vector3>> states() const {
     std::vector<std::vector<Vector3>> states;
-    const auto append = [&](const Json& frame) {
-      const Json* coordinates = find(frame, "vertices_coords");
-      if (coordinates != nullptr && !coordinates->empty()) states.push_back(points(*coordinates));
-    };
-    append(whole_);
-    for (const Json* frame : frames()) append(*frame);
-    if (states.empty()) throw fault("there are no vertices_coords; add the vertices' coordinates");
+    for (const int frame : states_) states.push_back(points(*find(frame, "vertices_coords")));
     return states;
   }
 
-  // The faces with coordinates of one state. Throws where a face names a vertex that is not there.
-  std::vector<Tile> tiles(const CornerNumbers& faces, const std::vector<Vector3>& points) const {
-    std::vector<Tile> tiles;
-    for (const std::vector<int>& face : faces) {
-      Tile& tile = tiles.emplace_back();
-      for (const int number : face) {
-        if (number < 0 || number >= std::ssize(points)) {
-          throw fault(
-              fmt::format("face {} has the vertex {}, but there are vertices 0-{}; correct "
-                          "it: FOLD counts from 0",
-                          tiles.size() - 1, number, points.size() - 1));
-        }
-        tile.vertices.push_back(points[number]);
+  /// The edges, sound: their ends are vertices, and they have as many letters and angles as there
+  /// are edges.
+  Drawing drawing(const std::vector<Vector3>& points) const {
+    Drawing drawing;
+    drawing.vertices = points;
+    const Json edges = edgeList();
+    for (const Json& edge : edges) {
+      const std::vector<int> ends = wholeNumbers(edge, drawing.creases.size());
+      const auto exists = [&](int end) { return end >= 0 && end < std::ssize(points); };
+      if (ends.size() != 2 || !std::ranges::all_of(ends, exists)) {
+        throw fault(
+            fmt::format("edge {} does not join two of the vertices 0-{}; correct it, or "
+                        "delete edges_vertices",
+                        drawing.creases.size(), points.size() - 1));
       }
+      drawing.creases.push_back({ends[0], ends[1]});
     }
-    return tiles;
+    // Without a list of edges, nothing says which edges letters and angles are of.
+    if (find("edges_vertices") != nullptr) {
+      addLetters(drawing);
+      addAngles(drawing);
+    }
+    addFaces(drawing);
+    drawing.isFolded = isFoldedForm();
+    return drawing;
   }
 
-  /// Joints come of faces that share corners, but a file whose edges are broken may be broken
-  /// elsewhere. `vertexCount`: of frames that have no coordinates of their own.
-  void requireSoundEdges(std::size_t vertexCount) const {
-    requireSoundEdges(whole_, vertexCount);
-    for (const Json* frame : frames()) requireSoundEdges(*frame, vertexCount);
+  /// The faces' vertices, each with a place.
+  void requireVertices(const CornerNumbers& faces, std::size_t count) const {
+    for (std::size_t face = 0; face < faces.size(); ++face) {
+      for (const int number : faces[face]) {
+        if (number >= 0 && number < static_cast<long>(count)) continue;
+        throw fault(
+            fmt::format("face {} has the vertex {}, but there are vertices 0-{}; correct "
+                        "it: FOLD counts from 0",
+                        face, number, count - 1));
+      }
+    }
   }
 
-  /// The edges of the first frame that has some, which requireSoundEdges has found to be sound.
-  std::vector<Crease> creases() const {
-    std::vector<const Json*> all = frames();
-    all.insert(all.begin(), &whole_);
-    for (const Json* frame : all) {
-      const Json* edges = find(*frame, "edges_vertices");
-      if (edges == nullptr) continue;
-      const Json* assignment = find(*frame, "edges_assignment");
-      const Json* angles = find(*frame, "edges_foldAngle");
-      std::vector<Crease> creases;
-      for (std::size_t k = 0; k < edges->size(); ++k) {
-        Crease& crease = creases.emplace_back();
-        crease.from = (*edges)[k][0].get<int>();
-        crease.to = (*edges)[k][1].get<int>();
-        if (assignment != nullptr) crease.assignment = letterOf((*assignment)[k]);
-        const bool hasAngle = angles != nullptr && (*angles)[k].is_number();
-        if (hasAngle) crease.foldAngle = (*angles)[k].get<double>();
-      }
-      return creases;
-    }
-    return {};
+  /// Whether the frame shows a folded state, whose letters do not say how to fold it.
+  bool isFoldedForm() const {
+    const Json* classes = find("frame_classes");
+    return classes != nullptr && classes->is_array() &&
+           std::ranges::find(*classes, Json("foldedForm")) != classes->end();
   }
 
   /// Kirireel's own list of joints; null when there is none.
-  const Json* ownJoints() const { return find(whole_, kJoints); }
+  const Json* ownJoints() const { return find(kJoints); }
+
+  /// The target of a deployment's file, whose frames are samples of a run; null in other files,
+  /// empty without a target.
+  const Json* ownTarget() const { return find(kTarget); }
 
   /// Kirireel's own list of pulled tiles, of so many; none when all are.
   std::optional<std::vector<int>> pulledTiles(std::size_t tileCount) const {
-    const Json* list = find(whole_, kPulled);
+    const Json* list = find(kPulled);
     if (list == nullptr) return std::nullopt;
     std::vector<int> pulled = wholeNumbers(*list, 0);
     for (const int tile : pulled) {
@@ -171,6 +164,41 @@ class FoldReader {
                               tile, tileCount - 1));
     }
     return pulled;
+  }
+
+  /// Appends one line about frames and one about keys that are not read.
+  void warnOfIgnored(const ReadSettings& settings, std::vector<std::string>& warnings) const {
+    const int count = static_cast<int>(frames_.size());
+    const int others = count - static_cast<int>(states_.size());
+    const bool isChain = states_.size() > 2;
+    const bool isOwn = ownTarget() != nullptr;
+    if (!settings.frame && !isOwn && (others > 0 || isChain)) {
+      std::string targets = isChain
+                                ? fmt::format(", frames {} are targets one after the other",
+                                              fmt::join(states_.begin() + 1, states_.end(), ", "))
+                            : states_.size() == 2 ? fmt::format(", frame {} its target", states_[1])
+                                                  : "";
+      warnings.push_back(fmt::format(
+          "{}: warning: of frames 0-{}, frame {} is the start{}{}; --frame N reads frame N only",
+          file_.string(), count - 1, frame_, targets,
+          others > 0 ? fmt::format(", and {} {} not read", others, others == 1 ? "is" : "are")
+                     : ""));
+    }
+    std::vector<std::string> ignored;
+    for (const char* key : {"faceOrders", "edgeOrders"}) {
+      const Json* list = find(key);
+      if (list != nullptr && !list->empty()) {
+        ignored.push_back(fmt::format("{} ({} entries)", key, list->size()));
+      }
+    }
+    int foreign = 0;
+    for (const auto& [key, value] : frames_[static_cast<std::size_t>(frame_)]->items()) {
+      foreign += key.find(':') != key.npos && !key.starts_with("kirireel:");
+    }
+    if (foreign > 0) ignored.push_back(fmt::format("{} keys of other programs", foreign));
+    if (ignored.empty()) return;
+    warnings.push_back(fmt::format("{}: warning: {} are not read; tiles have no order of layers",
+                                   file_.string(), fmt::join(ignored, ", ")));
   }
 
   // A list of numbers that fit an int. `index` names the entry in the message.
@@ -183,103 +211,6 @@ class FoldReader {
     if (list.is_array() && numbers.size() == list.size()) return numbers;
     throw fault(
         fmt::format("entry {} is no list of whole numbers; write vertex numbers, from 0", index));
-  }
-
-  InputError fault(const std::string& message) const { return inputErrorAt({file_}, message); }
-
- private:
-  // The value of a key; null where the object has none.
-  static const Json* find(const Json& object, const char* key) {
-    const auto found = object.find(key);
-    return found == object.end() ? nullptr : &*found;
-  }
-
-  // The frames beyond the file's own, in order.
-  std::vector<const Json*> frames() const {
-    std::vector<const Json*> found;
-    const Json* frames = find(whole_, "file_frames");
-    if (frames == nullptr) return found;
-    if (!frames->is_array()) throw fault("file_frames is no list of frames; correct or delete it");
-    for (const Json& frame : *frames) {
-      if (!frame.is_object()) {
-        throw fault(fmt::format("entry {} of file_frames is no JSON object; correct or delete it",
-                                found.size()));
-      }
-      found.push_back(&frame);
-    }
-    return found;
-  }
-
-  // Edges name two vertices each, and have as many letters and angles as there are edges.
-  void requireSoundEdges(const Json& frame, std::size_t vertexCount) const {
-    const Json* coordinates = find(frame, "vertices_coords");
-    // A frame without coordinates of its own inherits those of the file.
-    if (coordinates != nullptr && !coordinates->empty()) vertexCount = coordinates->size();
-    const Json* edges = find(frame, "edges_vertices");
-    if (edges == nullptr) return;
-    if (!edges->is_array()) throw fault("edges_vertices is no list of edges; correct or delete it");
-    std::size_t number = 0;
-    for (const Json& edge : *edges) {
-      const std::vector<int> ends = wholeNumbers(edge, number);
-      const auto exists = [&](int end) {
-        return end >= 0 && static_cast<std::size_t>(end) < vertexCount;
-      };
-      if (ends.size() != 2 || !std::ranges::all_of(ends, exists)) {
-        throw fault(
-            fmt::format("edge {} does not join two of the vertices 0-{}; correct it, or "
-                        "delete edges_vertices",
-                        number, vertexCount - 1));
-      }
-      ++number;
-    }
-    requireSoundAssignment(frame, edges->size());
-    requireSoundAngles(frame, edges->size());
-  }
-
-  void requireSoundAssignment(const Json& frame, std::size_t count) const {
-    const Json* assignment = find(frame, "edges_assignment");
-    if (assignment == nullptr) return;
-    if (!assignment->is_array() || assignment->size() != count) {
-      throw fault(
-          fmt::format("edges_assignment is no list of {} letters, one for each edge; correct "
-                      "or delete it",
-                      count));
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      if (letterOf((*assignment)[k]) != 0) continue;
-      throw fault(
-          fmt::format("edge {} has an assignment that FOLD does not know; write one of B, "
-                      "M, V, F, U, C, J",
-                      k));
-    }
-  }
-
-  void requireSoundAngles(const Json& frame, std::size_t count) const {
-    const Json* angles = find(frame, "edges_foldAngle");
-    if (angles == nullptr) return;
-    if (!angles->is_array() || angles->size() != count) {
-      throw fault(
-          fmt::format("edges_foldAngle is no list of {} angles, one for each edge; correct "
-                      "or delete it",
-                      count));
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      const Json& angle = (*angles)[k];
-      // FOLD writes null for edges whose angle is unknown, boundaries among them.
-      if (angle.is_null() || (angle.is_number() && std::abs(angle.get<double>()) <= 180)) continue;
-      throw fault(
-          fmt::format("edge {} has a fold angle that is no number of degrees from -180 to "
-                      "180, nor null; correct it",
-                      k));
-    }
-  }
-
-  /// The letter of an assignment as a capital; 0 where it is none.
-  static char letterOf(const Json& value) {
-    if (!value.is_string() || value.get_ref<const std::string&>().size() != 1) return 0;
-    const char letter =
-        static_cast<char>(std::toupper(static_cast<unsigned char>(value.get<std::string>()[0])));
-    return std::string_view("BMVFUCJ").find(letter) == std::string_view::npos ? '\0' : letter;
   }
 
   // Coordinates of all vertices, metres; z is 0 where it is not given.
@@ -300,19 +231,297 @@ class FoldReader {
     return points;
   }
 
+  InputError fault(const std::string& message) const { return inputErrorAt({file_}, message); }
+
+ private:
+  static const Json* own(const Json& object, const char* key) {
+    const auto found = object.find(key);
+    return found == object.end() ? nullptr : &*found;
+  }
+
+  // The value of a key in a frame or in those that it inherits from; null if none has it.
+  const Json* find(int frame, const char* key) const {
+    while (frame >= 0) {
+      const auto at = static_cast<std::size_t>(frame);
+      if (const Json* value = own(*frames_[at], key)) return value;
+      frame = parents_[at];
+    }
+    return nullptr;
+  }
+
+  const Json* find(const char* key) const { return find(frame_, key); }
+
+  void findFrames() {
+    frames_ = {&whole_};
+    const Json* frames = own(whole_, "file_frames");
+    if (frames != nullptr && !frames->is_array()) {
+      throw fault("file_frames is no list of frames; correct or delete it");
+    }
+    for (std::size_t k = 0; frames != nullptr && k < frames->size(); ++k) {
+      if (!(*frames)[k].is_object()) {
+        throw fault(
+            fmt::format("entry {} of file_frames is no JSON object; correct or delete it", k));
+      }
+      frames_.push_back(&(*frames)[k]);
+    }
+    for (std::size_t k = 0; k < frames_.size(); ++k) parents_.push_back(parentOf(k));
+    requireNoCircle();
+  }
+
+  /// The frame that a frame inherits from; -1 for none.
+  int parentOf(std::size_t k) const {
+    if (k == 0) return -1;
+    const Json& frame = *frames_[k];
+    const Json* inherits = own(frame, "frame_inherit");
+    const bool isState = inherits == nullptr && isBareState(frame);
+    if (!isState && (inherits == nullptr || *inherits != Json(true))) return -1;
+    const Json* parent = own(frame, "frame_parent");
+    if (parent == nullptr) return 0;
+    if (fitsInt(*parent) && parent->get<int>() >= 0 && parent->get<int>() < std::ssize(frames_)) {
+      return parent->get<int>();
+    }
+    throw fault(
+        fmt::format("frame {} has the frame_parent {}, but there are frames 0-{}; correct "
+                    "it",
+                    k, shown(parent->dump(), 24), frames_.size() - 1));
+  }
+
+  /// Some programs write a state without frame_inherit: as many coordinates as the key frame has,
+  /// and nothing else that makes a mesh.
+  bool isBareState(const Json& frame) const {
+    for (const char* key : kStructure) {
+      if (own(frame, key) != nullptr) return false;
+    }
+    const Json *coordinates = own(frame, "vertices_coords"), *all = own(whole_, "vertices_coords");
+    return coordinates != nullptr && all != nullptr && coordinates->size() == all->size();
+  }
+
+  void requireNoCircle() const {
+    for (std::size_t k = 0; k < frames_.size(); ++k) {
+      std::size_t steps = 0;
+      for (int at = parents_[k]; at >= 0; at = parents_[static_cast<std::size_t>(at)]) {
+        if (++steps <= frames_.size()) continue;
+        throw fault(fmt::format("frame {} inherits from itself; correct frame_parent", k));
+      }
+    }
+  }
+
+  bool hasCoordinates(int frame) const {
+    const Json* coordinates = find(frame, "vertices_coords");
+    return coordinates != nullptr && coordinates->is_array() && !coordinates->empty();
+  }
+
+  bool hasStructure(int frame) const {
+    return std::ranges::any_of(kStructure, [&](const char* key) {
+      const Json* list = find(frame, key);
+      return list != nullptr && list->is_array() && !list->empty();
+    });
+  }
+
+  void chooseFrame(const ReadSettings& settings) {
+    const int count = static_cast<int>(frames_.size());
+    if (settings.frame && *settings.frame >= count) {
+      throw fault(
+          fmt::format("there {}, not frame {}; correct --frame",
+                      count == 1 ? "is frame 0 only" : fmt::format("are frames 0-{}", count - 1),
+                      *settings.frame));
+    }
+    const auto holdsModel = [&](int frame) { return hasCoordinates(frame) && hasStructure(frame); };
+    frame_ = settings.frame.value_or(0);
+    while (!settings.frame && frame_ + 1 < count && !holdsModel(frame_)) ++frame_;
+    if (!hasCoordinates(frame_)) {
+      throw fault("there are no vertices_coords; add the vertices' coordinates");
+    }
+    if (!hasStructure(frame_)) {
+      throw fault(
+          "there are no faces_vertices and no edges_vertices; a sheet needs its faces, or the "
+          "edges that they are found from: add them");
+    }
+    states_ = {frame_};
+    if (settings.frame || ownTarget() != nullptr) return;
+    for (int frame = frame_ + 1; frame < count; ++frame) {
+      if (isStateOfSheet(frame)) states_.push_back(frame);
+    }
+  }
+
+  bool isStateOfSheet(int frame) const {
+    const Json *own = find(frame, "vertices_coords"), *start = find("vertices_coords");
+    if (!hasCoordinates(frame) || own == start || own->size() != start->size()) return false;
+    if (!hasStructure(frame)) return false;
+    return std::ranges::all_of(kStructure, [&](const char* key) {
+      const Json *theirs = find(frame, key), *ours = find(key);
+      return theirs == nullptr || theirs == ours || (ours != nullptr && *theirs == *ours);
+    });
+  }
+
+  /// edges_vertices, else the neighbours of vertices_vertices, each pair once.
+  Json edgeList() const {
+    const Json* edges = find("edges_vertices");
+    if (edges != nullptr) {
+      if (edges->is_array()) return *edges;
+      throw fault("edges_vertices is no list of edges; correct or delete it");
+    }
+    const Json* neighbours = find("vertices_vertices");
+    Json found = Json::array();
+    if (neighbours == nullptr || !neighbours->is_array()) return found;
+    for (std::size_t k = 0; k < neighbours->size(); ++k) {
+      for (const int other : wholeNumbers((*neighbours)[k], k)) {
+        if (other >= static_cast<int>(k)) found.push_back({k, other});
+      }
+    }
+    return found;
+  }
+
+  void addLetters(Drawing& drawing) const {
+    const Json* assignment = find("edges_assignment");
+    if (assignment == nullptr) return;
+    const std::size_t count = drawing.creases.size();
+    if (!assignment->is_array() || assignment->size() != count) {
+      throw fault(
+          fmt::format("edges_assignment is no list of {} letters, one for each edge; correct "
+                      "or delete it",
+                      count));
+    }
+    drawing.hasLetters = true;
+    for (std::size_t k = 0; k < count; ++k) {
+      drawing.creases[k].assignment = letterOf((*assignment)[k]);
+      if (drawing.creases[k].assignment != 0) continue;
+      throw fault(
+          fmt::format("edge {} has an assignment that FOLD does not know; write one of B, "
+                      "M, V, F, U, C, J",
+                      k));
+    }
+  }
+
+  void addAngles(Drawing& drawing) const {
+    const Json* angles = find("edges_foldAngle");
+    // The name of FOLD 1.0.
+    const char* name = angles != nullptr ? "edges_foldAngle" : "edges_foldAngles";
+    if (angles == nullptr) angles = find(name);
+    if (angles == nullptr) return;
+    const std::size_t count = drawing.creases.size();
+    if (!angles->is_array() || angles->size() != count) {
+      throw fault(
+          fmt::format("{} is no list of {} angles, one for each edge; correct "
+                      "or delete it",
+                      name, count));
+    }
+    drawing.hasAngles = true;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Json& angle = (*angles)[k];
+      // FOLD writes null for edges whose angle is unknown, boundaries among them.
+      if (angle.is_null()) continue;
+      if (!angle.is_number() || !(std::abs(angle.get<double>()) <= 180)) {
+        throw fault(
+            fmt::format("edge {} has a fold angle that is no number of degrees from -180 to "
+                        "180, nor null; correct it",
+                        k));
+      }
+      drawing.creases[k].foldAngle = angle.get<double>();
+    }
+  }
+
+  /// The letter of an assignment as a capital; 0 where it is none.
+  static char letterOf(const Json& value) {
+    if (!value.is_string() || value.get_ref<const std::string&>().size() != 1) return 0;
+    const char letter =
+        static_cast<char>(std::toupper(static_cast<unsigned char>(value.get<std::string>()[0])));
+    return std::string_view("BMVFUCJ").find(letter) == std::string_view::npos ? '\0' : letter;
+  }
+
+  void addFaces(Drawing& drawing) const {
+    const Json *faces = find("faces_vertices"), *ofEdges = find("faces_edges");
+    if (faces != nullptr && faces->is_array() && !faces->empty()) {
+      for (const Json& face : *faces) {
+        drawing.faces.push_back(wholeNumbers(face, drawing.faces.size()));
+      }
+    } else if (ofEdges != nullptr && ofEdges->is_array() && !ofEdges->empty()) {
+      for (const Json& face : *ofEdges) {
+        drawing.faces.push_back(cornersBetween(wholeNumbers(face, drawing.faces.size()), drawing));
+      }
+    } else {
+      drawing.faces = planarFaces(drawing.vertices, drawing.creases, file_);
+    }
+    requireVertices(drawing.faces, drawing.vertices.size());
+  }
+
+  /// The vertices that each edge round a face has in common with the one before it.
+  std::vector<int> cornersBetween(const std::vector<int>& edges, const Drawing& drawing) const {
+    const std::vector<Crease>& all = drawing.creases;
+    const std::size_t face = drawing.faces.size();
+    std::vector<int> corners;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      const int last = edges[(k + edges.size() - 1) % edges.size()], next = edges[k];
+      const bool areThere = std::min(last, next) >= 0 && std::max(last, next) < std::ssize(all);
+      const auto joins = [&](int end) { return all[next].from == end || all[next].to == end; };
+      // Two edges of a face with two edges have both ends in common; such a face is refused later.
+      if (!areThere || (!joins(all[last].from) && !joins(all[last].to))) {
+        throw fault(
+            fmt::format("face {} has the edges {} and {} one after the other, which do not "
+                        "meet; correct faces_edges, or write faces_vertices",
+                        face, last, next));
+      }
+      corners.push_back(joins(all[last].to) ? all[last].to : all[last].from);
+    }
+    return corners;
+  }
+
+  static constexpr const char* kStructure[] = {"faces_vertices", "faces_edges", "edges_vertices",
+                                               "vertices_vertices"};
   fs::path file_;
   Json whole_;
+  std::vector<const Json*> frames_;  ///< 0 is the key frame
+  std::vector<int> parents_;         ///< that a frame inherits from; -1 for none
+  int frame_ = 0;                    ///< of the model
+  std::vector<int> states_;          ///< its frame and those of its other states
 };
 
 /// Tiles with the places that checks name: a FOLD file has no lines, faces are counted instead.
-TileTable tableOf(const fs::path& file, std::vector<Tile> tiles) {
+TileTable tableOf(const fs::path& file, const CornerNumbers& outlines,
+                  const std::vector<Vector3>& points) {
   TileTable table;
   table.file = file;
-  for (const Tile& tile : tiles) {
-    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
+  for (const std::vector<int>& outline : outlines) {
+    Tile& tile = table.tiles.emplace_back();
+    for (const int number : outline) tile.vertices.push_back(points[number]);
+    table.sources.push_back({0, std::vector<int>(outline.size(), 0)});
   }
-  table.tiles = std::move(tiles);
   return table;
+}
+
+/// Removes slits and repeated vertices from the faces, and joins those that J edges join.
+void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
+               Drawing& drawing) {
+  const fs::path none;
+  CornerNumbers outlines;
+  for (const std::vector<int>& face : drawing.faces) {
+    outlines.push_back(faceOutline(face));
+    if (outlines.back().size() >= 3) continue;
+    throw reader.fault(
+        fmt::format("face {} has {} vertices; a tile has at least 3: complete it or "
+                    "delete it",
+                    outlines.size() - 1, outlines.back().size()));
+  }
+  std::vector<std::vector<Tile>> tiles;
+  for (const std::vector<Vector3>& points : states) {
+    tiles.push_back(tableOf(none, outlines, points).tiles);
+  }
+  std::vector<const std::vector<Tile>*> all;
+  for (const std::vector<Tile>& state : tiles) all.push_back(&state);
+  std::set<std::pair<int, int>> joined;
+  for (const Crease& crease : drawing.creases) {
+    if (crease.assignment == 'J') joined.insert(std::minmax(crease.from, crease.to));
+  }
+  if (joined.empty()) {
+    drawing.outlines = std::move(outlines);
+    drawing.tileOf.resize(drawing.faces.size());
+    std::iota(drawing.tileOf.begin(), drawing.tileOf.end(), 0);
+    return;
+  }
+  // Faces on both sides of a J edge, if nothing turns there in any state.
+  JoinedFaces pieces = joinFaces(outlines, coplanarFaces(outlines, all, &joined));
+  drawing.outlines = std::move(pieces.tiles);
+  drawing.tileOf = std::move(pieces.tileOf);
 }
 
 /// A joint of another kind than the pivot that it was read as.
@@ -359,14 +568,72 @@ std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tile
   return joints;
 }
 
+bool isWithoutAngle(const Crease& crease) {
+  return (crease.assignment == 'M' || crease.assignment == 'V') && !crease.foldAngle;
+}
+
+/// Gives M and V edges of a flat sheet without an angle one by their letter, and says so. Angles
+/// that an option chose become those of the drawing. Returns whether there are such edges.
+bool foldByLetters(const ReadSettings& settings, Drawing& drawing, std::vector<Crease>& creases,
+                   const fs::path& file, std::vector<std::string>& warnings) {
+  const double angle = 180 * settings.fold.value_or(1);
+  int count = 0, flat = 0;
+  for (Crease& crease : creases) {
+    const bool isFold = crease.assignment == 'M' || crease.assignment == 'V';
+    flat += isFold && crease.foldAngle && *crease.foldAngle == 0;
+    if (!isWithoutAngle(crease)) continue;
+    crease.foldAngle = crease.assignment == 'M' ? -angle : angle;
+    ++count;
+  }
+  if (count > 0) {
+    warnings.push_back(
+        fmt::format("{}: warning: {} edges have a letter (M or V) and no angle; they fold by {:g} "
+                    "degrees, --fold FRACTION gives another fraction of 180",
+                    file.string(), count, angle));
+  } else if (settings.fold) {
+    throw inputErrorAt({file},
+                       "--fold is given, but no edge has a letter (M or V) without an "
+                       "angle; remove --fold, or the angles from the file");
+  } else if (flat > 0 && std::ranges::all_of(creases, [](const Crease& crease) {
+               return crease.foldAngle.value_or(0) == 0;
+             })) {
+    warnings.push_back(
+        fmt::format("{}: warning: {} edges have a letter (M or V) and the angle 0, so nothing "
+                    "folds; remove edges_foldAngle to fold them by their letters",
+                    file.string(), flat));
+  }
+  if (settings.fold) {
+    drawing.creases = creases;
+    drawing.hasAngles = true;
+  }
+  return count > 0;
+}
+
+/// Gives M and V edges without an angle the one by which the target folds them. At 180 degrees only
+/// the letter has the sign.
+void takeAnglesOfTarget(const CornerNumbers& faces, const std::vector<Tile>& target,
+                        std::vector<Crease>& creases) {
+  if (std::ranges::none_of(creases, isWithoutAngle)) return;
+  std::map<std::pair<int, int>, double> angles;
+  for (const Crease& crease : creasesOf(faces, target)) {
+    if (crease.foldAngle) angles[{crease.from, crease.to}] = std::abs(*crease.foldAngle);
+  }
+  for (Crease& crease : creases) {
+    if (!isWithoutAngle(crease)) continue;
+    const auto found = angles.find(std::minmax(crease.from, crease.to));
+    if (found == angles.end()) continue;
+    crease.foldAngle = crease.assignment == 'M' ? -found->second : found->second;
+  }
+}
+
 /// A flat sheet whose creases have angles goes where they fold it.
-void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, Model& model,
-               const fs::path& file, std::vector<std::string>& warnings) {
+void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
+               const Vector3& normal, Model& model, const fs::path& file,
+               std::vector<std::string>& warnings) {
   // The largest opening between joints that a target may have: the same part of a tile as kTooFar
   // in model_checks.cpp. More means that the angles do not close round a loop.
   constexpr double kTornFold = 0.05;  // of a tile
-  if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) return;
-  std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles);
+  std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles, normal);
   if (!folded) return;
   double worst = 0;
   for (const Joint& joint : model.joints) {
@@ -377,7 +644,7 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, M
   }
   if (worst > kTornFold * tileSize(model)) {
     warnings.push_back(
-        fmt::format("{}: warning: folded by its edges_foldAngle, joints would open by "
+        fmt::format("{}: warning: folded by its angles, joints would open by "
                     "{:.2g} m; there is no target, and springs at folds rest at these angles",
                     file.string(), worst));
     return;
@@ -400,79 +667,240 @@ Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers)
   return list;
 }
 
+/// The axes of a tile: its first corner and first edge, which is not short of a millionth of it.
+Eigen::Isometry3d axesOf(const Tile& tile) {
+  const Vector3 z = tileNormal(tile);
+  const Vector3 x = (tile.vertices[1] - tile.vertices[0]).normalized();
+  Eigen::Isometry3d axes = Eigen::Isometry3d::Identity();
+  axes.linear() << x, z.cross(x).normalized(), x.cross(z.cross(x)).normalized();
+  axes.translation() = tile.vertices[0];
+  return axes;
+}
+
+/// Coordinates by the drawing's own vertex numbers: of a tile's corners as they are, of ends of
+/// slits within a tile where the tile takes them, of other vertices where they are drawn.
+Json coordinatesOf(const std::vector<Tile>& tiles, const Drawing& drawing) {
+  std::vector<std::optional<Vector3>> places(drawing.vertices.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
+      std::optional<Vector3>& place = places[drawing.outlines[i][k]];
+      if (!place) place = tiles[i].vertices[k];
+    }
+  }
+  for (std::size_t face = 0; face < drawing.faces.size(); ++face) {
+    const auto tile = static_cast<std::size_t>(drawing.tileOf[face]);
+    for (const int vertex : drawing.faces[face]) {
+      if (places[vertex]) continue;
+      Tile drawn;
+      for (const int corner : drawing.outlines[tile]) {
+        drawn.vertices.push_back(drawing.vertices[corner]);
+      }
+      const bool isThere = drawn.vertices == tiles[tile].vertices;
+      places[vertex] =
+          isThere ? drawing.vertices[vertex]
+                  : axesOf(tiles[tile]) * axesOf(drawn).inverse() * drawing.vertices[vertex];
+    }
+  }
+  Json list = Json::array();
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    const Vector3 place = places[v].value_or(drawing.vertices[v]);
+    list.push_back({place.x(), place.y(), place.z()});
+  }
+  return list;
+}
+
 // Three lists of one length: ends, letters, angles in degrees.
-void addCreases(const std::vector<Crease>& creases, Json& json) {
-  Json edges = Json::array(), assignment = Json::array(), angles = Json::array();
+void addCreases(const std::vector<Crease>& creases, bool letters, bool angles, Json& json) {
+  Json edges = Json::array(), assignment = Json::array(), degrees = Json::array();
   for (const Crease& crease : creases) {
     edges.push_back({crease.from, crease.to});
     assignment.push_back(std::string(1, crease.assignment));
-    angles.push_back(crease.foldAngle ? Json(*crease.foldAngle) : Json());
+    degrees.push_back(crease.foldAngle ? Json(*crease.foldAngle) : Json());
   }
   json["edges_vertices"] = std::move(edges);
-  json["edges_assignment"] = std::move(assignment);
-  json["edges_foldAngle"] = std::move(angles);
+  if (letters) json["edges_assignment"] = std::move(assignment);
+  if (angles) json["edges_foldAngle"] = std::move(degrees);
+}
+
+/// The file's own vertices and faces if they are still those of the tiles, else corners that are
+/// one to the last bit.
+class FoldMesh {
+ public:
+  /// `model` is in the order of its file. `moves`: samples of a run are written, in which joints of
+  /// the top faces part the bottoms.
+  FoldMesh(const Model& model, bool moves) {
+    const auto isTop = [](const Joint& joint) { return joint.face == JointFace::Top; };
+    const auto isAlike = [](const std::vector<int>& outline, const Tile& tile) {
+      return outline.size() == tile.vertices.size();
+    };
+    const bool parts = moves && std::ranges::any_of(model.joints, isTop);
+    if (model.drawing && !parts &&
+        std::ranges::equal(model.drawing->outlines, model.tiles, isAlike)) {
+      drawing_ = &*model.drawing;
+    } else {
+      numbers_ = sharedNumbers(model, !moves);
+    }
+  }
+
+  Json coordinates(const std::vector<Tile>& tiles) const {
+    return drawing_ ? coordinatesOf(tiles, *drawing_) : coordinatesOf(tiles, numbers_);
+  }
+
+  void addTo(const Model& inOrder, const std::optional<Vector3>& normal, Json& json) const {
+    json["faces_vertices"] = drawing_ ? drawing_->faces : numbers_;
+    if (drawing_ && (drawing_->hasAngles || drawing_->givesTarget)) {
+      return addCreases(drawing_->creases, drawing_->hasLetters, drawing_->hasAngles, json);
+    }
+    const std::vector<Crease> found =
+        creasesOf(drawing_ ? drawing_->outlines : numbers_, inOrder, normal);
+    if (!drawing_ || drawing_->creases.empty()) return addCreases(found, true, true, json);
+    // Angles that the target gives to edges of the file.
+    std::map<std::pair<int, int>, std::optional<double>> angles;
+    for (const Crease& crease : found) angles[{crease.from, crease.to}] = crease.foldAngle;
+    std::vector<Crease> creases = drawing_->creases;
+    for (Crease& crease : creases) {
+      const auto own = angles.find(std::minmax(crease.from, crease.to));
+      if (own != angles.end()) crease.foldAngle = own->second;
+    }
+    addCreases(creases, drawing_->hasLetters, normal && inOrder.target, json);
+  }
+
+  /// Whether the file's letters say where the target is.
+  bool givesTarget() const { return drawing_ && drawing_->givesTarget; }
+
+ private:
+  const Drawing* drawing_ = nullptr;
+  CornerNumbers numbers_;
+};
+
+Json jointRows(const std::vector<Joint>& joints) {
+  Json rows = Json::array();
+  for (const Joint& joint : joints) {
+    Json row = {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
+                static_cast<int>(joint.face)};
+    if (joint.kind != JointKind::Pivot) row.push_back(static_cast<int>(joint.kind));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// A frame that has all of the key frame but its coordinates.
+Json stateFrame(const std::string& title, Json coordinates) {
+  Json frame;
+  frame["frame_title"] = title;
+  frame["frame_classes"] = {"foldedForm"};
+  frame["frame_parent"] = 0;
+  frame["frame_inherit"] = true;
+  frame["vertices_coords"] = std::move(coordinates);
+  return frame;
+}
+
+/// Reads the targets: those of a deployment's file, else the states after the first.
+void addTargets(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
+                const TileTable& start, Model& model, std::vector<std::string>& warnings) {
+  std::vector<std::vector<Vector3>> targets(states.begin() + 1, states.end());
+  if (const Json* target = reader.ownTarget(); target != nullptr && !target->empty()) {
+    targets = {reader.points(*target)};
+    if (targets[0].size() != states[0].size()) {
+      throw reader.fault(
+          fmt::format("{} has {} vertices, vertices_coords has {}; correct or delete "
+                      "it",
+                      kTarget, targets[0].size(), states[0].size()));
+    }
+  }
+  for (const std::vector<Vector3>& points : targets) {
+    const TileTable target = tableOf(start.file, model.drawing->outlines, points);
+    checkTarget(target, model, start, warnings);
+    model.waypoints.push_back(target.tiles);
+  }
+  if (model.waypoints.empty()) return;
+  model.target = std::move(model.waypoints.back());
+  model.waypoints.pop_back();
+}
+
+/// The normal of a crease pattern; none for a folded sheet.
+std::optional<Vector3> patternNormal(const Model& model) {
+  if (model.drawing && model.drawing->isFolded) return std::nullopt;
+  return sheetNormal(model);
 }
 
 }  // namespace
 
-Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
-  const FoldReader reader(file);
-  const CornerNumbers faces = reader.faces();
+Model readFold(const fs::path& file, const ReadSettings& settings,
+               std::vector<std::string>& warnings) {
+  const FoldReader reader(file, settings);
   const std::vector<std::vector<Vector3>> states = reader.states();
-  reader.requireSoundEdges(states.front().size());
-  const std::vector<Crease> creases = reader.creases();
-  const TileTable start = tableOf(file, reader.tiles(faces, states.front()));
-  checkTiles(start);
   Model model;
   model.name = file.stem().string();
+  Drawing& drawing = model.drawing.emplace(reader.drawing(states.front()));
+  findTiles(reader, states, drawing);
+  reader.warnOfIgnored(settings, warnings);
+  const CornerNumbers& outlines = drawing.outlines;
+  const TileTable start = tableOf(file, outlines, states.front());
+  checkTiles(start);
   model.tiles = start.tiles;
-  model.joints = reader.ownJoints() != nullptr ? readOwnJoints(reader, start, model, warnings)
-                                               : jointsOfCreases(faces, creases, start.tiles);
-  if (states.size() > 1) {
-    const TileTable target = tableOf(file, reader.tiles(faces, states.back()));
-    checkTarget(target, model, start, warnings);
-    model.target = target.tiles;
+  model.joints = reader.ownJoints() != nullptr
+                     ? readOwnJoints(reader, start, model, warnings)
+                     : jointsOfCreases(outlines, drawing.creases, start.tiles);
+  addTargets(reader, states, start, model, warnings);
+  std::vector<Crease> creases = drawing.creases;
+  const std::optional<Vector3> normal = patternNormal(model);
+  const bool isOwn = reader.ownTarget() != nullptr;
+  const bool folds = !model.target && !isOwn && normal;
+  if (folds) {
+    drawing.givesTarget =
+        foldByLetters(settings, drawing, creases, file, warnings) && !drawing.hasAngles;
+  } else if (settings.fold) {
+    throw inputErrorAt({file},
+                       "--fold folds a flat sheet by its letters, but the file has a target "
+                       "or a folded start; remove --fold, or choose a flat frame by --frame");
   }
-  if (states.size() == 1) foldAlong(creases, faces, model, file, warnings);
+  if (folds) {
+    foldAlong(creases, outlines, *normal, model, file, warnings);
+  } else if (normal && model.target && !isOwn) {
+    takeAnglesOfTarget(outlines, *model.target, creases);
+  }
   model.pulledTiles = reader.pulledTiles(model.tiles.size());
   turnClockwiseTiles(start, model, warnings);
-  model.foldAngles = foldAnglesOf(faces, creases, model, file);
+  model.foldAngles = foldAnglesOf(outlines, creases, model, normal, file);
   return model;
 }
 
-void writeFold(const Model& inOrder, const fs::path& file) {
+std::string foldText(const Model& inOrder, const std::vector<FoldState>& samples) {
   const Model model = inFileOrder(inOrder);
-  const CornerNumbers numbers = sharedNumbers(model);
+  const FoldMesh mesh(model, !samples.empty());
   Json json;
   json["file_spec"] = 1.2;
   json["file_creator"] = "Kirireel";
-  json["file_classes"] = {model.target ? "animation" : "singleModel"};
-  json["frame_title"] = "start";
+  const bool hasFrames = (model.target && !mesh.givesTarget()) || !samples.empty();
+  json["file_classes"] = {hasFrames ? "animation" : "singleModel"};
+  json["frame_title"] = samples.empty() ? "start" : samples.front().title;
   // A flat start is a crease pattern, and its edges carry the angles of the target. Otherwise they
   // carry those of the start itself.
-  const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
-  json["frame_classes"] = {isFlat ? "creasePattern" : "foldedForm"};
-  json["vertices_coords"] = coordinatesOf(model.tiles, numbers);
-  json["faces_vertices"] = numbers;
-  addCreases(creasesOf(numbers, inOrder), json);
-  if (model.target) {
-    Json frame;
-    frame["frame_title"] = "target";
-    frame["frame_classes"] = {"foldedForm"};
-    frame["frame_parent"] = 0;
-    frame["frame_inherit"] = true;
-    frame["vertices_coords"] = coordinatesOf(*model.target, numbers);
-    json["file_frames"] = Json::array({frame});
+  const std::optional<Vector3> normal = patternNormal(model);
+  json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
+  json["vertices_coords"] = mesh.coordinates(model.tiles);
+  mesh.addTo(inOrder, normal, json);
+  Json frames = Json::array();
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    frames.push_back(stateFrame(samples[k].title, mesh.coordinates(samples[k].tiles)));
   }
-  json[kJoints] = Json::array();
-  for (const Joint& joint : model.joints) {
-    Json row = {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
-                static_cast<int>(joint.face)};
-    if (joint.kind != JointKind::Pivot) row.push_back(static_cast<int>(joint.kind));
-    json[kJoints].push_back(row);
+  if (!samples.empty()) {
+    json[kTarget] = model.target ? mesh.coordinates(*model.target) : Json::array();
+  } else if (model.target && !mesh.givesTarget()) {
+    for (const std::vector<Tile>& state : model.waypoints) {
+      frames.push_back(stateFrame("target before the last", mesh.coordinates(state)));
+    }
+    frames.push_back(stateFrame("target", mesh.coordinates(*model.target)));
   }
+  if (!frames.empty()) json["file_frames"] = std::move(frames);
+  json[kJoints] = jointRows(model.joints);
   if (model.pulledTiles) json[kPulled] = *model.pulledTiles;
-  writeTextFile(file, jsonText(json) + "\n");
+  return jsonText(json) + "\n";
+}
+
+void writeFold(const Model& model, const fs::path& file) {
+  writeTextFile(file, foldText(model));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -485,10 +913,11 @@ void writeFold(const Model& inOrder, const fs::path& file) {
 //    angle a (radians) its neighbour is placed by
 //   T' = T P R(-a, e) P^-1
 // where P moves the origin to a point of the edge, and R(-a, e) turns by -a about the edge's
-// direction e, with the first face on its left seen from above. A positive angle so lifts the
-// neighbour, on the right of e, to the upper side: a valley. The faces are walked outwards from one
-// face of each piece. Loops of edges are not checked here: where angles do not fit each other, the
-// joints of the last edge in a loop stand open, and the caller measures that.
+// direction e, with the first face on its left seen from the upper side of the sheet. A positive
+// angle so lifts the neighbour, on the right of e, to the upper side: a valley. The faces are
+// walked outwards from one face of each piece. Loops of edges are not checked here: where angles do
+// not fit each other, the joints of the last edge in a loop stand open, and the caller measures
+// that.
 // 3. *Angles* of a folded state: a = -atan2((n x n') . e, n . n'), n and n' the unit normals of
 //    both faces; atan2 keeps its digits near 0 and near 180 degrees, where an arc cosine would lose
 //    half of them.
@@ -530,8 +959,6 @@ const Vector3& endOf(const std::vector<Tile>& tiles, const FaceSide& side) {
   const std::vector<Vector3>& vertices = tiles[side.face].vertices;
   return vertices[(side.corner + 1) % vertices.size()];
 }
-
-using FacePairs = std::vector<std::pair<int, int>>;
 
 /// Which faces uncut edges hold together.
 struct HeldFaces {
@@ -621,11 +1048,40 @@ std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector
   return joints;
 }
 
+std::optional<Vector3> sheetNormal(const Model& model) {
+  const std::vector<Tile>& tiles = model.tiles;
+  const double flat = 1e-9 * modelSize(model);
+  const Vector3 first = tileNormal(tiles.front()), origin = tiles.front().vertices.front();
+  Vector3 sum = Vector3::Zero();
+  double sameSide = 0, total = 0;
+  for (const Tile& tile : tiles) {
+    const Vector3 area = tileArea(tile) * tileNormal(tile);
+    const double along = area.dot(first);
+    sum += along < 0 ? Vector3(-area) : area;
+    sameSide += along;
+    total += std::abs(along);
+  }
+  const bool isLevel = liesFlat(tiles, flat);
+  // A level sheet keeps all digits.
+  Vector3 normal = isLevel ? Vector3(0, 0, first.z() < 0 ? -1 : 1) : Vector3(sum.normalized());
+  // Both the coordinates and the normal that comes of them are rounded.
+  const double tolerance = std::max(flat, 2 * roundingOf(tiles));
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) {
+      if (std::abs(normal.dot(vertex - origin)) > (isLevel ? 2 * flat : tolerance)) return {};
+    }
+  }
+  const bool isDraw = std::abs(sameSide) <= 1e-9 * total;
+  if (isDraw ? isLevel && normal.z() < 0 : sameSide < 0) normal = -normal;
+  return normal;
+}
+
 // Depth first from the lowest face of each piece; a face is placed by the first edge that reaches
 // it.
 std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
                                              const std::vector<Crease>& creases,
-                                             const std::vector<Tile>& tiles) {
+                                             const std::vector<Tile>& tiles,
+                                             const Vector3& normal) {
   std::map<Ends, double> angles;
   bool folds = false;
   for (const Crease& crease : creases) {
@@ -654,8 +1110,8 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
           // Each face is placed once, by the first path that reaches it.
           if (placed[other.face]) continue;
           const FaceSide own{face, k};
-          // Along the edge with this face on the left, seen from above.
-          const double sense = tileNormal(tiles[face]).z() > 0 ? 1 : -1;
+          // Along the edge with this face on the left, seen from the upper side.
+          const double sense = tileNormal(tiles[face]).dot(normal) > 0 ? 1 : -1;
           const Vector3 along = sense * (endOf(tiles, own) - startOf(tiles, own)).normalized();
           const Vector3& hinge = startOf(tiles, own);
           Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
@@ -677,10 +1133,11 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
 
 namespace {
 
-/// 1 where a file's angle counts seen from the upper side of a tile, else -1: those of a flat sheet
-/// count seen from above.
-double fileSign(const Model& model, bool isFlat, int tile) {
-  return isFlat && tileNormal(model.tiles[tile]).z() < 0 ? -1 : 1;
+/// 1 if a file's angle counts seen from the upper side of a tile as the model has it, else -1.
+double fileSign(const Model& model, const std::optional<Vector3>& normal, int tile) {
+  if (normal) return tileNormal(model.tiles[tile]).dot(*normal) < 0 ? -1 : 1;
+  const std::vector<bool>& isReversed = model.fileOrder.isReversed;
+  return !isReversed.empty() && isReversed[tile] ? -1 : 1;
 }
 
 void foldBy(double degrees, Crease& crease) {
@@ -692,9 +1149,10 @@ void foldBy(double degrees, Crease& crease) {
 
 std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
                                                    const std::vector<Crease>& creases,
-                                                   const Model& model, const fs::path& file) {
+                                                   const Model& model,
+                                                   const std::optional<Vector3>& normal,
+                                                   const fs::path& file) {
   const auto sides = sidesByEnds(faces);
-  const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
   std::map<std::pair<int, int>, double> angles;
   for (const Crease& crease : creases) {
     const auto both = sides.find(std::minmax(crease.from, crease.to));
@@ -702,7 +1160,8 @@ std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
     if (!crease.foldAngle || !folds || both == sides.end() || both->second.size() != 2) continue;
     const FaceSide &first = both->second[0], &second = both->second[1];
     if (first.face == second.face) continue;
-    const double angle = fileSign(model, isFlat, first.face) * *crease.foldAngle * kDegree;
+    const double inFile = *crease.foldAngle * kDegree;
+    const double angle = fileSign(model, normal, first.face) * inFile;
     const auto [known, isNew] = angles.try_emplace({first.face, second.face}, angle);
     if (!isNew && std::abs(known->second - angle) > kFlatEdge * kDegree) {
       throw inputErrorAt(
@@ -711,10 +1170,11 @@ std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
                               "line; correct one of the two",
                               known->second / kDegree, angle / kDegree, first.face, second.face));
     }
-    // Faces of one sense, which flat ones have, run along their edge in opposite directions.
+    // Faces of one sense run along their edge in opposite directions.
     const bool isAlike =
-        isFlat || faces[first.face][first.corner] != faces[second.face][second.corner];
-    angles.try_emplace({second.face, first.face}, isAlike ? angle : -angle);
+        normal || faces[first.face][first.corner] != faces[second.face][second.corner];
+    angles.try_emplace({second.face, first.face},
+                       fileSign(model, normal, second.face) * (isAlike ? inFile : -inFile));
   }
   return angles;
 }
@@ -739,18 +1199,21 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile
 
 // The edges come in the order of sidesByEnds(), as there. Tiles that were turned round have the
 // angles of the sheet as it lies now.
-std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& inOrder) {
+std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& inOrder,
+                              const std::optional<Vector3>& normal) {
   const Model model = inFileOrder(inOrder);
-  const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
   std::vector<Crease> creases =
-      creasesOf(faces, model.target && isFlat ? *model.target : model.tiles);
+      creasesOf(faces, model.target && normal ? *model.target : model.tiles);
   auto crease = creases.begin();
   for (const auto& [ends, both] : sidesByEnds(faces)) {
     Crease& own = *crease++;
     if (both.size() != 2) continue;
     const auto found = inOrder.foldAngles.find({both[0].face, both[1].face});
-    if (found == inOrder.foldAngles.end()) continue;
-    foldBy(fileSign(inOrder, isFlat, both[0].face) * found->second / kDegree, own);
+    if (found != inOrder.foldAngles.end()) {
+      foldBy(fileSign(inOrder, normal, both[0].face) * found->second / kDegree, own);
+    } else {
+      foldBy(fileSign(model, normal, both[0].face) * *own.foldAngle, own);
+    }
   }
   return creases;
 }

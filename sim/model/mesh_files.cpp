@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -21,6 +22,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/model/faces.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
@@ -32,12 +34,93 @@ namespace fs = std::filesystem;
 
 const std::string kPurpose = "give a Wavefront OBJ file with one face a tile";
 
+/// A face of a mesh without padding: entries that name no vertex (-1), repeated vertices, and
+/// corners in the place of their neighbour. Returns which entries are left.
+std::vector<int> unpaddedCorners(const std::vector<int>& numbers,
+                                 const std::vector<Vector3>& points) {
+  std::vector<int> entries;
+  for (int k = 0; k < std::ssize(numbers); ++k) {
+    if (numbers[k] >= 0) entries.push_back(k);
+  }
+  std::vector<int> kept;
+  for (const int k : entries) {
+    const auto isSame = [&](int other) {
+      return numbers[k] == numbers[other] || points[numbers[k]] == points[numbers[other]];
+    };
+    if (kept.empty() || !isSame(kept.back())) kept.push_back(k);
+  }
+  // The last corner may close the polygon.
+  while (kept.size() > 1 && points[numbers[kept.back()]] == points[numbers[kept.front()]]) {
+    kept.pop_back();
+  }
+  return kept;
+}
+
+/// One state of a mesh: of each tile the first corner with each number gives its place.
+std::vector<Tile> tilesBy(const CornerNumbers& outlines, const CornerNumbers& numbers,
+                          const std::vector<Tile>& faces) {
+  std::map<int, Vector3> places;
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    for (std::size_t k = 0; k < numbers[face].size(); ++k) {
+      places.emplace(numbers[face][k], faces[face].vertices[k]);
+    }
+  }
+  std::vector<Tile> tiles;
+  for (const std::vector<int>& outline : outlines) {
+    Tile& tile = tiles.emplace_back();
+    for (const int number : outline) tile.vertices.push_back(places.at(number));
+  }
+  return tiles;
+}
+
+/// Tiles and joints of a mesh whose states are in the model: faces as they are, or those of one
+/// plane joined. Returns the tile of each face. Suggests joining if the faces look like triangles
+/// of larger tiles.
+std::vector<int> completeMesh(const CornerNumbers& ownNumbers, TileTable& table, Model& model,
+                              const ReadSettings& settings, std::vector<std::string>& warnings) {
+  std::vector<const std::vector<Tile>*> states = {&model.tiles};
+  if (model.target) states.push_back(&*model.target);
+  CornerNumbers numbers = meshNumbers(ownNumbers, states, table.file);
+  JoinedFaces joined = joinFaces(numbers, coplanarFaces(numbers, states));
+  const std::size_t count = joined.tiles.size();
+  if (!settings.joinCoplanar) {
+    model.joints = jointsOfSharedNumbers(numbers);
+    const bool areTriangles =
+        std::ranges::all_of(joined.tileOf, [&, face = std::size_t{0}](int tile) mutable {
+          return joined.tiles[tile].size() == numbers[face].size() || numbers[face++].size() == 3;
+        });
+    if (count > 1 && count < numbers.size() && areTriangles) {
+      warnings.push_back(fmt::format(
+          "{}: warning: {} faces look like {} tiles cut to triangles; --join-coplanar joins faces "
+          "of one plane that share an edge",
+          table.file.string(), numbers.size(), count));
+    }
+    return joined.tileOf;
+  }
+  model.tiles = tilesBy(joined.tiles, numbers, model.tiles);
+  if (model.target) model.target = tilesBy(joined.tiles, numbers, *model.target);
+  std::vector<TileSource> sources(count);
+  for (std::size_t face = numbers.size(); face-- > 0;) {
+    const auto tile = static_cast<std::size_t>(joined.tileOf[face]);
+    sources[tile] = {table.sources[face].line, std::vector<int>(joined.tiles[tile].size(), 0)};
+    if (!model.tileNames.empty()) model.tileNames[tile] = model.tileNames[face];
+  }
+  if (!model.tileNames.empty()) model.tileNames.resize(count);
+  table.tiles = model.tiles;
+  table.sources = std::move(sources);
+  checkTiles(table);
+  model.joints = jointsOfSharedNumbers(joined.tiles);
+  return joined.tileOf;
+}
+
 /// One OBJ file.
 struct ObjSheet {
   TileTable tiles;
   CornerNumbers numbers;
-  JointTable joints;        ///< of the comments
-  std::vector<int> pulled;  ///< of the comments
+  JointTable joints;                   ///< of the comments
+  std::vector<int> pulled;             ///< of the comments
+  std::vector<std::string> names;      ///< of each face, by its group and material
+  std::map<std::string, int> ignored;  ///< statements that are not read, by their words
 };
 
 /// Reads one file statement by statement.
@@ -51,10 +134,19 @@ class ObjReader {
     TextLine line;
     while (text_.next(line)) {
       const std::string_view word = line.fields[0].text;
-      // All other statements of the format describe looks.
-      if (word == "v") readVertex(line);
-      if (word == "f") readFace(line);
-      if (word == "#") readComment(line);
+      if (word == "v") {
+        readVertex(line);
+      } else if (word == "f" || word == "fo") {  // fo: a face in the oldest files
+        readFace(line);
+      } else if (word.starts_with('#')) {
+        readComment(line);
+      } else if (word == "g" || word == "o") {
+        group_ = wordsOf(line);
+      } else if (word == "usemtl") {
+        material_ = wordsOf(line);
+      } else if (std::ranges::find(kLooks, word) == std::end(kLooks)) {
+        ++sheet_.ignored[shown(word, 24)];
+      }
     }
     if (sheet_.tiles.tiles.empty()) {
       throw inputErrorAt({text_.file()}, fmt::format("the file holds no face; {}", kPurpose));
@@ -68,7 +160,12 @@ class ObjReader {
     return text_.at(line, line.fields[field]);
   }
 
-  // The first three numbers, metres.
+  /// Statements that describe looks.
+  static constexpr std::string_view kLooks[] = {
+      "vt",    "vn",  "s",        "mtllib",   "mg",         "usemap",   "maplib",
+      "bevel", "lod", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
+
+  // The first three numbers, metres. NaN is padding, which no tile may need.
   void readVertex(const TextLine& line) {
     // Numbers beyond the third (a weight, colours) are passed over.
     if (line.fields.size() < 4) {
@@ -77,20 +174,26 @@ class ObjReader {
                                      line.fields.size() - 1));
     }
     Vector3& vertex = vertices_.emplace_back();
+    const auto isMissing = [&](int axis) { return isNan(line.fields[axis + 1].text); };
+    if (isMissing(0) && isMissing(1) && isMissing(2)) {
+      vertex.setConstant(NAN);
+      return;
+    }
     for (int axis = 0; axis < 3; ++axis) {
       vertex[axis] = parseCoordinate(line.fields[axis + 1], at(line, axis + 1));
     }
   }
 
-  /// The vertex number of "7", "7/1", "7//" or, counted from the end, "-1"; from 0.
+  /// The vertex number of "7", "7/1", "7//" or, counted from the end, "-1"; from 0. -1 for padding.
   int vertexNumber(const TextLine& line, std::size_t field) const {
     TextField number = line.fields[field];
     number.text = number.text.substr(0, number.text.find('/'));
+    if (isNan(number.text)) return -1;
     const int count = static_cast<int>(vertices_.size());
     const int value = parseWholeNumber(number, at(line, field), "a vertex number");
     // Negative numbers count backwards from the last vertex so far.
     const int fromZero = value < 0 ? count + value : value - 1;
-    if (fromZero >= 0 && fromZero < count) return fromZero;
+    if (fromZero >= 0 && fromZero < count) return vertices_[fromZero].allFinite() ? fromZero : -1;
     throw inputErrorAt(at(line, field),
                        fmt::format("there are vertices 1-{} so far, not {}; {}", count, value,
                                    value == 0 ? "OBJ counts from 1: add 1 to all vertex numbers"
@@ -100,21 +203,37 @@ class ObjReader {
   // A face takes vertices that stand before it, as OBJ has it.
   void readFace(const TextLine& line) {
     const std::size_t tile = sheet_.tiles.tiles.size();
-    if (line.fields.size() < 4) {
+    std::vector<int> entries;
+    for (std::size_t k = 1; k < line.fields.size(); ++k) entries.push_back(vertexNumber(line, k));
+    const std::vector<int> kept = unpaddedCorners(entries, vertices_);
+    if (kept.size() < 3) {
       throw inputErrorAt({text_.file(), line.number},
                          fmt::format("face {} has {} vertices; a tile has at least 3: complete it "
                                      "or delete the line",
-                                     tile, line.fields.size() - 1));
+                                     tile, kept.size()));
     }
+    if (kept.size() < entries.size()) sheet_.tiles.padded.push_back(static_cast<int>(tile));
     Tile& polygon = sheet_.tiles.tiles.emplace_back();
     TileSource& source = sheet_.tiles.sources.emplace_back();
     std::vector<int>& numbers = sheet_.numbers.emplace_back();
     source.line = line.number;
-    for (std::size_t k = 1; k < line.fields.size(); ++k) {
-      numbers.push_back(vertexNumber(line, k));
-      polygon.vertices.push_back(vertices_[numbers.back()]);
-      source.columns.push_back(line.fields[k].column);
+    const bool hasBoth = !group_.empty() && !material_.empty();
+    sheet_.names.push_back(group_ + (hasBoth ? " " : "") + material_);
+    for (const int k : kept) {
+      numbers.push_back(entries[k]);
+      polygon.vertices.push_back(vertices_[entries[k]]);
+      source.columns.push_back(line.fields[k + 1].column);
     }
+  }
+
+  /// The words after the first, as they are written: "" if there are none.
+  static std::string wordsOf(const TextLine& line) {
+    std::string text;
+    for (std::size_t k = 1; k < line.fields.size(); ++k) {
+      if (k > 1) text += ' ';
+      text += line.fields[k].text;
+    }
+    return text;
   }
 
   // The two comments that this program writes; all others are passed over.
@@ -150,6 +269,7 @@ class ObjReader {
   TextTable text_;
   std::vector<Vector3> vertices_;
   std::vector<FileLocation> pulledPlaces_;
+  std::string group_, material_;  ///< of the next face
   ObjSheet sheet_;
 };
 
@@ -168,6 +288,15 @@ void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
   }
 }
 
+void warnOfIgnored(const std::map<std::string, int>& ignored, const fs::path& file,
+                   std::vector<std::string>& warnings) {
+  if (ignored.empty()) return;
+  std::vector<std::string> words;
+  for (const auto& [word, count] : ignored) words.push_back(fmt::format("{} ({})", word, count));
+  warnings.push_back(fmt::format("{}: warning: statements that make no tile are not read: {}",
+                                 file.string(), fmt::join(words, ", ")));
+}
+
 /// NAME_contracted and NAME are the same model.
 std::string modelName(const fs::path& file) {
   const std::string stem = file.stem().string();
@@ -181,10 +310,12 @@ fs::path deployedName(const fs::path& contracted, const fs::path& ending) {
 }
 
 // All vertices first, then a face for each tile.
-std::string objText(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
+std::string objText(const std::vector<Tile>& tiles, const CornerNumbers& numbers,
+                    const std::vector<std::string>& names) {
   int count = 0;
-  std::string vertices, faces;
+  std::string vertices, faces, name;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (!names.empty() && names[i] != name) faces += fmt::format("g {}\n", name = names[i]);
     faces += "f";
     for (std::size_t k = 0; k < numbers[i].size(); ++k) {
       // Numbers rise in the order of their first corners.
@@ -212,27 +343,38 @@ std::optional<fs::path> deployedSibling(const fs::path& contracted) {
 }
 
 Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
-                  std::vector<std::string>& warnings) {
+                  std::vector<std::string>& warnings, const ReadSettings& settings) {
   ObjSheet sheet = ObjReader(start).read();
   checkTiles(sheet.tiles);
   Model model;
   model.name = modelName(start);
   model.tiles = sheet.tiles.tiles;
-  std::vector<const std::vector<Tile>*> states = {&model.tiles};
+  const auto hasName = [](const std::string& name) { return !name.empty(); };
+  if (std::ranges::any_of(sheet.names, hasName)) model.tileNames = sheet.names;
+  notePadding(sheet.tiles, model, warnings);
+  warnOfIgnored(sheet.ignored, start, warnings);
   if (target) {
     const ObjSheet deployed = ObjReader(*target).read();
     // Shapes are compared before numbers: a target of other tiles is the likelier mistake.
     checkTarget(deployed.tiles, model, sheet.tiles, warnings);
     requireSameFaces(sheet, deployed);
     model.target = deployed.tiles.tiles;
-    states.push_back(&*model.target);
   }
   if (!sheet.joints.rows.empty()) {
+    if (settings.joinCoplanar) {
+      throw inputErrorAt({start, sheet.joints.rows.front().line},
+                         "this comment names a joint of two faces, and --join-coplanar changes "
+                         "faces; remove --join-coplanar, or these comments");
+    }
     dropRepeatedJoints(sheet.joints, model, warnings);
     model.joints = checkedJoints(sheet.joints, sheet.tiles);
     checkClosed(sheet.joints, model, sheet.tiles, warnings);
   } else {
-    model.joints = jointsOfMesh(sheet.numbers, states, start);
+    const std::vector<int> tileOf =
+        completeMesh(sheet.numbers, sheet.tiles, model, settings, warnings);
+    if (settings.joinCoplanar) {
+      for (int& tile : sheet.pulled) tile = tileOf[tile];
+    }
   }
   if (!sheet.pulled.empty()) model.pulledTiles = sheet.pulled;
   turnClockwiseTiles(sheet.tiles, model, warnings);
@@ -257,9 +399,10 @@ void writeObjPair(const Model& inOrder, const fs::path& file) {
     comments += fmt::format("# pull {}\n", tile);
   }
   const CornerNumbers numbers = sharedNumbers(model);
-  writeTextFile(file, objText(model.tiles, numbers) + comments);
-  if (model.target)
-    writeTextFile(deployedName(file, file.extension()), objText(*model.target, numbers));
+  writeTextFile(file, objText(model.tiles, numbers, model.tileNames) + comments);
+  if (!model.target) return;
+  writeTextFile(deployedName(file, file.extension()),
+                objText(*model.target, numbers, model.tileNames));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -311,23 +454,39 @@ class PlyReader {
     if (faces_.empty()) throw fault("the file holds no face");
   }
 
-  const CornerNumbers& faces() const { return faces_; }
-
-  std::vector<Tile> tiles() const {
-    std::vector<Tile> tiles;
+  /// The faces without padding, as tiles, and their vertex numbers.
+  TileTable tiles(CornerNumbers& outlines) const {
+    TileTable table;
+    table.file = file_;
     for (const std::vector<int>& face : faces_) {
-      Tile& tile = tiles.emplace_back();
+      const std::size_t tile = table.tiles.size();
       for (const int number : face) {
-        if (number < 0 || number >= std::ssize(points_)) {
+        if (number < -1 || number >= std::ssize(points_)) {
           throw fault(
               fmt::format("face {} has the vertex {}, but there are vertices 0-{}: PLY "
                           "counts from 0",
-                          tiles.size() - 1, number, points_.size() - 1));
+                          tile, number, points_.size() - 1));
         }
-        tile.vertices.push_back(points_[number]);
+      }
+      std::vector<int> numbers = face;
+      for (int& number : numbers) {
+        if (number >= 0 && !points_[number].allFinite()) number = -1;
+      }
+      const std::vector<int> kept = unpaddedCorners(numbers, points_);
+      if (kept.size() < 3) {
+        throw fault(
+            fmt::format("face {} has {} vertices, a tile has at least 3", tile, kept.size()));
+      }
+      if (kept.size() < face.size()) table.padded.push_back(static_cast<int>(tile));
+      table.sources.push_back({0, std::vector<int>(kept.size(), 0)});
+      std::vector<int>& outline = outlines.emplace_back();
+      Tile& polygon = table.tiles.emplace_back();
+      for (const int k : kept) {
+        outline.push_back(numbers[k]);
+        polygon.vertices.push_back(points_[numbers[k]]);
       }
     }
-    return tiles;
+    return table;
   }
 
  private:
@@ -423,8 +582,7 @@ class PlyReader {
     if (format_ == PlyFormat::Ascii) {
       const std::string_view text = word();
       double value = 0;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-      if (!text.empty() && error == std::errc() && end == text.data() + text.size()) return value;
+      if (readNumber(text, value)) return value;
       throw fault(text.empty() ? "the file ends early"
                                : fmt::format("'{}' is no number", shown(text, 24)));
     }
@@ -495,24 +653,17 @@ class PlyReader {
         if (axis < 2 || property.name == "z") point[axis] = value;
       }
       if (areVertices) addPoint(point);
-      if (areFaces && isPolygon) addFace(std::move(corners));
+      if (areFaces && isPolygon) faces_.push_back(std::move(corners));
     }
   }
 
   void addPoint(const Vector3& point) {
+    const bool isPadding = point.array().isNaN().all();
     const bool isWithin = point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate;
-    if (!isWithin) {
+    if (!isWithin && !isPadding) {
       throw fault(fmt::format("vertex {} is not within {:g} m", points_.size(), kMaxCoordinate));
     }
     points_.push_back(point);
-  }
-
-  void addFace(std::vector<int> corners) {
-    if (corners.size() < 3) {
-      throw fault(fmt::format("face {} has {} vertices, a tile has at least 3", faces_.size(),
-                              corners.size()));
-    }
-    faces_.push_back(std::move(corners));
   }
 
   fs::path file_;
@@ -526,19 +677,17 @@ class PlyReader {
 
 }  // namespace
 
-Model readPly(const fs::path& file, std::vector<std::string>& warnings) {
+Model readPly(const fs::path& file, std::vector<std::string>& warnings,
+              const ReadSettings& settings) {
   const PlyReader reader(file);
   Model model;
   model.name = file.stem().string();
-  model.tiles = reader.tiles();
-  TileTable table;
-  table.file = file;
-  table.tiles = model.tiles;
-  for (const Tile& tile : model.tiles) {
-    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
-  }
+  CornerNumbers numbers;
+  TileTable table = reader.tiles(numbers);
   checkTiles(table);
-  model.joints = jointsOfMesh(reader.faces(), {&model.tiles}, file);
+  model.tiles = table.tiles;
+  notePadding(table, model, warnings);
+  completeMesh(numbers, table, model, settings, warnings);
   turnClockwiseTiles(table, model, warnings);
   return model;
 }

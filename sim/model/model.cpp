@@ -64,6 +64,9 @@ Model inFileOrder(Model model) {
   for (Mend& mend : model.mends) std::for_each(mend.corners.begin(), mend.corners.end(), turn);
   model.tiles = inFileOrder(std::move(model.tiles), model.fileOrder);
   if (model.target) model.target = inFileOrder(std::move(*model.target), model.fileOrder);
+  for (std::vector<Tile>& state : model.waypoints) {
+    state = inFileOrder(std::move(state), model.fileOrder);
+  }
   // A second call must not turn the tiles back.
   model.fileOrder.isReversed.clear();
   return model;

@@ -88,18 +88,44 @@ struct FileOrder {
   Corner toModel(const Corner& numbered, const std::vector<Tile>& tiles) const;
 };
 
+/// An edge of a sheet, as FOLD describes it.
+struct Crease {
+  int from = 0;                     ///< vertex number
+  int to = 0;                       ///< vertex number
+  char assignment = 'U';            ///< one of B M V F U C J
+  std::optional<double> foldAngle;  ///< degrees, -180 to 180; none if the file has none
+};
+
+/// The vertices, edges and faces that a FOLD file has, in its own numbers. Tiles are its faces
+/// without slits, and faces that J edges join are one tile.
+struct Drawing {
+  std::vector<Vector3> vertices;           ///< at the start, metres
+  std::vector<Crease> creases;             ///< none if the file lists no edges
+  bool hasLetters = false;                 ///< the file has edges_assignment
+  bool hasAngles = false;                  ///< the file has edges_foldAngle
+  bool isFolded = false;                   ///< its frame_classes have foldedForm
+  bool givesTarget = false;                ///< the target is the sheet folded by letters only
+  std::vector<std::vector<int>> faces;     ///< vertex numbers round each face
+  std::vector<int> tileOf;                 ///< of each face
+  std::vector<std::vector<int>> outlines;  ///< vertex numbers round each tile, in the file's order
+};
+
 /// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
 struct Model {
   std::string name;                             ///< of the folder or the generator's family
   std::vector<Tile> tiles;                      ///< at the start
   std::vector<Joint> joints;                    ///< in file order
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
+  std::vector<std::vector<Tile>> waypoints;     ///< states to reach before the target, in order
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
   /// By how much its file folds the edge that two tiles share, radians from -pi to pi, 0 flat:
   /// above 0 where they turn towards the upper side of the first of the two, a valley. Springs of
   /// folds rest there. Each fold is in it both ways round; those that the file says nothing of are
   /// not.
   std::map<std::pair<int, int>, double> foldAngles;
+  std::vector<std::string> tileNames;       ///< of each tile; empty if its file has no names
+  std::optional<Drawing> drawing;           ///< of its FOLD file
+  bool areCoplanarJoined = false;           ///< its reader joined faces of one plane
   std::optional<std::vector<Corner>> hull;  ///< the corners round the outside, in order
   std::string hullFault;                    ///< why a hull that is there was left out, if so
   FileOrder fileOrder;                      ///< how its file counts and orders

@@ -445,6 +445,18 @@ void noteMend(Mend mend, Model& model, std::vector<std::string>& warnings) {
   model.mends.push_back(std::move(mend));
 }
 
+void notePadding(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
+  if (table.padded.empty()) return;
+  Mend mend;
+  mend.place = toString(table.at(table.padded.front()));
+  mend.found = fmt::format("{} of {} tiles list a vertex again, or NaN in place of one",
+                           table.padded.size(), table.tiles.size());
+  mend.done = "removed as padding";
+  mend.advice = "list each vertex of a tile once";
+  for (const int tile : table.padded) mend.corners.push_back({tile, 0});
+  noteMend(std::move(mend), model, warnings);
+}
+
 void refuseMends(const Model& model) {
   if (model.mends.empty()) return;
   const Mend& mend = model.mends.front();
@@ -930,16 +942,25 @@ std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers) {
   return joints;
 }
 
-std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
-                                             const std::filesystem::path& file) {
+namespace {
+
+CornerNumbers coincidingNumbers(const std::vector<const std::vector<Tile>*>& states,
+                                const std::filesystem::path& file) {
   CornerGroups groups(*states.front());
   NearCorners near(states, file);
   for (const Corner& corner : groups.corners()) {
     for (const Corner& other : near.add(corner)) groups.merge(corner, other);
   }
-  const CornerNumbers numbers = groups.numbers();
+  CornerNumbers numbers = groups.numbers();
   near.requireDistinctCorners(numbers);
-  return jointsOfSharedNumbers(numbers);
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
+                                             const std::filesystem::path& file) {
+  return jointsOfSharedNumbers(coincidingNumbers(states, file));
 }
 
 bool sharesNumbers(const CornerNumbers& numbers) {
@@ -952,22 +973,31 @@ bool sharesNumbers(const CornerNumbers& numbers) {
   return false;
 }
 
+CornerNumbers meshNumbers(const CornerNumbers& numbers,
+                          const std::vector<const std::vector<Tile>*>& states,
+                          const std::filesystem::path& file) {
+  return sharesNumbers(numbers) ? numbers : coincidingNumbers(states, file);
+}
+
 std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
                                 const std::vector<const std::vector<Tile>*>& states,
                                 const std::filesystem::path& file) {
-  return sharesNumbers(numbers) ? jointsOfSharedNumbers(numbers)
-                                : jointsOfCoincidingCorners(states, file);
+  return jointsOfSharedNumbers(meshNumbers(numbers, states, file));
 }
 
 // Exact equality, so that nothing is lost when a mesh is written and read.
-CornerNumbers sharedNumbers(const Model& model) {
+CornerNumbers sharedNumbers(const Model& model, bool withTopJoints) {
   CornerGroups groups(model.tiles);
   for (const Joint& joint : model.joints) {
     if (joint.kind != JointKind::Pivot) continue;
-    const bool atStart = placeOf(model.tiles, joint.a) == placeOf(model.tiles, joint.b);
-    const bool atTarget =
-        !model.target || placeOf(*model.target, joint.a) == placeOf(*model.target, joint.b);
-    if (atStart && atTarget) groups.merge(joint.a, joint.b);
+    if (!withTopJoints && joint.face == JointFace::Top) continue;
+    const auto coincide = [&](const std::vector<Tile>& tiles) {
+      return placeOf(tiles, joint.a) == placeOf(tiles, joint.b);
+    };
+    if (coincide(model.tiles) && (!model.target || coincide(*model.target)) &&
+        std::ranges::all_of(model.waypoints, coincide)) {
+      groups.merge(joint.a, joint.b);
+    }
   }
   return groups.numbers();
 }

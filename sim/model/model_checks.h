@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ struct TileTable {
   std::vector<Tile> tiles;          ///< in the file's order
   std::vector<TileSource> sources;  ///< one a tile
   int countsFrom = 0;               ///< the file's first tile and vertex, for messages
+  std::vector<int> padded;          ///< tiles of which repeated or missing vertices were removed
 
   /// Where a tile stands.
   FileLocation at(int tile) const { return {file, sources[tile].line}; }
@@ -142,6 +144,10 @@ double startGap(const Model& model, const Joint& joint);
 struct ReadSettings {
   std::filesystem::path jointsFile;  ///< in place of the model's own list of joints; empty for that
   bool strict = false;               ///< refuse what would be mended
+  bool joinCoplanar = false;   ///< of a mesh: faces of one plane that share an edge are a tile
+  std::optional<int> frame;    ///< of a FOLD file: this frame only, 0 for its key frame
+  std::optional<double> fold;  ///< of a FOLD file: angle of letters without one, as a fraction
+                               ///< of 180 degrees, (0, 1]; 1 if absent
 };
 
 /// "file:line: mended: what was found; what was done".
@@ -161,6 +167,9 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
 /// Notes that a file of joints holds nothing, not even a comment: its tiles are loose.
 void noteNoJoints(const std::filesystem::path& file, Model& model,
                   std::vector<std::string>& warnings);
+
+/// Notes the padded tiles of a table, if there are any.
+void notePadding(const TileTable& table, Model& model, std::vector<std::string>& warnings);
 
 /// Joints whose corners stand apart by what rounding explains, collected to be told as one mend.
 class RoundedCorners {
@@ -214,14 +223,21 @@ std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector
 /// Whether any two corners have one number.
 bool sharesNumbers(const CornerNumbers& numbers);
 
+/// Vertex numbers of a mesh: its own if faces share any, else one for each group of corners that
+/// coincide.
+CornerNumbers meshNumbers(const CornerNumbers& numbers,
+                          const std::vector<const std::vector<Tile>*>& states,
+                          const std::filesystem::path& file);
+
 /// The joints of a mesh: of shared numbers where faces share any, else of coinciding corners.
 std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
                                 const std::vector<const std::vector<Tile>*>& states,
                                 const std::filesystem::path& file);
 
 /// Vertex numbers for a mesh of the model: corners that pivots join have one number where their
-/// coordinates are equal to the last bit at the start and at the target.
-CornerNumbers sharedNumbers(const Model& model);
+/// coordinates are equal to the last bit at the start and at all targets. `withTopJoints`: also
+/// corners that joints of the top faces hold, whose bottoms part when the tiles turn.
+CornerNumbers sharedNumbers(const Model& model, bool withTopJoints = true);
 
 // ------------------------------------------------------------------------------------------------
 // Which face of its bricks each joint should lie on, from the shape that the sheet deploys to.

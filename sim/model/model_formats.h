@@ -23,14 +23,15 @@ std::optional<std::filesystem::path> deployedSibling(const std::filesystem::path
 /// Reads a sheet from its state at the start and, if given, at the target. Faces are tiles, vertex
 /// numbers that faces share are joints; where no face shares any, corners that coincide in all
 /// given states are. Comments "# joint A a B b FACE" and "# pull TILE", which writeObjPair leaves,
-/// say more and then count instead. Other statements (vt, vn, g, o, s, usemtl, mtllib) are passed
-/// over.
+/// say more and then count instead. Statements that describe looks (vt, vn, g, o, s, usemtl,
+/// mtllib) are passed over.
 ///
 /// Throws InputError with file and line for numbers, faces and tiles that are wrong, and for states
-/// whose faces differ; appends to warnings what a run can live with.
+/// whose faces differ; appends to warnings what a run can live with, and how many statements that
+/// hold other geometry are not read.
 Model readObjPair(const std::filesystem::path& start,
                   const std::optional<std::filesystem::path>& target,
-                  std::vector<std::string>& warnings);
+                  std::vector<std::string>& warnings, const ReadSettings& settings = {});
 
 /// Writes the start to `file` and the target, if there is one, to its sibling NAME_deployed.obj, so
 /// that reading gives the same model to the last bit. Throws InputError for a model with links or
@@ -49,7 +50,8 @@ void writeObjPair(const Model& model, const std::filesystem::path& file);
 /// make no bricks.
 /// Coordinates count as metres. There is no target. A file as large as kMostTextBytes is read whole
 /// into memory.
-Model readPly(const std::filesystem::path& file, std::vector<std::string>& warnings);
+Model readPly(const std::filesystem::path& file, std::vector<std::string>& warnings,
+              const ReadSettings& settings = {});
 
 // ------------------------------------------------------------------------------------------------
 // Planar sheets in files: vertices and joints in files of numbers, and cut patterns.
@@ -132,23 +134,37 @@ void writePlanarFiles(const Model& model, const std::filesystem::path& vertices)
 Model readCutPattern(const std::filesystem::path& file, std::vector<std::string>& warnings);
 
 // ------------------------------------------------------------------------------------------------
-// FOLD files (github.com/edemaine/fold, version 1.2): JSON, a sheet in one frame or several.
+// FOLD files (github.com/edemaine/fold, versions 1.0 to 1.2): JSON, a sheet in one frame or
+// several.
 
-/// Reads a sheet: the first frame with coordinates is the start, the last one, if there are more,
-/// the target. faces_vertices are tiles; vertices that faces share are joints, so that faces with a
-/// common edge are hinged, unless the edge is a cut or joins them to one piece. A flat sheet in one
-/// frame goes where its edges_foldAngle fold it, and springs at folds rest at these angles. Keys of
-/// Kirireel's own, which writeFold leaves, say more.
+/// Reads a sheet: the first frame with coordinates and with faces or edges is the start, further
+/// states of the same sheet are waypoints and the target. Faces are tiles, without their slits, and
+/// one tile if J edges join them; without a list of faces they are found from the edges. Vertices
+/// that faces share are joints, so that faces with a common edge are hinged, unless the edge is a
+/// cut. A flat sheet in one state goes where its angles or letters fold it, and springs at folds
+/// rest at these angles. Keys of Kirireel's own, which writeFold leaves, say more.
 ///
-/// Throws InputError for text that is no JSON, no faces, wrong numbers, tiles that make no bricks,
-/// and two edges of the same two faces that fold by different angles.
-/// Coordinates count as metres, whatever the file's frame_unit says. Appends to warnings what a run
-/// can live with: tiles of a target that are not congruent, angles that do not close.
-Model readFold(const std::filesystem::path& file, std::vector<std::string>& warnings);
+/// Throws InputError for text that is no JSON, wrong numbers, tiles that make no bricks, frames and
+/// folds that are not in the file, and two edges of the same two faces that fold by different
+/// angles. Coordinates count as metres, whatever the file's frame_unit says. Appends to warnings
+/// what is not read, what letters decide, and what a run can live with: tiles of a target that are
+/// not congruent, angles that do not close.
+Model readFold(const std::filesystem::path& file, const ReadSettings& settings,
+               std::vector<std::string>& warnings);
 
-/// Writes the model with its edges, their assignments and the angles that they fold by, so that
-/// origami programs fold it and reading gives it back to the last bit. Throws OutputError.
-/// An existing file is replaced.
+/// The tiles at one time of a run.
+struct FoldState {
+  std::string title;        ///< of its frame
+  std::vector<Tile> tiles;  ///< in the order of the model's file
+};
+
+/// The text of a FOLD 1.2 file: the model with its edges, letters and angles, so that origami
+/// programs fold it and reading gives it back to the last bit. Vertices, edges, letters and angles
+/// of the model's own FOLD file stay as they are. `samples`: states of a run, the first being the
+/// model's start, as frames in place of the targets, which have a key of our own then.
+std::string foldText(const Model& model, const std::vector<FoldState>& samples = {});
+
+/// Writes this text. An existing file is replaced. Throws OutputError.
 void writeFold(const Model& model, const std::filesystem::path& file);
 
 // ------------------------------------------------------------------------------------------------
@@ -159,14 +175,6 @@ void writeFold(const Model& model, const std::filesystem::path& file);
 // faces are one rigid piece. Fold angles are signed dihedral angles in degrees, 0 flat, positive
 // where the two faces turn towards their upper side (valley).
 
-/// One edge.
-struct Crease {
-  int from = 0;                     ///< vertex number
-  int to = 0;                       ///< vertex number
-  char assignment = 'U';            ///< one of B M V F U C J
-  std::optional<double> foldAngle;  ///< degrees, -180 to 180; none where the file does not say
-};
-
 /// The joints of faces that share vertices, as jointsOfSharedNumbers gives them, but for creases
 /// that cut or fix. `tiles` has the faces at the start.
 /// Edges that `creases` does not list count as unassigned, that is as hinges. Fixed joints come
@@ -174,21 +182,26 @@ struct Crease {
 std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector<Crease>& creases,
                                    const std::vector<Tile>& tiles);
 
-/// The tiles of a flat start folded along all hinges with an angle: face 0 of each connected piece
-/// stays. None where no angle differs from 0.
+/// The normal of the plane in which all tiles lie, on the side from which most of their area runs
+/// anticlockwise: the upper side of a crease pattern. None if they lie in no plane.
+std::optional<Vector3> sheetNormal(const Model& model);
+
+/// The tiles of a crease pattern with this normal, folded along all hinges with an angle: face 0 of
+/// each connected piece stays. None where no angle differs from 0.
 /// Angles that contradict each other round a loop are not noticed here.
 std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
                                              const std::vector<Crease>& creases,
-                                             const std::vector<Tile>& tiles);
+                                             const std::vector<Tile>& tiles, const Vector3& normal);
 
 /// The angles of the folds between two faces, as Model::foldAngles has them: of all edges that two
-/// faces share and a crease gives an angle, but for cuts and joins. `model` has the faces as tiles;
-/// where they lie flat, angles count seen from above as in foldedTiles(), else seen from the face
-/// with the lower number as in creasesOf(). Throws InputError, which names the file, where two
-/// edges of the same faces have different angles.
+/// faces share and a crease gives an angle, but for cuts and joins. `model` has the faces as tiles.
+/// `normal`: of a crease pattern, whose angles count seen from there as in foldedTiles(). None:
+/// they count seen from the face with the lower number as in creasesOf(). Throws InputError, which
+/// names the file, where two edges of the same faces have different angles.
 std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
                                                    const std::vector<Crease>& creases,
                                                    const Model& model,
+                                                   const std::optional<Vector3>& normal,
                                                    const std::filesystem::path& file);
 
 /// The edges of all faces, each once: boundary where one face has it, else mountain, valley or flat
@@ -197,9 +210,10 @@ std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
 /// is that between the first two.
 std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile>& state);
 
-/// Those that the model's file is written with: a flat sheet folds to its target, others are as
-/// they stand, and Model::foldAngles come before both. `faces` number the corners in the order of
-/// the model's own file.
-std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& model);
+/// Those that the model's file is written with: a crease pattern with this normal folds to its
+/// target, others are as they stand, and Model::foldAngles come before both. `faces` number the
+/// corners in the order of the model's own file.
+std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& model,
+                              const std::optional<Vector3>& normal);
 
 }  // namespace kirireel::model

@@ -36,6 +36,20 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
                      "the model to a folder");
 }
 
+/// Options of one format are refused for another.
+void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
+  const std::string ending = endingOf(path);
+  const auto require = [&](bool isGiven, bool isOwn, const char* option, const char* formats) {
+    if (!isGiven || isOwn) return;
+    throw inputErrorAt({path}, fmt::format("{} is for {} only; remove it", option, formats));
+  };
+  const bool isFold = ending == ".fold";
+  require(settings.frame.has_value(), isFold, "--frame", ".fold files");
+  require(settings.fold.has_value(), isFold, "--fold", ".fold files");
+  require(settings.joinCoplanar, ending == ".obj" || ending == ".ply", "--join-coplanar",
+          "OBJ and PLY meshes");
+}
+
 // A file by its ending.
 Model readFile(const fs::path& path, const std::optional<fs::path>& target,
                const ReadSettings& settings, std::vector<std::string>& warnings) {
@@ -52,13 +66,13 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
     return readModelFolder(folder, own, warnings);
   }
   requireNoJointsFile(path, settings);
-  if (ending == ".fold") return readFold(path, warnings);
-  if (ending == ".ply") return readPly(path, warnings);
+  if (ending == ".fold") return readFold(path, settings, warnings);
+  if (ending == ".ply") return readPly(path, warnings, settings);
   if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, warnings);
   if (ending == ".obj") {
     // A target that was asked for makes the sibling superfluous, and what is wrong with it
     // harmless.
-    return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings);
+    return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings, settings);
   }
   throw inputErrorAt({path}, fmt::format("'{}' is no model's ending; give {}", ending, kFormats));
 }
@@ -83,10 +97,13 @@ void requireSameTiles(const Model& model, const Model& other, const fs::path& pa
 }
 
 /// The start of another model in any format, vertex by vertex as the model has them.
-std::vector<Tile> startOf(const fs::path& path, const Model& model) {
+std::vector<Tile> startOf(const fs::path& path, const Model& model, bool joinCoplanar) {
   // The warnings about another model's start are not about this model.
   std::vector<std::string> ignored;
-  const Model other = readModel(path, std::nullopt, ignored);
+  ReadSettings settings;
+  const std::string ending = endingOf(path);
+  settings.joinCoplanar = joinCoplanar && (ending == ".obj" || ending == ".ply");
+  const Model other = readModel(path, std::nullopt, ignored, settings);
   requireSameTiles(model, other, path);
   // Back to the order of the other model's file, which both models share, then to this model's
   // order.
@@ -97,23 +114,28 @@ std::vector<Tile> startOf(const fs::path& path, const Model& model) {
 
 Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                 std::vector<std::string>& warnings, const ReadSettings& settings) {
+  requireOwnOptions(path, settings);
   const bool isFile = fs::is_regular_file(path);
   Model model = isFile                 ? readFile(path, target, settings, warnings)
                 : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", settings, warnings)
                                        : readModelFolder(path, settings, warnings);
   model.rounding = roundingOf(model.tiles);
+  model.areCoplanarJoined = settings.joinCoplanar;
   if (settings.strict) {
     refuseMends(model);
     if (!model.hullFault.empty()) throw InputError(model.hullFault);
   }
-  if (target) model.target = startOf(*target, model);
+  if (!target) return model;
+  model.target = startOf(*target, model, settings.joinCoplanar);
+  model.waypoints.clear();
+  if (model.drawing) model.drawing->givesTarget = false;
   return model;
 }
 
 std::vector<Tile> readTarget(const fs::path& path, const Model& model,
                              std::vector<std::string>& warnings) {
   if (endingOf(path) == ".txt") return readTargetFile(path, model, warnings);
-  return startOf(path, model);
+  return startOf(path, model, model.areCoplanarJoined);
 }
 
 void writeModel(const Model& model, const fs::path& path) {
@@ -172,8 +194,7 @@ std::string folderName(const fs::path& folder) {
 }
 
 // A line holds three numbers for each of at least three vertices.
-void requireWholeVertices(const TextTable& text, const TextLine& line, size_t tile) {
-  const size_t count = line.fields.size();
+void requireWholeVertices(const TextTable& text, const TextLine& line, size_t tile, size_t count) {
   // The message points at the first number of the vertex that is not whole.
   const size_t left = count % 3;
   if (left != 0) {
@@ -190,6 +211,27 @@ void requireWholeVertices(const TextTable& text, const TextLine& line, size_t ti
   }
 }
 
+/// How many numbers are left without the vertices at the end that matrices are padded with: NaN,
+/// or again the last or the first vertex. Joints number vertices, so none is removed elsewhere.
+std::size_t countWithoutPadding(const TextLine& line) {
+  const auto at = [&](std::size_t k) { return line.fields[k].text; };
+  const auto isSame = [&](std::size_t a, std::size_t b) {
+    double first = 0, second = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool areNumbers = readNumber(at(a + axis), first) && readNumber(at(b + axis), second);
+      if (!areNumbers || first != second) return false;
+    }
+    return true;
+  };
+  std::size_t count = line.fields.size();
+  while (count >= 3 && isNan(at(count - 1)) && isNan(at(count - 2)) && isNan(at(count - 3))) {
+    count -= 3;
+  }
+  while (count >= 6 && isSame(count - 3, count - 6)) count -= 3;
+  while (count >= 6 && isSame(count - 3, 0)) count -= 3;
+  return count;
+}
+
 // Tiles with the places of their vertices in the file, for messages.
 TileTable readTiles(const fs::path& file) {
   TextTable text(file, kTilePurpose);
@@ -197,11 +239,17 @@ TileTable readTiles(const fs::path& file) {
   table.file = file;
   TextLine line;
   while (text.next(line)) {
-    requireWholeVertices(text, line, table.tiles.size());
+    requireWholeVertices(text, line, table.tiles.size(), line.fields.size());
+    const std::size_t count = countWithoutPadding(line);
+    // A word that is no number is the likelier mistake where few vertices are left.
+    for (std::size_t k = 0; count < line.fields.size() && k < count; ++k) {
+      parseCoordinate(line.fields[k], text.at(line, line.fields[k]));
+    }
+    requireWholeVertices(text, line, table.tiles.size(), count);
     Tile& tile = table.tiles.emplace_back();
     TileSource& source = table.sources.emplace_back();
     source.line = line.number;
-    for (size_t k = 0; k < line.fields.size(); k += 3) {
+    for (size_t k = 0; k < count; k += 3) {
       const auto coordinate = [&](size_t axis) {
         const TextField& field = line.fields[k + axis];
         return parseCoordinate(field, text.at(line, field));
@@ -209,6 +257,8 @@ TileTable readTiles(const fs::path& file) {
       tile.vertices.push_back(Vector3{coordinate(0), coordinate(1), coordinate(2)});
       source.columns.push_back(line.fields[k].column);
     }
+    if (count < line.fields.size())
+      table.padded.push_back(static_cast<int>(table.tiles.size()) - 1);
   }
   if (table.tiles.empty()) {
     throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kTilePurpose));
@@ -366,6 +416,7 @@ Model readModelFolder(const fs::path& folder, const ReadSettings& settings,
   Model model;
   model.name = folderName(folder);
   model.tiles = tiles.tiles;
+  notePadding(tiles, model, warnings);
 
   JointTable joints = readJointRows(jointsFileOf(folder, settings), model, warnings);
   mendBase(joints, tiles, model, warnings);

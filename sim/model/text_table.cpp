@@ -28,12 +28,6 @@ std::string quoted(std::string_view text) {
   return fmt::format("'{}'", shown(text, 24));
 }
 
-/// from_chars knows no leading plus, which other programs write.
-std::string_view withoutPlus(std::string_view text) {
-  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+';
-  return plus ? text.substr(1) : text;
-}
-
 bool isUtf16(std::string_view text) {
   return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
 }
@@ -65,18 +59,30 @@ TextTable::TextTable(std::filesystem::path file, const std::string& purpose, Com
 bool TextTable::next(TextLine& line) {
   line.fields.clear();
   while (position_ < text_.size() && line.fields.empty()) {
-    const size_t end = std::min(text_.find('\n', position_), text_.size());
-    std::string_view text(text_.data() + position_, end - position_);
-    position_ = end + 1;
+    line.number = number_ + 1;
     // Passed-over lines are counted too.
-    line.number = ++number_;
-    const size_t comment = commentBegin(text);
-    hasComment_ = hasComment_ || comment != text.npos;
-    // substr(0, npos) is the whole line.
-    if (comments_ == Comments::Skip) text = text.substr(0, comment);
-    splitFields(text, line);
+    while (readLine(line)) continue;
   }
   return !line.fields.empty();
+}
+
+/// Appends the fields of the next line; true if another one continues it.
+bool TextTable::readLine(TextLine& line) {
+  const size_t end = std::min(text_.find('\n', position_), text_.size());
+  std::string_view text(text_.data() + position_, end - position_);
+  position_ = end + 1;
+  ++number_;
+  const bool isObj = comments_ == Comments::Keep;
+  const size_t comment = isObj ? text.find('#') : commentBegin(text);
+  hasComment_ = hasComment_ || comment != text.npos;
+  // In OBJ only a comment after data is removed: one that fills its line may be ours.
+  const bool isWholeLine = line.fields.empty() && text.find_first_not_of(kBlanks) == comment;
+  // substr(0, npos) is the whole line.
+  if (!isObj || !isWholeLine) text = text.substr(0, comment);
+  const size_t last = text.find_last_not_of(kBlanks);
+  const bool continues = isObj && comment == text.npos && last != text.npos && text[last] == '\\';
+  splitFields(continues ? text.substr(0, last) : text, line);
+  return continues && position_ < text_.size();
 }
 
 void TextTable::splitFields(std::string_view text, TextLine& line) const {
@@ -92,7 +98,7 @@ void TextTable::splitFields(std::string_view text, TextLine& line) const {
     const std::string_view word = text.substr(begin, end - begin);
     const std::string_view field = isNumbers ? withoutCommas(word) : word;
     const auto column = static_cast<int>(field.data() - text.data()) + 1;
-    if (!field.empty()) line.fields.push_back({field, column});
+    if (!field.empty()) line.fields.push_back({field, column, number_});
     if (line.fields.size() > kMaxFields) {
       throw inputErrorAt(
           at(line, line.fields.back()),
@@ -105,20 +111,38 @@ void TextTable::splitFields(std::string_view text, TextLine& line) const {
   }
 }
 
-double parseCoordinate(const TextField& field, const FileLocation& location) {
-  const std::string_view text = withoutPlus(field.text);
-  double value = 0;
+bool readNumber(std::string_view text, double& value) {
+  // from_chars knows no leading plus and no D, which other programs write.
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
+  std::string fortran;
+  const size_t exponent = text.find_first_of("dD");
+  if (exponent != text.npos && exponent > 0 && exponent + 1 < text.size()) {
+    fortran = text;
+    fortran[exponent] = 'e';
+    text = fortran;
+  }
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::invalid_argument || end != text.data() + text.size()) return false;
+  if (error == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
+  return true;
+}
+
+bool isNan(std::string_view text) {
+  double value = 0;
+  return readNumber(text, value) && std::isnan(value);
+}
+
+double parseCoordinate(const TextField& field, const FileLocation& location) {
+  double value = 0;
   // Numbers too large for a double are left to the next message.
-  if (error == std::errc::invalid_argument || end != text.data() + text.size()) {
-    const bool hasComma = std::ranges::count(text, ',') == 1;
+  if (!readNumber(field.text, value)) {
+    const bool hasComma = std::ranges::count(field.text, ',') == 1;
     throw inputErrorAt(location,
                        fmt::format("{} is not a number; write coordinates in metres, "
                                    "{}separated by blanks",
                                    quoted(field.text), hasComma ? "with a decimal point, " : ""));
   }
-  const bool beyond = error == std::errc::result_out_of_range || std::isinf(value);
-  if (beyond || std::isnan(value) || std::abs(value) > kMaxCoordinate) {
+  if (!(std::abs(value) <= kMaxCoordinate)) {
     throw inputErrorAt(
         location,
         fmt::format("{} cannot be a coordinate, which lies between -{:g} and {:g} metres; "
@@ -130,23 +154,17 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
 
 double parseNumberWithin(const TextField& field, const FileLocation& location, double least,
                          double most, const std::string& meaning) {
-  const std::string_view text = withoutPlus(field.text);
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool isNumber = error == std::errc() && end == text.data() + text.size();
-  if (isNumber && value >= least && value <= most) return value;
+  if (readNumber(field.text, value) && value >= least && value <= most) return value;
   throw inputErrorAt(location,
                      fmt::format("{} is not {}; correct it", quoted(field.text), meaning));
 }
 
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning) {
-  const std::string_view text = withoutPlus(field.text);
   // Programs that know one kind of number write 3 as 3.0000000e+00.
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool isWhole = error == std::errc() && end == text.data() + text.size() &&
-                       value >= std::numeric_limits<int>::min() &&
+  const bool isWhole = readNumber(field.text, value) && value >= std::numeric_limits<int>::min() &&
                        value <= std::numeric_limits<int>::max() && value == std::trunc(value);
   if (!isWhole) {
     throw inputErrorAt(

@@ -14,11 +14,12 @@ namespace kirireel::model {
 struct TextField {
   std::string_view text;  ///< lives as long as its TextTable
   int column = 0;         ///< of its first character, from 1
+  int line = 0;           ///< from 1
 };
 
 /// One line that holds data.
 struct TextLine {
-  int number = 0;                 ///< from 1
+  int number = 0;                 ///< from 1; of the first one if the file continues it
   std::vector<TextField> fields;  ///< at least 1
 };
 
@@ -33,7 +34,8 @@ class TextTable {
   /// What becomes of comments, and of commas.
   enum class Comments {
     Skip,  ///< comments are left out, commas part numbers
-    Keep,  ///< they are fields, or parts of them, as anything else
+    Keep,  ///< as in OBJ: a line that begins with '#' is one of data, commas are parts of fields,
+           ///< and a backslash at the end of a line continues it
   };
 
   /// Reads the whole file. `purpose` ends the message about a missing file: what it should hold.
@@ -54,10 +56,11 @@ class TextTable {
 
   /// Where a field of the line stands.
   FileLocation at(const TextLine& line, const TextField& field) const {
-    return {file_, line.number, field.column};
+    return {file_, field.line > 0 ? field.line : line.number, field.column};
   }
 
  private:
+  bool readLine(TextLine& line);
   void splitFields(std::string_view text, TextLine& line) const;
 
   std::filesystem::path file_;
@@ -71,6 +74,13 @@ class TextTable {
 /// Largest coordinate that is accepted, metres; beyond it a number is a slip of the pen, and
 /// distances of tiles would lose the digits that joints need.
 inline constexpr double kMaxCoordinate = 1e6;
+
+/// Reads a number, also with a leading plus or with the exponent of Fortran (1.0D+00). All of the
+/// text has to be the number; false if it is not. Out of range gives an infinity.
+bool readNumber(std::string_view text, double& value);
+
+/// Whether a word stands for a missing number: NaN in any case, with or without a sign.
+bool isNan(std::string_view text);
 
 /// The coordinate in a field, metres, at most kMaxCoordinate in size. Throws InputError for
 /// letters, NaN, infinities and numbers out of range.

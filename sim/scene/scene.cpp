@@ -62,10 +62,12 @@ bool leavesPlane(const InitialVelocity& velocity) {
   return velocity.linear.z() != 0 || !velocity.angular.head<2>().isZero(0);
 }
 
-/// Whether springs at folds rest where the model's file has them folded.
+/// Whether springs at folds rest out of the plane: where the model's file folds them, or by an
+/// angle of their own to the same side.
 bool foldsOutOfPlane(const Scene& scene) {
   constexpr double kFlatFoldAngle = 1e-6 * kDegree;
-  return scene.hinges.areOn() && !scene.hinges.rest &&
+  const bool isFlat = scene.hinges.rest && std::abs(*scene.hinges.rest) <= kFlatFoldAngle;
+  return scene.hinges.areOn() && !isFlat &&
          std::ranges::any_of(scene.model.foldAngles, [](const auto& fold) {
            return std::abs(fold.second) > kFlatFoldAngle;
          });

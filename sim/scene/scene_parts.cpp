@@ -28,10 +28,41 @@
 namespace kirireel::scene {
 namespace {
 
+/// The states that the model's own file goes through become entries of the timeline, unless
+/// something else than targets moves the tiles.
+void addWaypoints(Scene& scene) {
+  const std::vector<std::vector<model::Tile>>& waypoints = scene.model.waypoints;
+  const bool goesToTargets =
+      scene.actuation.drive == Drive::Auto || scene.actuation.drive == Drive::Target;
+  if (waypoints.empty() || !goesToTargets || !scene.grips.empty()) return;
+  Timeline chain;
+  for (std::size_t k = 0; k < waypoints.size(); ++k) {
+    const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
+    const std::string name = fmt::format("{}, target {}", scene.model.name, k + 1);
+    chain.push_back({when, timeline::GoTo{name, waypoints[k]}, {name}});
+  }
+  chain.push_back({{Occasion::Kind::AtTarget}, timeline::GoTo{}, {scene.model.name}});
+  scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
+}
+
+/// Letters without angles fold by 180 degrees only if nothing else says how far: springs with a
+/// rest angle of their own fold the sheet instead of a pull to a target.
+void foldBySprings(Scene& scene) {
+  const bool givesTarget = scene.model.drawing && scene.model.drawing->givesTarget;
+  const bool areSprung = scene.hinges.stiffness > 0 && scene.hinges.rest;
+  if (!givesTarget || !areSprung || scene.actuation.drive != Drive::Auto) return;
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::None;
+}
+
 /// The chain of targets becomes the model's target and, before it, entries of the timeline.
 void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
                 std::vector<std::string>& warnings) {
-  if (files.empty()) return;
+  if (files.empty()) {
+    foldBySprings(scene);
+    return addWaypoints(scene);
+  }
+  scene.model.waypoints.clear();
   Timeline chain;
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
     // The first target is headed for at once, each further one when the one before it is reached.
@@ -464,6 +495,13 @@ class UsualSprings {
     return isByLength && isFold(hinge) ? folding(hinge) : all.stiffness;
   }
 
+  /// The rest angle of all hinges, to the other side for a mountain of the model's file.
+  double signedRest(const model::Hinge& hinge, double rest) const {
+    const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
+    const bool isMountain = found != scene_.model.foldAngles.end() && found->second < 0;
+    return isFold(hinge) && isMountain ? -rest : rest;
+  }
+
   double rest(const model::Hinge& hinge) const {
     const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
     const bool isInFile = isFold(hinge) && found != scene_.model.foldAngles.end();
@@ -588,7 +626,9 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
       // What is left of the file in the end names no hinge, and is refused.
       lines.erase(line);
     }
-    const std::optional<double> rest = own.rest || usual.isBend(hinge) ? own.rest : all.rest;
+    const std::optional<double> rest = own.rest || !all.rest || usual.isBend(hinge)
+                                           ? own.rest
+                                           : usual.signedRest(hinge, *all.rest);
     const model::HingeSpring spring{hinge, own.stiffness.value_or(usual.stiffness(hinge)),
                                     rest.value_or(usual.rest(hinge)),
                                     own.damping.value_or(all.damping)};

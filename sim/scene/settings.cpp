@@ -239,7 +239,7 @@ Setting hingeRest() {
   return specialNumber(
       "hinge_rest", "DEGREES", "a fold's in a FOLD file, else the angle at the start",
       "angle at which they pull no more: at a corner between the tiles' edges, 0 where they lie "
-      "flush; at a fold from flat, valleys above 0",
+      "flush; at a fold from flat, valleys above 0, and mountains of a FOLD file to the other side",
       [](Scene& scene, const TypedValue& typed) {
         scene.hinges.rest = parseNumber(typed, {-360, 360}) * kDegree;
       },

@@ -193,6 +193,16 @@ void writeModel(ArrayWriter& file, const model::Model& model) {
   if (const std::vector<int> reversed = reversedTiles(model.fileOrder); !reversed.empty()) {
     file.write("model/reversed_tiles", std::span<const int>(reversed), {reversed.size()});
   }
+  if (!model.foldAngles.empty()) {
+    std::vector<int> tiles;
+    std::vector<double> angles;
+    for (const auto& [pair, angle] : model.foldAngles) {
+      tiles.insert(tiles.end(), {pair.first, pair.second});
+      angles.push_back(angle);
+    }
+    file.write("model/fold_tiles", std::span<const int>(tiles), {angles.size(), 2});
+    file.write("model/fold_angles", std::span<const double>(angles), {angles.size()});
+  }
   if (model.pulledTiles) {
     file.write("model/pulled_tiles", std::span<const int>(*model.pulledTiles),
                {model.pulledTiles->size()});
@@ -697,6 +707,16 @@ class SubjectReader {
     return order;
   }
 
+  std::map<std::pair<int, int>, double> readFoldAngles() const {
+    const std::vector<int> tiles = readTileNumbers("model/fold_tiles");
+    const std::vector<double> angles = numbers("model/fold_angles", {tiles.size() / 2});
+    std::map<std::pair<int, int>, double> folds;
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      folds[{tiles[2 * k], tiles[2 * k + 1]}] = angles[k];
+    }
+    return folds;
+  }
+
   model::Model readModel() const {
     model::Model model;
     model.name = file_.textAttribute("model", "name");
@@ -706,6 +726,7 @@ class SubjectReader {
     if (file_.has("model/pulled_tiles")) {
       model.pulledTiles = readTileNumbers("model/pulled_tiles");
     }
+    if (file_.has("model/fold_tiles")) model.foldAngles = readFoldAngles();
     model.fileOrder = readFileOrder();
     return model;
   }

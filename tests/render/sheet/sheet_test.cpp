@@ -84,30 +84,6 @@ TEST(PlanarObj, IsReadBackToTheSameTarget) {
   for (std::size_t t = 0; t < tiles.size(); ++t) EXPECT_EQ(read[t].vertices, tiles[t].vertices);
 }
 
-TEST(Fold, SharesVerticesAtJointsAndKeepsEveryState) {
-  const model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
-  const std::vector<model::Tile> open = model::tessellationTiles(shapeOf(2, 2, 0), 0.9);
-  const json fold = json::parse(exports::foldText(model, {{0, model.tiles}, {1.5, open}}));
-  EXPECT_EQ(fold["file_spec"], 1.2);
-  // Sixteen corners, four joints.
-  EXPECT_EQ(fold["vertices_coords"].size(), 12U);
-  EXPECT_EQ(fold["edges_vertices"].size(), 16U);
-  EXPECT_EQ(fold["kirireel:joints"].size(), 4U);
-  ASSERT_EQ(fold["file_frames"].size(), 1U);
-  const json& frame = fold["file_frames"][0];
-  EXPECT_EQ(frame["frame_title"], "t = 1.5 s");
-  EXPECT_EQ(frame["frame_parent"], 0);
-  EXPECT_EQ(frame["frame_inherit"], true);
-  for (std::size_t t = 0; t < 4; ++t) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::vector<double> at =
-          frame["vertices_coords"][fold["faces_vertices"][t][k].get<int>()];
-      // Measured: 2e-16.
-      EXPECT_LT((Vector3(at[0], at[1], at[2]) - open[t].vertices[k]).norm(), 1e-14);
-    }
-  }
-}
-
 std::map<exports::PatternLayer, double> lengths(const std::vector<exports::PatternLine>& lines) {
   std::map<exports::PatternLayer, double> sums;
   for (const exports::PatternLine& line : lines) sums[line.layer] += (line.to - line.from).norm();

@@ -209,8 +209,8 @@ TEST(FolderErrors, NotFiniteOrHuge) {
 }
 
 TEST(FolderErrors, RepeatedVertex) {
-  EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 0 0 0\n"),
-            "@/vertices.txt:1:19: error: vertex 3 of tile 0 is where its vertex 0 is; a tile's "
+  EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 1 0 0\n"),
+            "@/vertices.txt:1:19: error: vertex 3 of tile 0 is where its vertex 1 is; a tile's "
             "vertices are all different: correct it or delete it");
 }
 

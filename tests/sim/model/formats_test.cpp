@@ -258,8 +258,17 @@ TEST(Formats, FoldCutsPartAndJoinsFix) {
   EXPECT_TRUE(read(folder.path() / "a.fold").joints.empty());
   folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","J","B","B","B","B","B"])"));
   const model::Model joined = read(folder.path() / "b.fold");
-  ASSERT_EQ(joined.joints.size(), 1U);
-  EXPECT_EQ(joined.joints[0].kind, model::JointKind::Fixed);
+  ASSERT_EQ(joined.tiles.size(), 1U);
+  EXPECT_EQ(joined.tiles[0].vertices.size(), 6U);
+  EXPECT_TRUE(joined.joints.empty());
+  // Four squares round a hole have no outline that is one polygon: they are fixed to each other.
+  folder.write("c.fold", R"({"vertices_coords": [[0,0],[3,0],[3,3],[0,3],[1,1],[2,1],[2,2],[1,2]],
+      "faces_vertices": [[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]],
+      "edges_vertices": [[0,4],[1,5],[2,6],[3,7]], "edges_assignment": ["J","J","J","J"]})");
+  const model::Model ring = read(folder.path() / "c.fold");
+  EXPECT_EQ(ring.tiles.size(), 4U);
+  ASSERT_EQ(ring.joints.size(), 4U);
+  for (const model::Joint& joint : ring.joints) EXPECT_EQ(joint.kind, model::JointKind::Fixed);
 }
 
 TEST(Formats, ReadsPlyOfAllThreeKinds) {
@@ -398,8 +407,8 @@ TEST(FormatErrors, Orientation) {
 
 TEST(FormatErrors, Fold) {
   EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": [[0,0]]})"}}, "a.fold"),
-            "@/a.fold: error: there are no faces_vertices; a sheet needs its faces: add them, or "
-            "fold and save the pattern with a program that finds them");
+            "@/a.fold: error: there are no faces_vertices and no edges_vertices; a sheet needs its "
+            "faces, or the edges that they are found from: add them");
   EXPECT_EQ(messageFor({{"a.fold", R"({"faces_vertices": [[0,1,2]]})"}}, "a.fold"),
             "@/a.fold: error: there are no vertices_coords; add the vertices' coordinates");
   EXPECT_EQ(
@@ -471,10 +480,10 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
             "@/a.fold: error: file_frames is no list of frames; correct or delete it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
             "@/a.fold: error: entry 1 of file_frames is no JSON object; correct or delete it");
-  // Of a frame, by its own coordinates.
+  // A frame that is not read may be anything.
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
-            "@/a.fold: error: edge 0 does not join two of the vertices 0-2; correct it, or delete "
-            "edges_vertices");
+            "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 is not read; --frame N "
+            "reads frame N only");
 }
 
 TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
@@ -496,11 +505,14 @@ TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
 
 TEST(FormatErrors, FoldNestedWithoutEnd) {
   const std::string open(200000, '['), closed(200000, ']');
-  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"x\": " + open + closed), "");
-  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed),
-            "@/a.fold: error: entry 0 of file_frames is no JSON object; correct or delete it");
-  EXPECT_EQ(messageForFold(open + closed),
-            "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
+  const std::string message =
+      "@/a.fold: error: its values are nested more than 64 deep, and those of FOLD 5 deep; give a "
+      "FOLD file";
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"x\": " + open + closed), message);
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed), message);
+  EXPECT_EQ(messageForFold(open + closed), message);
+  const std::string fewOpen(40, '['), fewClosed(40, ']');
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"x\": " + fewOpen + fewClosed), "");
 }
 
 TEST(FormatErrors, JsonWithTextThatIsLong) {

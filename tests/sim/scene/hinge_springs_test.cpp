@@ -166,8 +166,9 @@ TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
     scene::Scene there = scene;
     there.model.tiles = *scene.model.target;
     EXPECT_NEAR(spring.rest, springOf(there).hinge.start, 1e-15) << faces;
+    // A mountain seen from the upper side of the first tile rests on the other side.
     scene.hinges.rest = 20 * kDegree;
-    EXPECT_EQ(springOf(scene).rest, 20 * kDegree);
+    EXPECT_EQ(springOf(scene).rest, std::copysign(20 * kDegree, spring.rest));
     scene.hinges.own = {{0, 1, {}, 40 * kDegree, {}, {}}};
     EXPECT_EQ(springOf(scene).rest, 40 * kDegree);
   }
@@ -186,6 +187,31 @@ TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
   }
   EXPECT_EQ(folded, 1);
   EXPECT_EQ(scene.model.foldAngles.size(), 2u);
+}
+
+// Letters without angles say only to which side springs fold.
+TEST(FoldSprings, FoldLettersByTheirOwnRest) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "a.fold", std::ios::binary)
+      << R"({"vertices_coords": [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1]],
+             "faces_vertices": [[0,1,4,5],[1,2,3,4]],
+             "edges_vertices": [[1,4]], "edges_assignment": ["M"]})";
+  std::vector<std::string> warnings;
+  scene::Scene scene = scene::openScene();
+  scene.brick.thickness = 0.02;
+  scene.model = model::readModel(folder / "a.fold", std::nullopt, warnings);
+  EXPECT_TRUE(scene.model.target);
+  scene.hinges.stiffness = 1;
+  scene::Scene pulled = scene;
+  scene::completeScene({}, pulled, warnings);
+  EXPECT_TRUE(pulled.model.target);
+  EXPECT_EQ(springOf(pulled).rest, -180 * kDegree);
+  scene.hinges.rest = 60 * kDegree;
+  scene::completeScene({}, scene, warnings);
+  EXPECT_FALSE(scene.model.target);
+  EXPECT_EQ(scene.actuation.drive, scene::Drive::None);
+  EXPECT_EQ(springOf(scene).rest, -60 * kDegree);
+  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "springs fold the sheet as its file says");
 }
 
 // Angles that close round no loop fold the sheet out of its plane though there is no target.

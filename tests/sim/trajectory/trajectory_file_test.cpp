@@ -131,6 +131,7 @@ void expectSameSubject(const trajectory::Subject& a, const trajectory::Subject& 
   ASSERT_EQ(a.model.target.has_value(), b.model.target.has_value());
   if (a.model.target) expectSameValue(*a.model.target, *b.model.target, "target");
   EXPECT_EQ(a.model.pulledTiles, b.model.pulledTiles);
+  EXPECT_EQ(a.model.foldAngles, b.model.foldAngles);
   expectSameValue(a.model.joints, b.model.joints, "joints");
   expectSameValue(a.obstacles, b.obstacles, "obstacles");
   expectSame(a.brickRule, b.brickRule);
@@ -158,6 +159,7 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   const TemporaryFolder folder;
   trajectory::Trajectory written = randomTrajectory(7);
   written.model.pulledTiles = {0, 3};
+  written.model.foldAngles = {{{0, 1}, 0.5}, {{1, 0}, 0.5}};
   std::mt19937_64 generator(2);
   written.pairForces = test::pairForces({}, randomLigaments(generator));
   written.model.joints.push_back(model::makeFixedJoint(written.model.tiles, 0, 5));
