@@ -128,7 +128,7 @@ PathFollower::PathFollower(const scene::Scene& scene, const std::vector<model::B
       beginTime_(beginTime),
       closingStiffness_(kClosingShare * usualStiffness(scene.springs, bricks)),
       guide_(model::bottomTiles(bricks, start), target),
-      springs_(bricks, target, scene.model.pulledTiles, leadingSprings(scene)) {}
+      springs_(bricks, guide_.at(0), scene.model.pulledTiles, leadingSprings(scene)) {}
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double elapsed = time - beginTime_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -89,11 +90,16 @@ class RunMechanics {
   struct Account {
     trajectory::Energies before;  ///< where the last step began
     trajectory::Energies now;     ///< where it has ended
+    Poses reached;                ///< likewise; none before the start
+    /// Mean accelerations of the centres of mass in the last step, m/s^2; one entry a brick.
+    std::vector<Vector3> accelerations;
 
     /// For files; see base/fields.h.
     static constexpr auto fields() {
-      return describeFields<Account>(field("before", &Account::before),
-                                     field("now", &Account::now));
+      return describeFields<Account>(
+          field("before", &Account::before), field("now", &Account::now),
+          field("reached", &Account::reached),
+          field("accelerations", &Account::accelerations, "m/s^2"));
     }
   };
   /// Of the last step, joules.
@@ -105,7 +111,9 @@ class RunMechanics {
   void transfer(StateTape& tape) { tape.transfer(account_); }
 
  private:
-  double workOfFreeForces(const Motion& from, const Motion& to) const;
+  double workOfFreeForces(const Poses& from, const Poses& to) const;
+  bool isBalanced(const mechanics::Reactions& reactions, std::span<const Vector6> applied,
+                  const Poses& poses) const;
   double workOfMovingSprings(const StepSpan& step) const;
   double workOfMovingSprings(double time, double seconds, const Motion& from,
                              const Motion& to) const;

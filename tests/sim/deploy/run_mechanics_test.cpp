@@ -72,6 +72,19 @@ TEST(Energies, BalanceToTheTolerance) {
   }
 }
 
+// The guide starts where the tiles are: its springs hold nothing yet, and no work was done.
+TEST(Energies, OfAGuidedRunBeginAtZero) {
+  scene::Scene scene = openingSheet();
+  scene.path.kind = scene::PathKind::Guided;
+  const std::vector<trajectory::Sample> samples = samplesOf(scene);
+  const trajectory::Energies& first = samples.front().mechanics->energies;
+  EXPECT_LT(first.spring, 1e-20);
+  EXPECT_LT(first.work - first.kinetic, 1e-20);
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    EXPECT_GE(samples[k].mechanics->energies.damped, samples[k - 1].mechanics->energies.damped);
+  }
+}
+
 TEST(Energies, BalanceToFirstOrderInFixedSteps) {
   double before = 0;
   for (const double step : {1.0 / 240, 1.0 / 480, 1.0 / 960}) {
