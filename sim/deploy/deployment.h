@@ -35,7 +35,7 @@ inline constexpr const char* kAssembledError = "assembled_error";
 
 /// How accurate a run was. Lengths in metres.
 struct Accuracy {
-  double jointGapMax = 0;      ///< largest of any pivot at the start and the end of any step
+  double jointGapMax = 0;      ///< largest of any pivot in any step or sample
   double jointGapMean = 0;     ///< mean over pivots, of the start and all steps
   double jointGapEnd = 0;      ///< largest at the end
   double jointOpeningMax = 0;  ///< largest while joints were compliant; 0 when always exact
@@ -44,12 +44,14 @@ struct Accuracy {
   double targetErrorStart = 0;
   /// The error after the last step.
   double targetErrorEnd = 0;
-  /// The least error of the start and the end of any step.
+  /// The least error in any step or sample.
   double targetErrorMin = 0;
   /// No arrangement of rigid tiles has a smaller error; see rigidBound().
   double rigidBound = 0;
   double springsRestError = 0;  ///< where springs rest near the target, no contacts in their way
-  double penetrationMax = 0;    ///< deepest at the start and the end of any step
+  /// Deepest in any step or sample, and at ten moments between two samples; see
+  /// StateInterpolator::momentsBetween().
+  double penetrationMax = 0;
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 

@@ -1,4 +1,4 @@
-// Figures of a run, measured at its start and after each step. A maximum or minimum keeps the state
+// Figures of a run, measured at its start, after each step, at each sample and between samples. A maximum or minimum keeps the state
 // in which it was reached, so that it can be computed again from the trajectory; sums (mean gap,
 // cost) follow from the steps' records. Records wait for the next sample, which takes those up to
 // its own time along.
@@ -29,7 +29,8 @@ RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick
       overlaps_(std::make_unique<trajectory::PenetrationMeter>(
           bricks, pivots, pivotZone, asRead, trajectory::kRoundingOverlap * tileSize_)),
       asRead_(asRead),
-      assembledError_(nearest.error) {
+      assembledError_(nearest.error),
+      interpolator_(model, bricks) {
   if (!model.target) return;
   accuracy_.springsRestError = nearest.restError;
   states_.push_back({kAssembledError, kNoTime, nearest.poses});
@@ -50,9 +51,7 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
                          bool jointsAreCompliant) {
   // What may be ended from within comes first, while nothing has changed.
   const trajectory::PenetrationDepths overlaps =
-      overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
-                          accuracy_.penetrationGrownMax},
-                         poses);
+      overlaps_->atLeast(deepest(), poses);
   const TimedPoses state = {time, poses};
   cost_.took += report;
   const trajectory::JointGap gap = trajectory::jointGap(pivots_, poses);
@@ -60,13 +59,24 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   gapNow_ = accuracy_.jointGapEnd = gap.max;
   gapSum_ += gap.mean;
   raise(&Accuracy::jointGapMax, gap.max, state);
-  if (jointsAreCompliant) raise(&Accuracy::jointOpeningMax, gap.max, state);
-  raise(&Accuracy::penetrationMax, overlaps.whole, state);
-  raise(&Accuracy::penetrationOutsidePivotsMax, overlaps.outsidePivots, state);
-  raise(&Accuracy::penetrationGrownMax, overlaps.grown, state);
+  isCompliant_ = jointsAreCompliant;
+  if (isCompliant_) raise(&Accuracy::jointOpeningMax, gap.max, state);
+  raiseOverlaps(overlaps, state);
   observeTarget(state, gap);
   ++count_;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
+}
+
+trajectory::PenetrationDepths RunFigures::deepest() const {
+  return {accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
+          accuracy_.penetrationGrownMax};
+}
+
+void RunFigures::raiseOverlaps(const trajectory::PenetrationDepths& depths,
+                               const TimedPoses& state) {
+  raise(&Accuracy::penetrationMax, depths.whole, state);
+  raise(&Accuracy::penetrationOutsidePivotsMax, depths.outsidePivots, state);
+  raise(&Accuracy::penetrationGrownMax, depths.grown, state);
 }
 
 void RunFigures::keepState(const char* figure, const TimedPoses& state) {
@@ -107,14 +117,38 @@ bool RunFigures::wereClosed() const {
   return std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
 }
 
-// A sample takes along the records of the steps up to its time; those of later ones wait.
+// A sample takes along the records of the steps up to its time; those of later ones wait. Bricks
+// may overlap most between two samples, so ten moments there count too.
 trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
+  // What may be ended from within comes first, while nothing has changed.
+  std::vector<Poses> states;
+  if (!lastSample_.poses.empty() && lastSample_.time < time) {
+    states = interpolator_.momentsBetween(lastSample_.poses, poses);
+  }
+  const double interval = (time - lastSample_.time) / (static_cast<double>(states.size()) + 1);
+  states.push_back(poses);
+  std::vector<trajectory::PenetrationDepths> depths;
+  for (const Poses& state : states) {
+    depths.push_back(overlaps_->atLeast(depths.empty() ? deepest() : depths.back(), state));
+  }
   trajectory::Sample sample;
   sample.time = time;
   sample.poses = std::move(poses);
   sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
   sample.targetError = targetErrorOf(sample.poses);
-  sample.penetration = trajectory::deepestPenetration(bricks_, sample.poses).depth;
+  sample.penetration = overlaps_->at(sample.poses).whole;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const double moment = time - interval * static_cast<double>(states.size() - 1 - k);
+    raiseOverlaps(depths[k], {moment, states[k]});
+  }
+  const TimedPoses state = {time, sample.poses};
+  raise(&Accuracy::jointGapMax, sample.jointGap, state);
+  if (isCompliant_) raise(&Accuracy::jointOpeningMax, sample.jointGap, state);
+  if (model_.target && sample.targetError < accuracy_.targetErrorMin) {
+    accuracy_.targetErrorMin = sample.targetError;
+    keepState(nameOfField(&Accuracy::targetErrorMin), state);
+  }
+  lastSample_ = {time, sample.poses};
   const auto later = std::ranges::find_if(
       steps_, [&](const trajectory::StepRecord& step) { return step.time > time; });
   sample.steps.assign(steps_.begin(), later);
@@ -142,7 +176,8 @@ void RunFigures::transfer(StateTape& tape) {
 }
 
 void RunFigures::transferStates(StateTape& tape) {
-  tape.transfer(states_, steps_, gapBefore_, gapNow_);
+  tape.transfer(states_, steps_, gapBefore_, gapNow_, lastSample_.time, lastSample_.poses,
+                isCompliant_);
 }
 
 }  // namespace kirireel::deploy

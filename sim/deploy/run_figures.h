@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
@@ -19,7 +20,14 @@ struct TimedPoses {
   const Poses& poses;  ///< one a brick
 };
 
-/// Looks at the start of a run and at the end of each step. A figure that one state decides keeps
+/// The same with poses of its own.
+struct TimedState {
+  double time = 0;  ///< of the run, seconds
+  Poses poses;      ///< one a brick
+};
+
+/// Looks at the start of a run, at the end of each step, at each sample and at moments between two
+/// samples. A figure that one state decides keeps
 /// that state, and all others follow from the steps' records: so they can be computed again.
 class RunFigures {
  public:
@@ -53,6 +61,7 @@ class RunFigures {
   const trajectory::StepRecord& lastStep() const { return steps_.back(); }
 
   /// A sample of these poses with its measures, and the steps up to its time since the one before.
+  /// The sample, and moments between it and the sample before, count in the largest figures.
   trajectory::Sample sampleAt(double time, Poses poses);
   /// Makes a sample the end of the run, though later steps were measured. Which states the figures
   /// up to it were reached in is not known.
@@ -67,6 +76,9 @@ class RunFigures {
   void transferStates(StateTape& tape);
 
  private:
+  /// The largest overlaps so far, metres.
+  trajectory::PenetrationDepths deepest() const;
+  void raiseOverlaps(const trajectory::PenetrationDepths& depths, const TimedPoses& state);
   void keepState(const char* figure, const TimedPoses& state);
   void raise(double Accuracy::*figure, double value, const TimedPoses& state);
   void observeTarget(const TimedPoses& state, const trajectory::JointGap& gap);
@@ -86,6 +98,9 @@ class RunFigures {
   double gapNow_ = 0;      // likewise of the last
   std::vector<trajectory::FigureState> states_;
   std::vector<trajectory::StepRecord> steps_;  // since the last sample
+  StateInterpolator interpolator_;
+  TimedState lastSample_;  // no poses before the first
+  bool isCompliant_ = false;  // the joints, at the last step
 };
 
 }  // namespace kirireel::deploy

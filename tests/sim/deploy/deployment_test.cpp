@@ -1,3 +1,4 @@
+#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 
 #include <algorithm>
@@ -173,6 +174,36 @@ TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
   EXPECT_EQ(trajectory::targetError(target, bricks, poses("assembled_error")),
             result.assembledError);
   EXPECT_LE(result.assembledError, accuracy.targetErrorEnd);
+}
+
+// Bricks that pass through each other, on a path of few states and in a run of long steps.
+TEST(Deploy, LargestFiguresCoverSamplesAndMomentsBetween) {
+  for (const scene::PathKind kind : {scene::PathKind::Continuation, scene::PathKind::Straight}) {
+    scene::Scene scene = smallScene();
+    scene.path.kind = kind;
+    scene.environment.contacts = scene::ContactFilter::None;
+    scene.model.tiles.push_back({{{0.1, 0.1, -0.3}, {0.9, 0.2, 0.4}, {0.5, 0.7, 0.3}}});
+    scene.model.target->push_back(scene.model.tiles.back());
+    scene.solver.planar = false;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
+    const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
+    deploy::StateInterpolator interpolator(result.trajectory);
+    double deepest = 0, gap = 0;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      deepest = std::max(deepest, samples[k].penetration);
+      gap = std::max(gap, samples[k].jointGap);
+      if (k == 0) continue;
+      for (const Poses& poses :
+           interpolator.momentsBetween(samples[k - 1].poses, samples[k].poses)) {
+        deepest = std::max(deepest,
+                           trajectory::deepestPenetration(result.trajectory.bricks, poses).depth);
+      }
+    }
+    EXPECT_GT(deepest, 0.01);
+    EXPECT_GE(result.accuracy.penetrationMax, deepest);
+    EXPECT_LE(result.accuracy.penetrationMax, 1.1 * deepest + 1e-6);
+    EXPECT_GE(result.accuracy.jointGapMax, gap);
+  }
 }
 
 TEST(Deploy, ARunThatDivergesEndsWithItsLastStepInBounds) {
