@@ -196,7 +196,7 @@ MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double
 
 /// How many states momentsBetween() gives.
 inline constexpr int kMomentsBetween = 10;
-/// Radians. The parabola opens the joints by less than 3e-6 of a tile then.
+/// Radians. The parabola opens the joints of rotating squares by 5e-6 of a tile then.
 inline constexpr double kMostTurnBetween = 0.05;
 
 /// Finds states between two samples of one run. The mechanism has no straight ways: half way
