@@ -1,7 +1,7 @@
-// Figures of a run, measured at its start, after each step, at each sample and between samples. A maximum or minimum keeps the state
-// in which it was reached, so that it can be computed again from the trajectory; sums (mean gap,
-// cost) follow from the steps' records. Records wait for the next sample, which takes those up to
-// its own time along.
+// Figures of a run, measured at its start, after each step, at each sample and between samples. A
+// maximum or minimum keeps the state in which it was reached: it can be computed again from the
+// trajectory. Sums (mean gap, cost) follow from the steps' records. Records wait for the next
+// sample, which takes those up to its own time along.
 #include "sim/deploy/run_figures.h"
 
 #include <algorithm>
@@ -55,15 +55,15 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   const TimedPoses state = {time, poses};
   cost_.took += report;
   const trajectory::JointGap gap = trajectory::jointGap(pivots_, poses);
-  gapBefore_ = gapNow_;
-  gapNow_ = accuracy_.jointGapEnd = gap.max;
-  gapSum_ += gap.mean;
+  gaps_.before = gaps_.now;
+  gaps_.now = accuracy_.jointGapEnd = gap.max;
+  gaps_.sumOfMeans += gap.mean;
   raise(&Accuracy::jointGapMax, gap.max, state);
   isCompliant_ = jointsAreCompliant;
   if (isCompliant_) raise(&Accuracy::jointOpeningMax, gap.max, state);
   raiseOverlaps(overlaps, state);
   observeTarget(state, gap);
-  ++count_;
+  ++gaps_.count;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
 }
 
@@ -88,7 +88,7 @@ void RunFigures::keepState(const char* figure, const TimedPoses& state) {
 
 // The first value is taken whatever it is, so that each figure has a state.
 void RunFigures::raise(double Accuracy::*figure, double value, const TimedPoses& state) {
-  if (count_ > 0 && !(value > accuracy_.*figure)) return;
+  if (gaps_.count > 0 && !(value > accuracy_.*figure)) return;
   accuracy_.*figure = value;
   keepState(nameOfField(figure), state);
 }
@@ -97,7 +97,7 @@ void RunFigures::raise(double Accuracy::*figure, double value, const TimedPoses&
 void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointGap& gap) {
   if (!model_.target) return;
   const double error = accuracy_.targetErrorEnd = targetErrorOf(state.poses);
-  if (count_ == 0 || error < accuracy_.targetErrorMin) {
+  if (gaps_.count == 0 || error < accuracy_.targetErrorMin) {
     accuracy_.targetErrorMin = error;
     keepState(nameOfField(&Accuracy::targetErrorMin), state);
   }
@@ -114,7 +114,7 @@ double RunFigures::targetErrorOf(const Poses& poses) const {
 
 // At both ends of the last step.
 bool RunFigures::wereClosed() const {
-  return std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
+  return std::max(gaps_.before, gaps_.now) <= kClosedShare * tileSize_;
 }
 
 // A sample takes along the records of the steps up to its time; those of later ones wait. Bricks
@@ -165,18 +165,18 @@ void RunFigures::endWith(const trajectory::Sample& sample) {
 
 void RunFigures::leave(DeploymentResult& result) const {
   result.accuracy = accuracy_;
-  result.accuracy.jointGapMean = gapSum_ / static_cast<double>(count_);
+  result.accuracy.jointGapMean = gaps_.sumOfMeans / static_cast<double>(gaps_.count);
   result.cost = cost_;
   result.assembledError = assembledError_;
   result.trajectory.figureStates = states_;
 }
 
 void RunFigures::transfer(StateTape& tape) {
-  tape.transfer(accuracy_, assembledError_, cost_, count_, gapSum_);
+  tape.transfer(accuracy_, assembledError_, cost_, gaps_.count, gaps_.sumOfMeans);
 }
 
 void RunFigures::transferStates(StateTape& tape) {
-  tape.transfer(states_, steps_, gapBefore_, gapNow_, lastSample_.time, lastSample_.poses,
+  tape.transfer(states_, steps_, gaps_.before, gaps_.now, lastSample_.time, lastSample_.poses,
                 isCompliant_);
 }
 

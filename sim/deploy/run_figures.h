@@ -26,9 +26,17 @@ struct TimedState {
   Poses poses;      ///< one a brick
 };
 
-/// Looks at the start of a run, at the end of each step, at each sample and at moments between two
-/// samples. A figure that one state decides keeps
-/// that state, and all others follow from the steps' records: so they can be computed again.
+/// Joint gaps of the states that a run measured, metres.
+struct GapRecord {
+  long count = 0;         ///< of states, the start included
+  double sumOfMeans = 0;  ///< each the mean over pivots
+  double before = 0;      ///< largest gap of the state before the last
+  double now = 0;         ///< largest gap of the last state
+};
+
+/// Measures the start of a run, the end of each step, each sample and moments between two samples.
+/// A figure that one state decides keeps that state. All others follow from the steps' records, so
+/// they can be computed again.
 class RunFigures {
  public:
   /// `asRead`: where the bricks stand before joints are closed. `nearest`: see assembleAtTarget().
@@ -92,14 +100,11 @@ class RunFigures {
   Accuracy accuracy_;
   DeployCost cost_;
   double assembledError_;  // metres; negative without a target
-  long count_ = 0;         // of states measured, the start included
-  double gapSum_ = 0;      // of their mean gaps
-  double gapBefore_ = 0;   // the largest of the state before the last
-  double gapNow_ = 0;      // likewise of the last
+  GapRecord gaps_;
   std::vector<trajectory::FigureState> states_;
   std::vector<trajectory::StepRecord> steps_;  // since the last sample
   StateInterpolator interpolator_;
-  TimedState lastSample_;  // no poses before the first
+  TimedState lastSample_;     // no poses before the first
   bool isCompliant_ = false;  // the joints, at the last step
 };
 
