@@ -33,6 +33,7 @@
 #include "sim/deploy/continuation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -1380,25 +1381,34 @@ trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
   return sample;
 }
 
-// p(s) = straight(s) + 4 s (1 - s) (p(1/2) - straight(1/2)), rotations by rotation vectors.
+// p(s) = straight(s) + b(s) (p(1/3) - straight(1/3)) + b(1 - s) (p(2/3) - straight(2/3)) with
+// b(s) = 27/2 s (1 - s) (2/3 - s), rotations by rotation vectors. Joints open by the fourth power
+// of the turn.
 std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Poses& to) {
   std::vector<Poses> moments;
   if (!(largestTurn(from, to) <= kMostTurnBetween)) return moments;  // also when not a number
-  const Poses straight = interpolate(from, to, 0.5);
-  Poses closed = straight;
+  const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
+                                         interpolate(from, to, 2.0 / 3)};
+  std::array<Poses, 2> closed = straight;
   if (!pivots_.empty() && areClosed(from) && areClosed(to)) {
     setPinned({});
-    const double gap = solverFor(from, to).assemble(closed);
+    double gap = 0;
+    for (Poses& poses : closed) gap = std::max(gap, solverFor(from, to).assemble(poses));
     if (gap > kClosedJoints * tileSize_) closed = straight;
   }
   for (int k = 1; k <= kMomentsBetween; ++k) {
     const double share = static_cast<double>(k) / (kMomentsBetween + 1);
-    const double bulge = 4 * share * (1 - share);
+    const double whole = 13.5 * share * (1 - share);
+    const std::array<double, 2> bulges = {whole * (2.0 / 3 - share), whole * (share - 1.0 / 3)};
     Poses& poses = moments.emplace_back(interpolate(from, to, share));
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      poses[i].position += bulge * (closed[i].position - straight[i].position);
-      const Vector3 turn = turnBetween(straight[i].rotation, closed[i].rotation);
-      poses[i].rotation = (rotationFromVector(bulge * turn) * poses[i].rotation).normalized();
+      Vector3 turn = Vector3::Zero();
+      for (int third = 0; third < 2; ++third) {
+        const Pose &open = straight[third][i], &shut = closed[third][i];
+        poses[i].position += bulges[third] * (shut.position - open.position);
+        turn += bulges[third] * turnBetween(open.rotation, shut.rotation);
+      }
+      poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
     }
   }
   return moments;

@@ -196,7 +196,7 @@ MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double
 
 /// How many states momentsBetween() gives.
 inline constexpr int kMomentsBetween = 10;
-/// Radians. The parabola opens the joints of rotating squares by 5e-6 of a tile then.
+/// Radians. Joints of momentsBetween() open by less than 1e-7 of a tile then.
 inline constexpr double kMostTurnBetween = 0.05;
 
 /// Finds states between two samples of one run. The mechanism has no straight ways: half way
@@ -219,8 +219,9 @@ class StateInterpolator {
                              double share);
 
   /// States at kMomentsBetween equal shares of the way between two states, at the cost of closing
-  /// the joints once: by the parabola through the two states and the closed state half way. Empty
-  /// if a brick turns by more than kMostTurnBetween from one to the other: its path is not known.
+  /// the joints twice: by the cubic through the two states and the closed states at a third and two
+  /// thirds of the way. Empty if a brick turns by more than kMostTurnBetween from one state to the
+  /// other: its path is not known.
   std::vector<Poses> momentsBetween(const Poses& from, const Poses& to);
 
  private:

@@ -50,8 +50,7 @@ void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
                          bool jointsAreCompliant) {
   // What may be ended from within comes first, while nothing has changed.
-  const trajectory::PenetrationDepths overlaps =
-      overlaps_->atLeast(deepest(), poses);
+  const trajectory::PenetrationDepths overlaps = overlaps_->atLeast(deepest(), poses);
   const TimedPoses state = {time, poses};
   cost_.took += report;
   const trajectory::JointGap gap = trajectory::jointGap(pivots_, poses);

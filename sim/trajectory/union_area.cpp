@@ -79,8 +79,8 @@ bool isNotSeparatedBySides(const Polygon& a, const Polygon& b, double tolerance)
 }
 
 /// A polygon, anticlockwise, with what decides whether it overlaps others.
-struct Piece {
-  explicit Piece(Polygon given) : polygon(std::move(given)) {
+struct CoveringPiece {
+  explicit CoveringPiece(Polygon given) : polygon(std::move(given)) {
     area = signedArea(polygon);
     if (area < 0) std::reverse(polygon.begin(), polygon.end());
     area = std::abs(area);
@@ -88,8 +88,9 @@ struct Piece {
     box = boxOf(polygon);
   }
 
-  bool overlaps(const Piece& other) const {
-    const double tolerance = kTouching * std::min(box.diagonal().norm(), other.box.diagonal().norm());
+  bool overlaps(const CoveringPiece& other) const {
+    const double tolerance =
+        kTouching * std::min(box.diagonal().norm(), other.box.diagonal().norm());
     for (const Polygon& a : parts) {
       for (const Polygon& b : other.parts) {
         if (isNotSeparatedBySides(a, b, tolerance) && isNotSeparatedBySides(b, a, tolerance)) {
@@ -107,7 +108,7 @@ struct Piece {
 };
 
 /// The number of the group of each piece: that of its first piece.
-std::vector<std::size_t> groupsOf(const std::vector<Piece>& pieces) {
+std::vector<std::size_t> groupsOf(const std::vector<CoveringPiece>& pieces) {
   std::vector<std::size_t> group(pieces.size()), order(pieces.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
   order = group;
@@ -117,9 +118,9 @@ std::vector<std::size_t> groupsOf(const std::vector<Piece>& pieces) {
   };
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return pieces[i].box.min().x(); });
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const Piece& first = pieces[order[i]];
+    const CoveringPiece& first = pieces[order[i]];
     for (std::size_t j = i + 1; j < order.size(); ++j) {
-      const Piece& second = pieces[order[j]];
+      const CoveringPiece& second = pieces[order[j]];
       if (second.box.min().x() >= first.box.max().x()) break;
       if (!first.box.intersects(second.box) || !first.overlaps(second)) continue;
       const auto [low, high] = std::minmax(rootOf(order[i]), rootOf(order[j]));
@@ -141,9 +142,9 @@ struct Side {
   }
 };
 
-std::vector<Side> sidesOf(const std::vector<const Piece*>& pieces) {
+std::vector<Side> sidesOf(const std::vector<const CoveringPiece*>& pieces) {
   std::vector<Side> sides;
-  for (const Piece* piece : pieces) {
+  for (const CoveringPiece* piece : pieces) {
     const Polygon& polygon = piece->polygon;
     for (std::size_t k = 0; k < polygon.size(); ++k) {
       const Vector2 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
@@ -190,7 +191,7 @@ double coveredLength(std::vector<std::pair<double, int>>& crossings) {
   return length;
 }
 
-double groupArea(const std::vector<const Piece*>& pieces) {
+double groupArea(const std::vector<const CoveringPiece*>& pieces) {
   const std::vector<Side> sides = sidesOf(pieces);
   const std::vector<double> heights = heightsOf(sides);
   double area = 0;
@@ -210,12 +211,12 @@ double groupArea(const std::vector<const Piece*>& pieces) {
 }  // namespace
 
 double unionArea(const std::vector<std::vector<Eigen::Vector2d>>& polygons) {
-  const std::vector<Piece> pieces(polygons.begin(), polygons.end());
+  const std::vector<CoveringPiece> pieces(polygons.begin(), polygons.end());
   const std::vector<std::size_t> group = groupsOf(pieces);
-  std::vector<std::vector<const Piece*>> groups(pieces.size());
+  std::vector<std::vector<const CoveringPiece*>> groups(pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) groups[group[i]].push_back(&pieces[i]);
   double area = 0;
-  for (const std::vector<const Piece*>& members : groups) {
+  for (const std::vector<const CoveringPiece*>& members : groups) {
     if (members.empty()) continue;
     area += members.size() == 1 ? members.front()->area : groupArea(members);
   }

@@ -10,9 +10,9 @@ energies of the largest energy), whichever is larger. --few: only every tenth in
 Moments between two samples (penetration_max). No brick may turn by more than 0.05 rad from one sample
 to the next, else the interval is left out. With s from 0 to 1, positions taken straight and rotations by
 the shortest turn give straight(s). If all joints are closed in both samples (to 1e-9 of a tile), the
-bricks of straight(1/2) are moved as little as possible in the metric of their masses until the joints are
-closed, by c (position and rotation vector). The state is straight(s) moved by 4 s (1 - s) c, at
-s = 1/11 ... 10/11.
+bricks of straight(1/3) and straight(2/3) are moved as little as possible in the metric of their masses
+until the joints are closed, by c and d (position and rotation vector). The state is straight(s) moved by
+13.5 s (1 - s) ((2/3 - s) c + (s - 1/3) d), at s = 1/11 ... 10/11.
 
 Overlap of two bricks: the largest of any two of their convex parts; for two parts the least overlap of
 their projections over all face normals and products of edges. Bricks that fill one layer are separated
@@ -275,12 +275,16 @@ def states_between(run, few):
         if run.pivots and max(gaps[k], gaps[k + 1]) <= CLOSED * run.tile:
             flat = (np.abs((np.einsum("nij,nj->ni", matrices(q0), run.normal))[:, :2]).max() <= 1e-9
                     and np.abs(step[:, :2]).max() <= 1e-9 and np.abs((p1 - p0)[:, 2]).max() <= 1e-9 * run.tile)
-            pm, qm = (p0 + p1) / 2, product(rotation_of(step / 2), q0)
-            pc, qc, gap = close(run, pm, qm, flat)
-            if gap <= CLOSED * run.tile:
-                bulge = 4 * share * (1 - share)
-                p = p + bulge * (pc - pm)
-                q = product(rotation_of(bulge * vector_of(product(qc, inverse(qm)))), q)
+            thirds = []
+            for third in (1 / 3, 2 / 3):
+                pm, qm = p0 + third * (p1 - p0), product(rotation_of(third * step), q0)
+                pc, qc, gap = close(run, pm, qm, flat)
+                thirds.append((pc - pm, vector_of(product(qc, inverse(qm))), gap))
+            if max(t[2] for t in thirds) <= CLOSED * run.tile:
+                whole = 13.5 * share * (1 - share)
+                bulges = whole * (2 / 3 - share), whole * (share - 1 / 3)
+                p = p + bulges[0] * thirds[0][0] + bulges[1] * thirds[1][0]
+                q = product(rotation_of(bulges[0] * thirds[0][1] + bulges[1] * thirds[1][1]), q)
         positions.append(p), rotations.append(q)
     if not positions:
         return run.position[:0], run.rotation[:0]

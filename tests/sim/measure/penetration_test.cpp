@@ -132,8 +132,8 @@ TEST(Penetration, IsTheSameForTurnedStates) {
     const Pose poseB{0.3 * vector(), rotationFromVector(tilt * vector())};
     const double depth = depthOf(a, {}, b, poseB);
     const Quaternion turn = rotationFromVector(vector());
-    const double turned = depthOf(a, {{1, 2, 3}, turn}, b,
-                                  {turn * poseB.position + Vector3(1, 2, 3), turn * poseB.rotation});
+    const double turned = depthOf(
+        a, {{1, 2, 3}, turn}, b, {turn * poseB.position + Vector3(1, 2, 3), turn * poseB.rotation});
     largest = std::max(largest, std::abs(turned - depth));
   }
   EXPECT_LT(largest, 1e-12);  // 4e-15 by NumPy (tests/oracle/check_run.py)

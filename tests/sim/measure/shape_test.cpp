@@ -79,9 +79,18 @@ TEST(Shape, CoversWhatTilesShareOnce) {
   const double whole = 0.75 * std::sqrt(3);
   EXPECT_NEAR(*trajectory::coveredArea(star), whole * 12 / 9, 1e-14);
   // Concave: two crosses, one moved along its bar by half a cell.
-  const model::Tile cross = polygon({{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {3, 1, 0}, {3, 2, 0},
-                                     {2, 2, 0}, {2, 3, 0}, {1, 3, 0}, {1, 2, 0}, {0, 2, 0},
-                                     {0, 1, 0}, {1, 1, 0}});
+  const model::Tile cross = polygon({{1, 0, 0},
+                                     {2, 0, 0},
+                                     {2, 1, 0},
+                                     {3, 1, 0},
+                                     {3, 2, 0},
+                                     {2, 2, 0},
+                                     {2, 3, 0},
+                                     {1, 3, 0},
+                                     {1, 2, 0},
+                                     {0, 2, 0},
+                                     {0, 1, 0},
+                                     {1, 1, 0}});
   model::Tile shifted = cross;
   for (Vector3& vertex : shifted.vertices) vertex.x() += 0.5;
   // The bars add half a cell, each of two arms half a cell.
