@@ -123,7 +123,7 @@ std::vector<std::size_t> groupsOf(const std::vector<CoveringPiece>& pieces) {
       const CoveringPiece& second = pieces[order[j]];
       if (second.box.min().x() >= first.box.max().x()) break;
       if (!first.box.intersects(second.box) || !first.overlaps(second)) continue;
-      const auto [low, high] = std::minmax(rootOf(order[i]), rootOf(order[j]));
+      const auto [low, high] = std::minmax({rootOf(order[i]), rootOf(order[j])});
       group[high] = low;
     }
   }
