@@ -152,6 +152,7 @@ struct RunSummary : PictureReport {
   deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
   std::string reason;                                    ///< one line: why it ended so
   std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
+  std::string shortfall;         ///< why the run does not count as done; empty if it does
   double endTime = 0;            ///< simulated seconds
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.

@@ -61,7 +61,7 @@ struct VerifyReport {
 /// A run that is over, its files whole.
 struct FinishedRun {
   std::string outcome;           ///< as summary.json has it, never "interrupted"
-  std::optional<bool> atTarget;  ///< as summary.json has it
+  bool isShort = false;          ///< summary.json has a shortfall
   std::string summary;           ///< the text of summary.json
 };
 

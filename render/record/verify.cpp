@@ -356,9 +356,7 @@ std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::st
     for (const auto& [name, noted] : summary.at("contents").items()) {
       if (!exports::difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
     }
-    const Json& atTarget = summary.at("at_target");
-    return FinishedRun{summary.at("outcome"),
-                       atTarget.is_null() ? std::optional<bool>() : atTarget.get<bool>(), text};
+    return FinishedRun{summary.at("outcome"), !summary.at("shortfall").is_null(), text};
   } catch (const Json::exception&) {
     return std::nullopt;  // sealed, but no run's
   }

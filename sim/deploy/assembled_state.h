@@ -95,6 +95,7 @@ struct AssembledState {
   Poses poses;            ///< where it was found, one a tile
   double restError = -1;  ///< where the scene's springs come to rest near the target, metres
   Poses restPoses;        ///< that state
+  bool isCutShort = false;  ///< the budget ended the search: there may be a nearer state
 };
 
 /// Joint-closed states near the target. First every tile is put where it fits its target best, the

@@ -600,6 +600,22 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
   });
 }
 
+/// Ends a path at its last state before joints open by more than the rounding of the coordinates
+/// explains; see roundedReach().
+void endBeforeJointsOpen(const scene::Scene& scene, MechanismPath& path) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const auto isOpen = [&](const Poses& state) {
+    return trajectory::jointGap(pivots, state).max > roundedReach(scene.model);
+  };
+  const auto open = std::ranges::find_if(path.states.begin() + 1, path.states.end(), isOpen);
+  if (open == path.states.end()) return;
+  path.endsAtOpenJoints = true;
+  path.states.erase(open, path.states.end());
+  path.lengths.resize(path.states.size());
+  path.guideLength = path.length();
+}
+
 /// A path whose joints close within the rounding of the coordinates, which cost that much work:
 /// with exact joints where the tiles fit each other all along it.
 MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, double cost,
@@ -620,6 +636,7 @@ MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, do
   if (exact.isStuck || exact.isCutShort) return rounded;
   const double apart = pathDistance(bricks, exact.states.back(), rounded.states.back());
   exact.guideLength = rounded.guideLength;
+  exact.endsAtOpenJoints = rounded.endsAtOpenJoints;
   return apart <= roundedReach(scene.model) ? exact : rounded;
 }
 
@@ -712,6 +729,7 @@ MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budge
   MechanismPath path =
       Continuation(scene, start, {.turnWeight = 1}, closed, budget, goesOn).toExtension();
   if (!std::isfinite(closed)) return path;
+  endBeforeJointsOpen(scene, path);
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
 }
 

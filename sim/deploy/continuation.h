@@ -33,6 +33,7 @@ struct MechanismPath {
   double error = 0;             ///< target error at the end, metres; 0 without a target
   bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
   bool isCutShort = false;      ///< the budget or the caller ended it
+  bool endsAtOpenJoints = false;  ///< beyond its end joints open by more than the rounding explains
   bool isRounded = false;       ///< joints close within the rounding of the coordinates only
   std::vector<model::Symmetry> symmetries;  ///< of the model, that all states have; a group
 

@@ -18,9 +18,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
+#include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/geometric_path.h"
@@ -304,6 +306,74 @@ void chooseWay(scene::Scene& scene, Search& found, SearchBudget& budget, const T
   if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
 }
 
+/// Watches how deep the bricks overlap that the user lets touch, beyond the start.
+class OverlapWatch {
+ public:
+  explicit OverlapWatch(const scene::Scene& scene)
+      : filter_(scene.environment.contacts),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        meter_(overlapMeter(scene.environment, bricks_, pivots_,
+                            model::startPoses(scene.model.tiles, bricks_))) {}
+
+  /// A run's own figures are of all pairs; those that may not touch are left out here.
+  void observe(const Poses& poses) {
+    if (filter_ != scene::ContactFilter::Unjoined) return;
+    grown_ = std::max(grown_, meter_.at(poses).grown);
+  }
+
+  /// The largest so far, metres; 0 if the user switched contacts off.
+  double grown(const Accuracy& accuracy) const {
+    if (filter_ == scene::ContactFilter::None) return 0;
+    return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
+  }
+
+ private:
+  scene::ContactFilter filter_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  trajectory::PenetrationMeter meter_;
+  double grown_ = 0;
+};
+
+/// Whether the budget ended the search before it found a path on which nothing is wanting.
+bool isCutShort(const Search& found, const DeploymentResult& result, bool isOverlapping) {
+  if (found.nearest.isCutShort) return true;
+  const bool isBest = found.walked && result.accuracy.jointOpeningMax == 0 &&
+                      result.atTarget.value_or(true) && !isOverlapping;
+  return (found.geometric.isCutShort || found.choice.isCutShort) && !isBest;
+}
+
+/// Notes why a run does not count as done, which ends its reason, too. `grown`: the overlap that
+/// counts, metres.
+void addShortfall(const scene::Scene& scene, const Search& found, double grown,
+                  DeploymentResult& result) {
+  if (result.outcome == Outcome::Interrupted || result.outcome == Outcome::Diverged) return;
+  std::vector<std::string> faults;
+  if (result.outcome == Outcome::Locked || result.atTarget == false) {
+    faults.push_back(result.reason);
+  }
+  const double tile = model::tileSize(scene.model);
+  const bool isOverlapping = grown > kClearShare * tile;
+  if (isOverlapping) {
+    faults.push_back(fmt::format("bricks pass through each other by up to {:.2g} m ({:.2g} tiles)",
+                                 grown, grown / tile));
+  }
+  if (isCutShort(found, result, isOverlapping)) {
+    faults.push_back(fmt::format("the search for a path ended at its budget of {:.3g} s; raise "
+                                 "--search",
+                                 scene.path.searchTime));
+    result.warnings.push_back(faults.back());
+  }
+  result.shortfall = fmt::format("{}", fmt::join(faults, "; "));
+  const bool hasReason = !faults.empty() && faults.front() == result.reason;
+  if (!faults.empty()) {
+    result.reason = hasReason ? result.shortfall : result.reason + "; " + result.shortfall;
+  }
+  result.trajectory.events.back().text =
+      fmt::format("{}: {}", toString(result.outcome), result.reason);
+}
+
 /// Of a search that was ended from within no path is known: the start alone is shown.
 void abandonSearch(scene::Scene& scene, Search& found) {
   found.walked = nullptr;
@@ -368,7 +438,9 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;
+  OverlapWatch overlaps(given);
   const SampleObserver takeSample = [&](const trajectory::Sample& sample) {
+    overlaps.observe(sample.poses);
     return observer(sample) && goOn;
   };
   DeploymentResult result =
@@ -380,6 +452,7 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   result.blocking = std::move(found.blocking);
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
   result.warnings = std::move(found.warnings);
+  addShortfall(scene, found, overlaps.grown(result.accuracy), result);
   result.cost.searchSeconds = budget.spentSeconds();
   result.cost.searchBudget = budget.seconds();
   result.cost.cpuSecondsSearch = searchSeconds;

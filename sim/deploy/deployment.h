@@ -21,7 +21,7 @@ namespace kirireel::deploy {
 /// How a run ended.
 enum class Outcome {
   Settled,      ///< everything came to rest (at the target or where nothing pushes any more)
-  Locked,       ///< at rest, yet clearly short of the target
+  Locked,       ///< at rest, yet short of the target (see arrival.h) or of full extension
   OutOfTime,    ///< the duration was used up while something still moved
   Diverged,     ///< a pose or velocity left all bounds
   Interrupted,  ///< the caller asked for an early end
@@ -93,6 +93,9 @@ struct DeploymentResult {
   std::string reason;                    ///< one line: why it ended so
   /// Whether it ended at the target that it headed for; absent where nothing pulls to a target.
   std::optional<bool> atTarget;
+  /// Why the run does not count as done, in one line; empty if it does: the target is missed,
+  /// bricks that may touch pass through each other, or the budget ended the search.
+  std::string shortfall;
   Accuracy accuracy;                              ///< gaps, errors and overlaps, metres
   DeployCost cost;                                ///< counted and in CPU seconds
   std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring

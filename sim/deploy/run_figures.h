@@ -55,6 +55,8 @@ class RunFigures {
 
   /// The figures so far, metres.
   const Accuracy& accuracy() const { return accuracy_; }
+  /// The least target error found with joints closed so far, metres; negative without a target.
+  double assembledError() const { return assembledError_; }
   /// What the steps took so far.
   const DeployCost& cost() const { return cost_; }
   /// The target error of a state, metres; 0 without a target.

@@ -51,6 +51,8 @@ class ActingForces {
   std::vector<Vector6> appliedForces(double time, const Motion& motion) const;
   /// Stiffness of the joints, N/m; infinity: exact.
   double jointStiffness() const { return motion_.solver().jointStiffness(); }
+  /// Of the run, seconds.
+  double time() const { return clock_.time(); }
   /// Which bricks are pinned, one entry a brick.
   const std::vector<bool>& pinned() const { return timeline_.pinned(); }
   /// The same as a list, ascending.
