@@ -239,7 +239,23 @@ class GeometricSearch {
     };
     MechanismPath path = continueAlong(trial, std::move(guide), settings, part, goesOn);
     budget_.spend(part.spent());
+    endAtNearest(path);
     return path;
+  }
+
+  /// Tiles of rounded coordinates come to the nearest state within the rounding's reach: it is the
+  /// end of their path. In a singular state, a gap of that size is a turn by its square root.
+  void endAtNearest(MechanismPath& path) const {
+    if (path.isStuck || path.isCutShort || arrives(path)) return;
+    const Poses& nearest = atTarget_.nearest.poses;
+    const double reach = roundedReach(scene_.model);
+    if (path.error > atTarget_.nearest.error + reach) return;
+    if (farthestMove(path.states.back(), nearest, tile_) > std::sqrt(reach * tile_)) return;
+    const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
+    path.lengths.push_back(path.length() + pathDistance(bricks, path.states.back(), nearest));
+    path.states.push_back(nearest);
+    path.error = atTarget_.nearest.error;
+    path.isRounded = true;
   }
 
   /// Whether a path goes to its end. Notes what ended it otherwise.
