@@ -387,14 +387,14 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
 namespace {
 
 /// The turns of both bricks about z since the start. That of B is taken near that of A, since each
-/// is known up to two full turns.
+/// is known to whole turns alone.
 std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
   const auto turnOf = [&](int brick) {
     const Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
     return 2 * std::atan2(rotation.z(), rotation.w());
   };
   const double turnA = turnOf(ligament.brickA), turnB = turnOf(ligament.brickB);
-  return {turnA, turnA + std::remainder(turnB - turnA, 4 * std::numbers::pi)};
+  return {turnA, turnA + std::remainder(turnB - turnA, 2 * std::numbers::pi)};
 }
 
 }  // namespace
