@@ -97,7 +97,8 @@ constexpr const char* kPeerNote =
     "too: --model, --brick_thickness, --spring_stiffness, --force_damping, --ground_plane,\n"
     "-ss, -fd, -bt, -gp, -gf. --no_collision is --contacts unjoined, --filter_collision is\n"
     "--contacts none. --headless is accepted and does nothing: no window is ever opened. Such\n"
-    "lines, and --like pykirigami, run as dynamics with PyKirigami's constants for what they leave\n"
+    "lines, and --like pykirigami, run as dynamics with PyKirigami's constants for what they "
+    "leave\n"
     "out, and their bricks collide (--contacts all).\n\n";
 
 /// What a run can live with is appended to the warnings; everything else throws.

@@ -139,6 +139,7 @@ void noteResult(const deploy::DeploymentResult& result, double endTime, RunSumma
   summary.endTime = endTime;
   summary.needs = result.needs;
   summary.accuracy = result.accuracy;
+  summary.timeError = result.timeError;
   summary.path = result.path;
   summary.pathReason = result.pathReason;
   summary.assembledError = result.assembledError;

@@ -161,6 +161,7 @@ struct RunSummary : PictureReport {
   scene::PathSettings path;                       ///< that was taken
   std::string pathReason;                         ///< one short phrase: why
   deploy::Accuracy accuracy;                      ///< gaps, errors and overlaps
+  std::optional<double> timeError;                ///< tiles; see deploy::DeploymentResult
   double assembledError = -1;                     ///< metres; negative when not computed
   std::vector<deploy::BlockingPair> blocking;     ///< bricks in each other's way at the target
   std::vector<std::string> warnings;              ///< about the target, one line each

@@ -17,9 +17,6 @@ struct StepReport {
   long unconverged = 0;
   long factorizations = 0;  ///< of the system matrix
   long rejected = 0;        ///< steps to a tolerance that were tried and not taken
-  /// Estimate of the error in time that steps to a tolerance made, in tiles, as if none died out:
-  /// see Extrapolation.
-  double timeError = 0;
   /// Seconds in which no tolerance was kept, though one was asked for: contacts crowded ...
   double touchingTime = 0;
   double singularTime = 0;  ///< ... or the joints were singular
@@ -69,7 +66,6 @@ inline constexpr std::array kStepFigures = {
     stepFigure<&StepReport::unconverged>("unconverged_steps", "1", "cost"),
     stepFigure<&StepReport::factorizations>("factorizations", "1", "cost"),
     stepFigure<&StepReport::rejected>("rejected_steps", "1", "cost"),
-    stepFigure<&StepReport::timeError>("time_error", "tile", "accuracy"),
     stepFigure<&StepReport::touchingTime>("touching_time", "s", "accuracy"),
     stepFigure<&StepReport::singularTime>("singular_time", "s", "accuracy"),
     stepFigure<&StepReport::damped>("damped", "J"),

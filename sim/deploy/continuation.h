@@ -27,14 +27,14 @@ namespace kirireel::deploy {
 
 /// A path of the mechanism: states with their joints closed, each a small move from the one before.
 struct MechanismPath {
-  std::vector<Poses> states;    ///< the start first, one pose a tile
-  std::vector<double> lengths;  ///< of the path up to each state, metres; see pathDistance()
-  double guideLength = 0;       ///< of the tiles' own motions from the start to the goal, metres
-  double error = 0;             ///< target error at the end, metres; 0 without a target
-  bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
-  bool isCutShort = false;      ///< the budget or the caller ended it
+  std::vector<Poses> states;      ///< the start first, one pose a tile
+  std::vector<double> lengths;    ///< of the path up to each state, metres; see pathDistance()
+  double guideLength = 0;         ///< of the tiles' own motions from the start to the goal, metres
+  double error = 0;               ///< target error at the end, metres; 0 without a target
+  bool isStuck = false;           ///< it ended early, where the bricks followed the guide no more
+  bool isCutShort = false;        ///< the budget or the caller ended it
   bool endsAtOpenJoints = false;  ///< beyond its end joints open by more than the rounding explains
-  bool isRounded = false;       ///< joints close within the rounding of the coordinates only
+  bool isRounded = false;         ///< joints close within the rounding of the coordinates only
   std::vector<model::Symmetry> symmetries;  ///< of the model, that all states have; a group
 
   /// Of the whole path, metres.

@@ -215,8 +215,26 @@ std::string passingThrough(const scene::Scene& scene, const GeometricPath& path)
                      thinner);
 }
 
+/// Of the tolerance, in the run that measures the error in time.
+constexpr double kFinerShare = 0.1;
+/// Samples are at the same time within so many seconds.
+constexpr double kSameSample = 1e-9;
+
+/// The largest distance of a vertex, of either face, between two states, metres.
+double farthestVertex(const std::vector<model::Brick>& bricks, const Poses& a, const Poses& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (const auto* face : {&bricks[i].bottom, &bricks[i].top}) {
+      for (const Vector3& point : *face) {
+        largest = std::max(largest, (a[i].apply(point) - b[i].apply(point)).norm());
+      }
+    }
+  }
+  return largest;
+}
+
 /// Runs the scene by its dynamics, along the path that is chosen for it.
-DeploymentResult runDynamics(const scene::Scene& scene, PathChoice choice,
+DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice,
                              const AssembledState& nearest, const RunObservers& watch,
                              Checkpoints* checkpoints) {
   scene::Scene chosen = scene;
@@ -229,8 +247,41 @@ DeploymentResult runDynamics(const scene::Scene& scene, PathChoice choice,
                     "the first {} pairs",
                     trajectory::mostPairs(scene.model.tiles.size())));
   }
-  if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
-  result.pathReason = std::move(choice.reason);
+  result.pathReason = choice.reason + (result.pathReason.empty() ? "" : "; " + result.pathReason);
+  return result;
+}
+
+/// Runs the scene, and again with a tenth of its tolerance: the largest distance of a vertex
+/// between the two, over the samples that both have, is the measured error in time.
+DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
+                          const AssembledState& nearest, const RunObservers& watch,
+                          Checkpoints* checkpoints) {
+  std::vector<std::pair<double, Poses>> samples;
+  RunObservers keeping = watch;
+  keeping.sample = [&](const trajectory::Sample& sample) {
+    samples.emplace_back(sample.time, sample.poses);
+    return watch.sample(sample);
+  };
+  DeploymentResult result = runDynamics(scene, choice, nearest, keeping, checkpoints);
+  scene::Scene chosen = scene;
+  chosen.path = result.path;
+  if (!keepsTolerance(chosen) || result.outcome == Outcome::Interrupted) return result;
+  scene::Scene finer = scene;
+  finer.solver.tolerance *= kFinerShare;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  double largest = 0;
+  std::size_t next = 0;
+  const auto compare = [&](const trajectory::Sample& sample) {
+    while (next < samples.size() && samples[next].first < sample.time - kSameSample) ++next;
+    if (next < samples.size() && samples[next].first <= sample.time + kSameSample) {
+      largest = std::max(largest, farthestVertex(bricks, samples[next].second, sample.poses));
+    }
+    return next < samples.size();
+  };
+  const DeploymentResult again =
+      runDynamics(finer, choice, nearest, {watch.sampleInterval, compare, {}}, nullptr);
+  result.timeError = largest / model::tileSize(scene.model);
+  result.cost.cpuSeconds += again.cost.cpuSeconds;
   return result;
 }
 
@@ -360,9 +411,10 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
                                  grown, grown / tile));
   }
   if (isCutShort(found, result, isOverlapping)) {
-    faults.push_back(fmt::format("the search for a path ended at its budget of {:.3g} s; raise "
-                                 "--search",
-                                 scene.path.searchTime));
+    faults.push_back(
+        fmt::format("the search for a path ended at its budget of {:.3g} s; raise "
+                    "--search",
+                    scene.path.searchTime));
     result.warnings.push_back(faults.back());
   }
   result.shortfall = fmt::format("{}", fmt::join(faults, "; "));
@@ -444,9 +496,10 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
     return observer(sample) && goOn;
   };
   DeploymentResult result =
-      found.walked ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
-                   : runDynamics(scene, found.choice, found.nearest,
-                                 {sampleInterval, takeSample, {}}, checkpoints);
+      found.walked
+          ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
+          : (scene.solver.measuresTimeError ? runTwice : runDynamics)(
+                scene, found.choice, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
   const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;
   if (isContactOpen && !found.walked) addOverlapWarning(scene, result);
   result.blocking = std::move(found.blocking);

@@ -16,8 +16,8 @@
 // unstable too, as a ring's that closes in symmetry; a stiffer pull; long implicit steps from rest,
 // which tell bricks that are only slow; what the timeline has for a state of rest; and a nudge
 // where nothing is pulled to a target. Where nothing of this moves the bricks, the run is over,
-// settled or locked by the error that is left. If nothing but the pull acts, a last step brings bricks
-// next to the nearest state with closed joints into it.
+// settled or locked by the error that is left. If nothing but the pull acts, a last step brings
+// bricks next to the nearest state with closed joints into it.
 //
 // A step that loses a brick, or that is ended from within, is taken back: the state, the time and
 // the account of energies are those before it.
@@ -42,8 +42,12 @@ namespace {
 
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
-// Bricks that rest within this part of a tile of the nearest state settle there.
+// Bricks that rest within this part of a tile of the nearest state settle there, also within this
+// multiple of that state's joint gap.
 constexpr double kSettlingShare = 1e-3;
+constexpr double kSettlingGaps = 10;
+// Of the energy that was put in, steps may add this share without a warning.
+constexpr double kEnergyGain = 0.01;
 
 }  // namespace
 
@@ -80,15 +84,17 @@ DeploymentResult Run::finish() {
   return result();
 }
 
-// Closes joints, sets the first velocities and measures the start.
+// Closes joints, does what the timeline has for the start, sets the first velocities and measures.
 void Run::start() {
   const scene::Scene& scene = bricks_.scene;
   Motion& now = motion_.now();
   joints_.closeAtStart(motion_, recorder_.figures());
+  now.velocities.assign(bricks_.bricks.size(), Velocity{});
+  motion_.beginHere();
   goTo(nullptr);
+  followTimeline(false);
   if (scene.velocities.empty()) {
-    now.velocities.assign(bricks_.bricks.size(), Velocity{});
-    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
+    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
   } else {
     now.velocities = scene::initialVelocities(scene.velocities, bricks_.bricks, now.poses);
     if (!scene.path.jointsAreCompliant()) motion_.solver().fitVelocities(now);
@@ -212,11 +218,25 @@ DeploymentResult Run::result() {
     result.elasticity =
         model::elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
   }
+  warnOfEnergy(result.warnings);
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;
   result.pathReason = joints_.trouble();
   result.cost.cpuSeconds = spent_.seconds();
   return result;
+}
+
+// Steps of first order, and stiff springs, may give a run energy that nothing has put in.
+void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
+  if (bricks_.scene.actuation.drive != scene::Drive::None) return;
+  const RunMechanics::Account account = recorder_.account();
+  const double gain = -account.now.integrated();
+  const double source = account.largestWork;
+  if (!(gain > kEnergyGain * source)) return;
+  warnings.push_back(fmt::format(
+      "energy grows by {:.3g} J ({:.2g}% of what was put in), though nothing drives the bricks; "
+      "use a smaller --{}",
+      gain, 100 * gain / source, keepsTolerance(bricks_.scene) ? "tolerance" : "timestep"));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -299,7 +319,9 @@ void Run::settleAtNearest() {
   const Poses* nearest = target_.nearestPoses();
   if (!nearest || !isOnlyPulled() || target_.isNearest(targetErrorNow())) return;
   const double tile = bricks_.tileSize;
-  const double reach = std::max(kSettlingShare * tile, roundedReach(bricks_.scene.model));
+  const double gap = trajectory::jointGap(bricks_.pivots, *nearest).max;
+  const double reach =
+      std::max({kSettlingShare * tile, kSettlingGaps * gap, roundedReach(bricks_.scene.model)});
   if (farthestMove(motion_.poses(), *nearest, tile) > reach) return;
   RunFigures& figures = recorder_.figures();
   const double allowed = std::max(figures.overlapsOf(motion_.poses()).grown, kClearShare * tile);
@@ -343,7 +365,7 @@ void Run::reset() {
   motion_.goBack();
   joints_.hold(motion_.solver());
   goTo(nullptr);
-  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
+  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
 }
 
 void Run::quit() {
@@ -380,8 +402,9 @@ void Run::goOnFrom(const RunState& state) {
 
 // ------------------------------------------------------------------------------------------------
 // Words for how a run ends. What keeps a run from its target is named by the first of these that
-// holds: friction on the ground; contacts that carry load; steps that fail; joints that leave no freedom; a state that is
-// the nearest with closed joints; springs at hinges; else the pull balances itself.
+// holds: friction on the ground; contacts that carry load; steps that fail; joints that leave no
+// freedom; a state that is the nearest with closed joints; springs at hinges; else the pull
+// balances itself.
 
 namespace {
 
@@ -443,14 +466,15 @@ bool RunReasons::isImmobile() const {
   return found.isCounted && found.freedoms <= 0;
 }
 
-// Whether the ground's friction can hold each tile against all else that acts on it, contacts apart:
-// the horizontal force |F| <= mu m g. Empty if not, or if the tiles do not lie on the ground.
+// Whether the ground's friction can hold each tile against all else that acts on it, contacts
+// apart: the horizontal force |F| <= mu m g. Empty if not, or if the tiles do not lie on the
+// ground.
 std::string RunReasons::friction() const {
   const scene::Environment& environment = bricks_.scene.environment;
   const double weight = -environment.gravity.z();
   if (!environment.ground || !(environment.ground->friction * weight > 0)) return "";
-  const double highest = environment.ground->height + bricks_.scene.brick.thickness +
-                         kLyingShare * bricks_.tileSize;
+  const double highest =
+      environment.ground->height + bricks_.scene.brick.thickness + kLyingShare * bricks_.tileSize;
   for (const model::Tile& tile : model::bottomTiles(bricks_.bricks, motion_.poses())) {
     for (const Vector3& vertex : tile.vertices) {
       if (vertex.z() > highest) return "";
@@ -468,7 +492,8 @@ std::string RunReasons::friction() const {
     most = held;
   }
   return fmt::format(
-      "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, friction "
+      "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, "
+      "friction "
       "holds mu m g = {:.3g} N; lower --ground-friction or raise --spring-stiffness",
       pull, most);
 }

@@ -114,6 +114,7 @@ class Run : private TimelineStage {
   void end(RunEnding ending);
   void interrupt() { end({Outcome::Interrupted, "ended early by the caller"}); }
   DeploymentResult result();
+  void warnOfEnergy(std::vector<std::string>& warnings) const;
 
   // What may go on at rest.
   bool watchesStall() const;

@@ -64,8 +64,7 @@ bool CurrentTarget::isPulledTo() const {
 }
 
 bool CurrentTarget::hasArrived(const Poses& poses) const {
-  return isPulledTo() &&
-         deploy::hasArrived(bricks_.scene.model, error(poses), least().nearest);
+  return isPulledTo() && deploy::hasArrived(bricks_.scene.model, error(poses), least().nearest);
 }
 
 void CurrentTarget::transfer(StateTape& tape) {

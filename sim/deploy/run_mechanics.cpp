@@ -176,6 +176,7 @@ void RunMechanics::begin(double time, const Motion& motion) {
   if (!account_.reached.empty()) now.work += workOfFreeForces(account_.reached, motion.poses);
   account_.reached = motion.poses;
   account_.before = now;
+  account_.largestWork = std::max(account_.largestWork, std::abs(now.work));
 }
 
 // Springs that move within a step hold their energy at its end by their places at its end.

@@ -93,15 +93,16 @@ class RunMechanics {
     trajectory::Energies before;  ///< where the last step began
     trajectory::Energies now;     ///< where it has ended
     Poses reached;                ///< likewise; none before the start
+    double largestWork = 0;       ///< at the end of any step, without its sign, joules
     /// Mean accelerations of the centres of mass in the last step, m/s^2; one entry a brick.
     std::vector<Vector3> accelerations;
 
     /// For files; see base/fields.h.
     static constexpr auto fields() {
-      return describeFields<Account>(
-          field("before", &Account::before), field("now", &Account::now),
-          field("reached", &Account::reached),
-          field("accelerations", &Account::accelerations, "m/s^2"));
+      return describeFields<Account>(field("before", &Account::before), field("now", &Account::now),
+                                     field("reached", &Account::reached),
+                                     field("largest_work", &Account::largestWork, "J"),
+                                     field("accelerations", &Account::accelerations, "m/s^2"));
     }
   };
   /// Of the last step, joules.

@@ -76,8 +76,8 @@ TEST(Arrival, OverlapsAreAShortfallUnlessContactsAreSwitchedOff) {
 // Pairs that may not touch do not count, those that may do.
 TEST(Arrival, OverlapsOfJoinedPairsDoNotCountWhereOnlyUnjoinedOnesTouch) {
   // Two squares close on each other about a common corner, and overlap beyond it.
-  scene::Scene scene = sceneOf(
-      familyOf("tessellation", {{"columns", 2}, {"rows", 2}, {"start-angle", 0}, {"target-angle", 90}}));
+  scene::Scene scene = sceneOf(familyOf(
+      "tessellation", {{"columns", 2}, {"rows", 2}, {"start-angle", 0}, {"target-angle", 90}}));
   std::swap(scene.model.tiles, *scene.model.target);
   scene.environment.contacts = scene::ContactFilter::Unjoined;
   const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);

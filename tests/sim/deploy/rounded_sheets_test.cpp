@@ -135,11 +135,11 @@ TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
   EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
 }
 
-/// Tiles of a sheet, smaller than they were and held by rods from corner to corner, written with two
-/// decimals.
+/// Tiles of a sheet, smaller than they were and held by rods from corner to corner, written with
+/// two decimals.
 model::Model sheetOfRods() {
-  model::Model model = generate::generateModel(generate::familyNamed("stampfli-removal"),
-                                               {{"tiles", 300}});
+  model::Model model =
+      generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 300}});
   for (model::Tile& tile : model.tiles) {
     Vector3 centre = Vector3::Zero();
     for (const Vector3& v : tile.vertices) centre += v / static_cast<double>(tile.vertices.size());
