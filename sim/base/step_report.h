@@ -12,8 +12,8 @@ namespace kirireel {
 struct StepReport {
   long steps = 0;   ///< solver steps, the halves of halved ones included
   long halved = 0;  ///< steps redone as two halves
-  /// Steps that missed their tolerances at their shortest: among contacts the bricks stood still in
-  /// them, else they were taken.
+  /// Steps that missed their tolerances at their shortest: among contacts the bricks moved as rigid
+  /// pieces in them, else they were taken.
   long unconverged = 0;
   long factorizations = 0;  ///< of the system matrix
   long rejected = 0;        ///< steps to a tolerance that were tried and not taken
