@@ -233,16 +233,16 @@ double RunMechanics::workOfMovingSprings(double time, double seconds, const Moti
 }
 
 /// Whether joints, contacts and what is applied give each free brick the acceleration that it had
-/// in the last step, up to kImbalance of the largest force on any brick. Contact forces are those
-/// that the last step ended with, which need not be those of the whole step.
+/// in the last step, up to kImbalance of the largest force on any brick. `largest`: of a contact
+/// and of what is applied besides, newtons. Contact forces are those that the last step ended with,
+/// which need not be those of the whole step.
 bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
-                              std::span<const Vector6> applied, const Poses& poses) const {
+                              std::span<const Vector6> applied, double largest,
+                              const Poses& poses) const {
   std::vector<Vector3> rest;
-  double largest = 0, worst = 0;
+  double worst = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    rest.emplace_back(applied[i].head<3>());
-    largest = std::max(largest, rest.back().norm());
-    rest.back() -= bricks_.bricks[i].mass * account_.accelerations[i];
+    rest.emplace_back(applied[i].head<3>() - bricks_.bricks[i].mass * account_.accelerations[i]);
   }
   const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
   for (std::size_t p = 0; p < pivots.size(); ++p) {
@@ -270,13 +270,18 @@ trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double
   const auto isContact = [](const trajectory::Hold& hold) {
     return hold.kind == trajectory::HoldKind::Contact;
   };
+  double largest = 0;
+  for (const Vector6& force : applied) largest = std::max(largest, force.head<3>().norm());
   for (const trajectory::Hold& hold : holds) {
-    if (isContact(hold)) apply(hold, motion.poses, applied);
+    if (!isContact(hold)) continue;
+    apply(hold, motion.poses, applied);
+    largest = std::max(largest, hold.force.norm());
   }
   const double stiffness = acting_.jointStiffness();
   const mechanics::Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
   const std::size_t joints = bricks_.scene.model.joints.size();
-  if (std::ranges::any_of(holds, isContact) && !isBalanced(reactions, applied, motion.poses)) {
+  if (std::ranges::any_of(holds, isContact) &&
+      !isBalanced(reactions, applied, largest, motion.poses)) {
     result.jointForces.assign(joints, Vector3::Constant(kUnknown));
     result.isIndeterminate.assign(joints, false);
     std::erase_if(holds, isContact);

@@ -116,7 +116,7 @@ class RunMechanics {
  private:
   double workOfFreeForces(const Poses& from, const Poses& to) const;
   bool isBalanced(const mechanics::Reactions& reactions, std::span<const Vector6> applied,
-                  const Poses& poses) const;
+                  double largest, const Poses& poses) const;
   double workOfMovingSprings(const StepSpan& step) const;
   double workOfMovingSprings(double time, double seconds, const Motion& from,
                              const Motion& to) const;
