@@ -244,14 +244,21 @@ class GeometricSearch {
   }
 
   /// Tiles of rounded coordinates come to the nearest state within the rounding's reach: it is the
-  /// end of their path. In a singular state, a gap of that size is a turn by its square root.
+  /// end of their path, unless bricks overlap deeper there. In a singular state, a gap of that size
+  /// is a turn by its square root.
   void endAtNearest(MechanismPath& path) const {
-    if (path.isStuck || path.isCutShort || arrives(path)) return;
+    if (path.isStuck || path.isCutShort || !arrives(path)) return;
+    if (isNearest(scene_.model, path.error, atTarget_.nearest.error)) return;
     const Poses& nearest = atTarget_.nearest.poses;
     const double reach = roundedReach(scene_.model);
-    if (path.error > atTarget_.nearest.error + reach) return;
     if (farthestMove(path.states.back(), nearest, tile_) > std::sqrt(reach * tile_)) return;
     const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
+    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks);
+    trajectory::PenetrationMeter meter =
+        overlapMeter(scene_.environment, bricks, pivots, path.states.front());
+    const double grown = meter.at(path.states.back()).grown;
+    const bool mayOverlap = scene_.environment.contacts == scene::ContactFilter::None;
+    if (!mayOverlap && meter.at(nearest).grown > std::max(grown, kClearShare * tile_)) return;
     path.lengths.push_back(path.length() + pathDistance(bricks, path.states.back(), nearest));
     path.states.push_back(nearest);
     path.error = atTarget_.nearest.error;
@@ -265,9 +272,11 @@ class GeometricSearch {
     return !path.isCutShort && !path.isStuck;
   }
 
-  /// Whether a path ends where the bricks are known to come nearest to the target.
+  /// Whether a path ends where the bricks are known to come nearest to the target, within the
+  /// rounding's reach.
   bool arrives(const MechanismPath& path) const {
-    return isNearest(scene_.model, path.error, atTarget_.nearest.error);
+    return path.error <=
+           arrivalLimit(scene_.model, atTarget_.nearest.error) + roundedReach(scene_.model);
   }
 
   /// Whether a path among bricks, whose contacts may keep them away, ends near enough to be kept.
