@@ -308,9 +308,11 @@ bool Run::isOnlySlow() {
 bool Run::isOnlyPulled() const {
   const scene::Scene& scene = bricks_.scene;
   const scene::Environment& around = scene.environment;
-  return target_.isPulledTo() && scene.solver.kind == scene::SolverKind::Direct &&
-         scene.timeline.empty() && bricks_.ties.pairForces.empty() && around.gravity.isZero(0) &&
-         !around.ground && around.obstacles.empty();
+  const bool isFree = timeline_.forcesAreOn() && forces_.pinnedTiles().empty() &&
+                      timeline_.dragSprings(time()).empty();
+  return isFree && target_.isPulledTo() && scene.solver.kind == scene::SolverKind::Direct &&
+         bricks_.ties.pairForces.empty() && around.gravity.isZero(0) && !around.ground &&
+         around.obstacles.empty();
 }
 
 // Springs slow down near the target, and they rest at the least sum of squares. In one last step
