@@ -95,10 +95,11 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
 constexpr const char* kPeerNote =
     "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's spellings work\n"
     "too: --model, --brick_thickness, --spring_stiffness, --force_damping, --ground_plane,\n"
-    "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
-    "accepted and does nothing: no window is ever opened. Such lines, and --like pykirigami, run "
-    "as\n"
-    "dynamics with PyKirigami's constants for what they leave out.\n\n";
+    "-ss, -fd, -bt, -gp, -gf. --no_collision is --contacts unjoined, --filter_collision is\n"
+    "--contacts none. --headless is accepted and does nothing: no window is ever opened. Such\n"
+    "lines, and --like pykirigami, run as dynamics with PyKirigami's constants for what they "
+    "leave\n"
+    "out, and their bricks collide (--contacts all).\n\n";
 
 /// What a run can live with is appended to the warnings; everything else throws.
 scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
@@ -118,13 +119,11 @@ scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warni
   return scene;
 }
 
-/// The outcome in the words of summary.json, and whether the run ended at its target, if it has
-/// one. Diverged is a failure; interrupted and locked have codes of their own.
-int exitCode(const std::string& outcome, std::optional<bool> atTarget) {
+/// The outcome in the words of summary.json, and whether the run has a shortfall. Diverged is a
+/// failure; interrupted has a code of its own.
+int exitCode(const std::string& outcome, bool isShort) {
   if (outcome == deploy::toString(deploy::Outcome::Interrupted)) return kExitInterrupted;
   if (outcome == deploy::toString(deploy::Outcome::Diverged)) return kExitFailed;
-  if (outcome == deploy::toString(deploy::Outcome::Locked)) return kExitShort;
-  const bool isShort = outcome == deploy::toString(deploy::Outcome::OutOfTime) && atTarget == false;
   return isShort ? kExitShort : kExitDone;
 }
 
@@ -208,8 +207,7 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 
 /// What PyKirigami's command lines leave out is as there, unless the scene file says it: springs
 /// move masses of 1 kg, and nothing where there is no target; springs are in N/m, alike for all
-/// bricks; bricks pass through each other and are 0.02 m thick; steps are of fixed length
-/// (tolerance 0).
+/// bricks; bricks collide and are 0.02 m thick; steps are of fixed length (tolerance 0).
 void applyPeerDefaults(CLI::App& command) {
   const scene::TargetSpringSettings springs = scene::paperSprings();
   struct PeerDefault {
@@ -223,7 +221,7 @@ void applyPeerDefaults(CLI::App& command) {
       {"--force-damping", scene::numberText(*springs.forceDamping), "--damping-ratio"},
       {"--torque-damping", scene::numberText(*springs.torqueDamping), "--damping-ratio"},
       {"--path", "dynamic"},
-      {"--contacts", "none"},
+      {"--contacts", "all"},
       {"--thickness", "0.02"},
       {"--search", "60"},
       {"--actuation", "target"},
@@ -338,7 +336,7 @@ int carryOut(const RecordOrder& order) {
                            ? finished->summary
                            : fmt::format("{}: finished already, {}\n",
                                          result.settings.folder.string(), finished->outcome));
-      return exitCode(finished->outcome, finished->atTarget);
+      return exitCode(finished->outcome, finished->isShort);
     }
   }
   {
@@ -354,7 +352,7 @@ int carryOut(const RecordOrder& order) {
   addPage(order, settings.folder);
   fmt::print("{}", order.printJson ? record::summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
-  return exitCode(deploy::toString(summary.outcome), summary.atTarget);
+  return exitCode(deploy::toString(summary.outcome), !summary.shortfall.empty());
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -17,6 +17,7 @@
 
 #include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/dynamics.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/sheet.h"
 
@@ -101,31 +102,33 @@ std::string describeJoints(const scene::Scene& scene, const record::RunSummary& 
   return text + "\n";
 }
 
-/// How exact a run is in time that kept a tolerance there; empty for others. "Tiles" in it are
-/// lengths of a tile's mean edge.
+/// Which tolerance in time the steps of a run kept, and when they did not; empty for runs without
+/// steps to a tolerance. The error that this makes together is only known if it was measured.
 std::string describeTime(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::DeployCost& cost = summary.deployCost;
-  // Simulated seconds in which the estimate of the error did not hold.
-  const double uncertified = cost.took.touchingTime + cost.took.singularTime;
-  if (cost.took.timeError == 0 && uncertified == 0) {
-    // A tolerance was asked for, and a guided path cannot keep it.
-    const bool isLost =
-        scene.solver.isToleranceGiven() && summary.path.kind == scene::PathKind::Guided;
-    return isLost ? "time: tiles are guided in fixed steps, which keep no tolerance\n" : "";
+  scene::Scene run = scene;
+  run.path = summary.path;
+  const bool isWalked = summary.path.kind == scene::PathKind::Continuation;
+  if (isWalked || !scene.grips.empty() || !deploy::keepsTolerance(run)) {
+    return summary.path.kind == scene::PathKind::Guided
+               ? "time: critically damped springs guide the tiles in fixed steps, which keep no "
+                 "tolerance\n"
+               : "";
   }
-  std::string text = fmt::format(
-      "time: steps to {:.2g} tiles, together within {:.2g} tiles for {:.2g} s of CPU time; {} "
-      "steps rejected",
-      scene.solver.tolerance, cost.took.timeError, cost.cpuSeconds, cost.took.rejected);
+  std::string text = fmt::format("time: each step keeps {:.2g} tiles", scene.solver.tolerance);
   if (cost.took.touchingTime > 0) {
-    text +=
-        fmt::format("; not in {:.3g} s, where contacts changed too often", cost.took.touchingTime);
+    text += fmt::format("; not in {:.3g} s, where contacts changed too often or did not converge",
+                        cost.took.touchingTime);
   }
   if (cost.took.singularTime > 0) {
     text +=
         fmt::format("; not in {:.3g} s, where the joints were singular", cost.took.singularTime);
   }
-  return text + "\n";
+  text += summary.timeError ? fmt::format("; a tenth of it moves a vertex by {:.2g} tiles at most",
+                                          *summary.timeError)
+                            : "; the error of the run is not known (--measure-time-error)";
+  return fmt::format("{}; {:.2g} s of CPU time, {} steps rejected\n", text, cost.cpuSeconds,
+                     cost.took.rejected);
 }
 
 /// The depth as a whole, and what of it contacts would have to prevent. Overlap in the corners that
@@ -197,7 +200,7 @@ std::string describeCost(const record::RunSummary& summary) {
         "{} steps missed the tolerance of joints or contacts at their shortest: {}\n",
         deploy.took.unconverged,
         summary.needs.contacts.on
-            ? "the bricks stood still in them, which takes time and leaves them behind their pull"
+            ? "bricks that touch or are joined moved as rigid pieces in them, behind their pull"
             : "they were taken all the same, and the joint gap and the end may be off by as much");
   }
   return text;

@@ -596,6 +596,9 @@ void addRun(py::module_& module) {
       .def_property_readonly(
           "reason", [](const DeployedRun& run) { return run.result.reason; }, "one line: why")
       .def_property_readonly(
+          "shortfall", [](const DeployedRun& run) { return run.result.shortfall; },
+          "why the run does not count as done; empty if it does")
+      .def_property_readonly(
           "at_target", [](const DeployedRun& run) { return run.result.atTarget; },
           "whether it ended at its target; None where nothing pulls to one")
       .def_property_readonly("summary", &summary,

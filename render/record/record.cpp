@@ -135,9 +135,11 @@ void noteResult(const deploy::DeploymentResult& result, double endTime, RunSumma
   summary.outcome = result.outcome;
   summary.reason = result.reason;
   summary.atTarget = result.atTarget;
+  summary.shortfall = result.shortfall;
   summary.endTime = endTime;
   summary.needs = result.needs;
   summary.accuracy = result.accuracy;
+  summary.timeError = result.timeError;
   summary.path = result.path;
   summary.pathReason = result.pathReason;
   summary.assembledError = result.assembledError;

@@ -152,6 +152,7 @@ struct RunSummary : PictureReport {
   deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
   std::string reason;                                    ///< one line: why it ended so
   std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
+  std::string shortfall;         ///< why the run does not count as done; empty if it does
   double endTime = 0;            ///< simulated seconds
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.
@@ -160,6 +161,7 @@ struct RunSummary : PictureReport {
   scene::PathSettings path;                       ///< that was taken
   std::string pathReason;                         ///< one short phrase: why
   deploy::Accuracy accuracy;                      ///< gaps, errors and overlaps
+  std::optional<double> timeError;                ///< tiles; see deploy::DeploymentResult
   double assembledError = -1;                     ///< metres; negative when not computed
   std::vector<deploy::BlockingPair> blocking;     ///< bricks in each other's way at the target
   std::vector<std::string> warnings;              ///< about the target, one line each

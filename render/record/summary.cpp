@@ -5,7 +5,7 @@
 //     accuracy    gaps, errors, bounds, penetrations (m) and what the steps report
 //     elasticity  how many of each of pairForceKinds(), as springs; energy_start, energy_end (J),
 //                 moment_end (N m); null where no force acts between pairs
-//     at_target, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
+//     at_target, shortfall, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
 //     events      [{time (s), what}]
 //     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
 //     order, left_out, inputs [{name, sha256}], files
@@ -83,6 +83,7 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
     for (const auto figure : kOfTarget) json[nameOfField(figure)] = nullptr;
   }
   json[deploy::kAssembledError] = onlyIf(summary.assembledError >= 0, summary.assembledError);
+  json["time_error"] = summary.timeError ? Json(*summary.timeError) : Json(nullptr);
   addStepFigures(json, "accuracy", summary.deployCost.took);
   return json;
 }
@@ -329,6 +330,7 @@ Json versionsJson(const std::string& graphics) {
 Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
   const std::optional<double>& leftOut = summary.leftOutFrom;
   return {{"at_target", flagJson(summary.atTarget)},
+          {"shortfall", summary.shortfall.empty() ? Json(nullptr) : Json(summary.shortfall)},
           {"bricks_left_out_from", leftOut ? Json(*leftOut) : Json(nullptr)},
           {"warnings", summary.warnings},
           {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},

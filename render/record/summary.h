@@ -60,9 +60,9 @@ struct VerifyReport {
 
 /// A run that is over, its files whole.
 struct FinishedRun {
-  std::string outcome;           ///< as summary.json has it, never "interrupted"
-  std::optional<bool> atTarget;  ///< as summary.json has it
-  std::string summary;           ///< the text of summary.json
+  std::string outcome;   ///< as summary.json has it, never "interrupted"
+  bool isShort = false;  ///< summary.json has a shortfall
+  std::string summary;   ///< the text of summary.json
 };
 
 /// The run in a folder, when it was not interrupted, came from this order (see RecordSettings), and

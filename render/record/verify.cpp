@@ -8,10 +8,12 @@
 // computed again by the functions of sim/trajectory and compared with what the summary says:
 //
 //     per sample   joint_gap, penetration, target_error
-//     all steps    joint_gap_mean = sum of means / steps, joint_gap_max, target_error_min, counts
+//     all steps    joint_gap_mean = sum of means / steps, counts; with the samples joint_gap_max,
+//                  target_error_min
 //     one state    penetration_max and others, each at its own state; rigid_bound; elasticity
 //
-// Two figures a and b agree when |a - b| <= 1e-12 max(|a|, |b|).
+// Two figures a and b agree when |a - b| <= 1e-12 max(|a|, |b|), two lengths also when they differ
+// by 1e-12 of a tile or less.
 //
 // So a summary that was edited, or a figure that the program computed wrongly in passing, shows; a
 // wrong simulation does not.
@@ -113,11 +115,11 @@ class Verifier {
     }
   }
 
-  /// `place` is the file that states the figure.
-  void compare(const std::string& place, const std::string& figure, double stated,
-               double computed) {
+  /// `place` is the file that states the figure, `least` the difference that counts as none.
+  void compare(const std::string& place, const std::string& figure, double stated, double computed,
+               double least = 0) {
     const double larger = std::max(std::abs(stated), std::abs(computed));
-    if (std::abs(stated - computed) <= kFigureRounding * larger) return;
+    if (std::abs(stated - computed) <= std::max(least, kFigureRounding * larger)) return;
     complain(place,
              fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
   }
@@ -125,7 +127,7 @@ class Verifier {
   /// A figure among the summary's "accuracy".
   void compareAccuracy(const Json& stated, double deploy::Accuracy::*figure, double computed) {
     const char* name = nameOfField(figure);
-    compare(exports::output::kSummary, name, stated.at(name), computed);
+    compare(exports::output::kSummary, name, stated.at(name), computed, lengthRounding_);
   }
 
   /// An entry of the summary of which trajectory.h5 has a copy.
@@ -141,12 +143,13 @@ class Verifier {
     const trajectory::Sample stored = run.sample(index);
     const std::string at = fmt::format(" at {:.4g} s", stored.time);
     compare(exports::output::kTrajectory, "joint_gap" + at, stored.jointGap,
-            trajectory::jointGap(pivots, stored.poses).max);
+            trajectory::jointGap(pivots, stored.poses).max, lengthRounding_);
     compare(exports::output::kTrajectory, "penetration" + at, stored.penetration,
-            trajectory::deepestPenetration(subject.bricks, stored.poses).depth);
+            trajectory::deepestPenetration(subject.bricks, stored.poses).depth, lengthRounding_);
     if (subject.model.target) {
       compare(exports::output::kTrajectory, "target_error" + at, stored.targetError,
-              trajectory::targetError(*subject.model.target, subject.bricks, stored.poses));
+              trajectory::targetError(*subject.model.target, subject.bricks, stored.poses),
+              lengthRounding_);
     }
     ++report_.samples;
   }
@@ -156,6 +159,7 @@ class Verifier {
     const trajectory::TrajectoryReader run(folder_ / exports::output::kTrajectory);
     const std::vector<model::Pivot> pivots =
         model::makePivots(run.subject().model.joints, run.subject().bricks);
+    lengthRounding_ = kFigureRounding * model::tileSize(run.subject().model);
     for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
     if (run.steps().empty()) {
       complain(exports::output::kTrajectory,
@@ -214,6 +218,11 @@ class Verifier {
       largestGap = std::max(largestGap, step.jointGap);
       leastError = std::min(leastError, step.targetError);
     }
+    for (std::size_t i = 0; i < run.times().size(); ++i) {
+      const trajectory::Sample sample = run.sample(i);
+      largestGap = std::max(largestGap, sample.jointGap);
+      leastError = std::min(leastError, sample.targetError);
+    }
     const Json& accuracy = summary.at("accuracy");
     compareAccuracy(accuracy, &deploy::Accuracy::jointGapMean,
                     gapSum / static_cast<double>(run.steps().size()));
@@ -254,7 +263,7 @@ class Verifier {
           std::ranges::find(run.end().figureStates, figure.name, &trajectory::FigureState::figure);
       if (state != run.end().figureStates.end()) {
         compare(exports::output::kSummary, figure.name, stated.at(figure.name),
-                figure.compute(state->poses));
+                figure.compute(state->poses), lengthRounding_);
       } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
         complain(exports::output::kSummary,
                  fmt::format("{} has no state in trajectory.h5", figure.name));
@@ -332,6 +341,7 @@ class Verifier {
 
   fs::path folder_;
   VerifyReport report_;
+  double lengthRounding_ = 0;  // metres
 };
 
 }  // namespace
@@ -346,9 +356,7 @@ std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::st
     for (const auto& [name, noted] : summary.at("contents").items()) {
       if (!exports::difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
     }
-    const Json& atTarget = summary.at("at_target");
-    return FinishedRun{summary.at("outcome"),
-                       atTarget.is_null() ? std::optional<bool>() : atTarget.get<bool>(), text};
+    return FinishedRun{summary.at("outcome"), !summary.at("shortfall").is_null(), text};
   } catch (const Json::exception&) {
     return std::nullopt;  // sealed, but no run's
   }

@@ -12,14 +12,11 @@ namespace kirireel {
 struct StepReport {
   long steps = 0;   ///< solver steps, the halves of halved ones included
   long halved = 0;  ///< steps redone as two halves
-  /// Steps that missed their tolerances at their shortest: among contacts the bricks stood still in
-  /// them, else they were taken.
+  /// Steps that missed their tolerances at their shortest: among contacts the bricks moved as rigid
+  /// pieces in them, else they were taken.
   long unconverged = 0;
   long factorizations = 0;  ///< of the system matrix
   long rejected = 0;        ///< steps to a tolerance that were tried and not taken
-  /// Estimate of the error in time that steps to a tolerance made, in tiles, as if none died out:
-  /// see Extrapolation.
-  double timeError = 0;
   /// Seconds in which no tolerance was kept, though one was asked for: contacts crowded ...
   double touchingTime = 0;
   double singularTime = 0;  ///< ... or the joints were singular
@@ -69,7 +66,6 @@ inline constexpr std::array kStepFigures = {
     stepFigure<&StepReport::unconverged>("unconverged_steps", "1", "cost"),
     stepFigure<&StepReport::factorizations>("factorizations", "1", "cost"),
     stepFigure<&StepReport::rejected>("rejected_steps", "1", "cost"),
-    stepFigure<&StepReport::timeError>("time_error", "tile", "accuracy"),
     stepFigure<&StepReport::touchingTime>("touching_time", "s", "accuracy"),
     stepFigure<&StepReport::singularTime>("singular_time", "s", "accuracy"),
     stepFigure<&StepReport::damped>("damped", "J"),

@@ -83,21 +83,27 @@ class Assembly {
     beginAt(bestFitPoses(bricks_, target_));
     comeToRest(kSteps);
     soften();
+    findNearest(state);
+    state.isCutShort = budget_.isSpent() && !isNearEnough(state);
+    return state;
+  }
+
+ private:
+  // From the state of rest on.
+  void findNearest(AssembledState& state) {
     state.restError = state.error = error();
     state.restPoses = state.poses = motion_.poses;
-    if (isNearEnough(state)) return state;
+    if (isNearEnough(state)) return;
     approach(state);
-    if (isNearEnough(state)) return state;
+    if (isNearEnough(state)) return;
     if (mayStep()) {
       beginAt(model::startPoses(scene_.model.tiles, bricks_));
       comeToRest(kStepsFromStart);
       if (keepIfNearer(state)) approach(state);
     }
     keepStartIfNearer(state);
-    return state;
   }
 
- private:
   void beginAt(Poses poses) {
     motion_.poses = std::move(poses);
     weights_.assign(bricks_.size(), 1.0);

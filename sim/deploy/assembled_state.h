@@ -91,10 +91,11 @@ class SearchBudget {
 /// Joint-closed states near the target. Without a target the errors are negative, and there are no
 /// poses.
 struct AssembledState {
-  double error = -1;      ///< the least target error found, metres: an upper bound of the least
-  Poses poses;            ///< where it was found, one a tile
-  double restError = -1;  ///< where the scene's springs come to rest near the target, metres
-  Poses restPoses;        ///< that state
+  double error = -1;        ///< the least target error found, metres: an upper bound of the least
+  Poses poses;              ///< where it was found, one a tile
+  double restError = -1;    ///< where the scene's springs come to rest near the target, metres
+  Poses restPoses;          ///< that state
+  bool isCutShort = false;  ///< the budget ended the search: there may be a nearer state
 };
 
 /// Joint-closed states near the target. First every tile is put where it fits its target best, the

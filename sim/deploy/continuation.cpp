@@ -33,6 +33,7 @@
 #include "sim/deploy/continuation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -599,6 +600,22 @@ bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) 
   });
 }
 
+/// Ends a path at its last state before joints open by more than the rounding of the coordinates
+/// explains; see roundedReach().
+void endBeforeJointsOpen(const scene::Scene& scene, MechanismPath& path) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const auto isOpen = [&](const Poses& state) {
+    return trajectory::jointGap(pivots, state).max > roundedReach(scene.model);
+  };
+  const auto open = std::ranges::find_if(path.states.begin() + 1, path.states.end(), isOpen);
+  if (open == path.states.end()) return;
+  path.endsAtOpenJoints = true;
+  path.states.erase(open, path.states.end());
+  path.lengths.resize(path.states.size());
+  path.guideLength = path.length();
+}
+
 /// A path whose joints close within the rounding of the coordinates, which cost that much work:
 /// with exact joints where the tiles fit each other all along it.
 MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, double cost,
@@ -619,6 +636,7 @@ MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, do
   if (exact.isStuck || exact.isCutShort) return rounded;
   const double apart = pathDistance(bricks, exact.states.back(), rounded.states.back());
   exact.guideLength = rounded.guideLength;
+  exact.endsAtOpenJoints = rounded.endsAtOpenJoints;
   return apart <= roundedReach(scene.model) ? exact : rounded;
 }
 
@@ -711,6 +729,7 @@ MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budge
   MechanismPath path =
       Continuation(scene, start, {.turnWeight = 1}, closed, budget, goesOn).toExtension();
   if (!std::isfinite(closed)) return path;
+  endBeforeJointsOpen(scene, path);
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
 }
 
@@ -1297,75 +1316,120 @@ constexpr double kInPlane = 1e-9;
 // Whether all bricks are upright and only turn about the vertical, at one height, from one sample
 // to the next. A run in the plane has to be interpolated in the plane: solved in space, rounding
 // could tilt its bricks.
-bool movesInPlane(const std::vector<model::Brick>& bricks, const trajectory::Sample& from,
-                  const trajectory::Sample& to, double tileSize) {
+bool movesInPlane(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
+                  double tileSize) {
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    const Pose& before = from.poses[i];
-    const Pose& after = to.poses[i];
-    const Vector3 normal = before.rotation * bricks[i].normal;
+    const Vector3 normal = from[i].rotation * bricks[i].normal;
     if (normal.head<2>().norm() > kInPlane) return false;
-    if (turnBetween(before.rotation, after.rotation).head<2>().norm() > kInPlane) return false;
-    if (std::abs(after.position.z() - before.position.z()) > kInPlane * tileSize) return false;
+    if (turnBetween(from[i].rotation, to[i].rotation).head<2>().norm() > kInPlane) return false;
+    if (std::abs(to[i].position.z() - from[i].position.z()) > kInPlane * tileSize) return false;
   }
   return true;
 }
 
+/// The largest turn of any brick from one state to another, radians.
+double largestTurn(const Poses& from, const Poses& to) {
+  double largest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    largest = std::max(largest, from[i].rotation.angularDistance(to[i].rotation));
+  }
+  return largest;
+}
+
 }  // namespace
 
-StateInterpolator::StateInterpolator(const trajectory::Subject& subject)
-    : subject_(subject),
-      pivots_(model::makePivots(subject.model.joints, subject.bricks)),
-      tileSize_(model::tileSize(subject.model)) {}
+StateInterpolator::StateInterpolator(const model::Model& model,
+                                     const std::vector<model::Brick>& bricks)
+    : model_(model),
+      bricks_(bricks),
+      pinned_(bricks.size(), false),
+      pivots_(model::makePivots(model.joints, bricks)),
+      tileSize_(model::tileSize(model)) {}
 
 // Samples whose joints were compliant are open; they are not closed between.
-bool StateInterpolator::areClosed(const trajectory::Sample& sample) const {
-  return trajectory::jointGap(pivots_, sample.poses).max <= kClosedJoints * tileSize_;
+bool StateInterpolator::areClosed(const Poses& poses) const {
+  return trajectory::jointGap(pivots_, poses).max <= kClosedJoints * tileSize_;
+}
+
+void StateInterpolator::setPinned(const std::vector<int>& tiles) {
+  pinned_.assign(bricks_.size(), false);
+  for (const int tile : tiles) pinned_[static_cast<std::size_t>(tile)] = true;
 }
 
 // A solver for the plane or for space, made at its first use and kept: making one plans the
-// factorisation. The pins are those of the earlier sample.
-mechanics::JointSolver& StateInterpolator::solverFor(const trajectory::Sample& from,
-                                                     const trajectory::Sample& to) {
-  const bool planar = movesInPlane(subject_.bricks, from, to, tileSize_);
+// factorisation.
+mechanics::JointSolver& StateInterpolator::solverFor(const Poses& from, const Poses& to) {
+  const bool planar = movesInPlane(bricks_, from, to, tileSize_);
   std::unique_ptr<mechanics::JointSolver>& solver = planar ? inPlane_ : inSpace_;
   if (!solver) {
     solver = mechanics::makeJointSolver(
-        subject_.bricks, pivots_, {.planar = planar, .lengthScale = tileSize_, .supports = {}});
+        bricks_, pivots_, {.planar = planar, .lengthScale = tileSize_, .supports = {}});
   }
-  std::vector<bool> pinned(subject_.bricks.size(), false);
-  for (const int tile : from.pinned) pinned[static_cast<std::size_t>(tile)] = true;
-  solver->setPinned(pinned);
+  solver->setPinned(pinned_);
   return *solver;
 }
 
 // The closed state nearest to the straight one. Where the joints do not close, or closing leads far
 // away, the nearer of the two samples is taken instead: it is at least a state of the run.
-Poses StateInterpolator::closedBetween(const trajectory::Sample& from, const trajectory::Sample& to,
-                                       double share) {
-  const Poses straight = interpolate(from.poses, to.poses, share);
+Poses StateInterpolator::closedBetween(const Poses& from, const Poses& to, double share) {
+  const Poses straight = interpolate(from, to, share);
   Poses closed = straight;
   const double gap = solverFor(from, to).assemble(closed);
-  const double way = pathDistance(subject_.bricks, from.poses, to.poses);
-  const double moved = pathDistance(subject_.bricks, straight, closed);
+  const double way = pathDistance(bricks_, from, to);
+  const double moved = pathDistance(bricks_, straight, closed);
   if (gap <= kClosedJoints * tileSize_ && moved <= kMostClosing * way) return closed;
-  return share < 0.5 ? from.poses : to.poses;
+  return share < 0.5 ? from : to;
 }
 
 // The time and the poses are interpolated, and the measures are computed anew from the poses.
-// Everything else is that of the earlier sample.
+// Everything else is that of the earlier sample, its pins included.
 trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
                                               const trajectory::Sample& to, double share) {
   if (share <= 0) return from;
   if (share >= 1) return to;
   trajectory::Sample sample = from;
   sample.time = from.time + share * (to.time - from.time);
-  const bool mustClose = !pivots_.empty() && areClosed(from) && areClosed(to);
-  sample.poses =
-      mustClose ? closedBetween(from, to, share) : interpolate(from.poses, to.poses, share);
+  setPinned(from.pinned);
+  const bool mustClose = !pivots_.empty() && areClosed(from.poses) && areClosed(to.poses);
+  sample.poses = mustClose ? closedBetween(from.poses, to.poses, share)
+                           : interpolate(from.poses, to.poses, share);
   sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
-  const std::optional<std::vector<model::Tile>>& target = subject_.model.target;
-  if (target) sample.targetError = trajectory::targetError(*target, subject_.bricks, sample.poses);
+  const std::optional<std::vector<model::Tile>>& target = model_.target;
+  if (target) sample.targetError = trajectory::targetError(*target, bricks_, sample.poses);
   return sample;
+}
+
+// p(s) = straight(s) + b(s) (p(1/3) - straight(1/3)) + b(1 - s) (p(2/3) - straight(2/3)) with
+// b(s) = 27/2 s (1 - s) (2/3 - s), rotations by rotation vectors. Joints open by the fourth power
+// of the turn.
+std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Poses& to) {
+  std::vector<Poses> moments;
+  if (!(largestTurn(from, to) <= kMostTurnBetween)) return moments;  // also when not a number
+  const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
+                                         interpolate(from, to, 2.0 / 3)};
+  std::array<Poses, 2> closed = straight;
+  if (!pivots_.empty() && areClosed(from) && areClosed(to)) {
+    setPinned({});
+    double gap = 0;
+    for (Poses& poses : closed) gap = std::max(gap, solverFor(from, to).assemble(poses));
+    if (gap > kClosedJoints * tileSize_) closed = straight;
+  }
+  for (int k = 1; k <= kMomentsBetween; ++k) {
+    const double share = static_cast<double>(k) / (kMomentsBetween + 1);
+    const double whole = 13.5 * share * (1 - share);
+    const std::array<double, 2> bulges = {whole * (2.0 / 3 - share), whole * (share - 1.0 / 3)};
+    Poses& poses = moments.emplace_back(interpolate(from, to, share));
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      Vector3 turn = Vector3::Zero();
+      for (int third = 0; third < 2; ++third) {
+        const Pose &open = straight[third][i], &shut = closed[third][i];
+        poses[i].position += bulges[third] * (shut.position - open.position);
+        turn += bulges[third] * turnBetween(open.rotation, shut.rotation);
+      }
+      poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
+    }
+  }
+  return moments;
 }
 
 }  // namespace kirireel::deploy

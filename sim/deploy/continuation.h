@@ -27,13 +27,14 @@ namespace kirireel::deploy {
 
 /// A path of the mechanism: states with their joints closed, each a small move from the one before.
 struct MechanismPath {
-  std::vector<Poses> states;    ///< the start first, one pose a tile
-  std::vector<double> lengths;  ///< of the path up to each state, metres; see pathDistance()
-  double guideLength = 0;       ///< of the tiles' own motions from the start to the goal, metres
-  double error = 0;             ///< target error at the end, metres; 0 without a target
-  bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
-  bool isCutShort = false;      ///< the budget or the caller ended it
-  bool isRounded = false;       ///< joints close within the rounding of the coordinates only
+  std::vector<Poses> states;      ///< the start first, one pose a tile
+  std::vector<double> lengths;    ///< of the path up to each state, metres; see pathDistance()
+  double guideLength = 0;         ///< of the tiles' own motions from the start to the goal, metres
+  double error = 0;               ///< target error at the end, metres; 0 without a target
+  bool isStuck = false;           ///< it ended early, where the bricks followed the guide no more
+  bool isCutShort = false;        ///< the budget or the caller ended it
+  bool endsAtOpenJoints = false;  ///< beyond its end joints open by more than the rounding explains
+  bool isRounded = false;         ///< joints close within the rounding of the coordinates only
   std::vector<model::Symmetry> symmetries;  ///< of the model, that all states have; a group
 
   /// Of the whole path, metres.
@@ -194,14 +195,22 @@ MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double
 // ------------------------------------------------------------------------------------------------
 // States of a recorded run between its samples.
 
+/// How many states momentsBetween() gives.
+inline constexpr int kMomentsBetween = 10;
+/// Radians. Joints of momentsBetween() open by less than 1e-7 of a tile then.
+inline constexpr double kMostTurnBetween = 0.05;
+
 /// Finds states between two samples of one run. The mechanism has no straight ways: half way
 /// between two closed states, places taken straight and rotations by the shortest turn, its joints
 /// gape by the square of the turn. So they are closed again, moving the bricks as little as their
 /// masses allow, wherever they are closed in both samples.
 class StateInterpolator {
  public:
+  /// Both must outlive the interpolator.
+  StateInterpolator(const model::Model& model, const std::vector<model::Brick>& bricks);
   /// The subject must outlive the interpolator.
-  explicit StateInterpolator(const trajectory::Subject& subject);
+  explicit StateInterpolator(const trajectory::Subject& subject)
+      : StateInterpolator(subject.model, subject.bricks) {}
 
   /// The state at a share of the way from one sample to a later one, 0 to 1, with its time, joint
   /// gap and target error; penetration, pins and steps are the earlier sample's. Where the joints
@@ -210,12 +219,21 @@ class StateInterpolator {
   trajectory::Sample between(const trajectory::Sample& from, const trajectory::Sample& to,
                              double share);
 
- private:
-  bool areClosed(const trajectory::Sample& sample) const;
-  Poses closedBetween(const trajectory::Sample& from, const trajectory::Sample& to, double share);
-  mechanics::JointSolver& solverFor(const trajectory::Sample& from, const trajectory::Sample& to);
+  /// States at kMomentsBetween equal shares of the way between two states, at the cost of closing
+  /// the joints twice: by the cubic through the two states and the closed states at a third and two
+  /// thirds of the way. Empty if a brick turns by more than kMostTurnBetween from one state to the
+  /// other: its path is not known.
+  std::vector<Poses> momentsBetween(const Poses& from, const Poses& to);
 
-  const trajectory::Subject& subject_;
+ private:
+  bool areClosed(const Poses& poses) const;
+  Poses closedBetween(const Poses& from, const Poses& to, double share);
+  mechanics::JointSolver& solverFor(const Poses& from, const Poses& to);
+  void setPinned(const std::vector<int>& tiles);
+
+  const model::Model& model_;
+  const std::vector<model::Brick>& bricks_;
+  std::vector<bool> pinned_;
   std::vector<model::Pivot> pivots_;
   double tileSize_;                                  ///< metres
   std::unique_ptr<mechanics::JointSolver> inPlane_;  ///< made when first needed, as is the next

@@ -18,9 +18,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
+#include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/geometric_path.h"
@@ -213,8 +215,26 @@ std::string passingThrough(const scene::Scene& scene, const GeometricPath& path)
                      thinner);
 }
 
+/// Of the tolerance, in the run that measures the error in time.
+constexpr double kFinerShare = 0.1;
+/// Samples are at the same time within so many seconds.
+constexpr double kSameSample = 1e-9;
+
+/// The largest distance of a vertex, of either face, between two states, metres.
+double farthestVertex(const std::vector<model::Brick>& bricks, const Poses& a, const Poses& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (const auto* face : {&bricks[i].bottom, &bricks[i].top}) {
+      for (const Vector3& point : *face) {
+        largest = std::max(largest, (a[i].apply(point) - b[i].apply(point)).norm());
+      }
+    }
+  }
+  return largest;
+}
+
 /// Runs the scene by its dynamics, along the path that is chosen for it.
-DeploymentResult runDynamics(const scene::Scene& scene, PathChoice choice,
+DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice,
                              const AssembledState& nearest, const RunObservers& watch,
                              Checkpoints* checkpoints) {
   scene::Scene chosen = scene;
@@ -227,8 +247,41 @@ DeploymentResult runDynamics(const scene::Scene& scene, PathChoice choice,
                     "the first {} pairs",
                     trajectory::mostPairs(scene.model.tiles.size())));
   }
-  if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
-  result.pathReason = std::move(choice.reason);
+  result.pathReason = choice.reason + (result.pathReason.empty() ? "" : "; " + result.pathReason);
+  return result;
+}
+
+/// Runs the scene, and again with a tenth of its tolerance: the largest distance of a vertex
+/// between the two, over the samples that both have, is the measured error in time.
+DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
+                          const AssembledState& nearest, const RunObservers& watch,
+                          Checkpoints* checkpoints) {
+  std::vector<std::pair<double, Poses>> samples;
+  RunObservers keeping = watch;
+  keeping.sample = [&](const trajectory::Sample& sample) {
+    samples.emplace_back(sample.time, sample.poses);
+    return watch.sample(sample);
+  };
+  DeploymentResult result = runDynamics(scene, choice, nearest, keeping, checkpoints);
+  scene::Scene chosen = scene;
+  chosen.path = result.path;
+  if (!keepsTolerance(chosen) || result.outcome == Outcome::Interrupted) return result;
+  scene::Scene finer = scene;
+  finer.solver.tolerance *= kFinerShare;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  double largest = 0;
+  std::size_t next = 0;
+  const auto compare = [&](const trajectory::Sample& sample) {
+    while (next < samples.size() && samples[next].first < sample.time - kSameSample) ++next;
+    if (next < samples.size() && samples[next].first <= sample.time + kSameSample) {
+      largest = std::max(largest, farthestVertex(bricks, samples[next].second, sample.poses));
+    }
+    return next < samples.size();
+  };
+  const DeploymentResult again =
+      runDynamics(finer, choice, nearest, {watch.sampleInterval, compare, {}}, nullptr);
+  result.timeError = largest / model::tileSize(scene.model);
+  result.cost.cpuSeconds += again.cost.cpuSeconds;
   return result;
 }
 
@@ -304,6 +357,75 @@ void chooseWay(scene::Scene& scene, Search& found, SearchBudget& budget, const T
   if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
 }
 
+/// Watches how deep the bricks overlap that the user lets touch, beyond the start.
+class OverlapWatch {
+ public:
+  explicit OverlapWatch(const scene::Scene& scene)
+      : filter_(scene.environment.contacts),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        meter_(overlapMeter(scene.environment, bricks_, pivots_,
+                            model::startPoses(scene.model.tiles, bricks_))) {}
+
+  /// A run's own figures are of all pairs; those that may not touch are left out here.
+  void observe(const Poses& poses) {
+    if (filter_ != scene::ContactFilter::Unjoined) return;
+    grown_ = std::max(grown_, meter_.at(poses).grown);
+  }
+
+  /// The largest so far, metres; 0 if the user switched contacts off.
+  double grown(const Accuracy& accuracy) const {
+    if (filter_ == scene::ContactFilter::None) return 0;
+    return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
+  }
+
+ private:
+  scene::ContactFilter filter_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  trajectory::PenetrationMeter meter_;
+  double grown_ = 0;
+};
+
+/// Whether the budget ended the search before it found a path on which nothing is wanting.
+bool isCutShort(const Search& found, const DeploymentResult& result, bool isOverlapping) {
+  if (found.nearest.isCutShort) return true;
+  const bool isBest = found.walked && result.accuracy.jointOpeningMax == 0 &&
+                      result.atTarget.value_or(true) && !isOverlapping;
+  return (found.geometric.isCutShort || found.choice.isCutShort) && !isBest;
+}
+
+/// Notes why a run does not count as done, which ends its reason, too. `grown`: the overlap that
+/// counts, metres.
+void addShortfall(const scene::Scene& scene, const Search& found, double grown,
+                  DeploymentResult& result) {
+  if (result.outcome == Outcome::Interrupted || result.outcome == Outcome::Diverged) return;
+  std::vector<std::string> faults;
+  if (result.outcome == Outcome::Locked || result.atTarget == false) {
+    faults.push_back(result.reason);
+  }
+  const double tile = model::tileSize(scene.model);
+  const bool isOverlapping = grown > kClearShare * tile;
+  if (isOverlapping) {
+    faults.push_back(fmt::format("bricks pass through each other by up to {:.2g} m ({:.2g} tiles)",
+                                 grown, grown / tile));
+  }
+  if (isCutShort(found, result, isOverlapping)) {
+    faults.push_back(
+        fmt::format("the search for a path ended at its budget of {:.3g} s; raise "
+                    "--search",
+                    scene.path.searchTime));
+    result.warnings.push_back(faults.back());
+  }
+  result.shortfall = fmt::format("{}", fmt::join(faults, "; "));
+  const bool hasReason = !faults.empty() && faults.front() == result.reason;
+  if (!faults.empty()) {
+    result.reason = hasReason ? result.shortfall : result.reason + "; " + result.shortfall;
+  }
+  result.trajectory.events.back().text =
+      fmt::format("{}: {}", toString(result.outcome), result.reason);
+}
+
 /// Of a search that was ended from within no path is known: the start alone is shown.
 void abandonSearch(scene::Scene& scene, Search& found) {
   found.walked = nullptr;
@@ -368,18 +490,22 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;
+  OverlapWatch overlaps(given);
   const SampleObserver takeSample = [&](const trajectory::Sample& sample) {
+    overlaps.observe(sample.poses);
     return observer(sample) && goOn;
   };
   DeploymentResult result =
-      found.walked ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
-                   : runDynamics(scene, found.choice, found.nearest,
-                                 {sampleInterval, takeSample, {}}, checkpoints);
+      found.walked
+          ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
+          : (scene.solver.measuresTimeError ? runTwice : runDynamics)(
+                scene, found.choice, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
   const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;
   if (isContactOpen && !found.walked) addOverlapWarning(scene, result);
   result.blocking = std::move(found.blocking);
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
   result.warnings = std::move(found.warnings);
+  addShortfall(scene, found, overlaps.grown(result.accuracy), result);
   result.cost.searchSeconds = budget.spentSeconds();
   result.cost.searchBudget = budget.seconds();
   result.cost.cpuSecondsSearch = searchSeconds;

@@ -21,7 +21,7 @@ namespace kirireel::deploy {
 /// How a run ended.
 enum class Outcome {
   Settled,      ///< everything came to rest (at the target or where nothing pushes any more)
-  Locked,       ///< at rest, yet clearly short of the target
+  Locked,       ///< at rest, yet short of the target (see arrival.h) or of full extension
   OutOfTime,    ///< the duration was used up while something still moved
   Diverged,     ///< a pose or velocity left all bounds
   Interrupted,  ///< the caller asked for an early end
@@ -35,7 +35,7 @@ inline constexpr const char* kAssembledError = "assembled_error";
 
 /// How accurate a run was. Lengths in metres.
 struct Accuracy {
-  double jointGapMax = 0;      ///< largest of any pivot at the start and the end of any step
+  double jointGapMax = 0;      ///< largest of any pivot in any step or sample
   double jointGapMean = 0;     ///< mean over pivots, of the start and all steps
   double jointGapEnd = 0;      ///< largest at the end
   double jointOpeningMax = 0;  ///< largest while joints were compliant; 0 when always exact
@@ -44,12 +44,14 @@ struct Accuracy {
   double targetErrorStart = 0;
   /// The error after the last step.
   double targetErrorEnd = 0;
-  /// The least error of the start and the end of any step.
+  /// The least error in any step or sample.
   double targetErrorMin = 0;
   /// No arrangement of rigid tiles has a smaller error; see rigidBound().
   double rigidBound = 0;
   double springsRestError = 0;  ///< where springs rest near the target, no contacts in their way
-  double penetrationMax = 0;    ///< deepest at the start and the end of any step
+  /// Deepest in any step or sample, and at ten moments between two samples; see
+  /// StateInterpolator::momentsBetween().
+  double penetrationMax = 0;
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
@@ -91,7 +93,13 @@ struct DeploymentResult {
   std::string reason;                    ///< one line: why it ended so
   /// Whether it ended at the target that it headed for; absent where nothing pulls to a target.
   std::optional<bool> atTarget;
-  Accuracy accuracy;                              ///< gaps, errors and overlaps, metres
+  /// Why the run does not count as done, in one line; empty if it does: the target is missed,
+  /// bricks that may touch pass through each other, or the budget ended the search.
+  std::string shortfall;
+  Accuracy accuracy;  ///< gaps, errors and overlaps, metres
+  /// How far the tolerance's tenth moved a vertex at any sample, tiles; absent where it was not
+  /// measured (SolverSettings::measuresTimeError), or where the run kept no tolerance.
+  std::optional<double> timeError;
   DeployCost cost;                                ///< counted and in CPU seconds
   std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring
   std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips

@@ -470,6 +470,8 @@ Poses bestFitPoses(const std::vector<model::Brick>& bricks,
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const model::RigidMotion motion = model::bestRigidMotion(bricks[i].bottom, target[i].vertices);
     poses[i] = {motion.translation, Quaternion(motion.rotation)};
+    // The way there is not known: at most half a turn from the start.
+    if (poses[i].rotation.w() < 0) poses[i].rotation.coeffs() *= -1;
   }
   return poses;
 }

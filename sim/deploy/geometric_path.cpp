@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/interruption.h"
+#include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
@@ -53,6 +54,9 @@ constexpr auto kCompliant = std::to_array<ContinuationSettings>({
     {.turnWeight = 1, .leap = 0, .jointStiffness = 1e1},
 });
 constexpr double kStiffer = 10;
+// Among touching bricks, a path that ends this much farther from the target than the nearest state,
+// in tiles, is kept for the case that none arrives.
+constexpr double kNearShare = 0.02;
 // Joints that are compliant near a flush start alone may open there by this part of a tile.
 constexpr double kStartOpening = 1e-2;
 // Such a path may cost this part of the budget.
@@ -187,7 +191,7 @@ class GeometricSearch {
     for (const ContinuationSettings& settings : kAlone) {
       tryAlone(settings);
       if (isOver_) return std::move(found_);
-      if (isCutShort_ || (found_.clear && !isDetour(scene_, found_.clear->path))) break;
+      if (found_.isCutShort || (found_.clear && !isDetour(scene_, found_.clear->path))) break;
     }
     if (found_.clear) return shortened(found_.clear);
     const scene::ContactFilter touching = whereTheyMeet(wanted);
@@ -195,14 +199,15 @@ class GeometricSearch {
       for (const ContinuationSettings& settings : kTouching) {
         tryTouching(settings, touching);
         if (isOver_) return std::move(found_);
-        if (found_.clear && found_.clear->path.error <= nearEnough(kNearShare)) break;
+        if (found_.clear) break;
       }
       if (!found_.clear) tryFromTarget(touching);
+      if (!found_.clear && !found_.compliant) found_.clear = std::move(near_);
       found_.mayBeExact = found_.compliant.has_value();
       if (isOver_ || found_.compliant) return std::move(found_);
       if (found_.clear) return shortened(found_.clear);
     }
-    found_.mayBeExact = found_.through || isCutShort_;
+    found_.mayBeExact = found_.through || found_.isCutShort;
     tryCompliant(touching);
     if (!found_.compliant && !found_.through && wanted == scene::ContactFilter::Auto) {
       tryCompliant(scene::ContactFilter::None);
@@ -234,29 +239,58 @@ class GeometricSearch {
     };
     MechanismPath path = continueAlong(trial, std::move(guide), settings, part, goesOn);
     budget_.spend(part.spent());
+    endAtNearest(path);
     return path;
   }
 
-  /// Whether a path ends at the target: among bricks, their contacts may keep it a little away.
-  bool arrives(const MechanismPath& path, bool isAmongBricks) {
-    if (path.isStuck) ++stuck_;
-    if (path.isCutShort) isCutShort_ = true;
-    if (path.isCutShort || path.isStuck) return false;
-    const double enough =
-        std::max(1.05 * atTarget_.nearest.error + roundedReach(scene_.model), 1e-6 * tile_);
-    if (path.error <= enough) return true;
-    return isAmongBricks && path.error <= nearEnough(atTarget_.isBlocked ? kFarShare : kNearShare);
+  /// Tiles of rounded coordinates come to the nearest state within the rounding's reach: it is the
+  /// end of their path, unless bricks overlap deeper there. In a singular state, a gap of that size
+  /// is a turn by its square root.
+  void endAtNearest(MechanismPath& path) const {
+    if (path.isStuck || path.isCutShort || !arrives(path)) return;
+    if (isNearest(scene_.model, path.error, atTarget_.nearest.error)) return;
+    const Poses& nearest = atTarget_.nearest.poses;
+    const double reach = roundedReach(scene_.model);
+    if (farthestMove(path.states.back(), nearest, tile_) > std::sqrt(reach * tile_)) return;
+    const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
+    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks);
+    trajectory::PenetrationMeter meter =
+        overlapMeter(scene_.environment, bricks, pivots, path.states.front());
+    const double grown = meter.at(path.states.back()).grown;
+    const bool mayOverlap = scene_.environment.contacts == scene::ContactFilter::None;
+    if (!mayOverlap && meter.at(nearest).grown > std::max(grown, kClearShare * tile_)) return;
+    path.lengths.push_back(path.length() + pathDistance(bricks, path.states.back(), nearest));
+    path.states.push_back(nearest);
+    path.error = atTarget_.nearest.error;
+    path.isRounded = true;
   }
 
-  /// The error of a state that is this part of a tile off the nearest one, metres.
-  double nearEnough(double share) const { return atTarget_.nearest.error + share * tile_; }
+  /// Whether a path goes to its end. Notes what ended it otherwise.
+  bool isWhole(const MechanismPath& path) {
+    if (path.isStuck) ++stuck_;
+    if (path.isCutShort) found_.isCutShort = true;
+    return !path.isCutShort && !path.isStuck;
+  }
+
+  /// Whether a path ends where the bricks are known to come nearest to the target, within the
+  /// rounding's reach.
+  bool arrives(const MechanismPath& path) const {
+    return path.error <=
+           arrivalLimit(scene_.model, atTarget_.nearest.error) + roundedReach(scene_.model);
+  }
+
+  /// Whether a path among bricks, whose contacts may keep them away, ends near enough to be kept.
+  bool comesNear(const MechanismPath& path) const {
+    const double share = atTarget_.isBlocked ? kFarShare : kNearShare;
+    return arrives(path) || path.error <= atTarget_.nearest.error + share * tile_;
+  }
 
   // Without contacts: how deep bricks overlap says whether they are needed.
   void tryAlone(const ContinuationSettings& settings) {
     GeometricPath trial;
     trial.path =
         follow(tilesOwnMotion(), settings, scene::ContactFilter::None, "a path of the mechanism");
-    if (!arrives(trial.path, false)) return;
+    if (!isWhole(trial.path) || !arrives(trial.path)) return;
     trial.hasCompliantJoints = trial.path.isRounded;
     trial.reason = "a path of the mechanism, nothing given needs dynamics";
     judge(scene_, trial);
@@ -272,13 +306,15 @@ class GeometricSearch {
     GeometricPath trial;
     trial.contacts = contacts;
     trial.path = follow(tilesOwnMotion(), settings, contacts, kAmongBricks);
-    if (!arrives(trial.path, true)) return;
+    if (!isWhole(trial.path) || !comesNear(trial.path)) return;
     trial.hasCompliantJoints = trial.path.isRounded;
     trial.reason = kTouchingReason;
     judge(scene_, trial);
     if (!isClear(scene_, trial)) return;
-    if (!found_.clear || trial.path.error < found_.clear->path.error) {
+    if (arrives(trial.path)) {
       found_.clear = std::move(trial);
+    } else if (!near_ || trial.path.error < near_->path.error) {
+      near_ = std::move(trial);
     }
   }
 
@@ -294,7 +330,7 @@ class GeometricSearch {
         continueFromGoal(trial, found_.through->path.states.front(), atTarget_.nearest.poses, part,
                          [&](double) { return tell(kFromTarget); });
     budget_.spend(part.spent());
-    if (!arrives(found.path, true)) return;
+    if (!isWhole(found.path) || !arrives(found.path)) return;
     found.hasCompliantJoints = true;
     judge(scene_, found);
     if (!isClear(scene_, found) || found.opening > kStartOpening * tile_) return;
@@ -327,21 +363,31 @@ class GeometricSearch {
   /// Compliant joints, opening as little as they can: once a path is found, it guides the next.
   void tryCompliant(scene::ContactFilter contacts) {
     std::optional<GeometricPath> best;
-    for (ContinuationSettings settings : kCompliant) {
-      best = compliantPath(tilesOwnMotion(), settings, contacts);
-      while (best && !isOver_) {
-        settings.jointStiffness *= kStiffer;
-        std::optional<GeometricPath> next = compliantPath(best->path.states, settings, contacts);
-        if (!next || !(next->opening < best->opening)) break;
-        best = std::move(next);
-      }
-      if (best || isOver_) break;
+    for (const ContinuationSettings& settings : kCompliant) {
+      std::optional<GeometricPath> found = stiffestPath(settings, contacts);
+      const bool isNearer = found && (!best || found->path.error < best->path.error);
+      if (isNearer) best = std::move(found);
+      if (isOver_ || (best && arrives(best->path))) break;
     }
     if (!best) return;
     shorten(scene_, *best, scene_.environment.contacts, budget_,
             [&](double) { return tell(kShortening); });
     best->reason = openingReason("a path of the mechanism with compliant joints, which", *best);
     (best->passesThrough ? found_.through : found_.compliant) = std::move(best);
+  }
+
+  /// The path with joints as stiff as they can be, from these on.
+  std::optional<GeometricPath> stiffestPath(ContinuationSettings settings,
+                                            scene::ContactFilter contacts) {
+    std::optional<GeometricPath> best = compliantPath(tilesOwnMotion(), settings, contacts);
+    while (best && !isOver_) {
+      settings.jointStiffness *= kStiffer;
+      std::optional<GeometricPath> next = compliantPath(best->path.states, settings, contacts);
+      if (!next || !(next->opening < best->opening)) break;
+      if (arrives(best->path) && !arrives(next->path)) break;
+      best = std::move(next);
+    }
+    return best;
   }
 
   std::optional<GeometricPath> compliantPath(std::vector<Poses> guide,
@@ -351,14 +397,16 @@ class GeometricSearch {
     trial.hasCompliantJoints = true;
     trial.contacts = contacts;
     trial.path = follow(std::move(guide), settings, contacts, kCompliantTried);
-    if (!arrives(trial.path, contacts != scene::ContactFilter::None)) return std::nullopt;
+    const bool isAmongBricks = contacts != scene::ContactFilter::None;
+    if (!isWhole(trial.path)) return std::nullopt;
+    if (!(isAmongBricks ? comesNear(trial.path) : arrives(trial.path))) return std::nullopt;
     judge(scene_, trial);
     if (contacts != scene::ContactFilter::None && !isClear(scene_, trial)) return std::nullopt;
     return trial;
   }
 
   std::string trouble() const {
-    if (isCutShort_) return "looking for a path of the mechanism was cut short";
+    if (found_.isCutShort) return "looking for a path of the mechanism was cut short";
     return stuck_ > 0 ? "the mechanism was followed to where it goes no further"
                       : "paths of the mechanism end short of the target";
   }
@@ -370,8 +418,8 @@ class GeometricSearch {
   double tile_;  // metres
   Poses start_;
   GeometricPaths found_;
+  std::optional<GeometricPath> near_;  // among touching bricks, clear, but not arrived
   int stuck_ = 0;
-  bool isCutShort_ = false;
   bool isOver_ = false;
 };
 
@@ -413,6 +461,7 @@ GeometricPaths extensions(const scene::Scene& scene, SearchBudget& budget,
   found.trouble = "looking for the way to full extension was cut short";
   std::optional<GeometricPath> alone =
       extension(scene, scene::ContactFilter::None, kAloneShare, budget, observer);
+  found.isCutShort = !alone;
   if (alone && !alone->passesThrough) {
     found.clear = std::move(alone);
     return found;
@@ -420,6 +469,7 @@ GeometricPaths extensions(const scene::Scene& scene, SearchBudget& budget,
   if (wanted == scene::ContactFilter::None) return found;
   std::optional<GeometricPath> touching =
       extension(scene, whereTheyMeet(wanted), 1, budget, observer);
+  found.isCutShort = found.isCutShort || !touching;
   if (touching && !isClear(scene, *touching)) {
     found.trouble = "bricks pass through each other on the way to full extension";
     touching.reset();
@@ -543,26 +593,42 @@ class Walk {
   bool isAskedToEnd_ = false;
 };
 
-/// How a walk ends that nobody interrupts, `error` metres from the target.
-std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error) {
+/// How a walk ends near a target, `error` metres from it. `nearest`: of a state with closed joints,
+/// metres.
+std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found, double error,
+                          double nearest) {
+  if (hasArrived(scene.model, error, nearest)) {
+    return fmt::format("the path ends {:.3g} from the target", error);
+  }
+  const std::string words = fmt::format("the path ends {:.3g} short of the target: ", error);
+  if (isNearest(scene.model, error, nearest)) {
+    return words + "no state with closed joints was found nearer";
+  }
+  return words + fmt::format("{}, a state with closed joints {:.3g} from it is known",
+                             found.contacts == scene::ContactFilter::None
+                                 ? "no path was found that comes nearer"
+                                 : "among touching bricks no path was found that comes nearer",
+                             nearest);
+}
+
+/// How a walk ends that nobody interrupts. Errors as in endNearTarget().
+std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error,
+                  double nearest) {
   const double tile = model::tileSize(scene.model);
   std::string words = "the path ends at full extension";
   if (scene.model.target) {
-    words = error > kFarShare * tile
-                ? fmt::format(
-                      "the path ends {:.3g} short of the target: no state with closed joints "
-                      "was found nearer",
-                      error)
-                : fmt::format("the path ends {:.3g} from the target", error);
+    words = endNearTarget(scene, found, error, nearest);
+  } else if (found.path.endsAtOpenJoints) {
+    words = fmt::format(
+        "the path ends at the last state with closed joints: beyond it they open by more than ten "
+        "times the last digit, {:g} m, of the model's coordinates",
+        scene.model.rounding);
   } else if (standsStill(scene, found.path)) {
     words = fmt::format(
         "{}: no small motion of the mechanism takes them farther apart, so that nothing moves",
         found.contacts == scene::ContactFilter::None
             ? "the tiles are at full extension from the start"
             : "the tiles hold each other at the start");
-  }
-  if (found.passesThrough) {
-    words += fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
   }
   if (found.hasCompliantJoints) {
     words += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it", found.opening,
@@ -656,12 +722,15 @@ DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
   DeploymentResult result = walk.finish();
   if (!found.hasCompliantJoints) addPushedWarning(scene, found.path.states.front(), result);
   const double error = result.accuracy.targetErrorEnd;
-  const bool isFar = scene.model.target && error > kFarShare * model::tileSize(scene.model);
+  if (scene.model.target) {
+    result.atTarget = hasArrived(scene.model, error, result.assembledError);
+  }
+  const bool isShort = result.atTarget == false || found.path.endsAtOpenJoints;
   result.outcome = walk.isInterrupted() ? Outcome::Interrupted
-                   : isFar              ? Outcome::Locked
+                   : isShort            ? Outcome::Locked
                                         : Outcome::Settled;
-  result.reason = walk.isInterrupted() ? "ended early by the caller" : endOf(scene, found, error);
-  if (scene.model.target) result.atTarget = !isFar;
+  result.reason = walk.isInterrupted() ? "ended early by the caller"
+                                       : endOf(scene, found, error, result.assembledError);
   result.trajectory.events.push_back(
       {walk.time(), fmt::format("{}: {}", toString(result.outcome), result.reason)});
   result.needs = scene::sceneNeeds(walked);

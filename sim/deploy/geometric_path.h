@@ -27,10 +27,12 @@ struct GeometricPath {
 
 /// The paths that were found.
 struct GeometricPaths {
-  std::optional<GeometricPath> clear;  ///< bricks keep out of each other, or may not touch
+  /// Bricks keep out of each other, or may not touch. If none arrives, one that comes near.
+  std::optional<GeometricPath> clear;
   /// Bricks keep out of each other, but joints open on the way.
   std::optional<GeometricPath> compliant;
   std::optional<GeometricPath> through;  ///< arrives, but bricks pass through each other
+  bool isCutShort = false;               ///< the budget or the caller ended a trial
   bool mayBeExact = false;               ///< joints may stay closed on a path that was not found
   std::string trouble;                   ///< why there is none, for the summary
 };

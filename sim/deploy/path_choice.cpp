@@ -47,9 +47,6 @@
 namespace kirireel::deploy {
 namespace {
 
-// A trial arrives when it ends within this factor of the assembled error, or this part of a tile.
-constexpr double kArrivedFactor = 1.05;
-constexpr double kNearEnough = 1e-6;
 // In the plane the first look at the straight path takes longer steps where bricks may not touch:
 // models that need no search are most. In space steps decide too often in which local minimum a
 // pull ends, and among bricks whether they keep clear.
@@ -248,7 +245,6 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   StallWatch stalls(scene);
   const Run* running = nullptr;
   WorkLimit limit(budget);
-  const double tile = model::tileSize(scene.model);
   const bool isAmongBricks = scene.environment.contacts != scene::ContactFilter::None;
   TrialClearance clearance(scene, wanted);
   RunObservers watch;
@@ -269,9 +265,9 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
   end.work = result.cost.took.work;
-  const double nearEnough =
-      std::max(kArrivedFactor * nearest.restError + roundedReach(scene.model), kNearEnough * tile);
-  end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= nearEnough;
+  // The springs bring a trial to where they rest. From there on the nearest state is sought.
+  end.arrives = result.outcome != Outcome::Diverged && !end.jams &&
+                isNearest(scene.model, end.error, nearest.restError);
   end.cutShort = limit.isReached() && !end.arrives && !end.jams;
   // Compliant joints may yet open where a trial was cut short.
   const bool isOpenEnded =
@@ -302,13 +298,16 @@ class PathSearch {
   PathChoice find() {
     const bool fitsAtTarget = !atTarget_.isBlocked;
     if (atTarget_.isReachedThrough) {
-      return findAmongBricks({{scene::PathKind::Straight}, "a path of the mechanism arrives"},
-                             fitsAtTarget);
+      PathChoice among = findAmongBricks(
+          {{scene::PathKind::Straight}, "a path of the mechanism arrives"}, fitsAtTarget);
+      among.isCutShort = !among.isFound && isCutShort();
+      return among;
     }
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != scene::ContactFilter::None;
     choice.isFound = last_.arrives && (!contacts || last_.keepsClear);
     choice.isClear = last_.arrives && last_.keepsClear;
+    choice.isCutShort = !choice.isFound && isCutShort();
     const bool isWanting = contacts && !choice.isFound;
     if (isOver_ || !isWanting) return choice;
     if (!last_.arrives) {
@@ -318,6 +317,7 @@ class PathSearch {
       return choice;
     }
     PathChoice among = findAmongBricks(choice, fitsAtTarget);
+    among.isCutShort = !among.isFound && isCutShort();
     among.through = choice.path;
     among.throughReason = choice.reason;
     return among;
@@ -365,9 +365,11 @@ class PathSearch {
     return !isIncomplete_;
   }
 
+  bool isCutShort() const { return cutShort_ > 0 || isIncomplete_; }
+
   /// What the budget kept from being known; empty when nothing.
   std::string untried() const {
-    if (cutShort_ == 0 && !isIncomplete_) return "";
+    if (!isCutShort()) return "";
     std::vector<std::string> parts;
     if (cutShort_ > 0) {
       parts.push_back(fmt::format("{} trial{} cut short", cutShort_, cutShort_ == 1 ? "" : "s"));
@@ -511,9 +513,9 @@ PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
         misfitStiffness(scene, model::makeBricks(scene.model.tiles, scene.brick));
     return {
         straight,
-        fmt::format("exact joints jam, tiles of coordinates rounded to {:g} m fit each other in "
-                    "no open state; joints of {:.2g} N/m",
-                    scene.model.rounding, straight.jointStiffness),
+        fmt::format("exact joints jam, the tiles fit each other in no open state; joints of {:.2g} "
+                    "N/m",
+                    straight.jointStiffness),
         true};
   }
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};

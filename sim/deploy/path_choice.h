@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/base/state_tape.h"
+#include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/scene/scene.h"
 
@@ -18,6 +19,7 @@ struct PathChoice {
   std::string reason;        ///< one short phrase for the summary
   bool isFound = false;      ///< it arrives, among bricks that touch where they may
   bool isClear = false;      ///< no bricks met on it
+  bool isCutShort = false;   ///< the budget ended the search for it
   /// A path that arrives where bricks pass through each other.
   std::optional<scene::PathSettings> through = std::nullopt;
   std::string throughReason = {};  ///< why that was taken, one short phrase
@@ -63,13 +65,6 @@ struct TargetFindings {
   /// What arrives is walked as a path of the mechanism: its states keep the model's symmetries.
   bool isGeometry = false;
 };
-
-/// From this part of a tile on an error is no nearness: the target counts as missed.
-inline constexpr double kFarShare = 0.1;
-
-/// At rest but farther from the target than its assembled error and this part of a tile: short of
-/// it.
-inline constexpr double kNearShare = 0.02;
 
 /// Overlap beyond that of the start, in tiles, up to which bricks count as clear of each other.
 inline constexpr double kClearShare = 1e-4;

@@ -137,8 +137,9 @@ RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
 // Where the start moves by itself the nudge would only differ from seed to seed: 1e-6 of a tile
 // after half a second of a cap. It moves by itself if what acts on it makes it faster than the
 // nudge within kNudgeTime. At a singular state joints leave rounding of the loads, which is slower.
-// A sheet that is pulled as a whole, yet cannot open, has a motion without a difference in angular
-// velocities: that does not count.
+// A sheet that is pulled to a target as a whole, yet cannot open, has a motion without a difference
+// in angular velocities: that does not count. Where no drive and no spring acts between bricks, any
+// motion counts. Pins of the timeline's start hold already.
 //
 // Symmetries: the mean over the group's images of the v_i keeps a symmetric motion symmetric.
 
@@ -188,13 +189,10 @@ std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed) 
   return velocities;
 }
 
-bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double tileSize,
+bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
                    double modelSize) {
-  double fastest = areJoined ? fastestOpening(after) * tileSize : 0;
-  for (const Velocity& velocity : after) {
-    if (areJoined) break;
-    fastest = std::max(fastest, velocity.linear.norm() + velocity.angular.norm() * tileSize);
-  }
+  const double fastest =
+      drivenApart ? fastestOpening(after) * tileSize : fastestSpeed(after, tileSize);
   return fastest > kSpeed * modelSize;
 }
 
@@ -211,8 +209,15 @@ std::vector<Velocity> NudgeGiver::whole() const {
   return nudge(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
 }
 
+/// Whether joined bricks are pulled against each other, by more than what surrounds them.
+bool NudgeGiver::areDrivenApart() const {
+  const scene::Scene& scene = bricks_.scene;
+  if (bricks_.pivots.empty()) return false;
+  return scene.actuation.drive != scene::Drive::None || !bricks_.ties.pairForces.empty();
+}
+
 void NudgeGiver::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads,
-                             const JointFit& joints) {
+                             const JointFit& joints, const std::vector<bool>& pinned) {
   given_ = Nudged::Wholly;
   std::vector<Velocity> velocities = whole();
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet) {
@@ -221,9 +226,10 @@ void NudgeGiver::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loa
   }
   const std::unique_ptr<Dynamics> solver = motion.makeSolver();
   joints.hold(*solver);
+  solver->setPinned(pinned);
   Motion trial = {motion.poses(), std::vector<Velocity>(bricks_.bricks.size())};
   solver->advance(trial, kNudgeTime, loads);
-  if (movesByItself(trial.velocities, !bricks_.pivots.empty(), bricks_.tileSize, bricks_.size)) {
+  if (movesByItself(trial.velocities, areDrivenApart(), bricks_.tileSize, bricks_.size)) {
     given_ = Nudged::No;
     return;
   }

@@ -96,10 +96,10 @@ constexpr double kNudgeTime = 1.0 / 240;
 std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed);
 
 /// Whether bricks move by what acts on them alone: whether in `after`, which they have come to from
-/// rest in kNudgeTime with joints and contacts kept, some brick is faster than a nudge. Joined ones
-/// must move against each other: a sheet that is pulled along, yet cannot open, does not move.
-/// Sizes in metres.
-bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double tileSize,
+/// rest in kNudgeTime with joints and contacts kept, some brick is faster than a nudge. If they are
+/// `drivenApart`, by a drive or by springs between joined bricks, they must move against each
+/// other: a sheet that is pulled along, yet cannot open, does not move. Sizes in metres.
+bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
                    double modelSize);
 
 /// The part of a nudge with the symmetries of `group`, the identity among them, where joints leave
@@ -116,8 +116,9 @@ class NudgeGiver {
 
   /// Gives the bricks, which stand still, what they need to leave this start: nothing where `loads`
   /// move them by themselves. An engine's start is not known to its end, and it gets the whole
-  /// nudge. `joints` are as the run's.
-  void giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads, const JointFit& joints);
+  /// nudge. `joints` are as the run's; `pinned` has one entry a brick.
+  void giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads, const JointFit& joints,
+                   const std::vector<bool>& pinned);
   /// Gives a whole nudge to bricks that came to rest: a motion may come to an equilibrium that is
   /// not stable, as a start may be one.
   void giveAtRest(RunMotion& motion);
@@ -132,6 +133,7 @@ class NudgeGiver {
 
  private:
   std::vector<Velocity> whole() const;
+  bool areDrivenApart() const;
 
   const SceneBricks& bricks_;
   Nudged given_ = Nudged::No;

@@ -16,13 +16,15 @@
 // unstable too, as a ring's that closes in symmetry; a stiffer pull; long implicit steps from rest,
 // which tell bricks that are only slow; what the timeline has for a state of rest; and a nudge
 // where nothing is pulled to a target. Where nothing of this moves the bricks, the run is over,
-// settled or locked by the error that is left.
+// settled or locked by the error that is left. If nothing but the pull acts, a last step brings
+// bricks next to the nearest state with closed joints into it.
 //
 // A step that loses a brick, or that is ended from within, is taken back: the state, the time and
 // the account of energies are those before it.
 #include "sim/deploy/run.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -38,11 +40,14 @@
 namespace kirireel::deploy {
 namespace {
 
-// At a target, a run that is this near to where springs rest, or to it, is not only slow.
-constexpr double kThere = 1.05;
-constexpr double kThereShare = 1e-6;
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
+// Bricks that rest within this part of a tile of the nearest state settle there, also within this
+// multiple of that state's joint gap.
+constexpr double kSettlingShare = 1e-3;
+constexpr double kSettlingGaps = 10;
+// Of the energy that was put in, steps may add this share without a warning.
+constexpr double kEnergyGain = 0.01;
 
 }  // namespace
 
@@ -50,7 +55,7 @@ Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObse
          Checkpoints* checkpoints)
     : bricks_(scene),
       clock_(RunMotion::lookOf(scene)),
-      target_(bricks_, nearest.restError),
+      target_(bricks_, nearest),
       drive_(bricks_, clock_),
       timeline_(scene.timeline, bricks_.bricks, scene.model.fileOrder.countsFrom),
       motion_(bricks_, clock_),
@@ -74,21 +79,22 @@ DeploymentResult Run::finish() {
     recorder_.takeSample();
   }
   advanceToEnd();
-  const RunReasons reasons(bricks_, target_, motion_, rest_);
-  if (!ending_) end(reasons.late());
+  if (!ending_) end(reasons().late());
   recorder_.takeLastSample();
   return result();
 }
 
-// Closes joints, sets the first velocities and measures the start.
+// Closes joints, does what the timeline has for the start, sets the first velocities and measures.
 void Run::start() {
   const scene::Scene& scene = bricks_.scene;
   Motion& now = motion_.now();
   joints_.closeAtStart(motion_, recorder_.figures());
+  now.velocities.assign(bricks_.bricks.size(), Velocity{});
+  motion_.beginHere();
   goTo(nullptr);
+  followTimeline(false);
   if (scene.velocities.empty()) {
-    now.velocities.assign(bricks_.bricks.size(), Velocity{});
-    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
+    nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
   } else {
     now.velocities = scene::initialVelocities(scene.velocities, bricks_.bricks, now.poses);
     if (!scene.path.jointsAreCompliant()) motion_.solver().fitVelocities(now);
@@ -206,16 +212,31 @@ DeploymentResult Run::result() {
   recorder_.figures().leave(result);
   result.outcome = ending_->outcome;
   result.reason = ending_->reason;
+  target_.noteOwnError(recorder_.figures().assembledError());
   if (target_.isPulledTo()) result.atTarget = target_.hasArrived(motion_.poses());
   if (!trajectory.pairForces.empty()) {
     result.elasticity =
         model::elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
   }
+  warnOfEnergy(result.warnings);
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;
   result.pathReason = joints_.trouble();
   result.cost.cpuSeconds = spent_.seconds();
   return result;
+}
+
+// Steps of first order, and stiff springs, may give a run energy that nothing has put in.
+void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
+  if (bricks_.scene.actuation.drive != scene::Drive::None) return;
+  const RunMechanics::Account account = recorder_.account();
+  const double gain = -account.now.integrated();
+  const double source = account.largestWork;
+  if (!(gain > kEnergyGain * source)) return;
+  warnings.push_back(fmt::format(
+      "energy grows by {:.3g} J ({:.2g}% of what was put in), though nothing drives the bricks; "
+      "use a smaller --{}",
+      gain, 100 * gain / source, keepsTolerance(bricks_.scene) ? "tolerance" : "timestep"));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -235,7 +256,7 @@ void Run::restOrGoOn() {
   const bool isPulled = target_.isPulledTo() && timeline_.forcesAreOn();
   const double error = targetErrorNow();
   const bool isShort = isPulled && error > kArrivedShare * bricks_.size;
-  if (nudges_.canGive() && isShort && error > kThere * target_.leastError()) {
+  if (nudges_.canGive() && isShort && !target_.isWhereSpringsRest(error)) {
     nudges_.giveAtRest(motion_);
     rest_.countAnew();
   } else if (isShort && !drive_.stiffness().exhausted()) {
@@ -249,10 +270,17 @@ void Run::restOrGoOn() {
     nudges_.giveAtRest(motion_);
     rest_.countAnew();
   } else if (timeline_.isOver(time())) {
-    end(RunReasons(bricks_, target_, motion_, rest_).atRest(isTrial_));
+    settleAtNearest();
+    end(reasons().atRest(isTrial_));
   } else {
     end({Outcome::Locked, fmt::format("came to rest, yet {}", timeline_.pending())});
   }
+}
+
+// A run may have found a nearer state than the search.
+RunReasons Run::reasons() {
+  target_.noteOwnError(recorder_.figures().assembledError());
+  return {bricks_, target_, motion_, forces_, rest_};
 }
 
 // Whether bricks that hardly move are on their way: soft springs and heavy bricks are slow. Springs
@@ -263,8 +291,7 @@ bool Run::isOnlySlow() {
   if (rest_.isStuck(motion_.poses()) || scene.solver.kind == scene::SolverKind::Bullet)
     return false;
   if (target_.isPulledTo() && timeline_.forcesAreOn()) {
-    const double arrived = std::max(kThere * target_.leastError(), kThereShare * tile);
-    if (targetErrorNow() <= arrived) return false;
+    if (target_.isWhereSpringsRest(targetErrorNow())) return false;
   } else if (!scene.hinges.areOn() || drive_.isEndless()) {
     return false;
   }
@@ -275,13 +302,52 @@ bool Run::isOnlySlow() {
 }
 
 // ------------------------------------------------------------------------------------------------
+// The last small way to the target.
+
+// Whether nothing but the pull to the target acts on the bricks, joints and contacts apart.
+bool Run::isOnlyPulled() const {
+  const scene::Scene& scene = bricks_.scene;
+  const scene::Environment& around = scene.environment;
+  const bool isFree = timeline_.forcesAreOn() && forces_.pinnedTiles().empty() &&
+                      timeline_.dragSprings(time()).empty();
+  return isFree && target_.isPulledTo() && scene.solver.kind == scene::SolverKind::Direct &&
+         bricks_.ties.pairForces.empty() && around.gravity.isZero(0) && !around.ground &&
+         around.obstacles.empty();
+}
+
+// Springs slow down near the target, and they rest at the least sum of squares. In one last step
+// the bricks go to the nearest state with closed joints, if it is next to them and clear.
+void Run::settleAtNearest() {
+  const Poses* nearest = target_.nearestPoses();
+  if (!nearest || !isOnlyPulled() || target_.isNearest(targetErrorNow())) return;
+  const double tile = bricks_.tileSize;
+  const double gap = trajectory::jointGap(bricks_.pivots, *nearest).max;
+  const double reach =
+      std::max({kSettlingShare * tile, kSettlingGaps * gap, roundedReach(bricks_.scene.model)});
+  if (farthestMove(motion_.poses(), *nearest, tile) > reach) return;
+  RunFigures& figures = recorder_.figures();
+  const double allowed = std::max(figures.overlapsOf(motion_.poses()).grown, kClearShare * tile);
+  if (bricks_.needs.contacts.on && figures.overlapsOf(*nearest).grown > allowed) return;
+  clock_.beginStep(std::numeric_limits<double>::infinity());
+  motion_.beginStep();
+  recorder_.beginStep();
+  motion_.now() = {*nearest, std::vector<Velocity>(bricks_.bricks.size())};
+  const StepReport report = {.steps = 1};
+  recorder_.endStep(report, false);
+  clock_.endStep();
+  recorder_.observe(report, drive_.jointsAreCompliant());
+  recorder_.showStep();
+  recorder_.takeSamples();
+}
+
+// ------------------------------------------------------------------------------------------------
 // The timeline.
 
 // Does what the timeline wants now. Returns whether that was anything.
 bool Run::followTimeline(bool atRest) {
   if (timeline_.isOver(time())) return false;
   const double error = targetErrorNow();
-  const bool isAtTarget = atRest && target_.tiles() && target_.isReachedAt(error);
+  const bool isAtTarget = atRest && target_.tiles() && target_.isWhereSpringsRest(error);
   const TimelineView view = {time(),     atRest,          error, target_.startError(),
                              isAtTarget, &motion_.poses()};
   if (!timeline_.carryOut(view, *this, recorder_.events())) return false;
@@ -301,7 +367,7 @@ void Run::reset() {
   motion_.goBack();
   joints_.hold(motion_.solver());
   goTo(nullptr);
-  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
+  nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_, timeline_.pinned());
 }
 
 void Run::quit() {
@@ -338,8 +404,9 @@ void Run::goOnFrom(const RunState& state) {
 
 // ------------------------------------------------------------------------------------------------
 // Words for how a run ends. What keeps a run from its target is named by the first of these that
-// holds: contacts that carry load; steps that fail; joints that leave no freedom; a state that is
-// the nearest with closed joints; springs at hinges; else the pull balances itself.
+// holds: friction on the ground; contacts that carry load; steps that fail; joints that leave no
+// freedom; a state that is the nearest with closed joints; springs at hinges; else the pull
+// balances itself.
 
 namespace {
 
@@ -348,6 +415,9 @@ constexpr double kCompliantStiffness = 1e3;
 
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
+
+// Tiles lie on the ground if they are no higher than this fraction of a tile above it.
+constexpr double kLyingShare = 1e-3;
 
 /// "contact stops tiles 3 and 4, tile 5 and the ground and 2 more".
 std::string contactWords(std::vector<std::string> contacts) {
@@ -384,6 +454,7 @@ RunEnding RunReasons::late() const {
   if (target_.isPulledTo()) {
     text += fmt::format(", {:.3g} from the target", target_.error(motion_.poses()));
   }
+  if (const std::string held = isSlow ? friction() : ""; !held.empty()) text += ": " + held;
   return {Outcome::OutOfTime, text};
 }
 
@@ -397,10 +468,43 @@ bool RunReasons::isImmobile() const {
   return found.isCounted && found.freedoms <= 0;
 }
 
+// Whether the ground's friction can hold each tile against all else that acts on it, contacts
+// apart: the horizontal force |F| <= mu m g. Empty if not, or if the tiles do not lie on the
+// ground.
+std::string RunReasons::friction() const {
+  const scene::Environment& environment = bricks_.scene.environment;
+  const double weight = -environment.gravity.z();
+  if (!environment.ground || !(environment.ground->friction * weight > 0)) return "";
+  const double highest =
+      environment.ground->height + bricks_.scene.brick.thickness + kLyingShare * bricks_.tileSize;
+  for (const model::Tile& tile : model::bottomTiles(bricks_.bricks, motion_.poses())) {
+    for (const Vector3& vertex : tile.vertices) {
+      if (vertex.z() > highest) return "";
+    }
+  }
+  const Motion atRest = {motion_.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  const std::vector<Vector6> forces = forces_.appliedForces(forces_.time(), atRest);
+  double pull = 0, most = 1;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const double force = forces[i].head<2>().norm();
+    const double held = environment.ground->friction * bricks_.bricks[i].mass * weight;
+    if (force > held) return "";
+    if (pull * held > force * most) continue;
+    pull = force;
+    most = held;
+  }
+  return fmt::format(
+      "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, "
+      "friction "
+      "holds mu m g = {:.3g} N; lower --ground-friction or raise --spring-stiffness",
+      pull, most);
+}
+
 // What keeps a run from its target that has come to rest.
 std::string RunReasons::holdup() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline does not tell why";
+  if (const std::string held = friction(); !held.empty()) return held;
   const std::vector<std::string> contacts = motion_.solver().loadedContacts();
   if (!contacts.empty()) return contactWords(contacts);
   if (rest_.isStuck(motion_.poses())) return "exact joints leave the tiles no way on";
@@ -410,8 +514,12 @@ std::string RunReasons::holdup() const {
         "(--path guided --joint-stiffness {:.1g})",
         kCompliantStiffness * usualStiffness(bricks_.scene.springs, bricks_.bricks));
   }
-  if (target_.isReachedAt(target_.error(motion_.poses()))) {
-    return "no state with closed joints was found nearer";
+  const double error = target_.error(motion_.poses());
+  if (target_.isNearest(error)) return "no state with closed joints was found nearer";
+  if (target_.isWhereSpringsRest(error)) {
+    return fmt::format(
+        "the springs rest there; a state with closed joints {:.3g} from the target is known",
+        target_.nearestError());
   }
   if (bricks_.scene.hinges.areOn()) return "the springs at the hinges hold them";
   return "a local minimum of the pull, no small move brings the tiles nearer";

@@ -29,8 +29,8 @@ class RunReasons {
  public:
   /// The parts of a run at its end; all must outlive this.
   RunReasons(const SceneBricks& bricks, const CurrentTarget& target, const RunMotion& motion,
-             const RestWatch& rest)
-      : bricks_(bricks), target_(target), motion_(motion), rest_(rest) {}
+             const ActingForces& forces, const RestWatch& rest)
+      : bricks_(bricks), target_(target), motion_(motion), forces_(forces), rest_(rest) {}
 
   /// Of bricks that came to rest: settled, or locked short of the target. What holds them up is
   /// looked for, which costs up to a factorisation, unless this `isTrial`.
@@ -40,11 +40,13 @@ class RunReasons {
 
  private:
   std::string holdup() const;
+  std::string friction() const;
   bool isImmobile() const;
 
   const SceneBricks& bricks_;
   const CurrentTarget& target_;
   const RunMotion& motion_;
+  const ActingForces& forces_;
   const RestWatch& rest_;
 };
 
@@ -112,12 +114,16 @@ class Run : private TimelineStage {
   void end(RunEnding ending);
   void interrupt() { end({Outcome::Interrupted, "ended early by the caller"}); }
   DeploymentResult result();
+  void warnOfEnergy(std::vector<std::string>& warnings) const;
 
   // What may go on at rest.
   bool watchesStall() const;
   bool stiffensWhereStalled();
   void restOrGoOn();
+  RunReasons reasons();
   bool isOnlySlow();
+  bool isOnlyPulled() const;
+  void settleAtNearest();
 
   // The timeline, and what it does to the run.
   bool followTimeline(bool atRest);

@@ -19,7 +19,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/deploy/path_choice.h"
+#include "sim/deploy/arrival.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
 
@@ -34,16 +34,28 @@ void CurrentTarget::set(const std::vector<model::Tile>* tiles, const Poses& from
   tiles_ = tiles;
   if (!tiles_) return;
   startError_ = error(from);
-  const bool isOwn = model.target && tiles_ == &*model.target;
-  leastError_ = isOwn ? restError_ : trajectory::rigidBound(model.tiles, *tiles_);
+  if (isOwn()) return;
+  scene::Scene other = bricks_.scene;
+  other.model.target = *tiles_;
+  const AssembledState nearest = assembleAtTarget(other);
+  other_ = {nearest.error, nearest.restError};
+}
+
+bool CurrentTarget::isOwn() const {
+  const std::optional<std::vector<model::Tile>>& own = bricks_.scene.model.target;
+  return own && tiles_ == &*own;
 }
 
 double CurrentTarget::error(const Poses& poses) const {
   return tiles_ ? trajectory::targetError(*tiles_, bricks_.bricks, poses) : 0;
 }
 
-bool CurrentTarget::isReachedAt(double error) const {
-  return error <= leastError_ + kNearShare * bricks_.tileSize;
+bool CurrentTarget::isWhereSpringsRest(double error) const {
+  return deploy::isNearest(bricks_.scene.model, error, least().rest);
+}
+
+bool CurrentTarget::isNearest(double error) const {
+  return deploy::isNearest(bricks_.scene.model, error, least().nearest);
 }
 
 bool CurrentTarget::isPulledTo() const {
@@ -52,8 +64,7 @@ bool CurrentTarget::isPulledTo() const {
 }
 
 bool CurrentTarget::hasArrived(const Poses& poses) const {
-  const double error = this->error(poses);
-  return isPulledTo() && isReachedAt(error) && !(error > kFarShare * bricks_.tileSize);
+  return isPulledTo() && deploy::hasArrived(bricks_.scene.model, error(poses), least().nearest);
 }
 
 void CurrentTarget::transfer(StateTape& tape) {
@@ -65,7 +76,7 @@ void CurrentTarget::transfer(StateTape& tape) {
     if (going) targets.push_back(&going->tiles);
   }
   auto number = std::ranges::find(targets, tiles_) - targets.begin();
-  tape.transfer(number, startError_, leastError_);
+  tape.transfer(number, startError_, own_.nearest, other_.nearest, other_.rest);
   tiles_ = targets.at(static_cast<std::size_t>(number));
 }
 
@@ -128,7 +139,7 @@ PathFollower::PathFollower(const scene::Scene& scene, const std::vector<model::B
       beginTime_(beginTime),
       closingStiffness_(kClosingShare * usualStiffness(scene.springs, bricks)),
       guide_(model::bottomTiles(bricks, start), target),
-      springs_(bricks, target, scene.model.pulledTiles, leadingSprings(scene)) {}
+      springs_(bricks, guide_.at(0), scene.model.pulledTiles, leadingSprings(scene)) {}
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double elapsed = time - beginTime_;

@@ -2,6 +2,7 @@
 /// the way there.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run_motion.h"
@@ -25,10 +27,9 @@ namespace kirireel::deploy {
 /// another. Errors are in metres, see targetError().
 class CurrentTarget {
  public:
-  /// There is none before set(). `bricks` must outlive this. `restError`: where the scene's springs
-  /// rest near the model's own target, metres; see AssembledState.
-  CurrentTarget(const SceneBricks& bricks, double restError)
-      : bricks_(bricks), restError_(restError) {}
+  /// There is none before set(). `bricks` must outlive this. `nearest`: of the model's own target.
+  CurrentTarget(const SceneBricks& bricks, const AssembledState& nearest)
+      : bricks_(bricks), own_{nearest.error, nearest.restError}, ownPoses_(nearest.poses) {}
 
   /// Heads for these tiles, one a brick, which must outlive this; null: for the model's own, or
   /// nowhere if it has none. `from`: where the bricks are.
@@ -40,10 +41,16 @@ class CurrentTarget {
   double error(const Poses& poses) const;
   /// When it was set.
   double startError() const { return startError_; }
-  /// How near the tiles can come.
-  double leastError() const { return leastError_; }
-  /// Whether an error is about as small as it can be.
-  bool isReachedAt(double error) const;
+  /// Whether an error is that of the state in which the scene's springs rest near the target.
+  bool isWhereSpringsRest(double error) const;
+  /// Whether no state with closed joints is known to be nearer than an error.
+  bool isNearest(double error) const;
+  /// The error of the nearest state with closed joints that is known.
+  double nearestError() const { return least().nearest; }
+  /// That state; null if it is not known.
+  const Poses* nearestPoses() const { return isOwn() && !ownPoses_.empty() ? &ownPoses_ : nullptr; }
+  /// Notes that the model's own target was found to be reached so nearly with closed joints.
+  void noteOwnError(double error) { own_.nearest = std::min(own_.nearest, error); }
 
   /// Whether the scene's springs to a target have one. Those without stiffness damp alone.
   bool hasSprings() const {
@@ -51,19 +58,28 @@ class CurrentTarget {
   }
   /// Whether something pulls there: springs with a stiffness, or those that lead tiles.
   bool isPulledTo() const;
-  /// Whether it is pulled to, and reached as nearly as can be. An error that is far is no nearness,
-  /// whatever keeps the tiles away.
+  /// Whether it is pulled to, and the bricks have arrived; see arrival.h.
   bool hasArrived(const Poses& poses) const;
 
   /// Notes which of the scene's targets this is.
   void transfer(StateTape& tape);
 
  private:
+  /// Of states with closed joints, metres.
+  struct LeastErrors {
+    double nearest = 0;  ///< the least that is known
+    double rest = 0;     ///< where the scene's springs rest
+  };
+
+  bool isOwn() const;
+  const LeastErrors& least() const { return isOwn() ? own_ : other_; }
+
   const SceneBricks& bricks_;
-  double restError_;
+  LeastErrors own_;
+  Poses ownPoses_;     // of the nearest state to the model's own target
+  LeastErrors other_;  // of a target that a timeline has set
   const std::vector<model::Tile>* tiles_ = nullptr;
   double startError_ = 0;
-  double leastError_ = 0;
 };
 
 // ------------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
-// Figures of a run, measured at its start and after each step. A maximum or minimum keeps the state
-// in which it was reached, so that it can be computed again from the trajectory; sums (mean gap,
-// cost) follow from the steps' records. Records wait for the next sample, which takes those up to
-// its own time along.
+// Figures of a run, measured at its start, after each step, at each sample and between samples. A
+// maximum or minimum keeps the state in which it was reached: it can be computed again from the
+// trajectory. Sums (mean gap, cost) follow from the steps' records. Records wait for the next
+// sample, which takes those up to its own time along.
 #include "sim/deploy/run_figures.h"
 
 #include <algorithm>
@@ -29,7 +29,8 @@ RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick
       overlaps_(std::make_unique<trajectory::PenetrationMeter>(
           bricks, pivots, pivotZone, asRead, trajectory::kRoundingOverlap * tileSize_)),
       asRead_(asRead),
-      assembledError_(nearest.error) {
+      assembledError_(nearest.error),
+      interpolator_(model, bricks) {
   if (!model.target) return;
   accuracy_.springsRestError = nearest.restError;
   states_.push_back({kAssembledError, kNoTime, nearest.poses});
@@ -49,24 +50,32 @@ void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
                          bool jointsAreCompliant) {
   // What may be ended from within comes first, while nothing has changed.
-  const trajectory::PenetrationDepths overlaps =
-      overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
-                          accuracy_.penetrationGrownMax},
-                         poses);
+  const trajectory::PenetrationDepths overlaps = overlaps_->atLeast(deepest(), poses);
   const TimedPoses state = {time, poses};
   cost_.took += report;
   const trajectory::JointGap gap = trajectory::jointGap(pivots_, poses);
-  gapBefore_ = gapNow_;
-  gapNow_ = accuracy_.jointGapEnd = gap.max;
-  gapSum_ += gap.mean;
+  gaps_.before = gaps_.now;
+  gaps_.now = accuracy_.jointGapEnd = gap.max;
+  gaps_.sumOfMeans += gap.mean;
   raise(&Accuracy::jointGapMax, gap.max, state);
-  if (jointsAreCompliant) raise(&Accuracy::jointOpeningMax, gap.max, state);
-  raise(&Accuracy::penetrationMax, overlaps.whole, state);
-  raise(&Accuracy::penetrationOutsidePivotsMax, overlaps.outsidePivots, state);
-  raise(&Accuracy::penetrationGrownMax, overlaps.grown, state);
+  isCompliant_ = jointsAreCompliant;
+  if (isCompliant_) raise(&Accuracy::jointOpeningMax, gap.max, state);
+  raiseOverlaps(overlaps, state);
   observeTarget(state, gap);
-  ++count_;
+  ++gaps_.count;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
+}
+
+trajectory::PenetrationDepths RunFigures::deepest() const {
+  return {accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
+          accuracy_.penetrationGrownMax};
+}
+
+void RunFigures::raiseOverlaps(const trajectory::PenetrationDepths& depths,
+                               const TimedPoses& state) {
+  raise(&Accuracy::penetrationMax, depths.whole, state);
+  raise(&Accuracy::penetrationOutsidePivotsMax, depths.outsidePivots, state);
+  raise(&Accuracy::penetrationGrownMax, depths.grown, state);
 }
 
 void RunFigures::keepState(const char* figure, const TimedPoses& state) {
@@ -78,7 +87,7 @@ void RunFigures::keepState(const char* figure, const TimedPoses& state) {
 
 // The first value is taken whatever it is, so that each figure has a state.
 void RunFigures::raise(double Accuracy::*figure, double value, const TimedPoses& state) {
-  if (count_ > 0 && !(value > accuracy_.*figure)) return;
+  if (gaps_.count > 0 && !(value > accuracy_.*figure)) return;
   accuracy_.*figure = value;
   keepState(nameOfField(figure), state);
 }
@@ -87,7 +96,7 @@ void RunFigures::raise(double Accuracy::*figure, double value, const TimedPoses&
 void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointGap& gap) {
   if (!model_.target) return;
   const double error = accuracy_.targetErrorEnd = targetErrorOf(state.poses);
-  if (count_ == 0 || error < accuracy_.targetErrorMin) {
+  if (gaps_.count == 0 || error < accuracy_.targetErrorMin) {
     accuracy_.targetErrorMin = error;
     keepState(nameOfField(&Accuracy::targetErrorMin), state);
   }
@@ -104,17 +113,41 @@ double RunFigures::targetErrorOf(const Poses& poses) const {
 
 // At both ends of the last step.
 bool RunFigures::wereClosed() const {
-  return std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
+  return std::max(gaps_.before, gaps_.now) <= kClosedShare * tileSize_;
 }
 
-// A sample takes along the records of the steps up to its time; those of later ones wait.
+// A sample takes along the records of the steps up to its time; those of later ones wait. Bricks
+// may overlap most between two samples, so ten moments there count too.
 trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
+  // What may be ended from within comes first, while nothing has changed.
+  std::vector<Poses> states;
+  if (!lastSample_.poses.empty() && lastSample_.time < time) {
+    states = interpolator_.momentsBetween(lastSample_.poses, poses);
+  }
+  const double interval = (time - lastSample_.time) / (static_cast<double>(states.size()) + 1);
+  states.push_back(poses);
+  std::vector<trajectory::PenetrationDepths> depths;
+  for (const Poses& state : states) {
+    depths.push_back(overlaps_->atLeast(depths.empty() ? deepest() : depths.back(), state));
+  }
   trajectory::Sample sample;
   sample.time = time;
   sample.poses = std::move(poses);
   sample.jointGap = trajectory::jointGap(pivots_, sample.poses).max;
   sample.targetError = targetErrorOf(sample.poses);
-  sample.penetration = trajectory::deepestPenetration(bricks_, sample.poses).depth;
+  sample.penetration = overlaps_->at(sample.poses).whole;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const double moment = time - interval * static_cast<double>(states.size() - 1 - k);
+    raiseOverlaps(depths[k], {moment, states[k]});
+  }
+  const TimedPoses state = {time, sample.poses};
+  raise(&Accuracy::jointGapMax, sample.jointGap, state);
+  if (isCompliant_) raise(&Accuracy::jointOpeningMax, sample.jointGap, state);
+  if (model_.target && sample.targetError < accuracy_.targetErrorMin) {
+    accuracy_.targetErrorMin = sample.targetError;
+    keepState(nameOfField(&Accuracy::targetErrorMin), state);
+  }
+  lastSample_ = {time, sample.poses};
   const auto later = std::ranges::find_if(
       steps_, [&](const trajectory::StepRecord& step) { return step.time > time; });
   sample.steps.assign(steps_.begin(), later);
@@ -131,18 +164,19 @@ void RunFigures::endWith(const trajectory::Sample& sample) {
 
 void RunFigures::leave(DeploymentResult& result) const {
   result.accuracy = accuracy_;
-  result.accuracy.jointGapMean = gapSum_ / static_cast<double>(count_);
+  result.accuracy.jointGapMean = gaps_.sumOfMeans / static_cast<double>(gaps_.count);
   result.cost = cost_;
   result.assembledError = assembledError_;
   result.trajectory.figureStates = states_;
 }
 
 void RunFigures::transfer(StateTape& tape) {
-  tape.transfer(accuracy_, assembledError_, cost_, count_, gapSum_);
+  tape.transfer(accuracy_, assembledError_, cost_, gaps_.count, gaps_.sumOfMeans);
 }
 
 void RunFigures::transferStates(StateTape& tape) {
-  tape.transfer(states_, steps_, gapBefore_, gapNow_);
+  tape.transfer(states_, steps_, gaps_.before, gaps_.now, lastSample_.time, lastSample_.poses,
+                isCompliant_);
 }
 
 }  // namespace kirireel::deploy

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
@@ -19,8 +20,23 @@ struct TimedPoses {
   const Poses& poses;  ///< one a brick
 };
 
-/// Looks at the start of a run and at the end of each step. A figure that one state decides keeps
-/// that state, and all others follow from the steps' records: so they can be computed again.
+/// The same with poses of its own.
+struct TimedState {
+  double time = 0;  ///< of the run, seconds
+  Poses poses;      ///< one a brick
+};
+
+/// Joint gaps of the states that a run measured, metres.
+struct GapRecord {
+  long count = 0;         ///< of states, the start included
+  double sumOfMeans = 0;  ///< each the mean over pivots
+  double before = 0;      ///< largest gap of the state before the last
+  double now = 0;         ///< largest gap of the last state
+};
+
+/// Measures the start of a run, the end of each step, each sample and moments between two samples.
+/// A figure that one state decides keeps that state. All others follow from the steps' records, so
+/// they can be computed again.
 class RunFigures {
  public:
   /// `asRead`: where the bricks stand before joints are closed. `nearest`: see assembleAtTarget().
@@ -39,6 +55,8 @@ class RunFigures {
 
   /// The figures so far, metres.
   const Accuracy& accuracy() const { return accuracy_; }
+  /// The least target error found with joints closed so far, metres; negative without a target.
+  double assembledError() const { return assembledError_; }
   /// What the steps took so far.
   const DeployCost& cost() const { return cost_; }
   /// The target error of a state, metres; 0 without a target.
@@ -53,6 +71,7 @@ class RunFigures {
   const trajectory::StepRecord& lastStep() const { return steps_.back(); }
 
   /// A sample of these poses with its measures, and the steps up to its time since the one before.
+  /// The sample, and moments between it and the sample before, count in the largest figures.
   trajectory::Sample sampleAt(double time, Poses poses);
   /// Makes a sample the end of the run, though later steps were measured. Which states the figures
   /// up to it were reached in is not known.
@@ -67,6 +86,9 @@ class RunFigures {
   void transferStates(StateTape& tape);
 
  private:
+  /// The largest overlaps so far, metres.
+  trajectory::PenetrationDepths deepest() const;
+  void raiseOverlaps(const trajectory::PenetrationDepths& depths, const TimedPoses& state);
   void keepState(const char* figure, const TimedPoses& state);
   void raise(double Accuracy::*figure, double value, const TimedPoses& state);
   void observeTarget(const TimedPoses& state, const trajectory::JointGap& gap);
@@ -80,12 +102,12 @@ class RunFigures {
   Accuracy accuracy_;
   DeployCost cost_;
   double assembledError_;  // metres; negative without a target
-  long count_ = 0;         // of states measured, the start included
-  double gapSum_ = 0;      // of their mean gaps
-  double gapBefore_ = 0;   // the largest of the state before the last
-  double gapNow_ = 0;      // likewise of the last
+  GapRecord gaps_;
   std::vector<trajectory::FigureState> states_;
   std::vector<trajectory::StepRecord> steps_;  // since the last sample
+  StateInterpolator interpolator_;
+  TimedState lastSample_;     // no poses before the first
+  bool isCompliant_ = false;  // the joints, at the last step
 };
 
 }  // namespace kirireel::deploy

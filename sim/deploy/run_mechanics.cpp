@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/deploy/forces.h"
 #include "sim/trajectory/measures.h"
@@ -125,6 +126,10 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
 
 namespace {
 
+// Forces balance if what is left on any brick is below this fraction of the largest force.
+constexpr double kImbalance = 0.05;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
 double valueBetween(double first, double last, double share) {
   return share == 1 ? last : first + share * (last - first);
 }
@@ -167,7 +172,11 @@ void RunMechanics::begin(double time, const Motion& motion) {
   now.spring = acting_.springEnergy(time, motion.poses);
   now.elastic = acting_.pairEnergy(motion.poses);
   now.work += now.kinetic + now.spring + now.elastic - there;
+  // Closing joints between two steps moves bricks, too.
+  if (!account_.reached.empty()) now.work += workOfFreeForces(account_.reached, motion.poses);
+  account_.reached = motion.poses;
   account_.before = now;
+  account_.largestWork = std::max(account_.largestWork, std::abs(now.work));
 }
 
 // Springs that move within a step hold their energy at its end by their places at its end.
@@ -177,19 +186,26 @@ void RunMechanics::end(const StepSpan& step) {
   now.kinetic = trajectory::kineticEnergy(bricks_.bricks, step.to);
   now.spring = acting_.springEnergy(springTime, step.to.poses);
   now.elastic = acting_.pairEnergy(step.to.poses);
-  now.work += workOfFreeForces(step.from, step.to);
+  now.work += workOfFreeForces(step.from.poses, step.to.poses);
   if (step.springsMove) now.work += workOfMovingSprings(step);
-  now.damped += step.damped;
+  // Dampers take energy only: what a step's extrapolation has below 0 is its error.
+  now.damped += std::max(0.0, step.damped);
   now.impacted += step.impacted;
+  account_.reached = step.to.poses;
+  account_.accelerations.clear();
+  for (std::size_t i = 0; i < step.to.velocities.size(); ++i) {
+    account_.accelerations.push_back(
+        (step.to.velocities[i].linear - step.from.velocities[i].linear) / step.seconds);
+  }
 }
 
 /// Exact where forces grow with the distance from a point, as these do.
-double RunMechanics::workOfFreeForces(const Motion& from, const Motion& to) const {
-  const std::vector<Vector3> before = acting_.freeForces(from.poses);
-  const std::vector<Vector3> after = acting_.freeForces(to.poses);
+double RunMechanics::workOfFreeForces(const Poses& from, const Poses& to) const {
+  const std::vector<Vector3> before = acting_.freeForces(from);
+  const std::vector<Vector3> after = acting_.freeForces(to);
   double work = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    work += 0.5 * (before[i] + after[i]).dot(to.poses[i].position - from.poses[i].position);
+    work += 0.5 * (before[i] + after[i]).dot(to[i].position - from[i].position);
   }
   return work;
 }
@@ -216,20 +232,62 @@ double RunMechanics::workOfMovingSprings(double time, double seconds, const Moti
   return (gain(from.poses) + 4 * gain(middle) + gain(to.poses)) / 6;
 }
 
+/// Whether joints, contacts and what is applied give each free brick the acceleration that it had
+/// in the last step, up to kImbalance of the largest force on any brick. `largest`: of a contact
+/// and of what is applied besides, newtons. Contact forces are those that the last step ended with,
+/// which need not be those of the whole step.
+bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
+                              std::span<const Vector6> applied, double largest,
+                              const Poses& poses) const {
+  std::vector<Vector3> rest;
+  double worst = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    rest.emplace_back(applied[i].head<3>() - bricks_.bricks[i].mass * account_.accelerations[i]);
+  }
+  const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
+  for (std::size_t p = 0; p < pivots.size(); ++p) {
+    rest[static_cast<std::size_t>(pivots[p].brickA)] += reactions.pivotForces[p];
+    rest[static_cast<std::size_t>(pivots[p].brickB)] -= reactions.pivotForces[p];
+    largest = std::max(largest, reactions.pivotForces[p].norm());
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (acting_.pinned()[i]) continue;
+    // In the plane the plane itself holds the rest.
+    if (bricks_.needs.planar.on) rest[i].z() = 0;
+    worst = std::max(worst, rest[i].norm());
+  }
+  return worst <= kImbalance * largest;  // also false when not a number
+}
+
 // Energies lie on a straight line between the two ends of the step; forces come from a solve of
-// their own in this state.
+// their own in this state. Forces of joints, pins and contacts that do not balance are not known.
 trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
   trajectory::Mechanics result;
   result.energies = energiesBetween(account_.before, account_.now, share);
   const std::vector<bool>& pinned = acting_.pinned();
   std::vector<trajectory::Hold> holds = acting_.holds(time, motion);
   std::vector<Vector6> applied = acting_.appliedForces(time, motion);
+  const auto isContact = [](const trajectory::Hold& hold) {
+    return hold.kind == trajectory::HoldKind::Contact;
+  };
+  double largest = 0;
+  for (const Vector6& force : applied) largest = std::max(largest, force.head<3>().norm());
   for (const trajectory::Hold& hold : holds) {
-    if (hold.kind == trajectory::HoldKind::Contact) apply(hold, motion.poses, applied);
+    if (!isContact(hold)) continue;
+    apply(hold, motion.poses, applied);
+    largest = std::max(largest, hold.force.norm());
   }
   const double stiffness = acting_.jointStiffness();
   const mechanics::Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
   const std::size_t joints = bricks_.scene.model.joints.size();
+  if (std::ranges::any_of(holds, isContact) &&
+      !isBalanced(reactions, applied, largest, motion.poses)) {
+    result.jointForces.assign(joints, Vector3::Constant(kUnknown));
+    result.isIndeterminate.assign(joints, false);
+    std::erase_if(holds, isContact);
+    result.holds = std::move(holds);
+    return result;
+  }
   const std::vector<model::Pivot>& pivots = bricks_.ties.pivots;
   result.jointForces.assign(joints, Vector3::Zero());
   for (std::size_t p = 0; p < pivots.size(); ++p) {

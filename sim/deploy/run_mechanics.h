@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -50,6 +51,8 @@ class ActingForces {
   std::vector<Vector6> appliedForces(double time, const Motion& motion) const;
   /// Stiffness of the joints, N/m; infinity: exact.
   double jointStiffness() const { return motion_.solver().jointStiffness(); }
+  /// Of the run, seconds.
+  double time() const { return clock_.time(); }
   /// Which bricks are pinned, one entry a brick.
   const std::vector<bool>& pinned() const { return timeline_.pinned(); }
   /// The same as a list, ascending.
@@ -89,11 +92,17 @@ class RunMechanics {
   struct Account {
     trajectory::Energies before;  ///< where the last step began
     trajectory::Energies now;     ///< where it has ended
+    Poses reached;                ///< likewise; none before the start
+    double largestWork = 0;       ///< at the end of any step, without its sign, joules
+    /// Mean accelerations of the centres of mass in the last step, m/s^2; one entry a brick.
+    std::vector<Vector3> accelerations;
 
     /// For files; see base/fields.h.
     static constexpr auto fields() {
-      return describeFields<Account>(field("before", &Account::before),
-                                     field("now", &Account::now));
+      return describeFields<Account>(field("before", &Account::before), field("now", &Account::now),
+                                     field("reached", &Account::reached),
+                                     field("largest_work", &Account::largestWork, "J"),
+                                     field("accelerations", &Account::accelerations, "m/s^2"));
     }
   };
   /// Of the last step, joules.
@@ -105,7 +114,9 @@ class RunMechanics {
   void transfer(StateTape& tape) { tape.transfer(account_); }
 
  private:
-  double workOfFreeForces(const Motion& from, const Motion& to) const;
+  double workOfFreeForces(const Poses& from, const Poses& to) const;
+  bool isBalanced(const mechanics::Reactions& reactions, std::span<const Vector6> applied,
+                  double largest, const Poses& poses) const;
   double workOfMovingSprings(const StepSpan& step) const;
   double workOfMovingSprings(double time, double seconds, const Motion& from,
                              const Motion& to) const;

@@ -66,6 +66,7 @@ RunMotion::RunMotion(const SceneBricks& bricks, const StepClock& clock)
       clock_(clock),
       wantsTolerance_(keepsTolerance(bricks.scene)),
       now_{model::startPoses(bricks.scene.model.tiles, bricks.bricks), {}},
+      contactStart_(now_.poses),
       solver_(makeSolver()) {}
 
 double RunMotion::lookOf(const scene::Scene& scene) {
@@ -74,8 +75,8 @@ double RunMotion::lookOf(const scene::Scene& scene) {
 
 std::unique_ptr<Dynamics> RunMotion::makeSolver() const {
   const scene::Scene& scene = bricks_.scene;
-  std::unique_ptr<Dynamics> solver = makeDynamics(
-      scene, bricks_.needs, bricks_.bricks, model::startPoses(scene.model.tiles, bricks_.bricks));
+  std::unique_ptr<Dynamics> solver =
+      makeDynamics(scene, bricks_.needs, bricks_.bricks, contactStart_);
   if (wantsTolerance_) {
     solver->setTolerance({scene.solver.tolerance, scene.solver.timestep, clock_.look()});
   }
@@ -88,6 +89,11 @@ std::unique_ptr<Dynamics> RunMotion::copyOfSolver() {
   recorded.transfer(*solver_);
   StateTape(recorded.numbers()).transfer(*copy);
   return copy;
+}
+
+void RunMotion::beginContactsHere() {
+  contactStart_ = now_.poses;
+  solver_ = makeSolver();
 }
 
 void RunMotion::beginHere() {
@@ -179,6 +185,8 @@ void JointFit::closeAtStart(RunMotion& motion, RunFigures& figures) {
   isMisfit_ =
       !bricks_.scene.path.jointsAreCompliant() && !motion.solver().assemble(motion.now().poses);
   if (bricks_.needs.contacts.on) pushedAtStart_ = figures.overlapsOf(motion.poses()).grown;
+  // Contacts of the open start would have to be violated from the first step on.
+  if (pushedAtStart_ > 0) motion.beginContactsHere();
   hold(motion.solver());
 }
 

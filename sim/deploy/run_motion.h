@@ -127,6 +127,8 @@ class RunMotion {
   /// Another in the state of the run's.
   std::unique_ptr<Dynamics> copyOfSolver();
 
+  /// From now on contacts keep the overlaps of this state, joints closed, at most.
+  void beginContactsHere();
   /// Makes this state the start.
   void beginHere();
   /// Back to the start, at rest, with a new solver.
@@ -167,6 +169,7 @@ class RunMotion {
   Motion now_;
   Motion before_;          // where the last step began
   Poses start_;            // joints closed unless they are compliant
+  Poses contactStart_;     // contacts keep its overlaps at most
   bool isSmooth_ = false;  // the last step kept its tolerance throughout
   std::unique_ptr<Dynamics> solver_;
   std::unique_ptr<Dynamics> projection_;  // closes joints of states within a step; made when needed

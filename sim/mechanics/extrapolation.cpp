@@ -103,13 +103,6 @@ struct Extrapolation::Trial {
   std::vector<double> costs = {0, 0};    // Euler steps a second, with these lengths
 
   int order() const { return static_cast<int>(rows.size()); }
-  /// Of the step with all rows, in tolerances: the estimates are of one row less, and fall from row
-  /// to row by a steady ratio.
-  double remainingError() const {
-    const double last = errors.back();
-    const double before = errors.size() > 3 ? errors[errors.size() - 2] : 0;
-    return before > last ? last * last / before : last;
-  }
 };
 
 Extrapolation::Extrapolation(const std::vector<model::Brick>& bricks, JointSolver& solver,
@@ -334,7 +327,6 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
       if (!finish(trial, mayTake)) break;
       chooseNext(trial, tries > 0);
       countLosses(trial, report);
-      report.timeError += settings_.tolerance * (trial.remainingError() + caught);
       motion = std::move(trial.end);
       return trial.length;
     }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/mechanics/rigid_pieces.h"
 #include "sim/mechanics/step_system.h"
 
 namespace kirireel::mechanics {
@@ -103,6 +104,8 @@ class Stepper : public JointSolver {
   bool moveAndClose(const Poses& start, double step);
   void limitEnergyAfterClosing(const Poses& start, double step);
   void standStill(const Poses& start);
+  bool moveAsPieces(Motion& motion, double step, const LoadSource& loads);
+  std::vector<std::pair<int, int>> pairsThatHold() const;
   bool closeJoints(const std::vector<Row>& contacts, double step);
   Vector closingMove(const Vector& gaps, const std::vector<Row>& contacts, bool withOverlaps) const;
   Vector extrapolated(const Vector& move, const Vector& lastMove) const;
@@ -111,6 +114,7 @@ class Stepper : public JointSolver {
   void displace(const Vector& move);
   double product(const Vector& a, const Vector& b) const;
   double norm(const Vector& move) const;
+  double energyOfMotion(const Motion& motion) const;
   void finishStep(Motion& motion) const;
   void keepMultipliers(double step);
 
@@ -211,6 +215,7 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
   if (outcome != StepOutcome::Good || end_.jumped) ++report_.unconverged;
   // A step whose velocities were not found has no end.
   if (outcome != StepOutcome::Good && (contactSource_ || end_.poses.empty())) {
+    if (contactSource_ && moveAsPieces(motion, step, loads)) return standstill_.recordMotion();
     standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
@@ -676,12 +681,17 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
 }
 
 template <int D>
-double Stepper<D>::energy(const Motion& motion) const {
+double Stepper<D>::energyOfMotion(const Motion& motion) const {
   Vector x(D * bricks_.size());
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     x.segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : motion.velocities[i]);
   }
-  double sum = system_.kineticEnergy(motion.poses, x);
+  return system_.kineticEnergy(motion.poses, x);
+}
+
+template <int D>
+double Stepper<D>::energy(const Motion& motion) const {
+  double sum = energyOfMotion(motion);
   for (const std::shared_ptr<const model::PairForce>& force : settings_.pairForces) {
     sum += force->energy(motion.poses);
   }
@@ -846,6 +856,65 @@ template <int D>
 void Stepper<D>::standStill(const Poses& start) {
   end_.poses = start;
   program_.x.setZero();
+}
+
+/// The pairs of bricks that joints, forces or contacts of the step in work connect.
+template <int D>
+std::vector<std::pair<int, int>> Stepper<D>::pairsThatHold() const {
+  std::vector<std::pair<int, int>> pairs;
+  for (const model::Pivot& pivot : system_.pivots()) pairs.emplace_back(pivot.brickA, pivot.brickB);
+  for (const std::shared_ptr<const model::PairForce>& force : settings_.pairForces) {
+    for (std::size_t pair = 0; pair < force->size(); ++pair) pairs.push_back(force->bricks(pair));
+  }
+  for (const Row& row : program_.contacts) {
+    if (!model::isBrick(row.contact.brickA) || !model::isBrick(row.contact.brickB)) continue;
+    pairs.emplace_back(row.contact.brickA, row.contact.brickB);
+  }
+  return pairs;
+}
+
+/// A step in which bricks that are connected keep their places against each other: joints and the
+/// contacts among them always allow the motions of the whole. The velocities before it lose, as in
+/// a plastic impact, what moves them against each other. Returns false, and changes nothing, if all
+/// pieces are pinned or at rest without a load to move them, or if there are as many as bricks.
+template <int D>
+bool Stepper<D>::moveAsPieces(Motion& motion, double step, const LoadSource& loads) {
+  const RigidPieces pieces(bricks_, motion.poses, pairsThatHold());
+  if (pieces.bodies().size() == bricks_.size()) return false;
+  std::vector<bool> pinned(pieces.bodies().size(), false);
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    if (pinned_[i]) pinned[pieces.pieceOf(static_cast<int>(i))] = true;
+  }
+  if (std::ranges::find(pinned, false) == pinned.end()) return false;
+  JointSolverSettings settings = {.planar = D == 3,
+                                  .lengthScale = settings_.lengthScale,
+                                  .isHalving = settings_.isHalving && standstill_.mayHalve()};
+  for (Support support : settings_.supports) {
+    support.point = pieces.placeInPiece(support.brick).apply(support.point);
+    support.brick = pieces.pieceOf(support.brick);
+    settings.supports.push_back(support);
+  }
+  Stepper<D> solver(pieces.bodies(), {}, settings);
+  solver.setPinned(pinned);
+  PieceContacts contacts(pieces, *contactSource_);
+  const LoadSource onPieces = [&](const Poses& poses, std::vector<model::Load>& out) {
+    loads(pieces.posesOfBricks(poses), loads_);
+    out = pieces.loadsOnPieces(poses, loads_);
+  };
+  Motion whole = pieces.motionOf(motion, D == 3);
+  const Motion before = pieces.motionOfBricks(whole);
+  const double lost = energyOfMotion(motion) - energyOfMotion(before);
+  StepReport report = solver.advance(whole, step, onPieces, &contacts);
+  Vector move(D * whole.velocities.size());
+  for (std::size_t p = 0; p < whole.velocities.size(); ++p) {
+    move.segment<D>(D * p) = step * Space::pack(whole.velocities[p]);
+  }
+  if (move.lpNorm<Eigen::Infinity>() <= kGapTolerance * settings_.lengthScale) return false;
+  report.steps = report.unconverged = 0;  // this step is counted already
+  report.impacted += lost;
+  report_ += report;
+  motion = pieces.motionOfBricks(whole);
+  return true;
 }
 
 /// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the

@@ -80,9 +80,10 @@ class JointSolver {
 
   /// Advances the motion by `step` seconds under the loads; `contacts` may be null. A step that
   /// would jump between branches, cannot close its joints or leaves bricks overlapping is redone as
-  /// two halves, at most 8 levels deep; with contacts, bricks whose shortest step fails stand still
-  /// in it, as they always may, and after that are tried in halves only every tenth step, and not
-  /// again while nothing changes. Joints and contacts do no work: what closing costs is taken from
+  /// two halves, at most 8 levels deep. With contacts, bricks whose shortest step fails move in it
+  /// as rigid pieces of all that joints and contacts connect. After that, halves are tried in every
+  /// tenth step only. If the pieces are at rest, the step is not tried again while nothing changes.
+  /// Joints and contacts do no work: what closing costs is taken from
   /// the speed. Loads are taken at the start of each (half) step and implicit in it.
   /// `step` is positive, joints are closed at the start to about the solver's tolerance. Loads are
   /// asked for at the start of each part of the step.

@@ -431,6 +431,8 @@ class StepSystem {
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   /// The rows of all pivots together.
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
+  /// Those whose rows are solved: of a planar scene's two faces one.
+  std::span<const model::Pivot> pivots() const { return pivots_; }
   /// Whether there is any pivot.
   bool hasJoints() const { return !pivots_.empty(); }
 

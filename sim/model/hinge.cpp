@@ -1,9 +1,10 @@
 // Hinges are found from the points that two bricks share. Their angle is that of the start and the
 // twist since then: of the rotation q from brick A to brick B, identity at the start, the part
 //   turn = 2 atan2(axis . Im q, Re q)
-// about the axis. It is defined up to 2 pi; the one is taken that is nearest to the middle of the
-// angles that bricks can reach, from which the others are as far away as bricks can be within each
-// other.
+// about the axis. A quaternion and its negative are the same rotation, but one full turn apart: as
+// rotations of a run never change sign at once, the turn is continuous along it and defined up to
+// 4 pi. The one is taken that is nearest to the middle of the angles that bricks can reach, so
+// bricks may pass through each other by a full turn.
 #include "sim/model/hinge.h"
 
 #include <algorithm>
@@ -83,9 +84,9 @@ Sector sectorAt(const Brick& brick, int corner, const Vector3& axis, const Vecto
   return {begin, end > begin ? end - begin : end - begin + 2 * kPi};
 }
 
-/// Of the angles that differ by turns, the one nearest to the middle.
-double nearest(double angle, double middle) {
-  return middle + std::remainder(angle - middle, 2 * kPi);
+/// Of the angles that differ by multiples of `period`, the one nearest to the middle.
+double nearest(double angle, double middle, double period = 2 * kPi) {
+  return middle + std::remainder(angle - middle, period);
 }
 
 Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
@@ -159,7 +160,7 @@ double hingeAngle(const Hinge& hinge, const Poses& poses) {
   // and vec().
   const Quaternion between = a.conjugate() * b;
   const double turn = 2 * std::atan2(hinge.axis.dot(between.vec()), between.w());
-  return nearest(hinge.start + turn, 0.5 * (hinge.least + hinge.most));
+  return nearest(hinge.start + turn, 0.5 * (hinge.least + hinge.most), 4 * kPi);
 }
 
 double hingeRate(const Hinge& hinge, const Motion& motion) {

@@ -28,8 +28,9 @@ namespace kirireel::model {
 ///                 angle is FOLD's: 0 where the tiles are flat, positive where the first tile's
 ///                 face, seen along its normal, is within (a valley).
 ///
-/// The angle is told apart from its turns by 2 pi by what bricks can reach without passing through
-/// each other, so that it is a function of the poses alone.
+/// The angle follows from the poses. It is continuous along a run: the sign of a rotation's
+/// quaternion changes with each full turn, so an angle and the one a full turn on differ. Angles
+/// that differ by two full turns do not.
 struct Hinge {
   int brickA = 0;                   ///< its number, from 0
   int brickB = 0;                   ///< its number, from 0

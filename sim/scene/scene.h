@@ -188,6 +188,8 @@ struct SolverSettings {
   /// Error in time that one step may make, tiles (see Extrapolation); 0: fixed steps, of first
   /// order.
   double tolerance = 0;
+  /// Whether a run is repeated with a tenth of the tolerance, to measure its error in time.
+  bool measuresTimeError = false;
   std::optional<int> substeps;  ///< solver steps in each; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep
   std::optional<bool> planar;   ///< force 3 (true) or 6 (false) degrees of freedom a tile

@@ -36,6 +36,9 @@ bool isBullet(const Scene& scene) {
 bool mayHaveFixedSteps(const Scene& scene) {
   return !scene.solver.isToleranceGiven();
 }
+bool hasTolerance(const Scene& scene) {
+  return isDirect(scene) && scene.solver.tolerance > 0 && !scene.solver.substeps;
+}
 bool isDirectOrFixed(const Scene& scene) {
   return isDirect(scene) || mayHaveFixedSteps(scene);
 }
@@ -427,6 +430,11 @@ SettingGroup solverSettings() {
            "error in time that a step may make, with steps as long as that lets them be; 0: fixed "
            "steps of first order")
            .with(isDirectOrFixed, kDirect)
+           .needsDynamics(kOtherSolver),
+       flag<&Scene::solver, &SolverSettings::measuresTimeError>(
+           "measure_time_error",
+           "run again with a tenth of the tolerance, and report how far the two are apart")
+           .with(hasTolerance, "--tolerance above 0")
            .needsDynamics(kOtherSolver),
        number<&Scene::solver, &SolverSettings::timestep>(
            "timestep", {1e-7, 1}, "SECONDS",

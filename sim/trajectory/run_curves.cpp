@@ -1,10 +1,6 @@
 // Curves of a run: measures of the shape from the poses of each sample, energies and forces as
 // samples have them. The list of curves is always the same, in the same order, whatever a run has;
 // what it does not have is NaN, so that tables of different runs fit each other.
-//
-// A path that was followed as geometry has no velocities. Its kinetic energy comes from central
-// differences of the poses, (x(t + h) - x(t - h)) / 2h and the rotation vector between them
-// likewise, one-sided at both ends.
 #include "sim/trajectory/run_curves.h"
 
 #include <algorithm>
@@ -18,6 +14,7 @@
 
 #include "sim/model/convex_parts.h"
 #include "sim/trajectory/measures.h"
+#include "sim/trajectory/union_area.h"
 
 namespace kirireel::trajectory {
 namespace {
@@ -88,20 +85,6 @@ std::vector<CurveGroup> emptyGroups() {
   return groups;
 }
 
-/// The kinetic energy of the way from one sample to a later one.
-double kineticEnergyBetween(const std::vector<model::Brick>& bricks, const Sample& from,
-                            const Sample& at, const Sample& to) {
-  const double seconds = to.time - from.time;
-  if (seconds <= 0) return 0;
-  Motion motion{at.poses, {}};
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    motion.velocities.push_back(
-        {(to.poses[i].position - from.poses[i].position) / seconds,
-         turnBetween(from.poses[i].rotation, to.poses[i].rotation) / seconds});
-  }
-  return kineticEnergy(bricks, motion);
-}
-
 /// Measures the shape of one sample after the other.
 class ShapeMeter final : public SampleMeter {
  public:
@@ -155,7 +138,10 @@ class ShapeMeter final : public SampleMeter {
 
 /// Mean and largest force of the joints, and the largest of those that are indeterminate.
 std::vector<double> jointForceValues(const Mechanics& mechanics) {
-  if (mechanics.jointForces.empty()) return {kNone, kNone, kNone};
+  // Forces that do not balance are absent, all of them.
+  if (mechanics.jointForces.empty() || mechanics.jointForces.front().hasNaN()) {
+    return {kNone, kNone, kNone};
+  }
   double sum = 0, largest = 0, uncertain = kNone;
   for (std::size_t j = 0; j < mechanics.jointForces.size(); ++j) {
     const double force = mechanics.jointForces[j].norm();
@@ -178,11 +164,10 @@ std::vector<double> holdValues(const Mechanics& mechanics) {
 }
 
 /// The curves from energies to forces, in order; NaN where a run has none.
-std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics, double kinetic,
+std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics,
                                     bool havePairForces) {
   // 3 energies, the work, 3 losses, 3 of joint forces, 3 of holds.
   std::vector<double> values(13, kNone);
-  values[0] = kinetic;
   if (!mechanics) return values;
   const Energies& energies = mechanics->energies;
   const double elastic = havePairForces ? energies.elastic : kNone;
@@ -249,16 +234,12 @@ RunCurves curvesOf(const TrajectoryReader& run) {
   const Subject& subject = run.subject();
   RunCurves result{run.times(), emptyGroups(), emptyJointCurves(subject.model, run.hasMechanics())};
   ShapeMeter meter(subject);
-  const std::size_t last = run.times().size() - 1;
-  // Three samples at a time are in memory, however long the run is.
-  Sample before = run.sample(0), at = before;
-  for (std::size_t k = 0; k <= last; ++k) {
-    Sample after = k < last ? run.sample(k + 1) : at;
+  for (std::size_t k = 0; k < run.times().size(); ++k) {
+    const Sample at = run.sample(k);
     const std::vector<double> shape = meter.measure(at);
     const auto joints = shape.begin() + std::size(kShapeCurves);
     std::vector<double> values(shape.begin(), joints);
-    const double kinetic = kineticEnergyBetween(subject.bricks, before, at, after);
-    for (const double value : mechanicsValues(at.mechanics, kinetic, !subject.pairForces.empty()))
+    for (const double value : mechanicsValues(at.mechanics, !subject.pairForces.empty()))
       values.push_back(value);
     values.insert(values.end(),
                   {subject.model.target ? at.targetError : kNone,
@@ -268,8 +249,6 @@ RunCurves curvesOf(const TrajectoryReader& run) {
       for (Curve& curve : group.curves) curve.values.push_back(*value++);
     }
     appendJoints({joints, shape.end()}, at.mechanics, result.joints);
-    before = std::move(at);
-    at = std::move(after);
   }
   return result;
 }
@@ -334,9 +313,12 @@ HullSize hullSize(const std::vector<model::Tile>& tiles) {
 
 std::optional<double> coveredArea(const std::vector<model::Tile>& tiles) {
   if (!model::liesFlat(tiles, kFlatOfBox * boxSides(tiles).norm())) return std::nullopt;
-  double area = 0;
-  for (const model::Tile& tile : tiles) area += model::tileArea(tile);
-  return area;
+  std::vector<std::vector<Eigen::Vector2d>> outlines;
+  for (const model::Tile& tile : tiles) {
+    std::vector<Eigen::Vector2d>& outline = outlines.emplace_back();
+    for (const Vector3& vertex : tile.vertices) outline.emplace_back(vertex.head<2>());
+  }
+  return unionArea(outlines);
 }
 
 std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides) {

@@ -48,9 +48,9 @@ struct RunCurves {
   ///     Porosity          1 - covered / hull
   ///     Poisson's ratio   since the start, see poissonsRatio()
   ///     Opening           of the joints, see openingAngles(): least, mean, largest; degrees
-  ///     Energy            kinetic, stored in springs and compliant joints, and at hinges, J; of a
-  ///                       walked path kinetic alone, by central differences: it tells the pace
-  ///                       of the walk
+  ///     Energy            kinetic, stored in springs and compliant joints, and at hinges, J;
+  ///                       like all that follow down to the forces, only of runs with dynamics by
+  ///                       the direct solver
   ///     Work of the drives    put in so far, J; see Energies, as the next
   ///     Lost energy       taken so far by dampers, by contacts and by the integrator, J
   ///     Joint force       mean and largest, and the largest of those that are indeterminate, N
@@ -96,8 +96,8 @@ struct HullSize {
 /// O(n log n) in the vertices. A sheet that is seen from its edge has the area 0.
 HullSize hullSize(const std::vector<model::Tile>& tiles);
 
-/// The tiles' area, square metres, where all of them lie in one horizontal plane (to 1e-6 of the
-/// box); none in space, where they hide each other. What tiles overlap counts for each of them.
+/// The area that tiles cover, square metres, if all of them lie in one horizontal plane (to 1e-6 of
+/// the box); none in space, where they hide each other. What several tiles cover counts once.
 std::optional<double> coveredArea(const std::vector<model::Tile>& tiles);
 
 /// Poisson's ratio from one state to another, of logarithmic (Hencky) strains of the box's sides:

@@ -99,8 +99,8 @@ struct Hold {
 /// What a run with dynamics knows of a state beyond its poses.
 struct Mechanics {
   Energies energies;  ///< of the whole run
-  /// One a joint of the model: the resultant of its pivots on the joint's tile a, newtons, world
-  /// axes; of all forces that keep the balance of the state those of least norm.
+  /// For each joint the force on its tile a, N, world axes: of all that balance, of least norm.
+  /// NaN if bricks touch and forces balance worse than 5%; then `holds` lists grips only.
   std::vector<Vector3> jointForces;
   /// One a joint: whether others keep the balance too, in which its force is another.
   std::vector<bool> isIndeterminate;

@@ -47,7 +47,7 @@
 ///                                              singular_time)
 ///     energy/NAME             samples          J; kinetic, spring, elastic, work, damped,
 ///                                              impacted
-///     forces/joint            samples x joints x 3   N, on the joint's tile a, world axes
+///     forces/joint            samples x joints x 3   N, on tile a, world axes; NaN: not balanced
 ///     forces/joint_indeterminate   samples x joints  1 where other forces keep the balance too
 ///     holds/time              holds            s, of the sample; rows of what holds tiles there
 ///     holds/kind              holds            0 pin, 1 grip, 2 contact

@@ -35,8 +35,8 @@ TEST(CommandLine, HelpTellsTheExitCodes) {
     EXPECT_THAT(
         page(words),
         HasSubstr("Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input "
-                  "or command line\nwrong; 3 the run ended short of its target; 4 "
-                  "interrupted."));
+                  "or command line\nwrong; 3 the run missed its target, bricks passed through each "
+                  "other, or the search ended at\nits budget; 4 interrupted."));
   }
 }
 

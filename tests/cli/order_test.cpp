@@ -102,6 +102,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--solver", {"bullet"}},
       {"--timestep", {"0.01", "0.001"}},
       {"--tolerance", {"0.01", "1e-6"}},
+      {"--measure-time-error", {}},
       {"--planar", {"on", "off"}},
       {"--seed", {"2", "4294967295"}},
       {"--export", {"obj", "inp,msh"}},

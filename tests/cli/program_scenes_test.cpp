@@ -101,8 +101,9 @@ TEST_F(Scenes, ASheetThatLocksInItsPlaneDeploysThroughSpace) {
   EXPECT_THAT(planar.summary["reason"].get<std::string>(), HasSubstr("short of the target"));
   const Simulated space = simulateScene("nonrigid", "nonrigid.toml");
   EXPECT_EQ(space.summary["outcome"], "settled");
-  EXPECT_LT(space.summary["accuracy"]["target_error_end"], 1e-9);                // measured 2e-12
-  EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 1e-4);  // measured 8.7e-6
+  EXPECT_LT(space.summary["accuracy"]["target_error_end"], 1e-9);  // measured 2e-12
+  // Measured 8.7e-6 in the path's states, 3.8e-4 between samples.
+  EXPECT_LT(space.summary["accuracy"]["penetration_outside_pivots_max"], 4e-4);
   double largest = 0;
   for (const trajectory::Sample& sample : space.run.samples)
     largest = std::max(largest, largestTilt(sample));

@@ -48,6 +48,21 @@ TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
   EXPECT_EQ(summary_["warnings"][0].get<std::string>().substr(0, 18), "the target is torn");
 }
 
+TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
+  const model::Model model = model::makeTessellation({});
+  const ProgramEnd guided = simulate(model, {"--path", "guided", "--damping-ratio", "0"});
+  EXPECT_THAT(guided.out, HasSubstr("time: critically damped springs guide the tiles in fixed "
+                                    "steps, which keep no tolerance\n"));
+  const ProgramEnd dynamic = simulate(model, {"--path", "dynamic"});
+  EXPECT_THAT(dynamic.out, HasSubstr("time: each step keeps 0.001 tiles"));
+  EXPECT_THAT(dynamic.out, HasSubstr("the error of the run is not known (--measure-time-error)"));
+  EXPECT_THAT(dynamic.out, Not(HasSubstr("within")));
+  EXPECT_TRUE(summary_["accuracy"]["time_error"].is_null());
+  const ProgramEnd measured = simulate(model, {"--path", "dynamic", "--measure-time-error"});
+  EXPECT_THAT(measured.out, HasSubstr("; a tenth of it moves a vertex by "));
+  EXPECT_GT(summary_["accuracy"]["time_error"].get<double>(), 0);
+}
+
 TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
   model::Model model = model::makeTessellation({});
   for (model::Tile& tile : model.tiles) {

@@ -109,6 +109,28 @@ TEST(Hinges, KnowAnglesBeyondAStraightAngle) {
   }
 }
 
+// Bricks that pass through each other wind the spring up: its angle does not jump by a full turn.
+TEST(Hinges, AnglesAreContinuousBeyondWhatBricksCanReach) {
+  const Sheet sheet(flushTriangles());
+  const model::Hinge hinge = sheet.hinges(true).hinges.at(0);
+  const double middle = 0.5 * (hinge.least + hinge.most);
+  for (const double sign : {-1.0, 1.0}) {
+    Poses poses = sheet.poses;
+    for (int step = 1; step <= 70; ++step) {
+      // As a run turns its bricks: by a little, again and again.
+      const auto turn = [&](int brick, double angle) {
+        Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
+        rotation = (rotationFromVector(angle * hinge.axis) * rotation).normalized();
+      };
+      turn(hinge.brickA, -0.07 * sign);
+      turn(hinge.brickB, 0.01 * sign);
+      const double angle = hinge.start + 0.08 * sign * step;
+      if (std::abs(angle - middle) > 2 * std::numbers::pi) break;
+      EXPECT_NEAR(model::hingeAngle(hinge, poses), angle, 1e-12) << step;
+    }
+  }
+}
+
 TEST(Hinges, HaveTheSameAnglesWhicheverTileComesFirst) {
   model::Model swapped = flushTriangles();
   std::swap(swapped.joints[0].a, swapped.joints[0].b);

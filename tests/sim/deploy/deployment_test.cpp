@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/deploy/continuation.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
 
@@ -84,16 +85,25 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
   EXPECT_GT(result.cost.cpuSeconds, 0);
 }
 
-/// All figures of a run, and its end, as numbers.
+/// All figures of a run but those that count samples, and its end, as numbers.
 std::vector<double> figuresOf(deploy::DeploymentResult& result) {
   StateTape tape;
+  for (const auto largest :
+       {&deploy::Accuracy::jointGapMax, &deploy::Accuracy::jointOpeningMax,
+        &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::penetrationMax,
+        &deploy::Accuracy::penetrationOutsidePivotsMax, &deploy::Accuracy::penetrationGrownMax}) {
+    std::erase_if(result.trajectory.figureStates, [&](const trajectory::FigureState& state) {
+      return state.figure == nameOfField(largest);
+    });
+    result.accuracy.*largest = 0;
+  }
   tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
                 result.path.kind, result.trajectory.events, result.trajectory.figureStates,
                 result.trajectory.samples.back().poses);
   return tape.numbers();
 }
 
-// Metamorphic: how often a run is looked at changes neither its steps nor its figures.
+// Metamorphic: the rate of samples changes neither steps nor figures, but those that count samples.
 TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
   scene::Scene scene = smallScene();
   scene.environment.contacts = scene::ContactFilter::All;
@@ -173,6 +183,36 @@ TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
   EXPECT_EQ(trajectory::targetError(target, bricks, poses("assembled_error")),
             result.assembledError);
   EXPECT_LE(result.assembledError, accuracy.targetErrorEnd);
+}
+
+// Bricks that pass through each other, on a path of few states and in a run of long steps.
+TEST(Deploy, LargestFiguresCoverSamplesAndMomentsBetween) {
+  for (const scene::PathKind kind : {scene::PathKind::Continuation, scene::PathKind::Straight}) {
+    scene::Scene scene = smallScene();
+    scene.path.kind = kind;
+    scene.environment.contacts = scene::ContactFilter::None;
+    scene.model.tiles.push_back({{{0.1, 0.1, -0.3}, {0.9, 0.2, 0.4}, {0.5, 0.7, 0.3}}});
+    scene.model.target->push_back(scene.model.tiles.back());
+    scene.solver.planar = false;
+    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
+    const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
+    deploy::StateInterpolator interpolator(result.trajectory);
+    double deepest = 0, gap = 0;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      deepest = std::max(deepest, samples[k].penetration);
+      gap = std::max(gap, samples[k].jointGap);
+      if (k == 0) continue;
+      for (const Poses& poses :
+           interpolator.momentsBetween(samples[k - 1].poses, samples[k].poses)) {
+        deepest = std::max(deepest,
+                           trajectory::deepestPenetration(result.trajectory.bricks, poses).depth);
+      }
+    }
+    EXPECT_GT(deepest, 0.01);
+    EXPECT_GE(result.accuracy.penetrationMax, deepest);
+    EXPECT_LE(result.accuracy.penetrationMax, 1.1 * deepest + 1e-6);
+    EXPECT_GE(result.accuracy.jointGapMax, gap);
+  }
 }
 
 TEST(Deploy, ARunThatDivergesEndsWithItsLastStepInBounds) {

@@ -344,8 +344,8 @@ TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
       .kind = scene::PathKind::Guided, .guideTime = 1, .guideStiffness = 50, .jointStiffness = 1e4};
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.pathReason, HasSubstr("bricks are in the way of closing joints"));
-  // Of a tile of 1 m. Measured 8.0e-5 and 1.9.
-  EXPECT_LT(result.accuracy.penetrationGrownMax, 1e-4);
+  // Of a tile of 1 m. Measured 8.0e-5 after steps, 1.42e-4 between samples, and 1.9.
+  EXPECT_LT(result.accuracy.penetrationGrownMax, 1.5e-4);
   EXPECT_GT(result.accuracy.jointGapEnd, 1e-10);
 }
 

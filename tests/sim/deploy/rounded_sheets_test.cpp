@@ -135,6 +135,37 @@ TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
   EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
 }
 
+/// Tiles of a sheet, smaller than they were and held by rods from corner to corner, written with
+/// two decimals.
+model::Model sheetOfRods() {
+  model::Model model =
+      generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 300}});
+  for (model::Tile& tile : model.tiles) {
+    Vector3 centre = Vector3::Zero();
+    for (const Vector3& v : tile.vertices) centre += v / static_cast<double>(tile.vertices.size());
+    for (Vector3& v : tile.vertices) v = 8 * (centre + 0.8 * (v - centre));
+  }
+  model = rounded(std::move(model), 2);
+  for (model::Joint& joint : model.joints) joint = model::makeLink(model.tiles, joint.a, joint.b);
+  return model;
+}
+
+// Two decimals are 2e-3 tiles; these rods would open by 0.25 m on the way to full extension.
+TEST(RoundedSheets, EndBeforeJointsOpenByMoreThanRoundingExplains) {
+  scene::Scene scene = sceneOf(sheetOfRods());
+  scene.environment.contacts = scene::ContactFilter::None;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_LE(largestOpening(run), 10 * 0.01) << run.reason;
+  EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
+  EXPECT_NE(run.shortfall.find("the path ends at the last state with closed joints: beyond it they "
+                               "open by more than ten times the last digit, 0.01 m"),
+            std::string::npos)
+      << run.reason;
+  const trajectory::Sample& first = run.trajectory.samples.front();
+  const trajectory::Sample& last = run.trajectory.samples.back();
+  EXPECT_GT((first.poses.front().position - last.poses.front().position).norm(), 1) << "it moves";
+}
+
 // Exact joints leave the start hardly or not at all. Measured: 1.2 and 6.0 digits from the target.
 TEST(RoundedSheets, DeployByDynamicsToo) {
   const model::Model heart = generate::generateModel(generate::familyNamed("heart"),

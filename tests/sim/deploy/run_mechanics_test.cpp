@@ -72,6 +72,19 @@ TEST(Energies, BalanceToTheTolerance) {
   }
 }
 
+// The guide starts where the tiles are: its springs hold nothing yet, and no work was done.
+TEST(Energies, OfAGuidedRunBeginAtZero) {
+  scene::Scene scene = openingSheet();
+  scene.path.kind = scene::PathKind::Guided;
+  const std::vector<trajectory::Sample> samples = samplesOf(scene);
+  const trajectory::Energies& first = samples.front().mechanics->energies;
+  EXPECT_LT(first.spring, 1e-20);
+  EXPECT_LT(first.work - first.kinetic, 1e-20);
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    EXPECT_GE(samples[k].mechanics->energies.damped, samples[k - 1].mechanics->energies.damped);
+  }
+}
+
 TEST(Energies, BalanceToFirstOrderInFixedSteps) {
   double before = 0;
   for (const double step : {1.0 / 240, 1.0 / 480, 1.0 / 960}) {
@@ -180,6 +193,43 @@ TEST(Holds, OfAHangingChainCarryItsWeight) {
     EXPECT_LT((end.mechanics->jointForces[j] + (count - 1 - j) * weight).norm(),
               1e-6 * count * kGravity)
         << j;
+  }
+}
+
+// Tiles that lie flush wedge on a pinned one, which carries their weight. What does not balance is
+// not known.
+TEST(Holds, OfTouchingBricksBalanceOrAreAbsent) {
+  scene::Scene scene;
+  model::TessellationShape shape;
+  shape.columns = 3;
+  shape.rows = 2;
+  shape.skew = 20 * kDegree;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::All;
+  scene.environment.gravity = {0, -kGravity, 0};
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.actuation.drive = scene::Drive::None;
+  scene.timeline = {{scene::Occasion{}, Pin{{1}}, {}}};
+  scene.solver.planar = true;
+  scene.solver.tolerance = 1e-6;
+  scene.stop.duration = 0.3;
+  const Vector3 weight(0, -6 * kGravity, 0);  // of 1 kg each
+  for (const trajectory::Sample& sample : samplesOf(scene)) {
+    const trajectory::Mechanics& mechanics = *sample.mechanics;
+    double largest = kGravity;
+    for (const Vector3& force : mechanics.jointForces) largest = std::max(largest, force.norm());
+    if (!mechanics.jointForces.front().allFinite()) {
+      EXPECT_TRUE(mechanics.holds.empty()) << sample.time;
+      continue;
+    }
+    Vector3 pin = Vector3::Zero();
+    for (const trajectory::Hold& hold : mechanics.holds) {
+      if (hold.kind == trajectory::HoldKind::Pin) pin += hold.force;
+    }
+    // Five free bricks, each balanced to 5% of the largest force.
+    // Contacts are not known before the first step.
+    const bool isAtRest = sample.time > 0 && mechanics.energies.kinetic < 1e-6;
+    EXPECT_TRUE(!isAtRest || (pin + weight).norm() < 0.25 * largest) << sample.time;
   }
 }
 

@@ -75,12 +75,14 @@ TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
   const scene::Scene scene = ledSheet();
   const deploy::SceneBricks bricks(scene);
   const Poses start = model::startPoses(scene.model.tiles, bricks.bricks);
-  deploy::CurrentTarget target(bricks, 0.125);
+  deploy::CurrentTarget target(bricks, {.error = 0.125, .poses = {}, .restError = 0.25});
   EXPECT_EQ(target.tiles(), nullptr);
   EXPECT_EQ(target.error(start), 0);
   target.set(nullptr, start);
   EXPECT_EQ(target.tiles(), &*scene.model.target);
-  EXPECT_EQ(target.leastError(), 0.125);
+  EXPECT_EQ(target.nearestError(), 0.125);
+  EXPECT_TRUE(target.isWhereSpringsRest(0.25));
+  EXPECT_FALSE(target.isNearest(0.25));
   EXPECT_GT(target.startError(), 0.1);
   EXPECT_FALSE(target.hasArrived(start));
   target.set(&scene.model.tiles, start);
@@ -92,9 +94,9 @@ TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
   const scene::Scene scene = ledSheet();
   const deploy::SceneBricks bricks(scene);
   const Poses start = model::startPoses(scene.model.tiles, bricks.bricks);
-  deploy::CurrentTarget target(bricks, 100);
+  deploy::CurrentTarget target(bricks, {.error = 100});
   target.set(nullptr, start);
-  EXPECT_TRUE(target.isReachedAt(target.error(start)));
+  EXPECT_TRUE(target.isNearest(target.error(start)));
   EXPECT_FALSE(target.hasArrived(start));
 }
 
@@ -106,7 +108,7 @@ std::vector<std::pair<deploy::Phase, double>> phasesOf(const scene::Scene& scene
   const deploy::SceneBricks bricks(scene);
   deploy::StepClock clock(deploy::RunMotion::lookOf(scene));
   deploy::RunMotion motion(bricks, clock);
-  deploy::CurrentTarget target(bricks, 0);
+  deploy::CurrentTarget target(bricks, {.error = 0});
   deploy::RunDrive drive(bricks, clock);
   target.set(nullptr, motion.poses());
   drive.headFor(target, motion.poses());

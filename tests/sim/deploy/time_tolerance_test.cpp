@@ -67,9 +67,6 @@ TEST(TimeTolerance, IsKeptBySteps) {
     const deploy::DeploymentResult run = deployed(openingSheet(tolerance), 60);
     EXPECT_LT(largestDifference(run, exact), 10 * tolerance)
         << tolerance;  // measured 0.3 and 0.9 times
-    EXPECT_LT(largestDifference(run, exact),
-              run.cost.took.timeError);  // measured 0.01 and 0.08 times
-    EXPECT_GT(run.cost.took.timeError, 0);
     EXPECT_EQ(run.cost.took.touchingTime, 0);
     EXPECT_EQ(run.cost.took.singularTime, 0);
     for (const trajectory::Sample& sample : run.trajectory.samples)
@@ -87,7 +84,6 @@ TEST(TimeTolerance, SamplesDependOnNoOtherSample) {
   const deploy::DeploymentResult dense = deployed(openingSheet(1e-4), 120);
   EXPECT_EQ(largestDifference(sparse, dense), 0);
   EXPECT_EQ(sparse.cost.took.steps, dense.cost.took.steps);
-  EXPECT_EQ(sparse.cost.took.timeError, dense.cost.took.timeError);
 }
 
 TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {

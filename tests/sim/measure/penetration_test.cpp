@@ -113,8 +113,8 @@ TEST(Penetration, OfABrickThroughAnotherHasTheClosedForm) {
   EXPECT_NEAR(depthOf(plate, {}, bar, upright), 0.6, 1e-15);
   const Quaternion turn = rotationFromVector({0.4, -0.7, 0.3});
   EXPECT_NEAR(depthOf(plate, {{5, 6, 7}, turn}, bar, {{5, 6, 7}, turn * upright.rotation}), 0.6,
-              1e-14);  // measured 2e-15
-  // Joined bricks, and bricks that are not, in one run's meter.
+              1e-14);
+  // The same by the meter of a run.
   trajectory::PenetrationMeter meter({plate, bar}, {}, 0.05, {{{9, 0, 0}}, {}}, 0);
   EXPECT_NEAR(meter.at({{}, upright}).whole, 0.6, 1e-15);
 }
@@ -132,11 +132,11 @@ TEST(Penetration, IsTheSameForTurnedStates) {
     const Pose poseB{0.3 * vector(), rotationFromVector(tilt * vector())};
     const double depth = depthOf(a, {}, b, poseB);
     const Quaternion turn = rotationFromVector(vector());
-    const double turned = depthOf(a, {{1, 2, 3}, turn}, b,
-                                  {turn * poseB.position + Vector3(1, 2, 3), turn * poseB.rotation});
+    const double turned = depthOf(
+        a, {{1, 2, 3}, turn}, b, {turn * poseB.position + Vector3(1, 2, 3), turn * poseB.rotation});
     largest = std::max(largest, std::abs(turned - depth));
   }
-  EXPECT_LT(largest, 1e-12);
+  EXPECT_LT(largest, 1e-12);  // 4e-15 by NumPy (tests/oracle/check_run.py)
 }
 
 TEST(Penetration, OfACornerInASideHasTheClosedForm) {

@@ -43,7 +43,7 @@ TEST(Settings, HaveKeysOfTheirOwn) {
     EXPECT_FALSE(setting.help.empty()) << setting.key;
     EXPECT_EQ(setting.unit.empty(), setting.isSwitch) << setting.key;
   }
-  EXPECT_EQ(keys.size(), 43U);
+  EXPECT_EQ(keys.size(), 44U);
 }
 
 TEST(Settings, ReadBackWhatTheyWrite) {
@@ -108,10 +108,11 @@ TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
   scene::Scene curve;
   curve.actuation.drive = scene::Drive::Boundary;
   curve.brick.mass = model::MassRule::Prism;
+  const scene::Scene open = scene::openScene();
   for (const scene::Setting& setting : allSettings()) {
     for (const scene::Condition& condition : setting.conditions) {
       EXPECT_TRUE(condition.holds(guided) || condition.holds(bullet) || condition.holds(necks) ||
-                  condition.holds(curve))
+                  condition.holds(curve) || condition.holds(open))
           << setting.key << " " << condition.needed;
     }
   }

@@ -1,0 +1,71 @@
+/// Bricks that cannot move against each other, as rigid pieces.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/mechanics/joint_solver.h"
+#include "sim/model/brick.h"
+#include "sim/model/contact.h"
+
+namespace kirireel::mechanics {
+
+/// Bricks in rigid pieces: those that pairs connect are one piece. The axes of a piece are the
+/// world's at the poses it is made at, and its origin is its centre of mass.
+class RigidPieces {
+ public:
+  /// `pairs`: numbers of two bricks each. `bricks` must outlive this.
+  RigidPieces(const std::vector<model::Brick>& bricks, const Poses& poses,
+              const std::vector<std::pair<int, int>>& pairs);
+
+  /// One rigid body a piece: mass, inertia about its centre of mass, no shape.
+  const std::vector<model::Brick>& bodies() const { return bodies_; }
+  /// The piece of a brick, from 0.
+  int pieceOf(int brick) const { return pieces_[static_cast<std::size_t>(brick)]; }
+  /// Where a brick is in the axes of its piece.
+  const Pose& placeInPiece(int brick) const { return places_[static_cast<std::size_t>(brick)]; }
+
+  /// The motion of the pieces that has the linear and angular momentum of their bricks. `planar`:
+  /// turns about z only.
+  Motion motionOf(const Motion& ofBricks, bool planar) const;
+  /// The bricks' poses for those of the pieces.
+  Poses posesOfBricks(const Poses& ofPieces) const;
+  /// The bricks' motion for that of the pieces.
+  Motion motionOfBricks(const Motion& ofPieces) const;
+  /// Sums the loads on bricks at these poses to loads on pieces.
+  std::vector<model::Load> loadsOnPieces(const Poses& ofPieces,
+                                         const std::vector<model::Load>& onBricks) const;
+
+ private:
+  const std::vector<model::Brick>& bricks_;
+  Poses start_;              // of the pieces, when they were made
+  std::vector<int> pieces_;  // one a brick
+  Poses places_;             // likewise, in the axes of its piece
+  std::vector<model::Brick> bodies_;
+};
+
+/// Contacts between pieces, from a source of contacts between bricks. Those within a piece are left
+/// out.
+class PieceContacts : public model::ContactSource {
+ public:
+  /// Both must outlive this.
+  PieceContacts(const RigidPieces& pieces, model::ContactSource& source)
+      : pieces_(pieces), source_(source) {}
+
+  void startStep(const Poses& start) override;
+  double appendViolated(const Poses& end, std::vector<model::Contact>& contacts) override;
+  bool isCurrent(const model::Contact& contact) const override;
+  double pairsExamined() const override { return source_.pairsExamined(); }
+
+ private:
+  model::Contact ofPieces(model::Contact contact) const;
+
+  const RigidPieces& pieces_;
+  model::ContactSource& source_;
+  // Those given so far, as they are between pieces and between bricks.
+  std::vector<std::pair<model::Contact, model::Contact>> given_;
+  std::vector<model::Contact> inStep_;
+};
+
+}  // namespace kirireel::mechanics

@@ -1,0 +1,115 @@
+// When a run counts as done: arrived, clear of overlaps, its search not ended by the budget.
+#include "sim/deploy/arrival.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/generate/families.h"
+#include "sim/model/isometry.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+scene::Scene sceneOf(model::Model model) {
+  scene::Scene scene = scene::openScene();
+  scene.model = std::move(model);
+  model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  return scene;
+}
+
+model::Model familyOf(const char* name, const std::map<std::string, double>& values = {}) {
+  return generate::generateModel(generate::familyNamed(name), values);
+}
+
+TEST(Arrival, IsWithinAFactorOfTheLeastErrorAndAMillionthOfATile) {
+  model::Model model = familyOf("tessellation");
+  const double tile = model::tileSize(model);
+  EXPECT_TRUE(deploy::hasArrived(model, 0.9e-6 * tile, 0));
+  EXPECT_FALSE(deploy::hasArrived(model, 1.1e-6 * tile, 0));
+  EXPECT_TRUE(deploy::hasArrived(model, 0.0104 * tile, 0.01 * tile));
+  EXPECT_FALSE(deploy::hasArrived(model, 0.0106 * tile, 0.01 * tile));
+  // Nothing nearer is known, yet the target is out of reach.
+  EXPECT_TRUE(deploy::isNearest(model, 0.2 * tile, 0.2 * tile));
+  EXPECT_FALSE(deploy::hasArrived(model, 0.2 * tile, 0.2 * tile));
+}
+
+/// `at_target` by the definition, from figures that the run reports.
+bool isAtTarget(const scene::Scene& scene, const deploy::DeploymentResult& run) {
+  const double tile = model::tileSize(scene.model), error = run.accuracy.targetErrorEnd;
+  return error <= 1.05 * run.assembledError + 1e-6 * tile && error <= 0.1 * tile;
+}
+
+// A strip that rolls up is kept from its target by its thickness.
+TEST(Arrival, ASheetThatItsThicknessKeepsShortIsNotAtItsTarget) {
+  scene::Scene scene = sceneOf(familyOf("sphere-to-saddle"));
+  scene.environment.contacts = scene::ContactFilter::All;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.atTarget, isAtTarget(scene, run));
+  EXPECT_EQ(run.atTarget, false);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
+  EXPECT_THAT(run.reason, HasSubstr("short of the target"));
+  EXPECT_THAT(run.shortfall, HasSubstr("short of the target"));
+}
+
+TEST(Arrival, OverlapsAreAShortfallUnlessContactsAreSwitchedOff) {
+  scene::Scene scene = sceneOf(familyOf("stampfli-removal"));
+  const deploy::DeploymentResult open = deploy::deploy(scene, 1, nullptr);
+  const double tile = model::tileSize(scene.model);
+  ASSERT_GT(open.accuracy.penetrationGrownMax, 0.1 * tile);  // measured: 0.84 tiles
+  EXPECT_EQ(open.outcome, deploy::Outcome::Settled);
+  EXPECT_THAT(open.shortfall, HasSubstr("bricks pass through each other by up to "));
+  EXPECT_THAT(open.reason, HasSubstr(open.shortfall));
+  EXPECT_THAT(open.trajectory.events.back().text, HasSubstr(open.shortfall));
+  scene.environment.contacts = scene::ContactFilter::None;
+  const deploy::DeploymentResult none = deploy::deploy(scene, 1, nullptr);
+  ASSERT_GT(none.accuracy.penetrationGrownMax, 0.1 * tile);
+  EXPECT_THAT(none.shortfall, IsEmpty());
+}
+
+// Pairs that may not touch do not count, those that may do.
+TEST(Arrival, OverlapsOfJoinedPairsDoNotCountWhereOnlyUnjoinedOnesTouch) {
+  // Two squares close on each other about a common corner, and overlap beyond it.
+  scene::Scene scene = sceneOf(familyOf(
+      "tessellation", {{"columns", 2}, {"rows", 2}, {"start-angle", 0}, {"target-angle", 90}}));
+  std::swap(scene.model.tiles, *scene.model.target);
+  scene.environment.contacts = scene::ContactFilter::Unjoined;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.atTarget, true) << run.reason;
+  EXPECT_THAT(run.shortfall, IsEmpty());
+}
+
+TEST(Arrival, ASearchThatItsBudgetEndsIsAShortfall) {
+  scene::Scene scene = sceneOf(familyOf("cap", {{"half-size", 3}}));
+  EXPECT_THAT(deploy::deploy(scene, 1, nullptr).shortfall, IsEmpty());
+  scene.path.searchTime = 0.3;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_THAT(run.shortfall, HasSubstr("the search for a path ended at its budget of 0.3 s; raise "
+                                       "--search"));
+  EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("ended at its budget")));
+}
+
+// Bricks that lie on the ground are pulled by less than friction holds.
+TEST(Arrival, FrictionThatHoldsASheetIsReported) {
+  scene::Scene scene = sceneOf(familyOf("tessellation", {{"columns", 2}, {"rows", 2}}));
+  scene.environment.ground = scene::Ground{};
+  scene.environment.ground->height = scene::lowestPoint(scene);
+  scene.environment.gravity = {0, 0, -1e4};
+  scene.path.kind = scene::PathKind::Straight;
+  scene.stop.duration = 4;
+  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.atTarget, false);
+  EXPECT_THAT(run.shortfall, HasSubstr("friction on the ground holds the tiles: the drive pulls "
+                                       "each with at most "));
+  // mu m g = 0.5 * 1 kg * 1e4 m/s2.
+  EXPECT_THAT(run.shortfall, HasSubstr("friction holds mu m g = 5e+03 N"));
+}
+
+}  // namespace
+}  // namespace kirireel
