@@ -142,6 +142,12 @@ double startGap(const Model& model, const Joint& joint);
 struct ReadSettings {
   std::filesystem::path jointsFile;  ///< in place of the model's own list of joints; empty for that
   bool strict = false;               ///< refuse what would be mended
+
+  // Of cut patterns.
+  std::vector<std::string> cut;     ///< colours, layers and ids of the lines to cut; empty: all
+  std::vector<std::string> ignore;  ///< of those to leave out
+  double neckWidth = 0;             ///< cuts stop short by at most that, metres; 0: found
+  bool areJointsInNecks = false;    ///< in the middle of their necks, not where cuts aim at
 };
 
 /// "file:line: mended: what was found; what was done".

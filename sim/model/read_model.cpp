@@ -54,7 +54,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
   requireNoJointsFile(path, settings);
   if (ending == ".fold") return readFold(path, warnings);
   if (ending == ".ply") return readPly(path, warnings);
-  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, warnings);
+  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, settings, warnings);
   if (ending == ".obj") {
     // A target that was asked for makes the sibling superfluous, and what is wrong with it
     // harmless.
