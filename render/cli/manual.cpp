@@ -596,7 +596,8 @@ class Run(Trajectory):
     def summary(self) -> Dict[str, Any]: ...
     def save(self, folder: _Path) -> List[str]: ...
 
-def read(path: _Path, *, joints_file: Optional[_Path] = ..., strict: bool = ...) -> Model: ...
+def read(path: _Path, *, joints_file: Optional[_Path] = ..., strict: bool = ..., cut: str = ...,
+         ignore: str = ..., neck_width: float = ..., joint_at: str = ...) -> Model: ...
 def open(path: _Path) -> Trajectory: ...
 )";
 
@@ -604,7 +605,8 @@ def open(path: _Path) -> Trajectory: ...
 
 const std::vector<std::string>& optionsNotForRuns() {
   static const std::vector<std::string> names = {"help",        "out",    "json", "resume",
-                                                 "joints_file", "strict", "page"};
+                                                 "joints_file", "strict", "page", "cut",
+                                                 "ignore",      "neck_width", "joint_at"};
   return names;
 }
 

@@ -628,7 +628,7 @@ class SheetMaker {
     std::vector<Vector2> chain;
     std::vector<int> chainHalves;
     const auto flush = [&] {
-      const std::vector<bool> isKept = simplifiedChain(chain, 2 * tolerance_);
+      const std::vector<bool> isKept = simplifiedChain(chain, tolerance_);
       for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
         if (isKept[k]) kept.push_back(chainHalves[k]);
       }
@@ -697,7 +697,9 @@ class CutPatternReader {
       : drawing_(drawing),
         settings_(settings),
         file_(file),
-        tolerance_(std::clamp(1.5 * drawing.rounding, 1e-7 * drawing.size(), 1e-4 * drawing.size())) {
+        // Ends on a curve are off its straight pieces.
+        tolerance_(std::clamp(std::max(1.5 * drawing.rounding, 1.2 * drawing.flattening),
+                              1e-7 * drawing.size(), 1e-4 * drawing.size())) {
     collectGroups();
   }
 
@@ -1006,7 +1008,8 @@ class CutPatternReader {
       text += " (no unit in the file: mm)";
     if (groups_.size() > 1) text += "; lines: " + describeGroups();
     if (drawing_.flattening > 0)
-      text += fmt::format("; curves straight to within {:.2g} mm", drawing_.flattening * 1e3);
+      text += fmt::format("; curves straight to within {:.2g} mm",
+                          (drawing_.flattening + tolerance_) * 1e3);
     std::map<std::string, int> leftOut = reading.leftOut;
     for (const auto& [what, count] : drawing_.ignored) leftOut[what] += count;
     if (notChosen_ > 0) leftOut["line that was not chosen"] += notChosen_;

@@ -1,5 +1,5 @@
 // What both readers of drawings share. A file is read twice: coarsely for its size, then with
-// curves flattened to within 2e-5 of that size.
+// curves flattened to within 5e-5 of that size.
 #include "sim/model/drawing.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace kirireel::model {
 namespace {
 
 // Of the drawing's size.
-constexpr double kFlattening = 2e-5;
+constexpr double kFlattening = 5e-5;
 constexpr const char* kDrawingPurpose = "give an SVG or an ASCII DXF file with lines to cut";
 
 /// Programs of Windows write UTF-16: other characters than ASCII do not matter in a DXF file.

@@ -36,6 +36,19 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
                      "the model to a folder");
 }
 
+/// What decides how drawings are read has no effect on other files.
+void requireDrawing(const fs::path& path, const ReadSettings& settings) {
+  const char* option = !settings.cut.empty()       ? "--cut"
+                       : !settings.ignore.empty()  ? "--ignore"
+                       : settings.neckWidth > 0    ? "--neck-width"
+                       : settings.areJointsInNecks ? "--joint-at"
+                                                   : nullptr;
+  if (!option) return;
+  throw inputErrorAt({path}, fmt::format("{} has no effect on this model, which is no drawing; "
+                                         "give an .svg or .dxf file, or remove it",
+                                         option));
+}
+
 // A file by its ending.
 Model readFile(const fs::path& path, const std::optional<fs::path>& target,
                const ReadSettings& settings, std::vector<std::string>& warnings) {
@@ -98,6 +111,9 @@ std::vector<Tile> startOf(const fs::path& path, const Model& model) {
 Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                 std::vector<std::string>& warnings, const ReadSettings& settings) {
   const bool isFile = fs::is_regular_file(path);
+  if (const std::string ending = endingOf(path); ending != ".svg" && ending != ".dxf") {
+    requireDrawing(path, settings);
+  }
   Model model = isFile                 ? readFile(path, target, settings, warnings)
                 : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", settings, warnings)
                                        : readModelFolder(path, settings, warnings);

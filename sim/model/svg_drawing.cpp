@@ -155,7 +155,10 @@ class SvgReader {
     const pugi::xml_node root = document.document_element();
     drawing_.isDownwards = true;
     SvgTransform transform = rootTransform(root);
-    walkChildren(localName(root.name()) == "svg" ? root : document, transform, SvgStyle(), 0);
+    const bool hasRoot = localName(root.name()) == "svg";
+    SvgStyle style = hasRoot ? styleOf(root, SvgStyle()) : SvgStyle();
+    style.names.clear();
+    walkChildren(hasRoot ? root : document, transform, style, 0);
     keepStrokes();
     drawing_.rounding = decimals_.lastPlace() * largestScale_;
     return std::move(drawing_);
@@ -381,7 +384,7 @@ class SvgReader {
   void walkChildren(const pugi::xml_node& node, const SvgTransform& transform,
                     const SvgStyle& style, int depth) {
     if (depth > kDeepestElement) {
-      throw inputErrorAt({file_}, fmt::format("groups are nested more than {} deep; ungroup them",
+      throw inputErrorAt({file_}, fmt::format("groups or uses are nested more than {} deep; ungroup them",
                                               kDeepestElement));
     }
     for (const pugi::xml_node& child : node.children()) walk(child, transform, style, depth);
@@ -632,9 +635,10 @@ class SvgReader {
                 const Vector2& b, const Vector2& to) {
     // |B''| <= 6 max |second differences|; the chord's error is |B''| / (8 n^2).
     const double bend = 6 * std::max((from - 2 * a + b).norm(), (a - 2 * b + to).norm());
-    const int pieces = std::clamp(
+    int pieces = std::clamp(
         static_cast<int>(std::ceil(std::sqrt(bend / (8 * localFlattening_)))), bend > 0 ? 4 : 1,
         400);
+    pieces += bend > 0 ? pieces % 2 : 0;  // an S has its turning point in the middle
     for (int k = 1; k <= pieces; ++k) {
       const double t = static_cast<double>(k) / pieces, s = 1 - t;
       points.push_back(k == pieces ? to
