@@ -319,8 +319,10 @@ void chooseWay(scene::Scene& scene, Search& found, SearchBudget& budget, const T
 /// in the plane joints have to open or bricks to overlap for it.
 bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const Search& found) {
   std::string reason;
-  if (given.solver.planar || !given.model.target || !scene::sceneNeeds(given).planar.on ||
-      !scene::isQuasiStatic(given, reason)) {
+  const scene::PathKind kind = given.path.kind;
+  const bool isGeometry = kind == scene::PathKind::Auto || kind == scene::PathKind::Continuation;
+  if (given.solver.planar || !given.model.target || !isGeometry ||
+      !scene::sceneNeeds(given).planar.on || !scene::isQuasiStatic(given, reason)) {
     return false;
   }
   if (!found.walked) return !found.choice.isFound || found.choice.path.jointsAreCompliant();

@@ -334,7 +334,9 @@ class SheetMaker {
     findFaces(whole);
     addJoints(whole);
     dropLooseFaces(whole);
-    return model(whole);
+    Model made = model(whole);
+    if (made.tiles.empty()) throw fault("there are no tiles in it; draw the outline of the sheet");
+    return made;
   }
 
   /// What was found, for one line.
@@ -369,7 +371,7 @@ class SheetMaker {
     for (const CutRay& ray : rays_) {
       if (ray.hit < kNever && hasFace) continue;
       throw fault(fmt::format("the outline is open: the line that ends at {} leads out of the "
-                              "sheet; close the outline",
+                              "sheet; close the outline, or end the line at it",
                               drawing_.place(ray.from)));
     }
     if (!hasFace) throw fault("there are no lines of a sheet in it; draw its outline and its cuts");

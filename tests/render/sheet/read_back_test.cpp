@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "render/export/flat_sheet.h"
@@ -147,7 +148,7 @@ std::string refusalOf(const std::string& name, const std::string& text) {
 TEST(Patterns, ThatAreBrokenAreRefused) {
   EXPECT_EQ(refusalOf("a.svg", "<svg><path d=\"M 0 0 L 1 1\"/></svg>"),
             "/a.svg: error: the outline is open: the line that ends at (0, 0) px leads out of the "
-            "sheet; close the outline");
+            "sheet; close the outline, or end the line at it");
   EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
             "/a.svg: error: '' is no number; give an SVG or an ASCII DXF file with lines to cut");
   EXPECT_EQ(refusalOf("a.svg",

@@ -341,7 +341,7 @@ TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
               HasSubstr("a.svg: error: there are no lines of a sheet in it"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
               HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leads out of "
-                        "the sheet; close the outline"));
+                        "the sheet; close the outline, or end the line at it"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0V1M20 0V18\"/>")).refusal,
               HasSubstr("the outline is open"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
