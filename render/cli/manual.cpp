@@ -597,7 +597,7 @@ class Run(Trajectory):
     def save(self, folder: _Path) -> List[str]: ...
 
 def read(path: _Path, *, joints_file: Optional[_Path] = ..., strict: bool = ..., cut: str = ...,
-         ignore: str = ..., neck_width: float = ..., joint_at: str = ...) -> Model: ...
+         ignore: str = ..., widest_neck: float = ..., joint_at: str = ...) -> Model: ...
 def open(path: _Path) -> Trajectory: ...
 )";
 
@@ -606,7 +606,7 @@ def open(path: _Path) -> Trajectory: ...
 const std::vector<std::string>& optionsNotForRuns() {
   static const std::vector<std::string> names = {"help",        "out",    "json", "resume",
                                                  "joints_file", "strict", "page", "cut",
-                                                 "ignore",      "neck_width", "joint_at"};
+                                                 "ignore",      "widest_neck", "joint_at"};
   return names;
 }
 

@@ -272,7 +272,7 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
 namespace {
 
 /// Of SVG and DXF files.
-void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings) {
+void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
   const auto names = [&group](const char* option, const char* usual, const char* help,
                               std::vector<std::string>& chosen) {
     group
@@ -287,7 +287,7 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings) {
   names("--ignore", "found", "lines of a drawing to leave out, named in the same way",
         settings.ignore);
   group
-      .value("--neck-width", "METRES", "found",
+      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "METRES", "found",
              "widest neck of a drawing: how far its cuts may stop short of the next line",
              [&settings](const scene::TypedValue& typed) {
                settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
@@ -302,7 +302,7 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings) {
 
 }  // namespace
 
-void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
+void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
   group
       .value("--joints-file", "FILE", "the model's own",
              "list of joints to take in place of constraints.txt: a path, or a name beside it",
@@ -316,7 +316,7 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
             "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
             "instead of mending them")
       .decidesNothing();
-  addDrawingOptions(group, settings);
+  addDrawingOptions(group, settings, hasNecks);
 }
 
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,

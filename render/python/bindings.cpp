@@ -253,7 +253,7 @@ void addModels(py::module_& module) {
       .def("__repr__", &describeModel);
   module.def("read", &read, "path"_a,
              "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
-             "joints_file, strict, cut, ignore, neck_width and joint_at are its options. What was mended is told as a UserWarning.");
+             "joints_file, strict, cut, ignore, widest_neck and joint_at are its options. What was mended is told as a UserWarning.");
   module.def("generate", &generate, "family"_a, cli::generateDoc(cli::describeProgram()).c_str());
 }
 

@@ -430,7 +430,7 @@ class SheetMaker {
       const int cycle = whole.cycleOf(whole.leaving(node)[0]);
       if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
         throw fault(fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
-                                "it, or give --neck-width if a neck is there",
+                                "it, or give --widest-neck if a neck is there",
                                 drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
       }
       ++leftOut_["cut that ends within a tile"];

@@ -82,13 +82,6 @@ double angleOf(const Vector2& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
-/// An angle in [-kSamePatternDirection, 2 pi - kSamePatternDirection).
-double turnedBy(double angle) {
-  double turn = std::fmod(angle, kTurn);
-  if (turn < -kSamePatternDirection) turn += kTurn;
-  return turn >= kTurn - kSamePatternDirection ? turn - kTurn : turn;
-}
-
 struct Neck {
   Vector2 joint;   ///< m
   Vector2 middle;  ///< h
@@ -117,6 +110,15 @@ class PatternReader {
     if (!(tolerance_ > 0)) throw patternFault(file_, "there are no lines of a sheet in it");
     takeNecks();
     restoreEnds();
+    for (const DirectedSide& side : sides_) {
+      const double length = (points_[side.to] - points_[side.from]).norm();
+      if (isRounded_) sameDirection_ = std::max(sameDirection_, 2 * tolerance_ / length);
+    }
+    for (const Neck& neck : necks_) {
+      const double length = (neck.middle - neck.joint).norm();
+      if (isRounded_) sameDirection_ = std::max(sameDirection_, tolerance_ / length);
+    }
+    sameDirection_ = std::min(sameDirection_, 0.02);
     for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
     for (int k = 0; k < std::ssize(sides_); ++k) {
       // The other sides of slits come last, so that tiles begin with lines of their own.
@@ -246,6 +248,13 @@ class PatternReader {
     isReverse_.push_back(true);
   }
 
+  /// An angle from just below 0, which rounding makes of 0, to less than a full turn.
+  double turnedBy(double angle) const {
+    double turn = std::fmod(angle, kTurn);
+    if (turn < -sameDirection_) turn += kTurn;
+    return turn >= kTurn - sameDirection_ ? turn - kTurn : turn;
+  }
+
   /// Step 3.
   int nextSide(int side) const {
     const DirectedSide& incoming = sides_[side];
@@ -261,7 +270,7 @@ class PatternReader {
       double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
       // A side that leaves along the way back closes a corner of a full turn: it is the last
       // choice.
-      if (corner <= kSamePatternDirection) corner += kTurn;
+      if (corner <= sameDirection_) corner += kTurn;
       if (corner >= least) continue;
       least = corner;
       best = candidate;
@@ -328,6 +337,7 @@ class PatternReader {
   const fs::path& file_;
   bool isRounded_;
   double tolerance_;  // metres
+  double sameDirection_ = kSamePatternDirection;  // radians
   Vector2 origin_;
   std::vector<Neck> necks_;
   std::vector<int> neckAt_;  // by the numbers of their middles

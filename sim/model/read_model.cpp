@@ -40,7 +40,7 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
 void requireDrawing(const fs::path& path, const ReadSettings& settings) {
   const char* option = !settings.cut.empty()       ? "--cut"
                        : !settings.ignore.empty()  ? "--ignore"
-                       : settings.neckWidth > 0    ? "--neck-width"
+                       : settings.neckWidth > 0    ? "--widest-neck"
                        : settings.areJointsInNecks ? "--joint-at"
                                                    : nullptr;
   if (!option) return;

@@ -73,7 +73,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--joints-file", {"a.txt"}},
       {"--cut", {"red", "rgb(255,0,0),slits"}},
       {"--ignore", {"#0000ff"}},
-      {"--neck-width", {"0.002"}},
+      {"--widest-neck", {"0.002"}},
       {"--joint-at", {"vertex", "middle"}},
       {"--target", {"a.txt"}},
       {"--pin", {"0", "3,0,7"}},
