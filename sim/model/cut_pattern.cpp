@@ -1044,8 +1044,13 @@ Model readCutPattern(const fs::path& file, const ReadSettings& settings,
       return model;
     } catch (const InputError& error) {
       // Editors join, split and round lines. What can be read as any other drawing is.
+      ReadSettings others = settings;
+      const bool hasHinges = std::ranges::any_of(drawing.paths, [](const DrawnPath& path) {
+        return std::ranges::find(path.names, "hinges") != path.names.end();
+      });
+      if (hasHinges) others.ignore = {"hinges"};
       try {
-        return CutPatternReader(drawing, settings, file).read(warnings);
+        return CutPatternReader(drawing, others, file).read(warnings);
       } catch (const InputError&) {
         throw error;
       }
