@@ -70,6 +70,7 @@ struct CutRay {
   bool isRunning = true;
   double tip = 0;         // where removed material ends and the neck begins
   bool isJoined = false;  // no material on the way: the cuts meet
+  bool isFacing = false;  // it met its partner midway, where the vertex of the neck is
 
   double width() const { return stop - tip; }
   /// How far a point at this distance may be off, so that the cut aims at it.
@@ -234,6 +235,7 @@ class RayTracer {
     const Vector2 middle = 0.5 * (ray.from + partner.from);
     stopAt(ray, middle);
     stopAt(partner, middle);
+    ray.isFacing = partner.isFacing = true;
   }
 
   /// One vertex for all rays that meet there but for rounding.
@@ -267,7 +269,8 @@ void findTips(std::vector<CutRay>& rays, const CutLines& cuts, double tolerance)
       // Of a relieved slit the far side of its own relief.
       if (ahead <= 0.5 * ray.stop) last = std::max(last, ahead);
     }
-    ray.isJoined = cuts.kerf > 0 && first == kNever;
+    // Thinner than half the kerf nothing stays: the cut runs along the border.
+    ray.isJoined = cuts.kerf > 0 && (first == kNever || ray.stop - first < 0.5 * cuts.kerf);
     ray.tip = ray.isJoined ? 0 : cuts.kerf > 0 ? first : last;
   }
 }
@@ -326,6 +329,8 @@ class SheetMaker {
     const Arrangement lines(cuts_.lines, tolerance_);
     rays_ = RayTracer(lines, drawing_.flattening > 0 || cuts_.kerf > 0, tolerance_).run();
     findTips(rays_, cuts_, tolerance_);
+    scale_ = tileScale(cuts_.lines, rays_, tolerance_);
+    dropBeyondBorder(lines);
     requireClosed(lines);
     takeNecks();
     Arrangement whole = arranged();
@@ -365,6 +370,45 @@ class SheetMaker {
 
   InputError fault(const std::string& what) const { return inputErrorAt({file_}, what); }
 
+  /// Short pieces of cuts that run over the border of their sheet.
+  void dropBeyondBorder(const Arrangement& lines) {
+    const std::vector<int> parts = lines.parts();
+    std::vector<std::vector<Vector2>> rings;
+    std::vector<int> ringParts;
+    for (int c = 0; c < std::ssize(lines.cycles()); ++c) {
+      if (lines.areaOf(c) <= 0) continue;
+      rings.push_back(ring(lines, c));
+      ringParts.push_back(parts[lines.from(lines.cycles()[c][0])]);
+    }
+    const auto isBeyond = [&](const CutRay& ray) {
+      double length = 0;
+      int node = ray.node, before = -1;
+      for (bool goesOn = true; goesOn;) {
+        goesOn = false;
+        for (const int half : lines.leaving(node)) {
+          if (lines.to(half) == before || (before >= 0 && lines.leaving(node).size() > 2)) continue;
+          length += (lines.at(lines.to(half)) - lines.at(node)).norm();
+          before = node;
+          node = lines.to(half);
+          goesOn = lines.leaving(node).size() == 2;
+          break;
+        }
+      }
+      if (lines.leaving(node).size() < 3 || length > 0.25 * scale_) return false;
+      bool isOfSheet = false;
+      for (std::size_t k = 0; k < rings.size(); ++k) {
+        isOfSheet |= ringParts[k] == parts[ray.node];
+        if (isWithinRing(rings[k], ray.from)) return false;
+      }
+      return isOfSheet;
+    };
+    const auto count = std::erase_if(rays_, isBeyond);
+    // Of slots, whose mouths may be bent, that says nothing.
+    if (count > 0 && cuts_.kerf == 0) {
+      leftOut_["end of a cut beyond the border"] += static_cast<int>(count);
+    }
+  }
+
   void requireClosed(const Arrangement& lines) const {
     bool hasFace = false;
     for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
@@ -380,7 +424,7 @@ class SheetMaker {
   void takeNecks() {
     const double widest = settings_.neckWidth > 0
                               ? settings_.neckWidth * (1 + 1e-9) + tolerance_
-                              : widestNeck(rays_, tileScale(cuts_.lines, rays_, tolerance_));
+                              : widestNeck(rays_, scale_);
     for (int k = 0; k < std::ssize(rays_); ++k) {
       const CutRay& ray = rays_[k];
       if (ray.stop == kNever) continue;
@@ -394,9 +438,7 @@ class SheetMaker {
       neck.joint = ray.stopPlace;
       if (!settings_.areJointsInNecks) continue;
       const double share = (ray.tip + 0.5 * ray.width()) / ray.stop;
-      // Necks between ends that face each other have their vertex in the middle.
-      const bool isMiddle = ray.partner >= 0 && (rays_[ray.partner].stopPlace - ray.stopPlace).norm() == 0;
-      if (!isMiddle) neck.joint = ray.from + share * (ray.stopPlace - ray.from);
+      if (!ray.isFacing) neck.joint = ray.from + share * (ray.stopPlace - ray.from);
     }
   }
 
@@ -669,6 +711,7 @@ class SheetMaker {
   std::vector<FaceJoint> joints_;
   double narrowest_ = kNever, widest_ = 0;  // metres
   double moved_ = 0;
+  double scale_ = 0;  // of a tile, metres
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -810,7 +853,8 @@ class CutPatternReader {
       }
       const Arrangement lines(segmentsOf(others), tolerance_);
       const auto isMark = [&](const DrawnPath* path) {
-        if (path->isClosed) return false;
+        const double apart = (path->points.back() - path->points.front()).norm();
+        if (path->isClosed || lengthOf(*path) > 1.05 * apart) return false;
         for (const bool isReversed : {false, true}) {
           const Vector2& from = isReversed ? path->points.back() : path->points.front();
           const Vector2& to = isReversed ? path->points.front() : path->points.back();

@@ -103,6 +103,7 @@ void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file
     }
     if (points.empty() || points.back() != point) points.push_back(point);
   }
+  if (points.size() > 3 && points.front() == points.back()) path.isClosed = true;
   if (path.isClosed && points.size() > 1 && points.front() == points.back()) points.pop_back();
   if (points.size() < 2) {
     ++drawing.ignored["line without length"];

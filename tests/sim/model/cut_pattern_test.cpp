@@ -245,6 +245,8 @@ TEST(CutPatterns, OtherLinesAreToldApart) {
   expectPlainGrid(read("a.svg", gridWith("<circle cx=\"-10\" cy=\"-10\" r=\"2\"/>")),
                   "1 x outline without cuts");
   expectPlainGrid(read("a.svg", gridWith("<circle cx=\"10\" cy=\"10\" r=\"2\"/>")), "1 x hole in a tile");
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V83\"/>")),
+                  "1 x end of a cut beyond the border");
   // The same cut twice.
   expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V61\"/><path d=\"M20 59V45\"/>")),
                   "16 tiles and 24 hinges");
