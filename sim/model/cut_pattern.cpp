@@ -12,6 +12,8 @@
 // 5. *Tiles* are the faces between lines and necks. A face without a neck is no tile: it falls out,
 //    or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
 // 6. *Joints* are at the far ends of the necks, where the design's vertices are.
+#include "sim/model/cut_pattern.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -27,7 +29,6 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
-#include "sim/model/cut_pattern.h"
 #include "sim/model/model_formats.h"
 
 namespace kirireel::model {
@@ -64,7 +65,7 @@ struct CutRay {
   double straight = 0;              // how far the cut runs straight up to its end
   double hit = kNever;              // the first line, metres from the end
   Vector2 hitPlace = Vector2::Zero();
-  int partner = -1;    // the ray of the end that it runs into, which comes the other way
+  int partner = -1;  // the ray of the end that it runs into, which comes the other way
   double stop = kNever;
   Vector2 stopPlace = Vector2::Zero();
   bool isRunning = true;
@@ -196,7 +197,8 @@ class RayTracer {
       for (const int node : {first, second}) {
         const Vector2 rest = lines_.at(node) - ray.from;
         const double ahead = rest.dot(ray.along);
-        if (ahead <= tolerance_ || std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance_)) {
+        if (ahead <= tolerance_ ||
+            std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance_)) {
           continue;
         }
         hasEnd = true;
@@ -414,17 +416,17 @@ class SheetMaker {
     for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
     for (const CutRay& ray : rays_) {
       if (ray.hit < kNever && hasFace) continue;
-      throw fault(fmt::format("the outline is open: the line that ends at {} leads out of the "
-                              "sheet; close the outline, or end the line at it",
-                              drawing_.place(ray.from)));
+      throw fault(
+          fmt::format("the outline is open: the line that ends at {} leads out of the "
+                      "sheet; close the outline, or end the line at it",
+                      drawing_.place(ray.from)));
     }
     if (!hasFace) throw fault("there are no lines of a sheet in it; draw its outline and its cuts");
   }
 
   void takeNecks() {
-    const double widest = settings_.neckWidth > 0
-                              ? settings_.neckWidth * (1 + 1e-9) + tolerance_
-                              : widestNeck(rays_, scale_);
+    const double widest = settings_.neckWidth > 0 ? settings_.neckWidth * (1 + 1e-9) + tolerance_
+                                                  : widestNeck(rays_, scale_);
     for (int k = 0; k < std::ssize(rays_); ++k) {
       const CutRay& ray = rays_[k];
       if (ray.stop == kNever) continue;
@@ -471,9 +473,10 @@ class SheetMaker {
       const int node = *whole.nodeAt(rays_[k].from);
       const int cycle = whole.cycleOf(whole.leaving(node)[0]);
       if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
-        throw fault(fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
-                                "it, or give --widest-neck if a neck is there",
-                                drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
+        throw fault(
+            fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
+                        "it, or give --widest-neck if a neck is there",
+                        drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
       }
       ++leftOut_["cut that ends within a tile"];
     }
@@ -532,11 +535,11 @@ class SheetMaker {
         continue;
       }
       if (!others.empty()) {
-        throw fault(fmt::format("the strip of material at {} has necks to its neighbour at {} and "
-                                "{}: it can only bend, and is no rigid tile; see docs/drawings.md",
-                                drawing_.place(inner(whole, faces_[left])),
-                                drawing_.place(whole.at(others.front().node)),
-                                drawing_.place(whole.at(node))));
+        throw fault(fmt::format(
+            "the strip of material at {} has necks to its neighbour at {} and "
+            "{}: it can only bend, and is no rigid tile; see docs/drawings.md",
+            drawing_.place(inner(whole, faces_[left])),
+            drawing_.place(whole.at(others.front().node)), drawing_.place(whole.at(node))));
       }
       others.push_back({node, ray.width()});
       hasNeck_[left] = hasNeck_[right] = true;
@@ -566,7 +569,9 @@ class SheetMaker {
   /// Step 5.
   void dropLooseFaces(const Arrangement& whole) {
     const std::vector<int> parts = whole.parts();
-    const auto partOf = [&](int face) { return parts[whole.from(whole.cycles()[faces_[face]][0])]; };
+    const auto partOf = [&](int face) {
+      return parts[whole.from(whole.cycles()[faces_[face]][0])];
+    };
     std::map<int, int> facesOf;
     std::set<int> sheets;
     std::string fallen;
@@ -590,23 +595,26 @@ class SheetMaker {
           isRound |= partOf(other) != partOf(f) &&
                      isWithinRing(own, whole.at(whole.from(whole.cycles()[faces_[other]][0])));
         }
-        isLikeTile |= hasNeck_[other] &&
-                      std::abs(whole.areaOf(faces_[other]) - area) < 0.01 * area;
+        isLikeTile |= hasNeck_[other] && std::abs(whole.areaOf(faces_[other]) - area) < 0.01 * area;
       }
       const bool isShared = facesOf[partOf(f)] > 1;
       if (isShared && (isLikeTile || sheets.empty())) {
-        throw fault(fmt::format("the piece at {} hangs by nothing; let a cut round it stop short "
-                                "of the line that it runs into",
-                                drawing_.place(inner(whole, faces_[f]))));
+        throw fault(
+            fmt::format("the piece at {} hangs by nothing; let a cut round it stop short "
+                        "of the line that it runs into",
+                        drawing_.place(inner(whole, faces_[f]))));
       }
-      if (isWithin) ++leftOut_["hole in a tile"];
+      if (isWithin)
+        ++leftOut_["hole in a tile"];
       else if (isShared) {
         if (fallen.empty()) fallen = drawing_.place(inner(whole, faces_[f]));
         ++leftOut_[fmt::format("piece that falls out (one at {})", fallen)];
-      }
-      else if (isRound) ++leftOut_["frame round the sheet"];
-      else if (!sheets.empty()) ++leftOut_["outline without cuts"];
-      else hasNeck_[f] = true;  // sheets of one tile
+      } else if (isRound)
+        ++leftOut_["frame round the sheet"];
+      else if (!sheets.empty())
+        ++leftOut_["outline without cuts"];
+      else
+        hasNeck_[f] = true;  // sheets of one tile
     }
   }
 
@@ -659,7 +667,8 @@ class SheetMaker {
                                const std::set<int>& joints, const std::set<int>& cutEnds) const {
     std::vector<int> halves;
     for (const int half : cycle) {
-      const bool isEnd = cutEnds.contains(whole.from(half)) && whole.leaving(whole.from(half)).size() <= 2;
+      const bool isEnd =
+          cutEnds.contains(whole.from(half)) && whole.leaving(whole.from(half)).size() <= 2;
       if (!isEnd || joints.contains(half)) halves.push_back(half);
     }
     // Begun at the lowest of the leftmost, which is a corner.
@@ -679,9 +688,8 @@ class SheetMaker {
     };
     // From one sure corner to the next: the first, the farthest from it, and joints.
     const Vector2 start = whole.at(whole.from(halves[0]));
-    const auto farthest = std::ranges::max_element(halves, {}, [&](int half) {
-      return (whole.at(whole.from(half)) - start).norm();
-    });
+    const auto farthest = std::ranges::max_element(
+        halves, {}, [&](int half) { return (whole.at(whole.from(half)) - start).norm(); });
     const int far = *farthest;
     for (std::size_t k = 0; k <= halves.size(); ++k) {
       const int half = halves[k % halves.size()];
@@ -705,8 +713,8 @@ class SheetMaker {
   std::vector<CutRay> rays_;
   std::set<int> isExtended_;
   std::vector<CutNeck> necks_;
-  std::vector<int> faces_;    // cycles that run anticlockwise
-  std::vector<int> faceOf_;   // by cycles
+  std::vector<int> faces_;     // cycles that run anticlockwise
+  std::vector<int> faceOf_;    // by cycles
   std::vector<bool> hasNeck_;  // of faces
   std::vector<FaceJoint> joints_;
   double narrowest_ = kNever, widest_ = 0;  // metres
@@ -749,10 +757,8 @@ class CutPatternReader {
   }
 
   Model read(std::vector<std::string>& warnings) {
-    if (groups_.empty()) {
-      throw inputErrorAt({file_}, "there are no lines of a sheet in it; draw its outline and its "
-                                  "cuts");
-    }
+    if (groups_.empty())
+      throw inputErrorAt({file_}, "no line is left to cut; choose fewer lines to ignore");
     if (settings_.cut.empty()) {
       findMarks();
       findEngraving();
@@ -762,8 +768,8 @@ class CutPatternReader {
       reading = sheetOf(pathsOf([](const LineGroup& group) { return group.role == "cut"; }));
     } catch (const InputError& error) {
       if (groups_.size() < 2) throw;
-      throw InputError(fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(),
-                                   describeGroups()));
+      throw InputError(
+          fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(), describeGroups()));
     }
     const TileTable table = patternTable(file_, reading.model.tiles);
     checkTiles(table);
@@ -797,7 +803,8 @@ class CutPatternReader {
         continue;
       }
       auto group = std::ranges::find_if(groups_, [&](const LineGroup& one) {
-        return one.colour == path.colour && one.layer == path.layer && one.isDashed == path.isDashed;
+        return one.colour == path.colour && one.layer == path.layer &&
+               one.isDashed == path.isDashed;
       });
       if (group == groups_.end()) {
         groups_.push_back({path.colour, path.layer, path.isDashed, {}, "cut"});
@@ -813,10 +820,10 @@ class CutPatternReader {
           names.insert(path.colour);
           if (!path.layer.empty()) names.insert(path.layer);
         }
-        throw inputErrorAt({file_},
-                           fmt::format("no line has the colour, layer or id '{}' of {}; there are {}",
-                                       shown(word), words == &settings_.cut ? "--cut" : "--ignore",
-                                       fmt::join(names, ", ")));
+        throw inputErrorAt(
+            {file_},
+            fmt::format("no line has the colour, layer or id '{}' of {}; there are {}", shown(word),
+                        words == &settings_.cut ? "--cut" : "--ignore", fmt::join(names, ", ")));
       }
     }
   }
@@ -904,8 +911,8 @@ class CutPatternReader {
     });
     for (int g = 0; g < std::ssize(groups_); ++g) {
       if (touches[g] || groups_[g].role != "cut") continue;
-      const auto rest = pathsOf(
-          [&](const LineGroup& one) { return &one != &groups_[g] && one.role == "cut"; });
+      const auto rest =
+          pathsOf([&](const LineGroup& one) { return &one != &groups_[g] && one.role == "cut"; });
       if (rest.empty()) continue;
       try {
         const SheetReading reading = sheetOf(rest);
@@ -943,7 +950,8 @@ class CutPatternReader {
       for (const auto& [end, before] : {std::pair(p.front(), p[1]), {p.back(), p[p.size() - 2]}}) {
         ++ends;
         const PlaneSegment ray(end, end + near * (end - before).normalized());
-        necks += std::ranges::any_of(lines, [&](const PlaneSegment& line) { return meet(ray, line); });
+        necks +=
+            std::ranges::any_of(lines, [&](const PlaneSegment& line) { return meet(ray, line); });
       }
     }
     return ends > 0 && 2 * necks >= ends;
@@ -1019,9 +1027,8 @@ class CutPatternReader {
         bothEnds += inside == 2 ? 1 : 0;
       }
       if (oneEnd == 0 || bothEnds > 0) continue;
-      const auto count = std::erase_if(paths, [&](const DrawnPath* path) {
-        return path->isClosed && path->points == ring;
-      });
+      const auto count = std::erase_if(
+          paths, [&](const DrawnPath* path) { return path->isClosed && path->points == ring; });
       if (count == 0) continue;
       for (std::size_t k = 0; k < ring.size(); ++k) {
         cuts.border.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
@@ -1078,8 +1085,14 @@ class CutPatternReader {
 Model readCutPattern(const fs::path& file, const ReadSettings& settings,
                      std::vector<std::string>& warnings) {
   const Drawing drawing = readDrawing(file);
-  const bool isPlain = settings.cut.empty() && settings.ignore.empty() &&
-                       settings.neckWidth == 0 && !settings.areJointsInNecks;
+  // Smaller ones are points, and have no tolerance that a double can tell.
+  constexpr double kLeastDrawing = 1e-9;  // metres
+  if (!(drawing.size() > kLeastDrawing)) {
+    throw inputErrorAt({file},
+                       "there are no lines of a sheet in it; draw its outline and its cuts");
+  }
+  const bool isPlain = settings.cut.empty() && settings.ignore.empty() && settings.neckWidth == 0 &&
+                       !settings.areJointsInNecks;
   if (isPlain && isOwnPattern(drawing)) {
     std::vector<std::string> own;
     try {

@@ -14,9 +14,9 @@ namespace kirireel::model {
 
 /// The lines that part a sheet, as if the cutter took nothing away.
 struct CutLines {
-  std::vector<PlaneSegment> lines;   ///< outline and cuts, metres
-  std::vector<PlaneSegment> border;  ///< of the removed material, that cuts end at; may be empty
-  double kerf = 0;                   ///< width of the slots, metres; 0 of slits
+  std::vector<PlaneSegment> lines;     ///< outline and cuts, metres
+  std::vector<PlaneSegment> border;    ///< of the removed material, that cuts end at; may be empty
+  double kerf = 0;                     ///< width of the slots, metres; 0 of slits
   std::map<std::string, int> leftOut;  ///< what is no cut, and how often
 };
 

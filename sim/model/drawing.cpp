@@ -70,12 +70,14 @@ double drawnNumber(std::string_view text, const std::filesystem::path& file,
   const char* const end = typed.data() + typed.size();
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value)) {
-    throw inputErrorAt({file}, fmt::format("'{}' is no number; {}", shown(text, 24),
-                                           kDrawingPurpose));
+    throw inputErrorAt({file},
+                       fmt::format("'{}' is no number; {}", shown(text, 24), kDrawingPurpose));
   }
   const std::size_t point = typed.find('.');
   const std::size_t exponent = std::min(typed.find_first_of("eE"), typed.size());
-  const std::size_t count = exponent < typed.size() ? 15 : point < exponent ? exponent - point - 1 : 0;
+  const std::size_t count = exponent < typed.size() ? 15
+                            : point < exponent      ? exponent - point - 1
+                                                    : 0;
   if (decimals) ++decimals->numbers[std::min<std::size_t>(count, 15)];
   return value;
 }

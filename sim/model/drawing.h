@@ -17,10 +17,10 @@ using Vector2 = Eigen::Vector2d;
 
 /// One line of a drawing; curves are chains of straight pieces.
 struct DrawnPath {
-  std::vector<Vector2> points;  ///< metres, y upwards; at least 2, a closed one repeats none
-  bool isClosed = false;        ///< the last point leads back to the first
-  std::string colour;           ///< "#ff0000"; "fill #ff0000" of a shape without a stroke
-  std::string layer;            ///< layer, or outermost group with a name; may be empty
+  std::vector<Vector2> points;     ///< metres, y upwards; at least 2, a closed one repeats none
+  bool isClosed = false;           ///< the last point leads back to the first
+  std::string colour;              ///< "#ff0000"; "fill #ff0000" of a shape without a stroke
+  std::string layer;               ///< layer, or outermost group with a name; may be empty
   std::vector<std::string> names;  ///< ids, labels and classes of it and of its groups
   bool isDashed = false;           ///< drawn with a dash pattern
 };

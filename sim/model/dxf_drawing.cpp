@@ -84,14 +84,21 @@ class DxfReader {
     std::optional<bool> hasSections;
     DxfEntity current;
     const auto finish = [&] {
-      if (current.type == "SECTION") section = current.text(2).value_or("");
-      else if (current.type == "ENDSEC") section.clear();
-      else if (current.type == "LAYER" && section == "TABLES") addLayer(current);
-      else if (current.type == "BLOCK") block = lowerCase(current.text(2).value_or(""));
-      else if (current.type == "ENDBLK") block.clear();
-      else if (section == "BLOCKS" && !block.empty()) blocks_[block].push_back(current);
+      if (current.type == "SECTION")
+        section = current.text(2).value_or("");
+      else if (current.type == "ENDSEC")
+        section.clear();
+      else if (current.type == "LAYER" && section == "TABLES")
+        addLayer(current);
+      else if (current.type == "BLOCK")
+        block = lowerCase(current.text(2).value_or(""));
+      else if (current.type == "ENDBLK")
+        block.clear();
+      else if (section == "BLOCKS" && !block.empty())
+        blocks_[block].push_back(current);
       // Cut-down files have entities without a section.
-      else if (section == "ENTITIES" || (section.empty() && !*hasSections)) entities_.push_back(current);
+      else if (section == "ENTITIES" || (section.empty() && !*hasSections))
+        entities_.push_back(current);
       if (current.type == "BLOCK") blocks_[block].push_back(current);  // its base point
     };
     std::string variable;
@@ -103,15 +110,19 @@ class DxfReader {
       const auto [end, error] = std::from_chars(code->data(), code->data() + code->size(), number);
       if (code->empty() && !value) break;  // an empty line at the end
       if (!value || error != std::errc() || end != code->data() + code->size()) {
-        throw inputErrorAt({file_, line - 1}, "this is no group code; save the drawing as ASCII DXF");
+        throw inputErrorAt({file_, line - 1},
+                           "this is no group code; save the drawing as ASCII DXF");
       }
       if (number == 0) {
-        if (hasSections) finish();
-        else hasSections = *value == "SECTION";
+        if (hasSections)
+          finish();
+        else
+          hasSections = *value == "SECTION";
         current = {std::string(*value), {}};
         continue;
       }
-      if (number == 9) variable = *value;
+      if (number == 9)
+        variable = *value;
       else if (section.empty() && current.type == "SECTION" && current.text(2) == "HEADER")
         header_.try_emplace(variable, *value);
       current.groups.emplace_back(number, *value);
@@ -137,14 +148,13 @@ class DxfReader {
     if (text) return drawnNumber(*text, file_, &decimals_);
     if (otherwise) return *otherwise;
     const bool isEnd = entity.type == "LINE";
-    throw inputErrorAt({file_}, fmt::format("a {} lacks {} (group {}); save the drawing again",
-                                            oneLine(entity.type), isEnd ? "an end" : "a number",
-                                            code));
+    throw inputErrorAt({file_},
+                       fmt::format("a {} lacks {} (group {}); save the drawing again",
+                                   oneLine(entity.type), isEnd ? "an end" : "a number", code));
   }
   int whole(const DxfEntity& entity, int code, int otherwise) {
     const auto text = entity.text(code);
-    return text ? static_cast<int>(std::clamp(drawnNumber(*text, file_), -1e9, 1e9))
-                : otherwise;
+    return text ? static_cast<int>(std::clamp(drawnNumber(*text, file_), -1e9, 1e9)) : otherwise;
   }
   Vector2 point(const DxfEntity& entity, int code) {
     const double x = number(entity, code);
@@ -157,8 +167,8 @@ class DxfReader {
       const char* name;
     };
     static const std::map<int, Unit> kUnits = {
-        {1, {0.0254, "in"}}, {2, {0.3048, "ft"}},    {4, {1e-3, "mm"}},  {5, {1e-2, "cm"}},
-        {6, {1, "m"}},       {8, {2.54e-8, "uin"}},  {9, {2.54e-5, "mil"}}, {10, {0.9144, "yd"}},
+        {1, {0.0254, "in"}}, {2, {0.3048, "ft"}},   {4, {1e-3, "mm"}},     {5, {1e-2, "cm"}},
+        {6, {1, "m"}},       {8, {2.54e-8, "uin"}}, {9, {2.54e-5, "mil"}}, {10, {0.9144, "yd"}},
         {13, {1e-6, "um"}},  {14, {0.1, "dm"}}};
     int unit = 0;
     if (const auto given = header_.find("$INSUNITS"); given != header_.end()) {
@@ -173,8 +183,8 @@ class DxfReader {
     for (std::size_t k = 0; k < entities.size(); ++k) {
       const DxfEntity& entity = entities[k];
       const std::string& type = entity.type;
-      static const std::vector<std::string> kSilent = {"", "SECTION", "ENDSEC", "EOF", "SEQEND",
-                                                       "BLOCK", "ATTRIB", "VIEWPORT", "VERTEX"};
+      static const std::vector<std::string> kSilent = {
+          "", "SECTION", "ENDSEC", "EOF", "SEQEND", "BLOCK", "ATTRIB", "VIEWPORT", "VERTEX"};
       if (std::ranges::find(kSilent, type) != kSilent.end()) continue;
       if (whole(entity, 67, 0) == 1) {
         ++drawing_.ignored["entity of a paper layout"];
@@ -223,14 +233,15 @@ class DxfReader {
     path.names = {path.layer};
     const auto layer = layers_.find(path.layer);
     const int colour = whole(entity, 62, 256);
-    path.colour = entity.text(420)
-                      ? fmt::format("#{:06x}", static_cast<unsigned>(whole(entity, 420, 0)) & 0xffffffU)
-                  : colour == 256 ? colourOf(layer == layers_.end() ? 7 : layer->second.colour)
-                  : colour == 0   ? context.colour
-                                  : colourOf(colour);
+    path.colour =
+        entity.text(420)
+            ? fmt::format("#{:06x}", static_cast<unsigned>(whole(entity, 420, 0)) & 0xffffffU)
+        : colour == 256 ? colourOf(layer == layers_.end() ? 7 : layer->second.colour)
+        : colour == 0   ? context.colour
+                        : colourOf(colour);
     const std::string_view dashes = entity.text(6).value_or("bylayer");
-    path.isDashed = isDashType(dashes) ||
-                    (lowerCase(dashes) == "bylayer" && layer != layers_.end() && layer->second.isDashed);
+    path.isDashed = isDashType(dashes) || (lowerCase(dashes) == "bylayer" &&
+                                           layer != layers_.end() && layer->second.isDashed);
     return path;
   }
 
@@ -279,8 +290,8 @@ class DxfReader {
     if (bulge != 0 && from != to) {
       const Vector2 half = 0.5 * (to - from);
       // The centre lies off the chord's middle by (1 - b^2) / (2 b) half chords, to the left.
-      const Vector2 centre = from + half + (1 - bulge * bulge) / (2 * bulge) *
-                                               Vector2(-half.y(), half.x());
+      const Vector2 centre =
+          from + half + (1 - bulge * bulge) / (2 * bulge) * Vector2(-half.y(), half.x());
       const Vector2 first = from - centre;
       arc(points, centre, first, Vector2(-first.y(), first.x()), 0, 4 * std::atan(bulge));
       points.back() = to;
@@ -338,12 +349,11 @@ class DxfReader {
       const double radius = number(entity, 40);
       const bool isArc = type == "ARC";
       const double from = isArc ? number(entity, 50) * kDxfDegree : 0;
-      double sweep = isArc ? std::fmod(number(entity, 51) * kDxfDegree - from, kFullCircle)
-                           : kFullCircle;
+      double sweep =
+          isArc ? std::fmod(number(entity, 51) * kDxfDegree - from, kFullCircle) : kFullCircle;
       if (sweep <= 0) sweep += kFullCircle;
       path.isClosed = !isArc;
-      if (isArc)
-        path.points.push_back(centre + radius * Vector2(std::cos(from), std::sin(from)));
+      if (isArc) path.points.push_back(centre + radius * Vector2(std::cos(from), std::sin(from)));
       arc(path.points, centre, {radius, 0}, {0, radius}, from, sweep);
     } else if (type == "ELLIPSE") {
       const Vector2 centre = point(entity, 10), major = point(entity, 11);
@@ -373,7 +383,8 @@ class DxfReader {
       if (code == 40) knots.push_back(drawnNumber(value, file_));
       if (code == 41) weights.push_back(drawnNumber(value, file_));
       if (code == 10) control.emplace_back(drawnNumber(value, file_, &decimals_), 0, 1);
-      if (code == 20 && !control.empty()) control.back().y() = drawnNumber(value, file_, &decimals_);
+      if (code == 20 && !control.empty())
+        control.back().y() = drawnNumber(value, file_, &decimals_);
       if (code == 11) fit.emplace_back(drawnNumber(value, file_, &decimals_), 0);
       if (code == 21 && !fit.empty()) fit.back().y() = drawnNumber(value, file_, &decimals_);
     }
@@ -417,8 +428,10 @@ class DxfReader {
       for (; pieces < 256 && degree > 1; pieces *= 2) {
         double worst = 0;
         for (int k = 0; k < pieces; ++k) {
-          const double a = from + (to - from) * k / pieces, b = from + (to - from) * (k + 1) / pieces;
-          worst = std::max(worst, (at(span, 0.5 * (a + b)) - 0.5 * (at(span, a) + at(span, b))).norm());
+          const double a = from + (to - from) * k / pieces,
+                       b = from + (to - from) * (k + 1) / pieces;
+          worst =
+              std::max(worst, (at(span, 0.5 * (a + b)) - 0.5 * (at(span, a) + at(span, b))).norm());
         }
         if (worst <= enough) break;
       }

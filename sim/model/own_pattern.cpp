@@ -233,8 +233,8 @@ class PatternReader {
       if (!nearest || (neck.joint - end).norm() < (nearest->joint - end).norm()) nearest = &neck;
     }
     if (nearest) return nearest->joint;
-    throw patternFault(file_, fmt::format("the line that ends at {} leads nowhere",
-                                          drawing_.place(end)));
+    throw patternFault(file_,
+                       fmt::format("the line that ends at {} leads nowhere", drawing_.place(end)));
   }
 
   // A slit becomes two sides, one for each of its tiles; a cut has a tile on its left alone.
@@ -293,8 +293,8 @@ class PatternReader {
           side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > kMostTileVertices;
       if (isStray) {
         const Vector2& where = points_[sides_[cycle.back()].to];
-        throw patternFault(file_, fmt::format("the lines round {} do not close to tiles",
-                                              drawing_.place(where)));
+        throw patternFault(
+            file_, fmt::format("the lines round {} do not close to tiles", drawing_.place(where)));
       }
     } while (side != first);
     cycles_.push_back(std::move(cycle));
@@ -326,8 +326,8 @@ class PatternReader {
       }
     }
     if (!before || !after || before->tile == after->tile) {
-      throw patternFault(file_, fmt::format("the hinge at {} joins no two tiles",
-                                            drawing_.place(neck.joint)));
+      throw patternFault(
+          file_, fmt::format("the hinge at {} joins no two tiles", drawing_.place(neck.joint)));
     }
     return {*before, *after, JointFace::Both};
   }
@@ -336,7 +336,7 @@ class PatternReader {
   const Drawing& drawing_;
   const fs::path& file_;
   bool isRounded_;
-  double tolerance_;  // metres
+  double tolerance_;                              // metres
   double sameDirection_ = kSamePatternDirection;  // radians
   Vector2 origin_;
   std::vector<Neck> necks_;

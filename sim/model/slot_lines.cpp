@@ -151,8 +151,8 @@ std::vector<FacingEdges> facingEdges(const std::vector<PlaneSegment>& border, do
     const double near = (first - (a + from * u)).dot(right), far = (last - (a + to * u)).dot(right);
     const double width = 0.5 * (near + far);
     if (near <= tolerance || far <= tolerance || width > reach) return;
-    found.push_back({{0.5 * (a + from * u + first), 0.5 * (a + to * u + last)}, width, to - from,
-                     {i, j}});
+    found.push_back(
+        {{0.5 * (a + from * u + first), 0.5 * (a + to * u + last)}, width, to - from, {i, j}});
     // Short overlaps are of ends and corners.
     if (to - from < width) return;
     nearest[i] = std::min(nearest[i], width);
@@ -178,7 +178,7 @@ double medianWidth(std::vector<FacingEdges> pairs) {
 }  // namespace
 
 std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
-                              bool& areAllClosed) {
+                                  bool& areAllClosed) {
   std::vector<SlotRing> rings;
   areAllClosed = true;
   std::vector<const DrawnPath*> open;
@@ -229,11 +229,11 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
   std::ranges::stable_sort(all, std::greater<>(),
                            [](const SlotRing& ring) { return std::abs(ringArea(ring)); });
   // Frames of pages.
-  while (all.size() > 2 && std::all_of(all.begin() + 1, all.end(), [&](const SlotRing& ring) {
-           return holds(all[0], ring);
-         }) && std::all_of(all.begin() + 2, all.end(), [&](const SlotRing& ring) {
-           return holds(all[1], ring);
-         })) {
+  while (all.size() > 2 &&
+         std::all_of(all.begin() + 1, all.end(),
+                     [&](const SlotRing& ring) { return holds(all[0], ring); }) &&
+         std::all_of(all.begin() + 2, all.end(),
+                     [&](const SlotRing& ring) { return holds(all[1], ring); })) {
     all.erase(all.begin());
     ++cuts.leftOut["frame round the sheet"];
   }

@@ -33,9 +33,8 @@ constexpr int kDeepestElement = 200;
 constexpr std::string_view kSvgBlank = " \t\r\n\f";
 
 const std::map<std::string_view, double> kSvgUnits = {
-    {"mm", 1e-3},       {"cm", 1e-2},       {"in", kInch},   {"pt", kInch / 72},
-    {"pc", kInch / 6},  {"px", kPixel},     {"m", 1},        {"q", 0.25e-3},
-    {"em", 16 * kPixel}, {"ex", 8 * kPixel}};
+    {"mm", 1e-3},   {"cm", 1e-2}, {"in", kInch},  {"pt", kInch / 72},  {"pc", kInch / 6},
+    {"px", kPixel}, {"m", 1},     {"q", 0.25e-3}, {"em", 16 * kPixel}, {"ex", 8 * kPixel}};
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(kSvgBlank);
@@ -145,8 +144,9 @@ class SvgReader {
     pugi::xml_document document;
     const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
     if (!parsed) {
-      const auto lines = std::count(text.begin(), text.begin() + std::min<std::ptrdiff_t>(
-                                                      parsed.offset, std::ssize(text)), '\n');
+      const auto lines = std::count(
+          text.begin(), text.begin() + std::min<std::ptrdiff_t>(parsed.offset, std::ssize(text)),
+          '\n');
       throw inputErrorAt({file_, static_cast<int>(lines) + 1},
                          fmt::format("this is no XML: {}; save the drawing as SVG again",
                                      lowerCase(parsed.description())));
@@ -273,8 +273,8 @@ class SvgReader {
     const std::string_view text = trimmed(node.attribute(name).value());
     if (text.empty() || text == "auto") return otherwise;
     std::size_t end = text.size();
-    while (end > 0 && (std::isalpha(static_cast<unsigned char>(text[end - 1])) ||
-                       text[end - 1] == '%')) {
+    while (end > 0 &&
+           (std::isalpha(static_cast<unsigned char>(text[end - 1])) || text[end - 1] == '%')) {
       --end;
     }
     const std::string unit = lowerCase(text.substr(end));
@@ -366,13 +366,18 @@ class SvgReader {
       const auto turn = [](double degrees) {
         return Eigen::Rotation2Dd(degrees * std::numbers::pi / 180);
       };
-      if (name == "matrix" && given == 6) one.matrix() << n[0], n[2], n[4], n[1], n[3], n[5], 0, 0, 1;
-      else if (name == "translate") one.translate(Vector2(n[0], n[1]));
-      else if (name == "scale") one.scale(Vector2(n[0], given > 1 ? n[1] : n[0]));
+      if (name == "matrix" && given == 6)
+        one.matrix() << n[0], n[2], n[4], n[1], n[3], n[5], 0, 0, 1;
+      else if (name == "translate")
+        one.translate(Vector2(n[0], n[1]));
+      else if (name == "scale")
+        one.scale(Vector2(n[0], given > 1 ? n[1] : n[0]));
       else if (name == "rotate")
         one.translate(Vector2(n[1], n[2])).rotate(turn(n[0])).translate(Vector2(-n[1], -n[2]));
-      else if (name == "skewX") one.matrix()(0, 1) = std::tan(n[0] * std::numbers::pi / 180);
-      else if (name == "skewY") one.matrix()(1, 0) = std::tan(n[0] * std::numbers::pi / 180);
+      else if (name == "skewX")
+        one.matrix()(0, 1) = std::tan(n[0] * std::numbers::pi / 180);
+      else if (name == "skewY")
+        one.matrix()(1, 0) = std::tan(n[0] * std::numbers::pi / 180);
       else
         throw inputErrorAt({file_}, fmt::format("'{}' is no transform of SVG", shown(name, 24)));
       whole = whole * one;
@@ -384,8 +389,9 @@ class SvgReader {
   void walkChildren(const pugi::xml_node& node, const SvgTransform& transform,
                     const SvgStyle& style, int depth) {
     if (depth > kDeepestElement) {
-      throw inputErrorAt({file_}, fmt::format("groups or uses are nested more than {} deep; ungroup them",
-                                              kDeepestElement));
+      throw inputErrorAt({file_},
+                         fmt::format("groups or uses are nested more than {} deep; ungroup them",
+                                     kDeepestElement));
     }
     for (const pugi::xml_node& child : node.children()) walk(child, transform, style, depth);
   }
@@ -395,9 +401,10 @@ class SvgReader {
     if (node.type() != pugi::node_element) return;
     const std::string tag = localName(node.name());
     static const std::vector<std::string> kSilent = {
-        "style", "title", "desc", "metadata", "namedview", "defs", "symbol", "clippath", "mask",
-        "pattern", "marker", "script", "lineargradient", "radialgradient", "filter", "animate",
-        "pgf", "i:pgf", "aipgfref", "perspective"};
+        "style",   "title",  "desc",           "metadata",       "namedview",
+        "defs",    "symbol", "clippath",       "mask",           "pattern",
+        "marker",  "script", "lineargradient", "radialgradient", "filter",
+        "animate", "pgf",    "i:pgf",          "aipgfref",       "perspective"};
     if (std::ranges::find(kSilent, tag) != kSilent.end()) return;
     if (const auto display = property(node, "display"); display && *display == "none") {
       ++drawing_.ignored["hidden element"];
@@ -426,8 +433,8 @@ class SvgReader {
     const double height = length(node, "height", view.y(), view.y());
     const SvgTransform inner = viewTransform(node, width, height);
     const std::vector<double> box = numbers(node.attribute("viewBox").value());
-    if (box.size() == 4 && !std::string_view(node.attribute("preserveAspectRatio").value())
-                                .starts_with("none")) {
+    if (box.size() == 4 &&
+        !std::string_view(node.attribute("preserveAspectRatio").value()).starts_with("none")) {
       // What is left over in one direction is split, as xMidYMid says.
       const Vector2 used(inner.linear()(0, 0) * box[2], inner.linear()(1, 1) * box[3]);
       transform.translate(0.5 * (Vector2(width, height) - used));
@@ -519,8 +526,8 @@ class SvgReader {
     if (!(w > 0) || !(h > 0)) return;
     if (!(rx > 0) || !(ry > 0)) return add({{x, y}, {x + w, y}, {x + w, y + h}, {x, y + h}}, true);
     std::vector<Vector2> points;
-    const Vector2 centres[] = {{x + w - rx, y + ry}, {x + w - rx, y + h - ry},
-                               {x + rx, y + h - ry}, {x + rx, y + ry}};
+    const Vector2 centres[] = {
+        {x + w - rx, y + ry}, {x + w - rx, y + h - ry}, {x + rx, y + h - ry}, {x + rx, y + ry}};
     for (int k = 0; k < 4; ++k) {
       const double from = (k - 1) * std::numbers::pi / 2;
       points.push_back(centres[k] + Vector2(rx * std::cos(from), ry * std::sin(from)));
@@ -596,8 +603,8 @@ class SvgReader {
         case 'T': {
           const bool isCubic = kind == 'C' || kind == 'S';
           const bool isSmooth = kind == 'S' || kind == 'T';
-          const bool continues = isCubic ? before == 'C' || before == 'S'
-                                         : before == 'Q' || before == 'T';
+          const bool continues =
+              isCubic ? before == 'C' || before == 'S' : before == 'Q' || before == 'T';
           Vector2 a = isSmooth ? (continues ? Vector2(2 * at - control) : at) : point();
           control = isCubic ? point() : a;
           const Vector2 end = point();
@@ -635,9 +642,8 @@ class SvgReader {
                 const Vector2& b, const Vector2& to) {
     // |B''| <= 6 max |second differences|; the chord's error is |B''| / (8 n^2).
     const double bend = 6 * std::max((from - 2 * a + b).norm(), (a - 2 * b + to).norm());
-    int pieces = std::clamp(
-        static_cast<int>(std::ceil(std::sqrt(bend / (8 * localFlattening_)))), bend > 0 ? 4 : 1,
-        400);
+    int pieces = std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / (8 * localFlattening_)))),
+                            bend > 0 ? 4 : 1, 400);
     pieces += bend > 0 ? pieces % 2 : 0;  // an S has its turning point in the middle
     for (int k = 1; k <= pieces; ++k) {
       const double t = static_cast<double>(k) / pieces, s = 1 - t;
@@ -708,9 +714,9 @@ class SvgReader {
 
 std::string normalColour(std::string_view text) {
   static const std::map<std::string, std::string> kNames = {
-      {"black", "#000000"},  {"white", "#ffffff"}, {"red", "#ff0000"},    {"lime", "#00ff00"},
-      {"blue", "#0000ff"},   {"green", "#008000"}, {"yellow", "#ffff00"}, {"cyan", "#00ffff"},
-      {"aqua", "#00ffff"},   {"gray", "#808080"},  {"grey", "#808080"},   {"magenta", "#ff00ff"},
+      {"black", "#000000"},   {"white", "#ffffff"},  {"red", "#ff0000"},    {"lime", "#00ff00"},
+      {"blue", "#0000ff"},    {"green", "#008000"},  {"yellow", "#ffff00"}, {"cyan", "#00ffff"},
+      {"aqua", "#00ffff"},    {"gray", "#808080"},   {"grey", "#808080"},   {"magenta", "#ff00ff"},
       {"fuchsia", "#ff00ff"}, {"orange", "#ffa500"}, {"purple", "#800080"}, {"navy", "#000080"}};
   std::string colour = lowerCase(trimmed(text));
   if (const auto known = kNames.find(colour); known != kNames.end()) return known->second;

@@ -193,9 +193,9 @@ std::string resaved(const std::vector<exports::PatternLine>& lines, int digits, 
       // Turned back by 90 degrees, twice as large, y downwards.
       const Eigen::Vector2d from(-2e3 * line.from.y(), -2e3 * line.from.x());
       const Eigen::Vector2d to(-2e3 * line.to.y(), -2e3 * line.to.x());
-      text += fmt::format("<path style='stroke:red' d='m{:.{}f},{:.{}f} {:.{}f},{:.{}f}'/>", from.x(),
-                          digits, from.y(), digits, to.x() - from.x(), digits, to.y() - from.y(),
-                          digits);
+      text += fmt::format("<path style='stroke:red' d='m{:.{}f},{:.{}f} {:.{}f},{:.{}f}'/>",
+                          from.x(), digits, from.y(), digits, to.x() - from.x(), digits,
+                          to.y() - from.y(), digits);
     }
     text += "</g>";
   }

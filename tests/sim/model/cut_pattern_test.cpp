@@ -42,18 +42,21 @@ Reading read(const std::string& name, const std::string& text, const ReadSetting
 
 /// A page in millimetres.
 std::string page(const std::string& content) {
-  return "<svg width=\"400mm\" height=\"400mm\" viewBox=\"0 0 400 400\" fill=\"none\" stroke=\"black\">" +
+  return "<svg width=\"400mm\" height=\"400mm\" viewBox=\"0 0 400 400\" fill=\"none\" "
+         "stroke=\"black\">" +
          content + "</svg>";
 }
 
-std::string path(const Point& from, const Point& to, int digits = 17, const std::string& style = "") {
+std::string path(const Point& from, const Point& to, int digits = 17,
+                 const std::string& style = "") {
   return fmt::format("<path {}d=\"M{:.{}f} {:.{}f}L{:.{}f} {:.{}f}\"/>\n", style, from.x(), digits,
                      from.y(), digits, to.x(), digits, to.y(), digits);
 }
 
 std::string closedPath(const std::vector<Point>& points, int digits = 9) {
   std::string d;
-  for (const Point& p : points) d += fmt::format("{}{:.{}f} {:.{}f}", d.empty() ? "M" : "L", p.x(), digits, p.y(), digits);
+  for (const Point& p : points)
+    d += fmt::format("{}{:.{}f} {:.{}f}", d.empty() ? "M" : "L", p.x(), digits, p.y(), digits);
   return "<path d=\"" + d + "Z\"/>\n";
 }
 
@@ -124,7 +127,8 @@ TEST(CutPatterns, SlitGridsComeBackAtAnyAngleAndRounding) {
       std::string lines;
       for (const auto& [a, b] : grid.slits) lines += path(move * a, move * b, digits);
       const std::vector<Point> outline = grid.outline();
-      for (int k = 0; k < 4; ++k) lines += path(move * outline[k], move * outline[(k + 1) % 4], digits);
+      for (int k = 0; k < 4; ++k)
+        lines += path(move * outline[k], move * outline[(k + 1) % 4], digits);
       SCOPED_TRACE(fmt::format("{} digits, {} x {}", digits, n, n));
       expectGrid(read("a.svg", page(lines)), grid, move,
                  2 * std::pow(10.0, -digits) + 1e-6 * 20 * n * std::sqrt(2.0));
@@ -134,15 +138,18 @@ TEST(CutPatterns, SlitGridsComeBackAtAnyAngleAndRounding) {
 
 TEST(CutPatterns, SlitGridsInDxfComeBack) {
   const SlitGrid grid(4, [] { return 0.7; });
-  std::string text = "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
   for (const auto& [a, b] : grid.slits) {
-    text += fmt::format("0\nLINE\n8\nCUT\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", a.x(), -a.y(), b.x(), -b.y());
+    text += fmt::format("0\nLINE\n8\nCUT\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", a.x(), -a.y(), b.x(),
+                        -b.y());
   }
   text += "0\nLWPOLYLINE\n8\nOUT\n90\n4\n70\n1\n";
   for (const Point& p : grid.outline()) text += fmt::format("10\n{}\n20\n{}\n", p.x(), -p.y());
   const Reading reading = read("a.dxf", text + "0\nENDSEC\n0\nEOF\n");
   expectGrid(reading, grid, Eigen::Affine2d::Identity(), 1e-9);
-  EXPECT_THAT(reading.note, HasSubstr("slits: 16 tiles and 24 hinges, necks 0.7 mm, sheet 80 x 80 mm"));
+  EXPECT_THAT(reading.note,
+              HasSubstr("slits: 16 tiles and 24 hinges, necks 0.7 mm, sheet 80 x 80 mm"));
 }
 
 /// A slot with round ends of so many pieces; pieces of 2: pointed, of 1: square.
@@ -154,7 +161,8 @@ std::vector<Point> stadium(const Line& line, double width, int pieces) {
     const Point& end = side == 1 ? line.second : line.first;
     for (int k = 0; k <= pieces; ++k) {
       const double angle = std::numbers::pi * (k / static_cast<double>(pieces) - 0.5);
-      points.push_back(end + 0.5 * width * (side * std::cos(angle) * along + side * std::sin(angle) * left));
+      points.push_back(end + 0.5 * width *
+                                 (side * std::cos(angle) * along + side * std::sin(angle) * left));
     }
   }
   return points;
@@ -219,8 +227,8 @@ std::string gridWith(const std::string& more, const std::string& cutStyle = "str
 }
 
 void expectPlainGrid(const Reading& reading, const std::string& said) {
-  expectGrid(reading, SlitGrid(4, [] { return 1.0; }), Eigen::Affine2d(Eigen::Translation2d(100, 100)),
-             1e-6);
+  expectGrid(reading, SlitGrid(4, [] { return 1.0; }),
+             Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
   EXPECT_THAT(reading.note, HasSubstr(said));
 }
 
@@ -238,13 +246,15 @@ TEST(CutPatterns, OtherLinesAreToldApart) {
   expectPlainGrid(read("a.svg", gridWith("<path stroke-dasharray=\"1\" d=\"M0 0L80 80\"/>")),
                   "1 #000000, dashed (hinge mark)");
   expectPlainGrid(read("a.svg", gridWith("<text>name</text>")), "left out: 1 x text");
-  expectPlainGrid(read("a.svg", gridWith("<rect x=\"-20\" y=\"-20\" width=\"120\" height=\"120\"/>")),
-                  "1 x frame round the sheet");
+  expectPlainGrid(
+      read("a.svg", gridWith("<rect x=\"-20\" y=\"-20\" width=\"120\" height=\"120\"/>")),
+      "1 x frame round the sheet");
   expectPlainGrid(read("a.svg", gridWith("<path d=\"M-10 -12V-8M-12 -10H-8\"/>")),
                   "2 x line beside the sheet");
   expectPlainGrid(read("a.svg", gridWith("<circle cx=\"-10\" cy=\"-10\" r=\"2\"/>")),
                   "1 x outline without cuts");
-  expectPlainGrid(read("a.svg", gridWith("<circle cx=\"10\" cy=\"10\" r=\"2\"/>")), "1 x hole in a tile");
+  expectPlainGrid(read("a.svg", gridWith("<circle cx=\"10\" cy=\"10\" r=\"2\"/>")),
+                  "1 x hole in a tile");
   expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V83\"/>")),
                   "1 x end of a cut beyond the border");
   // The same cut twice.
@@ -282,7 +292,8 @@ TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
     const Point centre = k % 2 ? end : Point(end + 0.5 * (grid.joints[k] - end).normalized());
     text += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"0.5\"/>", centre.x(), centre.y());
   }
-  const Reading reading = read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+  const Reading reading =
+      read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
   expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
   EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
   EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
@@ -290,17 +301,19 @@ TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
 
 TEST(CutPatterns, CurvedOutlinesAndCuts) {
   // A disk in four quarters, joined at its rim; one in two halves along an S.
-  const Reading quarters = read(
-      "a.svg", page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M50 50V11M50 50V89M50 50H11M50 "
-                    "50H89\"/>"));
+  const Reading quarters =
+      read("a.svg",
+           page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M50 50V11M50 50V89M50 50H11M50 "
+                "50H89\"/>"));
   EXPECT_EQ(quarters.refusal, "");
   EXPECT_EQ(quarters.model.tiles.size(), 4U);
   EXPECT_EQ(quarters.model.joints.size(), 4U);
   for (const Tile& tile : quarters.model.tiles) {
     EXPECT_NEAR(1e6 * tileArea(tile), 400 * std::numbers::pi, 1);  // measured 0.7
   }
-  const Reading halves = read("a.svg", page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M10 50A20 "
-                                            "20 0 0 1 50 50A20 20 0 0 0 89.875 52.2331\"/>"));
+  const Reading halves =
+      read("a.svg", page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M10 50A20 "
+                         "20 0 0 1 50 50A20 20 0 0 0 89.875 52.2331\"/>"));
   EXPECT_EQ(halves.refusal, "");
   EXPECT_EQ(halves.model.tiles.size(), 2U);
   EXPECT_EQ(halves.model.joints.size(), 1U);
@@ -308,7 +321,8 @@ TEST(CutPatterns, CurvedOutlinesAndCuts) {
 
 TEST(CutPatterns, SeveralSheetsAreOneModel) {
   const std::string one = "<path d=\"M0 0H40V20H0ZM20 0V19\"/>";
-  const Reading reading = read("a.svg", page(one + "<g transform=\"translate(0 50)\">" + one + "</g>"));
+  const Reading reading =
+      read("a.svg", page(one + "<g transform=\"translate(0 50)\">" + one + "</g>"));
   EXPECT_EQ(reading.model.tiles.size(), 4U);
   EXPECT_EQ(reading.model.joints.size(), 2U);
 }
@@ -341,20 +355,23 @@ TEST(CutPatterns, TheWidestNeckMayBeGiven) {
 TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
               HasSubstr("a.svg: error: there are no lines of a sheet in it"));
-  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
-              HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leads out of "
-                        "the sheet; close the outline, or end the line at it"));
+  EXPECT_THAT(
+      read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
+      HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leads out of "
+                "the sheet; close the outline, or end the line at it"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0V1M20 0V18\"/>")).refusal,
               HasSubstr("the outline is open"));
-  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
-              HasSubstr("the piece at (10, 10) mm hangs by nothing; let a cut round it stop short"));
+  EXPECT_THAT(
+      read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
+      HasSubstr("the piece at (10, 10) mm hangs by nothing; let a cut round it stop short"));
   // Ribbons.
   std::string ribbons = "<path d=\"M0 0H60V50H0Z";
   for (int row = 1; row < 5; ++row) {
     ribbons += row % 2 ? fmt::format("M5 {0}H25M35 {0}H55", 10 * row)
                        : fmt::format("M0 {0}H10M20 {0}H40M50 {0}H60", 10 * row);
   }
-  EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal, HasSubstr("it can only bend, and is no rigid tile"));
+  EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal,
+              HasSubstr("it can only bend, and is no rigid tile"));
   EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
               HasSubstr("--cut and --ignore choose"));
 }

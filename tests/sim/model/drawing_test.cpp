@@ -35,15 +35,17 @@ std::string refusal(const std::string& name, const std::string& text) {
 
 /// Shapes on a page of 100 mm, on which a user unit is a millimetre.
 Drawing shapes(const std::string& content) {
-  return drawn("a.svg", "<svg width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\" fill=\"none\" "
-                        "stroke=\"#f00\">" +
-                            content + "</svg>");
+  return drawn("a.svg",
+               "<svg width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\" fill=\"none\" "
+               "stroke=\"#f00\">" +
+                   content + "</svg>");
 }
 
 /// In millimetres, y downwards as SVG has it.
 std::vector<Vector2> points(const Drawing& drawing, std::size_t path = 0) {
   std::vector<Vector2> all;
-  for (const Vector2& p : drawing.paths.at(path).points) all.emplace_back(1e3 * p.x(), -1e3 * p.y());
+  for (const Vector2& p : drawing.paths.at(path).points)
+    all.emplace_back(1e3 * p.x(), -1e3 * p.y());
   return all;
 }
 
@@ -94,9 +96,11 @@ TEST(SvgDrawing, LengthsHaveTheirUnits) {
   const std::string line = "<line x2=\"96\" stroke=\"red\"/></svg>";
   EXPECT_NEAR(length("<svg>" + line), 0.0254, 1e-15);
   EXPECT_NEAR(length("<svg width=\"10cm\" viewBox=\"0 0 960 960\">" + line), 0.01, 1e-15);
-  EXPECT_NEAR(length("<svg width=\"2in\" height=\"4in\" viewBox=\"0 0 96 96\">" + line), 0.0508, 1e-15);
+  EXPECT_NEAR(length("<svg width=\"2in\" height=\"4in\" viewBox=\"0 0 96 96\">" + line), 0.0508,
+              1e-15);
   EXPECT_NEAR(length("<svg height=\"72pt\" viewBox=\"0 0 5 96\">" + line), 0.0254, 1e-15);
-  EXPECT_NEAR(length("<svg width=\"90mm\" height=\"90mm\" viewBox=\"0 0 90 90\">" + line), 0.096, 1e-15);
+  EXPECT_NEAR(length("<svg width=\"90mm\" height=\"90mm\" viewBox=\"0 0 90 90\">" + line), 0.096,
+              1e-15);
   EXPECT_NEAR(length("<svg width=\"100%\" viewBox=\"0 0 90 90\">" + line), 0.0254, 1e-15);
   EXPECT_NEAR(shapes("<line x2=\"1in\" y2=\"0\"/>").size(), 0.096, 1e-12);  // a unit is 1 px
   EXPECT_NEAR(shapes("<line x2=\"50%\"/>").size(), 0.05, 1e-15);
@@ -106,7 +110,8 @@ TEST(SvgDrawing, LengthsHaveTheirUnits) {
 TEST(SvgDrawing, CurvesStayWithinTheirTolerance) {
   // All of them go through these points: a circle of 40 mm round (50, 50).
   for (const std::string text :
-       {"<circle cx=\"50\" cy=\"50\" r=\"40\"/>", "<ellipse cx=\"50\" cy=\"50\" rx=\"40\" ry=\"40\"/>",
+       {"<circle cx=\"50\" cy=\"50\" r=\"40\"/>",
+        "<ellipse cx=\"50\" cy=\"50\" rx=\"40\" ry=\"40\"/>",
         "<path d=\"M90 50A40 40 0 0 1 10 50A40 40 0 0 1 90 50Z\"/>",
         "<path d=\"M90 50a40 40 0 01-80 0a40 40 0 0180 0z\"/>",
         "<path d=\"M90 50A40 40 0 1 0 50 90\"/>",
@@ -156,14 +161,15 @@ TEST(SvgDrawing, RectanglesMayBeRounded) {
 }
 
 TEST(SvgDrawing, StylesGiveColoursAndHide) {
-  const Drawing drawing = drawn(
-      "a.svg",
-      "<svg><style>.cls-1,.cls-2{fill:none;stroke:#0F0;} .cls-2{stroke:blue} /* x{} */ "
-      "#hidden{display:none}</style>"
-      "<g id=\"Layer_1\"><path class=\"cls-1\" d=\"M0 0H1\"/><path class=\"cls-2\" d=\"M0 0H1\"/></g>"
-      "<path style=\"stroke:rgb(255, 0,0);stroke-dasharray:2 1\" id=\"Mark\" d=\"M0 0H1\"/>"
-      "<path id=\"hidden\" stroke=\"red\" d=\"M0 0H1\"/><text>no line</text>"
-      "<rect width=\"9\" height=\"9\" fill=\"white\"/></svg>");
+  const Drawing drawing =
+      drawn("a.svg",
+            "<svg><style>.cls-1,.cls-2{fill:none;stroke:#0F0;} .cls-2{stroke:blue} /* x{} */ "
+            "#hidden{display:none}</style>"
+            "<g id=\"Layer_1\"><path class=\"cls-1\" d=\"M0 0H1\"/><path class=\"cls-2\" d=\"M0 "
+            "0H1\"/></g>"
+            "<path style=\"stroke:rgb(255, 0,0);stroke-dasharray:2 1\" id=\"Mark\" d=\"M0 0H1\"/>"
+            "<path id=\"hidden\" stroke=\"red\" d=\"M0 0H1\"/><text>no line</text>"
+            "<rect width=\"9\" height=\"9\" fill=\"white\"/></svg>");
   ASSERT_EQ(drawing.paths.size(), 3U);
   EXPECT_EQ(drawing.paths[0].colour, "#00ff00");
   EXPECT_EQ(drawing.paths[1].colour, "#0000ff");
@@ -178,8 +184,9 @@ TEST(SvgDrawing, StylesGiveColoursAndHide) {
 }
 
 TEST(SvgDrawing, EncodingsAndLineEndsDoNotMatter) {
-  const std::string text = "<svg width=\"100mm\" viewBox=\"0 0 100 100\">\r\n<path stroke=\"red\" "
-                           "d=\"M 10 20\r\n L 30 20 L 30 50\"/></svg>\r\n";
+  const std::string text =
+      "<svg width=\"100mm\" viewBox=\"0 0 100 100\">\r\n<path stroke=\"red\" "
+      "d=\"M 10 20\r\n L 30 20 L 30 50\"/></svg>\r\n";
   expectPoints(drawn("a.svg", text), kCorner);
   expectPoints(drawn("a.svg", "\xef\xbb\xbf<?xml version=\"1.0\"?>" + text), kCorner);
   std::string wide = "\xff\xfe";
@@ -188,15 +195,17 @@ TEST(SvgDrawing, EncodingsAndLineEndsDoNotMatter) {
 }
 
 TEST(SvgDrawing, SaysWhatIsWrong) {
-  EXPECT_THAT(refusal("a.svg", "<svg>\n<path d=\"M0 0\"</svg>"), HasSubstr("a.svg:2: error: this is no XML"));
+  EXPECT_THAT(refusal("a.svg", "<svg>\n<path d=\"M0 0\"</svg>"),
+              HasSubstr("a.svg:2: error: this is no XML"));
   EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M 0 x\"/></svg>"), HasSubstr("'x' is no number"));
   EXPECT_THAT(refusal("a.svg", "<svg><path d=\"0 0 1 1\"/></svg>"), HasSubstr("begin it with M"));
-  EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M0 0 K 1\"/></svg>"), HasSubstr("'K' is no command"));
+  EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M0 0 K 1\"/></svg>"),
+              HasSubstr("'K' is no command"));
   EXPECT_THAT(refusal("a.svg", "<svg><g id=\"a\"><use href=\"#a\"/></g></svg>"),
               HasSubstr("groups or uses are nested more than 200 deep"));
-  EXPECT_THAT(refusal("a.svg", "<svg><use href=\"#b\"/></svg>"),
-              HasSubstr("leads to no element"));
-  EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"3 parsec\"/></svg>"), HasSubstr("has no unit of SVG"));
+  EXPECT_THAT(refusal("a.svg", "<svg><use href=\"#b\"/></svg>"), HasSubstr("leads to no element"));
+  EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"3 parsec\"/></svg>"),
+              HasSubstr("has no unit of SVG"));
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"1e30\" stroke=\"red\"/></svg>"),
               HasSubstr("coordinates may be up to 1e+06 m"));
 }
@@ -222,25 +231,33 @@ void expectUpPoints(const Drawing& drawing, const std::vector<Vector2>& wanted) 
   ASSERT_EQ(drawing.paths.size(), 1U);
   const std::vector<Vector2> found = upPoints(drawing);
   ASSERT_EQ(found.size(), wanted.size());
-  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_LT((found[k] - wanted[k]).norm(), 1e-9) << k;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    EXPECT_LT((found[k] - wanted[k]).norm(), 1e-9) << k;
 }
 
 TEST(DxfDrawing, PolylinesOfAllReleasesAreOne) {
-  expectUpPoints(entities("0\nLWPOLYLINE\n8\na\n90\n3\n70\n0\n10\n10\n20\n20\n10\n30\n20\n20\n10\n30\n20\n50\n"),
-                 kCorner);
-  expectUpPoints(entities("0\nPOLYLINE\n8\na\n66\n1\n70\n0\n0\nVERTEX\n10\n10\n20\n20\n0\nVERTEX\n10\n30\n20\n20\n"
-                          "0\nVERTEX\n10\n30\n20\n50\n0\nSEQEND\n"),
-                 kCorner);
-  expectUpPoints(entities("0\nSPLINE\n71\n1\n40\n0\n40\n0\n40\n1\n40\n2\n40\n2\n10\n10\n20\n20\n10\n30\n20\n20\n"
-                          "10\n30\n20\n50\n"),
-                 kCorner);
+  expectUpPoints(
+      entities(
+          "0\nLWPOLYLINE\n8\na\n90\n3\n70\n0\n10\n10\n20\n20\n10\n30\n20\n20\n10\n30\n20\n50\n"),
+      kCorner);
+  expectUpPoints(
+      entities(
+          "0\nPOLYLINE\n8\na\n66\n1\n70\n0\n0\nVERTEX\n10\n10\n20\n20\n0\nVERTEX\n10\n30\n20\n20\n"
+          "0\nVERTEX\n10\n30\n20\n50\n0\nSEQEND\n"),
+      kCorner);
+  expectUpPoints(
+      entities(
+          "0\nSPLINE\n71\n1\n40\n0\n40\n0\n40\n1\n40\n2\n40\n2\n10\n10\n20\n20\n10\n30\n20\n20\n"
+          "10\n30\n20\n50\n"),
+      kCorner);
 }
 
 TEST(DxfDrawing, BlocksArePlacedScaledAndTurned) {
   const std::string block = section(
-      "BLOCKS", "0\nBLOCK\n2\nB\n10\n1\n20\n1\n0\nLINE\n8\n0\n10\n1\n20\n1\n11\n2\n21\n1\n0\nENDBLK\n");
-  const Drawing drawing = entities(
-      "0\nINSERT\n8\nCuts\n2\nb\n10\n10\n20\n20\n41\n5\n42\n1\n50\n90\n", block);
+      "BLOCKS",
+      "0\nBLOCK\n2\nB\n10\n1\n20\n1\n0\nLINE\n8\n0\n10\n1\n20\n1\n11\n2\n21\n1\n0\nENDBLK\n");
+  const Drawing drawing =
+      entities("0\nINSERT\n8\nCuts\n2\nb\n10\n10\n20\n20\n41\n5\n42\n1\n50\n90\n", block);
   expectUpPoints(drawing, {{10, 20}, {10, 25}});
   EXPECT_EQ(drawing.paths[0].layer, "cuts");  // what is on layer 0 goes to the insert's
 }
@@ -252,7 +269,8 @@ TEST(DxfDrawing, ArcsBulgesAndEllipsesLieOnTheirCurves) {
         "0\nLWPOLYLINE\n70\n1\n10\n40\n20\n0\n42\n1\n10\n-40\n20\n0\n42\n1\n",
         "0\nELLIPSE\n10\n0\n20\n0\n11\n40\n21\n0\n40\n1\n41\n0\n42\n6.283185307179586\n",
         // A rational quadratic of a quarter: weights 1, cos 45 degrees, 1.
-        "0\nSPLINE\n71\n2\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n1\n41\n1\n41\n0.7071067811865476\n41\n1\n"
+        "0\nSPLINE\n71\n2\n40\n0\n40\n0\n40\n0\n40\n1\n40\n1\n40\n1\n41\n1\n41\n0."
+        "7071067811865476\n41\n1\n"
         "10\n40\n20\n0\n10\n40\n20\n40\n10\n0\n20\n40\n"}) {
     SCOPED_TRACE(text);
     const Drawing drawing = entities(text);
@@ -276,13 +294,16 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
   EXPECT_EQ(size(4), 1e-3);
   EXPECT_EQ(size(1), 0.0254);
   EXPECT_EQ(size(0), 1e-3);
-  const std::string tables = section(
-      "TABLES", "0\nTABLE\n2\nLAYER\n0\nLAYER\n2\nA\n70\n0\n62\n3\n6\nDASHED\n"
-                "0\nLAYER\n2\nOff\n70\n0\n62\n-1\n0\nLAYER\n2\nFrozen\n70\n1\n62\n1\n0\nENDTAB\n");
-  const Drawing drawing = entities(
-      line + "0\nLINE\n8\nOFF\n10\n0\n20\n0\n11\n1\n21\n0\n0\nLINE\n8\nfrozen\n10\n0\n20\n0\n11\n1\n21\n0\n"
-             "0\nLINE\n8\nB\n62\n1\n10\n0\n20\n0\n11\n1,5\n21\n0\n0\nMTEXT\n1\nhi\n",
-      tables);
+  const std::string tables =
+      section("TABLES",
+              "0\nTABLE\n2\nLAYER\n0\nLAYER\n2\nA\n70\n0\n62\n3\n6\nDASHED\n"
+              "0\nLAYER\n2\nOff\n70\n0\n62\n-1\n0\nLAYER\n2\nFrozen\n70\n1\n62\n1\n0\nENDTAB\n");
+  const Drawing drawing =
+      entities(line +
+                   "0\nLINE\n8\nOFF\n10\n0\n20\n0\n11\n1\n21\n0\n0\nLINE\n8\nfrozen\n10\n0\n20\n0\n"
+                   "11\n1\n21\n0\n"
+                   "0\nLINE\n8\nB\n62\n1\n10\n0\n20\n0\n11\n1,5\n21\n0\n0\nMTEXT\n1\nhi\n",
+               tables);
   ASSERT_EQ(drawing.paths.size(), 2U);
   EXPECT_EQ(drawing.paths[0].colour, "#00ff00");
   EXPECT_TRUE(drawing.paths[0].isDashed);
@@ -293,10 +314,13 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
 }
 
 TEST(DxfDrawing, SaysWhatIsWrong) {
-  EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"), HasSubstr("a LINE lacks an end"));
-  EXPECT_THAT(refusal("a.dxf", "0\nSECTION\nx\n"), HasSubstr("a.dxf:3: error: this is no group code"));
+  EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
+              HasSubstr("a LINE lacks an end"));
+  EXPECT_THAT(refusal("a.dxf", "0\nSECTION\nx\n"),
+              HasSubstr("a.dxf:3: error: this is no group code"));
   EXPECT_THAT(refusal("a.dxf", "AutoCAD Binary DXF\r\n"), HasSubstr("save it as ASCII DXF"));
-  EXPECT_THAT(refusal("a.dxf", section("ENTITIES", "0\nINSERT\n2\nb\n10\n0\n20\n0\n")), HasSubstr("leads to no block"));
+  EXPECT_THAT(refusal("a.dxf", section("ENTITIES", "0\nINSERT\n2\nb\n10\n0\n20\n0\n")),
+              HasSubstr("leads to no block"));
 }
 
 TEST(Drawing, PlacesAreTheDrawingsOwn) {
