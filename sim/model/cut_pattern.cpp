@@ -434,7 +434,7 @@ class SheetMaker {
       isExtended_.insert(k);
       const double aim = (ray.stopPlace - ray.from).dot(ray.along);
       moved_ = std::max(moved_, (ray.stopPlace - ray.from - aim * ray.along).norm());
-      if (ray.isJoined) continue;
+      if (ray.isJoined || ray.stop <= tolerance_) continue;
       CutNeck& neck = necks_.emplace_back();
       neck.ray = k;
       neck.joint = ray.stopPlace;
