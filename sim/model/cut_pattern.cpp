@@ -969,7 +969,9 @@ class CutPatternReader {
       cuts.lines = segmentsOf(paths);
     }
     for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
-    SheetMaker maker(cuts, drawing_, settings_, tolerance_, file_);
+    // Centre lines are known to a small part of their slots' width.
+    const double tolerance = std::max(tolerance_, 0.03 * cuts.kerf);
+    SheetMaker maker(cuts, drawing_, settings_, tolerance, file_);
     SheetReading reading;
     reading.model = maker.make();
     reading.found = (cuts.kerf > 0 ? "slots: " : "slits: ") + maker.found(reading.model);
