@@ -599,16 +599,17 @@ class Run(Trajectory):
     def save(self, folder: _Path) -> List[str]: ...
 
 def read(path: _Path, *, joints_file: Optional[_Path] = ..., frame: int = ..., fold: float = ...,
-         join_coplanar: bool = ..., strict: bool = ...) -> Model: ...
+         join_coplanar: bool = ..., strict: bool = ..., cut: str = ..., ignore: str = ...,
+         widest_neck: float = ..., joint_at: str = ...) -> Model: ...
 def open(path: _Path) -> Trajectory: ...
 )";
 
 }  // namespace
 
 const std::vector<std::string>& optionsNotForRuns() {
-  static const std::vector<std::string> names = {"help",        "out",   "json", "resume",
-                                                 "joints_file", "frame", "fold", "join_coplanar",
-                                                 "strict",      "page"};
+  static const std::vector<std::string> names = {
+      "help",          "out",    "json", "resume", "joints_file", "frame",       "fold",
+      "join_coplanar", "strict", "page", "cut",    "ignore",      "widest_neck", "joint_at"};
   return names;
 }
 

@@ -59,7 +59,7 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Model", "model");
-  addReadOptions(group, order.reading);
+  addReadOptions(group, order.reading, true);
   group.choice<double>("--unit", order.unit, {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}},
                        "unit of the model's lengths, and so of every length of the run; --gravity "
                        "and --density are given in metres all the same");

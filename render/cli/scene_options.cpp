@@ -41,6 +41,22 @@ std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
   return numbers;
 }
 
+/// "red,rgb(0,0,255),cuts" at its commas, but for those in parentheses.
+std::vector<std::string> splitNames(const scene::TypedValue& typed) {
+  std::vector<std::string> names(1);
+  int depth = 0;
+  for (const char letter : typed.text) {
+    depth += letter == '(' ? 1 : letter == ')' ? -1 : 0;
+    if (letter == ',' && depth == 0) {
+      names.emplace_back();
+    } else {
+      names.back() += letter;
+    }
+  }
+  if (has(names, "")) throw scene::valueError(typed, "colours, layers or ids, as in red,slits");
+  return names;
+}
+
 template <typename List>
 /// Each list as "3,4", all of them as a scene file has them.
 std::string listsText(const std::vector<List>& lists) {
@@ -253,7 +269,40 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
               [&target](const scene::TypedValue& typed) { target = typed.text; });
 }
 
-void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
+namespace {
+
+/// Of SVG and DXF files.
+void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
+  const auto names = [&group](const char* option, const char* usual, const char* help,
+                              std::vector<std::string>& chosen) {
+    group
+        .value(option, "NAMES", usual, help,
+               [&chosen](const scene::TypedValue& typed) { chosen = splitNames(typed); })
+        .saidAs([&chosen] {
+          return chosen.empty() ? "" : scene::quotedText(fmt::format("{}", fmt::join(chosen, ",")));
+        });
+  };
+  names("--cut", "found", "lines of a drawing to cut: colours, layers or ids, as in red,slits",
+        settings.cut);
+  names("--ignore", "found", "lines of a drawing to leave out, named in the same way",
+        settings.ignore);
+  group
+      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "METRES", "found",
+             "widest neck of a drawing: how far its cuts may stop short of the next line",
+             [&settings](const scene::TypedValue& typed) {
+               settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
+             })
+      .saidAs([&settings] {
+        return settings.neckWidth > 0 ? fmt::format("{}", settings.neckWidth) : "";
+      });
+  group.choice<bool>("--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
+                     "joints of a drawing: where the cut would meet the line, or in the middle of "
+                     "the neck");
+}
+
+}  // namespace
+
+void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
   group
       .value("--joints-file", "FILE", "the model's own",
              "list of joints to take in place of constraints.txt: a path, or a name beside it",
@@ -284,6 +333,7 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
             "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
             "instead of mending them")
       .decidesNothing();
+  addDrawingOptions(group, settings, hasNecks);
 }
 
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,

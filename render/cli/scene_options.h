@@ -79,9 +79,10 @@ inline constexpr const char* kModelHelp =
 /// Adds --target. Empty when it was not given. The target must outlive the parsing.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
-/// Adds --joints-file, --frame, --fold, --join-coplanar and --strict. They decide how files are
-/// read, and no more. The settings must outlive the parsing.
-void addReadOptions(OptionGroup& group, model::ReadSettings& settings);
+/// Adds --joints-file, --frame, --fold, --join-coplanar, --strict and options of drawings. They
+/// decide how files are read, and no more. In a command that has necks of its own, --neck-width is
+/// theirs. The settings must outlive the parsing.
+void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks = false);
 
 /// Where a model stands: as named, or in data/ when it stands only there, or among the models that
 /// were installed with the program. As named where it stands nowhere, so that the error names what

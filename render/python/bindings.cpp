@@ -251,10 +251,11 @@ void addModels(py::module_& module) {
           },
           "path"_a, "Writes the model, in the format of the path's ending: none for a folder.")
       .def("__repr__", &describeModel);
-  module.def("read", &read, "path"_a,
-             "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
-             "joints_file, frame, fold, join_coplanar and strict are its options. What was mended "
-             "is told as a UserWarning.");
+  module.def(
+      "read", &read, "path"_a,
+      "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
+      "joints_file, frame, fold, join_coplanar, strict, cut, ignore, widest_neck and joint_at "
+      "are its options. What was mended is told as a UserWarning.");
   module.def("generate", &generate, "family"_a, cli::generateDoc(cli::describeProgram()).c_str());
 }
 

@@ -126,6 +126,17 @@ void requireMotion(const scene::Scene& scene, const GeometricPaths& found) {
   const trajectory::Mobility left =
       trajectory::mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
   if (!left.isCounted || left.freedoms > 0) return;
+  if (freedom == trajectory::Freedom::Plane && !scene.solver.planar) {
+    const trajectory::Mobility out = trajectory::mobility(
+        scene.model, scene.model.tiles, trajectory::Freedom::Space, scene.brick.thickness);
+    if (out.isCounted && out.freedoms > 0) {
+      throw InputError(
+          fmt::format("error: this sheet has no motion in its plane, {} out of it: give a target, "
+                      "gravity, a pull or a drive (--target, --gravity, [[timeline]] or "
+                      "[[velocity]] in scene.toml)",
+                      out.freedoms));
+    }
+  }
   throw InputError(
       "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
       "motion but that of the whole; give --target, other joints (--joints-file), or what moves "
@@ -426,6 +437,38 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
       fmt::format("{}: {}", toString(result.outcome), result.reason);
 }
 
+/// Whether a flat sheet should look for a way through space: it goes to a target by geometry, and
+/// in the plane joints have to open or bricks to overlap for it.
+bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const Search& found) {
+  std::string reason;
+  const scene::PathKind kind = given.path.kind;
+  const bool isGeometry = kind == scene::PathKind::Auto || kind == scene::PathKind::Continuation;
+  if (given.solver.planar || !given.model.target || !isGeometry ||
+      !scene::sceneNeeds(given).planar.on || !scene::isQuasiStatic(given, reason)) {
+    return false;
+  }
+  if (!found.walked) return !found.choice.isFound || found.choice.path.jointsAreCompliant();
+  const GeometricPath& path = *found.walked;
+  const bool isRounded = path.path.isRounded || std::isfinite(roundedJointStiffness(scene.model));
+  return path.passesThrough || (path.hasCompliantJoints && !isRounded);
+}
+
+/// Replaces scene and path by those through space, if one there keeps joints closed and bricks
+/// apart. The search has a budget of its own: a sheet that stays in its plane does as without it.
+void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
+                const TrialObserver& watch) {
+  scene::Scene inSpace = given;
+  inSpace.spaceReason =
+      "no path in the plane keeps joints closed and bricks apart, one in space does";
+  SearchBudget budget(std::min(inSpace.path.searchTime, kSearchPerSecond * inSpace.stop.duration));
+  Search other;
+  search(inSpace, budget, watch, other);
+  if (!other.geometric.clear || other.geometric.clear->hasCompliantJoints) return;
+  scene = inSpace;
+  found = std::move(other);
+  found.walked = &*found.geometric.clear;
+}
+
 /// Of a search that was ended from within no path is known: the start alone is shown.
 void abandonSearch(scene::Scene& scene, Search& found) {
   found.walked = nullptr;
@@ -482,7 +525,9 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   try {
     const InterruptionCatcher catcher;
     search(scene, budget, watchSearch, found);
+    const scene::Scene whole = scene;
     chooseWay(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
+    if (mayLeavePlane(whole, scene, found)) leavePlane(whole, scene, found, watchSearch);
   } catch (const Interrupted&) {
     goOn = false;
     abandonSearch(scene, found);

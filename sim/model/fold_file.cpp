@@ -15,7 +15,7 @@
 //    foldedForm is folded already, and its angles describe it.
 // 5. Springs at folds rest at these angles.
 //
-// A model keeps the vertices, edges and faces of its file (Drawing), so that writing gives the
+// A model keeps the vertices, edges and faces of its file (FoldSheet), so that writing gives the
 // same. Without them, writing merges corners into one vertex only if they agree to the last bit in
 // all states, so that reading gives the same doubles. Joints of corners that differ by rounding
 // survive through kirireel:joints. nlohmann's ordered_json keeps the order of keys, so that the
@@ -101,8 +101,8 @@ class FoldReader {
 
   /// The edges, sound: their ends are vertices, and they have as many letters and angles as there
   /// are edges.
-  Drawing drawing(const std::vector<Vector3>& points) const {
-    Drawing drawing;
+  FoldSheet drawing(const std::vector<Vector3>& points) const {
+    FoldSheet drawing;
     drawing.vertices = points;
     const Json edges = edgeList();
     for (const Json& edge : edges) {
@@ -372,7 +372,7 @@ class FoldReader {
     return found;
   }
 
-  void addLetters(Drawing& drawing) const {
+  void addLetters(FoldSheet& drawing) const {
     const Json* assignment = find("edges_assignment");
     if (assignment == nullptr) return;
     const std::size_t count = drawing.creases.size();
@@ -393,7 +393,7 @@ class FoldReader {
     }
   }
 
-  void addAngles(Drawing& drawing) const {
+  void addAngles(FoldSheet& drawing) const {
     const Json* angles = find("edges_foldAngle");
     // The name of FOLD 1.0.
     const char* name = angles != nullptr ? "edges_foldAngle" : "edges_foldAngles";
@@ -429,7 +429,7 @@ class FoldReader {
     return std::string_view("BMVFUCJ").find(letter) == std::string_view::npos ? '\0' : letter;
   }
 
-  void addFaces(Drawing& drawing) const {
+  void addFaces(FoldSheet& drawing) const {
     const Json *faces = find("faces_vertices"), *ofEdges = find("faces_edges");
     if (faces != nullptr && faces->is_array() && !faces->empty()) {
       for (const Json& face : *faces) {
@@ -446,7 +446,7 @@ class FoldReader {
   }
 
   /// The vertices that each edge round a face has in common with the one before it.
-  std::vector<int> cornersBetween(const std::vector<int>& edges, const Drawing& drawing) const {
+  std::vector<int> cornersBetween(const std::vector<int>& edges, const FoldSheet& drawing) const {
     const std::vector<Crease>& all = drawing.creases;
     const std::size_t face = drawing.faces.size();
     std::vector<int> corners;
@@ -491,7 +491,7 @@ TileTable tableOf(const fs::path& file, const CornerNumbers& outlines,
 
 /// Removes slits and repeated vertices from the faces, and joins those that J edges join.
 void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
-               Drawing& drawing) {
+               FoldSheet& drawing) {
   const fs::path none;
   CornerNumbers outlines;
   for (const std::vector<int>& face : drawing.faces) {
@@ -574,7 +574,7 @@ bool isWithoutAngle(const Crease& crease) {
 
 /// Gives M and V edges of a flat sheet without an angle one by their letter, and says so. Angles
 /// that an option chose become those of the drawing. Returns whether there are such edges.
-bool foldByLetters(const ReadSettings& settings, Drawing& drawing, std::vector<Crease>& creases,
+bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector<Crease>& creases,
                    const fs::path& file, std::vector<std::string>& warnings) {
   const double angle = 180 * settings.fold.value_or(1);
   int count = 0, flat = 0;
@@ -679,7 +679,7 @@ Eigen::Isometry3d axesOf(const Tile& tile) {
 
 /// Coordinates by the drawing's own vertex numbers: of a tile's corners as they are, of ends of
 /// slits within a tile where the tile takes them, of other vertices where they are drawn.
-Json coordinatesOf(const std::vector<Tile>& tiles, const Drawing& drawing) {
+Json coordinatesOf(const std::vector<Tile>& tiles, const FoldSheet& drawing) {
   std::vector<std::optional<Vector3>> places(drawing.vertices.size());
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
@@ -769,7 +769,7 @@ class FoldMesh {
   bool givesTarget() const { return drawing_ && drawing_->givesTarget; }
 
  private:
-  const Drawing* drawing_ = nullptr;
+  const FoldSheet* drawing_ = nullptr;
   CornerNumbers numbers_;
 };
 
@@ -832,7 +832,7 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
   const std::vector<std::vector<Vector3>> states = reader.states();
   Model model;
   model.name = file.stem().string();
-  Drawing& drawing = model.drawing.emplace(reader.drawing(states.front()));
+  FoldSheet& drawing = model.drawing.emplace(reader.drawing(states.front()));
   findTiles(reader, states, drawing);
   reader.warnOfIgnored(settings, warnings);
   const CornerNumbers& outlines = drawing.outlines;

@@ -98,7 +98,7 @@ struct Crease {
 
 /// The vertices, edges and faces that a FOLD file has, in its own numbers. Tiles are its faces
 /// without slits, and faces that J edges join are one tile.
-struct Drawing {
+struct FoldSheet {
   std::vector<Vector3> vertices;           ///< at the start, metres
   std::vector<Crease> creases;             ///< none if the file lists no edges
   bool hasLetters = false;                 ///< the file has edges_assignment
@@ -124,7 +124,7 @@ struct Model {
   /// not.
   std::map<std::pair<int, int>, double> foldAngles;
   std::vector<std::string> tileNames;       ///< of each tile; empty if its file has no names
-  std::optional<Drawing> drawing;           ///< of its FOLD file
+  std::optional<FoldSheet> drawing;         ///< of its FOLD file
   bool areCoplanarJoined = false;           ///< its reader joined faces of one plane
   std::optional<std::vector<Corner>> hull;  ///< the corners round the outside, in order
   std::string hullFault;                    ///< why a hull that is there was left out, if so

@@ -148,6 +148,12 @@ struct ReadSettings {
   std::optional<int> frame;    ///< of a FOLD file: this frame only, 0 for its key frame
   std::optional<double> fold;  ///< of a FOLD file: angle of letters without one, as a fraction
                                ///< of 180 degrees, (0, 1]; 1 if absent
+
+  // Of cut patterns.
+  std::vector<std::string> cut;     ///< colours, layers and ids of the lines to cut; empty: all
+  std::vector<std::string> ignore;  ///< of those to leave out
+  double neckWidth = 0;             ///< cuts stop short by at most that, metres; 0: found
+  bool areJointsInNecks = false;    ///< in the middle of their necks, not where cuts aim at
 };
 
 /// "file:line: mended: what was found; what was done".

@@ -122,16 +122,20 @@ Model readPlanarFiles(const std::filesystem::path& named, const ReadSettings& se
 void writePlanarFiles(const Model& model, const std::filesystem::path& vertices);
 
 // ------------------------------------------------------------------------------------------------
-// Cut patterns as models again: the SVG and DXF files that `export --format svg,dxf` leaves.
+// Cut patterns: what a cutter follows, as a model.
 
-/// Reads the sheet that a cut pattern was drawn from: tiles, vertices and hinges, at true size in
-/// metres, in the plane z = 0 (an SVG knows no origin: its sheet begins near (0, 0)). Layers or
-/// groups are named cuts, slits and hinges, see render/export/flat_sheet.h. Tiles come in the order
-/// of their first line; joints are on both faces. There is no target.
+/// Reads a sheet from a drawing (SVG, DXF) of its outline and cuts, at true size in metres, in the
+/// plane z = 0: tiles, and joints on both faces at the necks of material between them. There is no
+/// target. Patterns that `export --format svg,dxf` left, with layers named cuts, slits and hinges,
+/// come back as they were; of others, one line of what was found is appended to the warnings.
 ///
-/// Throws InputError for files that hold no such lines, lines that end nowhere, and tiles that make
-/// no bricks.
-Model readCutPattern(const std::filesystem::path& file, std::vector<std::string>& warnings);
+/// Slits are open lines that stop short of a line: the extension is a neck, its end the joint.
+/// Slots are closed outlines of removed material, whose centre lines are read as slits.
+///
+/// Throws InputError with the place in the drawing's own coordinates for open outlines, pieces that
+/// hang by nothing, strips between parallel cuts, and tiles that make no bricks.
+Model readCutPattern(const std::filesystem::path& file, const ReadSettings& settings,
+                     std::vector<std::string>& warnings);
 
 // ------------------------------------------------------------------------------------------------
 // FOLD files (github.com/edemaine/fold, versions 1.0 to 1.2): JSON, a sheet in one frame or

@@ -44,10 +44,16 @@ void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
     throw inputErrorAt({path}, fmt::format("{} is for {} only; remove it", option, formats));
   };
   const bool isFold = ending == ".fold";
+  const bool isDrawing = ending == ".svg" || ending == ".dxf";
+  const char* const kDrawings = "drawings (.svg, .dxf)";
   require(settings.frame.has_value(), isFold, "--frame", ".fold files");
   require(settings.fold.has_value(), isFold, "--fold", ".fold files");
   require(settings.joinCoplanar, ending == ".obj" || ending == ".ply", "--join-coplanar",
           "OBJ and PLY meshes");
+  require(!settings.cut.empty(), isDrawing, "--cut", kDrawings);
+  require(!settings.ignore.empty(), isDrawing, "--ignore", kDrawings);
+  require(settings.neckWidth > 0, isDrawing, "--widest-neck", kDrawings);
+  require(settings.areJointsInNecks, isDrawing, "--joint-at", kDrawings);
 }
 
 // A file by its ending.
@@ -68,7 +74,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
   requireNoJointsFile(path, settings);
   if (ending == ".fold") return readFold(path, settings, warnings);
   if (ending == ".ply") return readPly(path, warnings, settings);
-  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, warnings);
+  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, settings, warnings);
   if (ending == ".obj") {
     // A target that was asked for makes the sibling superfluous, and what is wrong with it
     // harmless.

@@ -77,6 +77,7 @@ bool foldsOutOfPlane(const Scene& scene) {
 Need planarNeed(const Scene& scene) {
   // An answer that was asked for is not questioned.
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
+  if (!scene.spaceReason.empty()) return {false, scene.spaceReason};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};
   const double tolerance = 1e-9 * model::modelSize(scene.model);
   if (!model::liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};

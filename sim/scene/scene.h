@@ -230,6 +230,8 @@ struct Scene {
   std::vector<InitialVelocity> velocities;  ///< at the start; tiles that none names are at rest
   /// Where there are any, the scene is not deployed: its equilibria are followed as they load it.
   std::vector<GripSetting> grips;
+  /// Why a scene that could stay in its plane leaves it; empty: it stays. Found by deploy().
+  std::string spaceReason;
 };
 
 /// Whether something is modelled, and why.

@@ -115,6 +115,8 @@ TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
   EXPECT_THAT(usersOf("png\\.h"), SizeIs(1));
   EXPECT_THAT(usersOf("hdf5\\.h|H5.*|highfive/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("zlib\\.h"), SizeIs(1));
+  EXPECT_THAT(usersOf("geos.*"), SizeIs(1));
+  EXPECT_THAT(usersOf("pugixml.*"), SizeIs(1));
   EXPECT_THAT(usersOf("assimp/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("openssl/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("toml\\+\\+/.*"), SizeIs(1));

@@ -1,7 +1,9 @@
 // Cut patterns read back: the sheet that they were drawn from, up to the order of its tiles.
+#include <cmath>
 #include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "render/export/flat_sheet.h"
@@ -143,36 +145,83 @@ std::string refusalOf(const std::string& name, const std::string& text) {
   }
 }
 
-TEST(Patterns, OfOthersAreRefused) {
+TEST(Patterns, ThatAreBrokenAreRefused) {
   EXPECT_EQ(refusalOf("a.svg", "<svg><path d=\"M 0 0 L 1 1\"/></svg>"),
-            "/a.svg: error: there are no lines of a sheet in it; give a cut pattern that `kirireel "
-            "export` left");
+            "/a.svg: error: the outline is open: the line that ends at (0, 0) px leads out of the "
+            "sheet; close the outline, or end the line at it");
   EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
-            "/a.svg: error: a path is no straight line \"M x y L x y\"; give a cut pattern that "
-            "`kirireel export` left");
+            "/a.svg: error: '' is no number; give an SVG or an ASCII DXF file with lines to cut");
   EXPECT_EQ(refusalOf("a.svg",
                       "<g id=\"cuts\"><path d=\"M 0 0 L 1000 0\"/><path d=\"M 1000 0 L 0 "
-                      "1000\"/></g>"),
-            "/a.svg: error: the line that ends at (0, 0) m leads nowhere; give a cut pattern that "
+                      "1000\"/></g><g id=\"hinges\"><path d=\"M 500 100 L 500 200\"/></g>"),
+            "/a.svg: error: the line that ends at (0, 0) px leads nowhere; give a cut pattern that "
             "`kirireel export` left");
   EXPECT_EQ(refusalOf("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
-            "/a.dxf: error: a LINE lacks an end; give a cut pattern that `kirireel export` left");
+            "/a.dxf: error: a LINE lacks an end (group 11); save the drawing again");
 }
 
-TEST(Patterns, WithHolesInTilesAreRefused) {
+TEST(Patterns, TellOfHolesInTiles) {
   const auto square = [](double from, double to) {
     return fmt::format(
-        "<path d=\"M {0} -{0} L {1} -{0}\"/><path d=\"M {1} -{0} L {1} -{1}\"/>"
-        "<path d=\"M {1} -{1} L {0} -{1}\"/><path d=\"M {0} -{1} L {0} -{0}\"/>",
+        "<path d=\"M {0} {0} L {1} {0}\"/><path d=\"M {1} {0} L {1} {1}\"/>"
+        "<path d=\"M {1} {1} L {0} {1}\"/><path d=\"M {0} {1} L {0} {0}\"/>",
         from, to);
   };
-  EXPECT_EQ(
-      refusalOf("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(300, 600) + "</g>"),
-      "/a.svg: error: the lines round (0.3, 0.3) m cut a hole into a tile; tiles have none: "
-      "leave the hole out, or divide the tile into tiles without holes, hinged to each other");
-  // Beside each other they are two tiles.
+  const TemporaryFolder folder;
+  folder.write("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(300, 600) + "</g>");
+  std::vector<std::string> warnings;
+  EXPECT_EQ(model::readModel(folder.path() / "a.svg", std::nullopt, warnings).tiles.size(), 1U);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(warnings[0].ends_with("; left out: 1 x hole in a tile")) << warnings[0];
+  // Next to each other they are two tiles.
   EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(1300, 1600) + "</g>"),
             "");
+}
+
+/// A pattern as an editor saves it: relative paths, groups with transforms, rounded.
+std::string resaved(const std::vector<exports::PatternLine>& lines, int digits, double size) {
+  const char* names[] = {"cuts", "slits", "hinges"};
+  std::string text = fmt::format(
+      "<?xml version='1.0'?><svg width='{0}mm' height='{0}mm' viewBox='-{1} -{1} {2} {2}'>"
+      "<g transform='rotate(90)scale(0.5)' id='g1'>",
+      1e3 * size, 0.5e3 * size, 1e3 * size);
+  for (int layer = 0; layer < 3; ++layer) {
+    text += fmt::format("<g inkscape:groupmode='layer' id='layer{}' inkscape:label='{}'>", layer,
+                        names[layer]);
+    for (const exports::PatternLine& line : lines) {
+      if (static_cast<int>(line.layer) != layer) continue;
+      // Turned back by 90 degrees, twice as large, y downwards.
+      const Eigen::Vector2d from(-2e3 * line.from.y(), -2e3 * line.from.x());
+      const Eigen::Vector2d to(-2e3 * line.to.y(), -2e3 * line.to.x());
+      text += fmt::format("<path style='stroke:red' d='m{:.{}f},{:.{}f} {:.{}f},{:.{}f}'/>",
+                          from.x(), digits, from.y(), digits, to.x() - from.x(), digits,
+                          to.y() - from.y(), digits);
+    }
+    text += "</g>";
+  }
+  return text + "</g></svg>";
+}
+
+TEST(Patterns, ComeBackAfterAnEditor) {
+  for (const char* name : {"tessellation", "fan", "heart", "hexagons", "triangles", "stars"}) {
+    const model::Model drawn = generate::generateModel(generate::familyNamed(name), {});
+    const double size = model::modelSize(drawn);
+    const std::vector<exports::PatternLine> lines =
+        exports::cutPattern(drawn, 0.05 * leastEdge(drawn));
+    for (const int digits : {2, 3, 9}) {
+      const TemporaryFolder folder;
+      folder.write("a.svg", resaved(lines, digits, size));
+      std::vector<std::string> warnings;
+      try {
+        const model::Model read = model::readModel(folder.path() / "a.svg", std::nullopt, warnings);
+        EXPECT_EQ(read.tiles.size(), drawn.tiles.size()) << name << digits;
+        EXPECT_EQ(read.joints.size(), drawn.joints.size()) << name << digits;
+        EXPECT_NEAR(model::modelSize(read), size, 1e-6 * size + 3e-3 * std::pow(10.0, -digits));
+      } catch (const InputError& error) {
+        ADD_FAILURE() << name << digits << ": " << error.what();
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -374,8 +374,8 @@ TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
 
 /// In the plane the four quads of this design have no freedom: their joints must open.
 TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
-  const scene::Scene scene =
-      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  scene.solver.planar = true;
   const double tile = model::tileSize(scene.model);
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_EQ(run.atTarget, true);
@@ -388,6 +388,21 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   EXPECT_GT(run.accuracy.jointOpeningMax, 0.005 * tile);
   EXPECT_THAT(run.reason, testing::HasSubstr("joints open by up to"));
   EXPECT_THAT(run.pathReason, testing::HasSubstr("none with exact joints was found"));
+}
+
+/// Through space the joints of the same design stay closed, and its bricks apart.
+TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  const double tile = model::tileSize(scene.model);
+  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_FALSE(run.needs.planar.on);
+  EXPECT_EQ(run.needs.planar.reason,
+            "no path in the plane keeps joints closed and bricks apart, one in space does");
+  EXPECT_EQ(run.atTarget, true);
+  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 1.7e-12
+  EXPECT_LE(run.accuracy.jointGapMax, 1e-9 * tile);          // 8.3e-12
+  EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 2.8e-6
 }
 
 /// Its flush start lies apart from all other states among touching bricks: no exact path leaves it.

@@ -348,13 +348,22 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
   scene::Scene single = truss();
   single.model.tiles.resize(1);
   single.model.joints.clear();
-  for (const scene::Scene& scene : {truss(), single}) {
+  // Ball joints let the truss fold out of its plane.
+  EXPECT_THAT([] { deploy::deploy(truss(), 0.1, nullptr); },
+              testing::ThrowsMessage<InputError>(
+                  "error: this sheet has no motion in its plane, 3 out of it: give a target, "
+                  "gravity, a pull or a drive (--target, --gravity, [[timeline]] or [[velocity]] "
+                  "in scene.toml)"));
+  scene::Scene inPlane = truss();
+  inPlane.solver.planar = true;
+  for (scene::Scene scene : {inPlane, single}) {
     EXPECT_THAT(
         [&] { deploy::deploy(scene, 0.1, nullptr); },
         testing::ThrowsMessage<InputError>(
             "error: nothing can drive this model: it has no target, and its joints leave the tiles "
             "no motion but that of the whole; give --target, other joints (--joints-file), or what "
             "moves it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)"));
+    scene.solver.planar.reset();
     scene::Scene falling = scene;
     falling.environment.gravity = {0, 0, -9.81};
     falling.stop.duration = 0.1;

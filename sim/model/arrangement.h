@@ -1,0 +1,128 @@
+/// Lines in the plane, cut at each other, and the faces between them.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "sim/model/drawing.h"
+
+namespace kirireel::model {
+
+/// Points of the plane, those within a tolerance as one, by number.
+class PointNumbers {
+ public:
+  /// Cells are counted from `origin`, a point of the drawing, so that their numbers stay small.
+  PointNumbers(double tolerance, const Vector2& origin) : tolerance_(tolerance), origin_(origin) {}
+
+  /// The number of the known point there; none where there is none.
+  std::optional<int> find(const Vector2& point) const;
+  /// The number of the point, which is a new one where none is near.
+  int add(const Vector2& point);
+
+  const Vector2& operator[](int number) const { return points_[number]; }
+  int count() const { return static_cast<int>(points_.size()); }
+  const std::vector<Vector2>& points() const { return points_; }
+
+ private:
+  std::pair<long, long> cellOf(const Vector2& point) const;
+
+  double tolerance_;
+  Vector2 origin_;
+  std::vector<Vector2> points_;
+  std::unordered_map<long, std::vector<int>> cells_;
+};
+
+/// A straight piece, metres.
+using PlaneSegment = std::pair<Vector2, Vector2>;
+
+/// The z of the cross product.
+inline double crossOf(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Calls visit(i, j), i != j, once for each two segments whose boxes come within the reach, metres.
+template <typename Visit>
+void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, Visit visit);
+
+/// The planar subdivision that segments make. Ends and crossings within the tolerance are one
+/// node; an end within the tolerance of another segment lies on it; pieces that coincide are one
+/// edge. Edge e has the half edges 2 e, from first to second, and 2 e + 1, back.
+class Arrangement {
+ public:
+  /// Costs a sort, and each pair of segments whose boxes meet.
+  Arrangement(const std::vector<PlaneSegment>& segments, double tolerance);
+
+  const std::vector<Vector2>& nodes() const { return numbers_.points(); }
+  const std::vector<std::pair<int, int>>& edges() const { return edges_; }
+  /// The node at a place; none where there is none.
+  std::optional<int> nodeAt(const Vector2& place) const { return numbers_.find(place); }
+  /// Half edges that leave a node, anticlockwise.
+  const std::vector<int>& leaving(int node) const { return leaving_[node]; }
+  int from(int half) const { return half % 2 ? edges_[half / 2].second : edges_[half / 2].first; }
+  int to(int half) const { return from(half ^ 1); }
+  const Vector2& at(int node) const { return numbers_[node]; }
+
+  /// Drops edges that have one face on both sides: open ends, and bridges.
+  void dropBridges();
+
+  /// The cycles of half edges with a face on their left; cycles that run clockwise are the
+  /// outsides of connected parts.
+  const std::vector<std::vector<int>>& cycles() const { return cycles_; }
+  /// The number of the cycle of a half edge.
+  int cycleOf(int half) const { return cycleOf_[half]; }
+  /// The area that a cycle goes round, square metres; below 0 of those that run clockwise.
+  double areaOf(int cycle) const;
+  /// The number of each node's connected part.
+  std::vector<int> parts() const;
+
+ private:
+  void connect();
+
+  PointNumbers numbers_;
+  std::vector<std::pair<int, int>> edges_;
+  std::vector<std::vector<int>> leaving_;
+  std::vector<std::vector<int>> cycles_;
+  std::vector<int> cycleOf_;
+};
+
+/// Whether the point is within a closed polygon, by the crossings of a ray along x.
+bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point);
+
+/// The area of a closed polygon, positive where it runs anticlockwise.
+double ringArea(const std::vector<Vector2>& ring);
+
+/// Which points of a chain to keep so that it stays within the tolerance, with both its ends (D. H.
+/// Douglas, T. K. Peucker 1973).
+std::vector<bool> simplifiedChain(const std::vector<Vector2>& chain, double tolerance);
+
+// ------------------------------------------------------------------------------------------------
+
+template <typename Visit>
+void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, Visit visit) {
+  struct Box {
+    double left, right, low, high;
+    int number;
+  };
+  std::vector<Box> boxes;
+  boxes.reserve(segments.size());
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const Vector2 low = segments[k].first.cwiseMin(segments[k].second);
+    const Vector2 high = segments[k].first.cwiseMax(segments[k].second);
+    boxes.push_back({low.x() - reach / 2, high.x() + reach / 2, low.y() - reach / 2,
+                     high.y() + reach / 2, static_cast<int>(k)});
+  }
+  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
+    return a.left != b.left ? a.left < b.left : a.number < b.number;
+  });
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].left <= boxes[i].right; ++j) {
+      if (boxes[j].low > boxes[i].high || boxes[j].high < boxes[i].low) continue;
+      visit(boxes[i].number, boxes[j].number);
+    }
+  }
+}
+
+}  // namespace kirireel::model

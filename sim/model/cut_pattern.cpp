@@ -1,0 +1,1121 @@
+// From a drawing to tiles and joints.
+//
+// 1. *Groups*: lines of one colour, layer and dash. Marks of hinges continue open ends of the
+//    others; engraved lines touch no others, and their ends stop short of none. Both are left out.
+// 2. *Slots* become centre lines (slot_lines.cpp).
+// 3. *Rays*: each open end of a cut is extended straight on. All rays grow at one speed. A ray
+//    stops at the first line or earlier ray that it meets; two that grow towards one vertex both
+//    stop there; ends that face each other meet midway. This is the motorcycle graph (D. Eppstein,
+//    J. Erickson 1999), but that the first at a crossing waits there for the second.
+// 4. *Necks* are the rays up to a width. Sorted by length, the number of tiles is constant from one
+//    to the next: the longest such interval below half a tile is taken.
+// 5. *Tiles* are the faces between lines and necks. A face without a neck is no tile: it falls out,
+//    or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
+// 6. *Joints* are at the far ends of the necks, where the design's vertices are.
+#include "sim/model/cut_pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/error.h"
+#include "sim/model/model_formats.h"
+
+namespace kirireel::model {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+// How far off its direction a cut's aim may be, of the distance to it.
+constexpr double kAim = 0.03;
+
+double lengthOf(const DrawnPath& path) {
+  double length = 0;
+  for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+    length += (path.points[k + 1] - path.points[k]).norm();
+  }
+  return path.isClosed ? length + (path.points.front() - path.points.back()).norm() : length;
+}
+
+void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) {
+  for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+    segments.emplace_back(path.points[k], path.points[k + 1]);
+  }
+  if (path.isClosed) segments.emplace_back(path.points.back(), path.points.front());
+}
+
+// ------------------------------------------------------------------------------------------------
+
+/// An open end of a cut, and its straight continuation.
+struct CutRay {
+  int node = 0;
+  Vector2 from = Vector2::Zero();
+  Vector2 along = Vector2::Zero();  // a unit vector
+  double straight = 0;              // how far the cut runs straight up to its end
+  double hit = kNever;              // the first line, metres from the end
+  Vector2 hitPlace = Vector2::Zero();
+  int partner = -1;  // the ray of the end that it runs into, which comes the other way
+  double stop = kNever;
+  Vector2 stopPlace = Vector2::Zero();
+  bool isRunning = true;
+  double tip = 0;         // where removed material ends and the neck begins
+  bool isJoined = false;  // no material on the way: the cuts meet
+  bool isFacing = false;  // it met its partner midway, where the vertex of the neck is
+
+  double width() const { return stop - tip; }
+  /// How far a point at this distance may be off, so that the cut aims at it.
+  double slack(double distance, double tolerance) const {
+    return tolerance * (1 + distance / std::max(straight, tolerance)) + kAim * distance;
+  }
+};
+
+/// Steps 3 and 4.
+class RayTracer {
+ public:
+  RayTracer(const Arrangement& lines, bool hasCurves, double tolerance)
+      : lines_(lines), hasCurves_(hasCurves), tolerance_(tolerance) {
+    for (int node = 0; node < std::ssize(lines.nodes()); ++node) {
+      if (lines.leaving(node).size() == 1) rays_.push_back(rayAt(node));
+    }
+    std::vector<int> rayOf(lines.nodes().size(), -1);
+    for (int k = 0; k < std::ssize(rays_); ++k) rayOf[rays_[k].node] = k;
+    for (CutRay& ray : rays_) findHit(ray, rayOf);
+  }
+
+  /// Where all rays stop.
+  std::vector<CutRay> run() {
+    struct Event {
+      double time;
+      int one, other;  // other: -1 at a line
+      double alongOne, alongOther;
+    };
+    std::vector<Event> events;
+    for (int i = 0; i < std::ssize(rays_); ++i) {
+      const CutRay& ray = rays_[i];
+      if (ray.hit == kNever) continue;
+      // Ends that face each other wait for those that aim between them.
+      events.push_back({ray.partner >= 0 ? 3 * ray.hit : ray.hit, i, -1, ray.hit, 0});
+    }
+    for (int i = 0; i < std::ssize(rays_); ++i) {
+      for (int j = i + 1; j < std::ssize(rays_); ++j) {
+        const double area = crossOf(rays_[i].along, rays_[j].along);
+        if (std::abs(area) < 1e-3) continue;
+        const Vector2 apart = rays_[j].from - rays_[i].from;
+        const double s = crossOf(apart, rays_[j].along) / area;
+        const double t = crossOf(apart, rays_[i].along) / area;
+        const bool isAhead = s > tolerance_ && t > tolerance_;
+        if (!isAhead || s > rays_[i].hit + tolerance_ || t > rays_[j].hit + tolerance_) continue;
+        if (s == kNever || t == kNever) continue;
+        events.push_back({std::max(s, t), i, j, s, t});
+      }
+    }
+    std::ranges::stable_sort(events, {}, &Event::time);
+    for (const Event& event : events) {
+      CutRay& one = rays_[event.one];
+      if (event.other < 0) {
+        if (one.isRunning) reachLine(event.one);
+        continue;
+      }
+      CutRay& other = rays_[event.other];
+      const auto covers = [&](const CutRay& ray, double distance) {
+        return ray.isRunning || ray.stop >= distance - ray.slack(distance, tolerance_);
+      };
+      if ((!one.isRunning && !other.isRunning) || !covers(one, event.alongOne) ||
+          !covers(other, event.alongOther)) {
+        continue;
+      }
+      Vector2 place = one.from + event.alongOne * one.along;
+      if (one.isRunning && other.isRunning) {
+        place = settled(place, event.time);
+      } else {
+        // On the trail of the one that stopped, or where it stopped.
+        const CutRay& trail = one.isRunning ? other : one;
+        const double near = tolerance_ + kAim * event.time;
+        if ((trail.stopPlace - place).norm() <= near) place = trail.stopPlace;
+      }
+      for (CutRay* ray : {&one, &other}) {
+        if (ray->isRunning) stopAt(*ray, place);
+      }
+    }
+    return std::move(rays_);
+  }
+
+ private:
+  CutRay rayAt(int node) const {
+    CutRay ray;
+    ray.node = node;
+    ray.from = lines_.at(node);
+    int last = lines_.to(lines_.leaving(node)[0]);
+    const Vector2 piece = ray.from - lines_.at(last);
+    ray.along = piece.normalized();
+    // Back along the straight line, whose direction is known the better the longer it is.
+    for (int before = node; before >= 0;) {
+      int further = -1;
+      for (const int half : lines_.leaving(last)) {
+        const Vector2 whole = ray.from - lines_.at(lines_.to(half));
+        const Vector2 step = lines_.at(last) - lines_.at(lines_.to(half));
+        if (lines_.to(half) == before || step.dot(ray.along) <= 0.99 * step.norm()) continue;
+        const double off = std::abs(crossOf(whole, ray.from - lines_.at(last))) / whole.norm();
+        if (off <= tolerance_) further = lines_.to(half);
+      }
+      if (further < 0) break;
+      before = last;
+      last = further;
+      ray.along = (ray.from - lines_.at(last)).normalized();
+    }
+    ray.straight = (ray.from - lines_.at(last)).norm();
+    // The tangent at the end of a curve is half a turn further than its last piece.
+    if (hasCurves_ && lines_.leaving(last).size() == 2) {
+      for (const int half : lines_.leaving(last)) {
+        const Vector2 before = lines_.at(last) - lines_.at(lines_.to(half));
+        const double turn = std::atan2(crossOf(before, ray.along), before.dot(ray.along));
+        const double ratio = before.norm() / ray.straight;
+        if (std::abs(turn) < 0.8 && ratio > 0.5 && ratio < 2) {
+          ray.along = Eigen::Rotation2Dd(turn / 2) * ray.along;
+        }
+      }
+    }
+    return ray;
+  }
+
+  void findHit(CutRay& ray, const std::vector<int>& rayOf) const {
+    for (const auto& [first, second] : lines_.edges()) {
+      if (first == ray.node || second == ray.node) continue;
+      // Ends of the line that the cut aims at.
+      bool hasEnd = false;
+      for (const int node : {first, second}) {
+        const Vector2 rest = lines_.at(node) - ray.from;
+        const double ahead = rest.dot(ray.along);
+        if (ahead <= tolerance_ ||
+            std::abs(crossOf(ray.along, rest)) > ray.slack(ahead, tolerance_)) {
+          continue;
+        }
+        hasEnd = true;
+        if (ahead >= ray.hit) continue;
+        ray.hit = ahead;
+        ray.hitPlace = lines_.at(node);
+        const int facing = rayOf[node];
+        const bool faces = facing >= 0 && rays_[facing].along.dot(ray.along) < -0.9;
+        ray.partner = faces ? facing : -1;
+      }
+      if (hasEnd) continue;
+      const Vector2 a = lines_.at(first), line = lines_.at(second) - a;
+      const double area = crossOf(ray.along, line);
+      if (area == 0) continue;
+      const double ahead = crossOf(a - ray.from, line) / area;
+      const double share = crossOf(a - ray.from, ray.along) / area;
+      if (ahead <= tolerance_ || ahead >= ray.hit || share < 0 || share > 1) continue;
+      ray.hit = ahead;
+      ray.hitPlace = a + share * line;
+      ray.partner = -1;
+    }
+  }
+
+  void stopAt(CutRay& ray, const Vector2& place) {
+    ray.isRunning = false;
+    ray.stop = (place - ray.from).norm();
+    ray.stopPlace = place;
+    stops_.push_back(place);
+  }
+
+  void reachLine(int number) {
+    CutRay& ray = rays_[number];
+    if (ray.partner < 0) return stopAt(ray, ray.hitPlace);
+    CutRay& partner = rays_[ray.partner];
+    if (!partner.isRunning) return stopAt(ray, partner.stopPlace);
+    const Vector2 middle = 0.5 * (ray.from + partner.from);
+    stopAt(ray, middle);
+    stopAt(partner, middle);
+    ray.isFacing = partner.isFacing = true;
+  }
+
+  /// One vertex for all rays that meet there but for rounding.
+  Vector2 settled(const Vector2& place, double distance) const {
+    for (const Vector2& known : stops_) {
+      if ((known - place).norm() <= tolerance_ + kAim * distance) return known;
+    }
+    return place;
+  }
+
+  const Arrangement& lines_;
+  bool hasCurves_;
+  double tolerance_;
+  std::vector<CutRay> rays_;
+  std::vector<Vector2> stops_;
+};
+
+/// Where the neck begins: at the end of the removed material round the cut's end.
+void findTips(std::vector<CutRay>& rays, const CutLines& cuts, double tolerance) {
+  for (CutRay& ray : rays) {
+    if (ray.stop == kNever || cuts.border.empty()) continue;
+    double first = kNever, last = 0;
+    for (const auto& [a, b] : cuts.border) {
+      const Vector2 line = b - a;
+      const double area = crossOf(ray.along, line);
+      if (area == 0) continue;
+      const double ahead = crossOf(a - ray.from, line) / area;
+      const double share = crossOf(a - ray.from, ray.along) / area;
+      if (share < 0 || share > 1 || ahead < -tolerance || ahead > ray.stop - tolerance) continue;
+      first = std::min(first, std::max(ahead, 0.0));
+      // Of a relieved slit the far side of its own relief.
+      if (ahead <= 0.5 * ray.stop) last = std::max(last, ahead);
+    }
+    // Thinner than half the kerf nothing stays: the cut runs along the border.
+    ray.isJoined = cuts.kerf > 0 && (first == kNever || ray.stop - first < 0.5 * cuts.kerf);
+    ray.tip = ray.isJoined ? 0 : cuts.kerf > 0 ? first : last;
+  }
+}
+
+/// The number of faces and their mean size where all rays are necks: metres.
+double tileScale(const std::vector<PlaneSegment>& lines, const std::vector<CutRay>& rays,
+                 double tolerance) {
+  std::vector<PlaneSegment> all = lines;
+  for (const CutRay& ray : rays) {
+    if (ray.stop < kNever) all.emplace_back(ray.from, ray.stopPlace);
+  }
+  const Arrangement whole(all, tolerance);
+  double area = 0;
+  int count = 0;
+  for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+    if (whole.areaOf(c) <= 0) continue;
+    area += whole.areaOf(c);
+    ++count;
+  }
+  return count == 0 ? 0 : std::sqrt(area / count);
+}
+
+/// Step 4: the largest width of a neck, metres.
+double widestNeck(const std::vector<CutRay>& rays, double scale) {
+  const double cap = 0.5 * scale;
+  std::vector<double> widths;
+  for (const CutRay& ray : rays) {
+    if (ray.stop < kNever && !ray.isJoined && ray.width() < cap) widths.push_back(ray.width());
+  }
+  if (widths.empty()) return 0;
+  std::ranges::sort(widths);
+  widths.push_back(cap);
+  std::size_t best = 0;
+  for (std::size_t k = 0; k + 1 < widths.size(); ++k) {
+    // Of equal intervals the wider necks.
+    if (widths[k + 1] - widths[k] >= widths[best + 1] - widths[best]) best = k;
+  }
+  return 0.5 * (widths[best] + widths[best + 1]);
+}
+
+// ------------------------------------------------------------------------------------------------
+
+/// Steps 3 to 6 for one set of lines.
+class SheetMaker {
+ public:
+  SheetMaker(const CutLines& cuts, const Drawing& drawing, const ReadSettings& settings,
+             double tolerance, const fs::path& file)
+      : cuts_(cuts),
+        drawing_(drawing),
+        settings_(settings),
+        tolerance_(tolerance),
+        file_(file),
+        leftOut_(cuts.leftOut) {}
+
+  Model make() {
+    const Arrangement lines(cuts_.lines, tolerance_);
+    rays_ = RayTracer(lines, drawing_.flattening > 0 || cuts_.kerf > 0, tolerance_).run();
+    findTips(rays_, cuts_, tolerance_);
+    scale_ = tileScale(cuts_.lines, rays_, tolerance_);
+    dropBeyondBorder(lines);
+    requireClosed(lines);
+    takeNecks();
+    Arrangement whole = arranged();
+    requireInside(whole);
+    whole.dropBridges();
+    findFaces(whole);
+    addJoints(whole);
+    dropLooseFaces(whole);
+    Model made = model(whole);
+    if (made.tiles.empty()) throw fault("there are no tiles in it; draw the outline of the sheet");
+    return made;
+  }
+
+  /// What was found, for one line.
+  std::string found(const Model& model) const {
+    std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
+                                   model.tiles.size() == 1 ? "" : "s", model.joints.size(),
+                                   model.joints.size() == 1 ? "" : "s");
+    if (narrowest_ < kNever) {
+      text += widest_ - narrowest_ <= 0.01 * widest_
+                  ? fmt::format(", necks {}", millimetres(widest_))
+                  : fmt::format(", necks {:.4g} to {}", narrowest_ * 1e3, millimetres(widest_));
+    }
+    if (cuts_.kerf > 0) text += fmt::format(", slots {}", millimetres(cuts_.kerf));
+    if (moved_ > tolerance_) text += fmt::format(", cuts bent by up to {}", millimetres(moved_));
+    return text;
+  }
+  const std::map<std::string, int>& leftOut() const { return leftOut_; }
+
+ private:
+  struct CutNeck {
+    int ray = 0;
+    Vector2 joint = Vector2::Zero();
+  };
+
+  static std::string millimetres(double metres) { return fmt::format("{:.4g} mm", metres * 1e3); }
+
+  InputError fault(const std::string& what) const { return inputErrorAt({file_}, what); }
+
+  /// Short pieces of cuts that run over the border of their sheet.
+  void dropBeyondBorder(const Arrangement& lines) {
+    const std::vector<int> parts = lines.parts();
+    std::vector<std::vector<Vector2>> rings;
+    std::vector<int> ringParts;
+    for (int c = 0; c < std::ssize(lines.cycles()); ++c) {
+      if (lines.areaOf(c) <= 0) continue;
+      rings.push_back(ring(lines, c));
+      ringParts.push_back(parts[lines.from(lines.cycles()[c][0])]);
+    }
+    const auto isBeyond = [&](const CutRay& ray) {
+      double length = 0;
+      int node = ray.node, before = -1;
+      for (bool goesOn = true; goesOn;) {
+        goesOn = false;
+        for (const int half : lines.leaving(node)) {
+          if (lines.to(half) == before || (before >= 0 && lines.leaving(node).size() > 2)) continue;
+          length += (lines.at(lines.to(half)) - lines.at(node)).norm();
+          before = node;
+          node = lines.to(half);
+          goesOn = lines.leaving(node).size() == 2;
+          break;
+        }
+      }
+      if (lines.leaving(node).size() < 3 || length > 0.25 * scale_) return false;
+      bool isOfSheet = false;
+      for (std::size_t k = 0; k < rings.size(); ++k) {
+        isOfSheet |= ringParts[k] == parts[ray.node];
+        if (isWithinRing(rings[k], ray.from)) return false;
+      }
+      return isOfSheet;
+    };
+    const auto count = std::erase_if(rays_, isBeyond);
+    // Of slots, whose mouths may be bent, that says nothing.
+    if (count > 0 && cuts_.kerf == 0) {
+      leftOut_["end of a cut beyond the border"] += static_cast<int>(count);
+    }
+  }
+
+  void requireClosed(const Arrangement& lines) const {
+    bool hasFace = false;
+    for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
+    for (const CutRay& ray : rays_) {
+      if (ray.hit < kNever && hasFace) continue;
+      throw fault(
+          fmt::format("the outline is open: the line that ends at {} leads out of the "
+                      "sheet; close the outline, or end the line at it",
+                      drawing_.place(ray.from)));
+    }
+    if (!hasFace) throw fault("there are no lines of a sheet in it; draw its outline and its cuts");
+  }
+
+  void takeNecks() {
+    const double widest = settings_.neckWidth > 0 ? settings_.neckWidth * (1 + 1e-9) + tolerance_
+                                                  : widestNeck(rays_, scale_);
+    for (int k = 0; k < std::ssize(rays_); ++k) {
+      const CutRay& ray = rays_[k];
+      if (ray.stop == kNever) continue;
+      if (!ray.isJoined && ray.width() > widest) continue;
+      isExtended_.insert(k);
+      const double aim = (ray.stopPlace - ray.from).dot(ray.along);
+      moved_ = std::max(moved_, (ray.stopPlace - ray.from - aim * ray.along).norm());
+      if (ray.isJoined || ray.stop <= tolerance_) continue;
+      CutNeck& neck = necks_.emplace_back();
+      neck.ray = k;
+      neck.joint = ray.stopPlace;
+      if (!settings_.areJointsInNecks) continue;
+      const double share = (ray.tip + 0.5 * ray.width()) / ray.stop;
+      if (!ray.isFacing) neck.joint = ray.from + share * (ray.stopPlace - ray.from);
+    }
+  }
+
+  Arrangement arranged() const {
+    std::vector<PlaneSegment> all = cuts_.lines;
+    std::map<int, Vector2> jointOf;
+    for (const CutNeck& neck : necks_) jointOf[neck.ray] = neck.joint;
+    for (const int k : isExtended_) {
+      const CutRay& ray = rays_[k];
+      const auto joint = jointOf.find(k);
+      if (joint == jointOf.end() || joint->second == ray.stopPlace) {
+        all.emplace_back(ray.from, ray.stopPlace);
+      } else {
+        all.emplace_back(ray.from, joint->second);
+        all.emplace_back(joint->second, ray.stopPlace);
+      }
+    }
+    return Arrangement(all, tolerance_);
+  }
+
+  /// An end outside all faces is of an open outline; others end within a tile.
+  void requireInside(const Arrangement& whole) {
+    const std::vector<int> parts = whole.parts();
+    std::set<int> closed;
+    for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+      if (whole.areaOf(c) > 0) closed.insert(parts[whole.from(whole.cycles()[c][0])]);
+    }
+    for (int k = 0; k < std::ssize(rays_); ++k) {
+      if (isExtended_.contains(k)) continue;
+      const int node = *whole.nodeAt(rays_[k].from);
+      const int cycle = whole.cycleOf(whole.leaving(node)[0]);
+      if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
+        throw fault(
+            fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
+                        "it, or give --widest-neck if a neck is there",
+                        drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
+      }
+      ++leftOut_["cut that ends within a tile"];
+    }
+  }
+
+  void findFaces(const Arrangement& whole) {
+    faceOf_.assign(whole.cycles().size(), -1);
+    for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
+      if (whole.areaOf(c) <= 0) continue;
+      faceOf_[c] = static_cast<int>(faces_.size());
+      faces_.push_back(c);
+    }
+    hasNeck_.assign(faces_.size(), false);
+  }
+
+  /// The half edge by which the neck comes to its joint.
+  std::optional<int> arriving(const Arrangement& whole, const CutNeck& neck) const {
+    const std::optional<int> node = whole.nodeAt(neck.joint);
+    if (!node) return std::nullopt;
+    const CutRay& ray = rays_[neck.ray];
+    const Vector2 back = (ray.from - neck.joint).normalized();
+    std::optional<int> best;
+    double nearest = std::cos(0.2);
+    for (const int half : whole.leaving(*node)) {
+      const double turn = (whole.at(whole.to(half)) - whole.at(*node)).normalized().dot(back);
+      if (turn <= nearest) continue;
+      nearest = turn;
+      best = half ^ 1;
+    }
+    return best;
+  }
+
+  void addJoints(const Arrangement& whole) {
+    struct Between {
+      int node;
+      double width;
+    };
+    std::map<std::pair<int, int>, std::vector<Between>> known;
+    for (const CutNeck& neck : necks_) {
+      const CutRay& ray = rays_[neck.ray];
+      const std::optional<int> half = arriving(whole, neck);
+      if (!half) {
+        ++leftOut_["cut that parts no tiles"];
+        continue;
+      }
+      const int left = faceOf_[whole.cycleOf(*half)], right = faceOf_[whole.cycleOf(*half ^ 1)];
+      if (left < 0 || right < 0) {
+        throw fault(fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it",
+                                drawing_.place(ray.from), ray.stop * 1e3));
+      }
+      const int node = whole.to(*half);
+      std::vector<Between>& others = known[std::minmax(left, right)];
+      const auto same = std::ranges::find(others, node, &Between::node);
+      if (same != others.end()) {
+        same->width += ray.width();  // from both sides
+        continue;
+      }
+      if (!others.empty()) {
+        throw fault(fmt::format(
+            "the strip of material at {} has necks to its neighbour at {} and "
+            "{}: it can only bend, and is no rigid tile; see docs/drawings.md",
+            drawing_.place(inner(whole, faces_[left])),
+            drawing_.place(whole.at(others.front().node)), drawing_.place(whole.at(node))));
+      }
+      others.push_back({node, ray.width()});
+      hasNeck_[left] = hasNeck_[right] = true;
+      joints_.push_back({*half, left, right});
+    }
+    for (const auto& [pair, between] : known) {
+      for (const Between& one : between) {
+        narrowest_ = std::min(narrowest_, one.width);
+        widest_ = std::max(widest_, one.width);
+      }
+    }
+  }
+
+  /// A point by which a face is known: the mean of its corners.
+  Vector2 inner(const Arrangement& whole, int cycle) const {
+    Vector2 sum(0, 0);
+    for (const int half : whole.cycles()[cycle]) sum += whole.at(whole.from(half));
+    return sum / static_cast<double>(whole.cycles()[cycle].size());
+  }
+
+  std::vector<Vector2> ring(const Arrangement& whole, int cycle) const {
+    std::vector<Vector2> points;
+    for (const int half : whole.cycles()[cycle]) points.push_back(whole.at(whole.from(half)));
+    return points;
+  }
+
+  /// Step 5.
+  void dropLooseFaces(const Arrangement& whole) {
+    const std::vector<int> parts = whole.parts();
+    const auto partOf = [&](int face) {
+      return parts[whole.from(whole.cycles()[faces_[face]][0])];
+    };
+    std::map<int, int> facesOf;
+    std::set<int> sheets;
+    std::string fallen;
+    for (int f = 0; f < std::ssize(faces_); ++f) {
+      ++facesOf[partOf(f)];
+      if (hasNeck_[f]) sheets.insert(partOf(f));
+    }
+    for (int f = 0; f < std::ssize(faces_); ++f) {
+      if (hasNeck_[f]) continue;
+      const double area = whole.areaOf(faces_[f]);
+      const Vector2 corner = whole.at(whole.from(whole.cycles()[faces_[f]][0]));
+      const auto holdsIt = [&](int other) {
+        return other != f && partOf(other) != partOf(f) && whole.areaOf(faces_[other]) > area &&
+               isWithinRing(ring(whole, faces_[other]), corner);
+      };
+      bool isWithin = false, isLikeTile = false, isRound = false;
+      const std::vector<Vector2> own = ring(whole, faces_[f]);
+      for (int other = 0; other < std::ssize(faces_); ++other) {
+        if (sheets.empty() ? other != f : static_cast<bool>(hasNeck_[other])) {
+          isWithin |= holdsIt(other);
+          isRound |= partOf(other) != partOf(f) &&
+                     isWithinRing(own, whole.at(whole.from(whole.cycles()[faces_[other]][0])));
+        }
+        isLikeTile |= hasNeck_[other] && std::abs(whole.areaOf(faces_[other]) - area) < 0.01 * area;
+      }
+      const bool isShared = facesOf[partOf(f)] > 1;
+      if (isShared && (isLikeTile || sheets.empty())) {
+        throw fault(
+            fmt::format("the piece at {} hangs by nothing; let a cut round it stop short "
+                        "of the line that it runs into",
+                        drawing_.place(inner(whole, faces_[f]))));
+      }
+      if (isWithin)
+        ++leftOut_["hole in a tile"];
+      else if (isShared) {
+        if (fallen.empty()) fallen = drawing_.place(inner(whole, faces_[f]));
+        ++leftOut_[fmt::format("piece that falls out (one at {})", fallen)];
+      } else if (isRound)
+        ++leftOut_["frame round the sheet"];
+      else if (!sheets.empty())
+        ++leftOut_["outline without cuts"];
+      else
+        hasNeck_[f] = true;  // sheets of one tile
+    }
+  }
+
+  /// Step 6, and tiles without the corners that no longer are any.
+  Model model(const Arrangement& whole) const {
+    std::set<int> cutEnds;
+    for (const int k : isExtended_) {
+      if (const auto node = whole.nodeAt(rays_[k].from)) cutEnds.insert(*node);
+    }
+    // Half edges at whose start a tile has a joint.
+    std::set<int> corners;
+    const auto next = [&](int half) {
+      const std::vector<int>& cycle = whole.cycles()[whole.cycleOf(half)];
+      const auto at = std::ranges::find(cycle, half) - cycle.begin();
+      return cycle[(at + 1) % std::ssize(cycle)];
+    };
+    for (const FaceJoint& joint : joints_) {
+      corners.insert(next(joint.half));
+      corners.insert(joint.half ^ 1);
+    }
+    Model model;
+    model.name = file_.stem().string();
+    std::map<int, Corner> cornerAt;
+    for (int f = 0; f < std::ssize(faces_); ++f) {
+      if (!hasNeck_[f]) continue;
+      std::vector<int> kept = keptCorners(whole, whole.cycles()[faces_[f]], corners, cutEnds);
+      Tile& tile = model.tiles.emplace_back();
+      for (const int half : kept) {
+        cornerAt[half] = {static_cast<int>(model.tiles.size()) - 1,
+                          static_cast<int>(tile.vertices.size())};
+        const Vector2& at = whole.at(whole.from(half));
+        tile.vertices.emplace_back(at.x(), at.y(), 0);
+      }
+    }
+    for (const FaceJoint& joint : joints_) {
+      const auto a = cornerAt.find(next(joint.half)), b = cornerAt.find(joint.half ^ 1);
+      if (a == cornerAt.end() || b == cornerAt.end()) continue;
+      model.joints.push_back({a->second, b->second, JointFace::Both});
+    }
+    return model;
+  }
+
+  struct FaceJoint {
+    int half, left, right;
+  };
+
+  /// Half edges whose starts stay corners: joints, and what a straight line is off from by more
+  /// than the tolerance.
+  std::vector<int> keptCorners(const Arrangement& whole, const std::vector<int>& cycle,
+                               const std::set<int>& joints, const std::set<int>& cutEnds) const {
+    std::vector<int> halves;
+    for (const int half : cycle) {
+      const bool isEnd =
+          cutEnds.contains(whole.from(half)) && whole.leaving(whole.from(half)).size() <= 2;
+      if (!isEnd || joints.contains(half)) halves.push_back(half);
+    }
+    // Begun at the lowest of the leftmost, which is a corner.
+    const auto first = std::ranges::min_element(halves, {}, [&](int half) {
+      const Vector2& at = whole.at(whole.from(half));
+      return std::pair(at.x(), at.y());
+    });
+    std::ranges::rotate(halves, first);
+    std::vector<int> kept;
+    std::vector<Vector2> chain;
+    std::vector<int> chainHalves;
+    const auto flush = [&] {
+      const std::vector<bool> isKept = simplifiedChain(chain, tolerance_);
+      for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+        if (isKept[k]) kept.push_back(chainHalves[k]);
+      }
+    };
+    // From one sure corner to the next: the first, the farthest from it, and joints.
+    const Vector2 start = whole.at(whole.from(halves[0]));
+    const auto farthest = std::ranges::max_element(
+        halves, {}, [&](int half) { return (whole.at(whole.from(half)) - start).norm(); });
+    const int far = *farthest;
+    for (std::size_t k = 0; k <= halves.size(); ++k) {
+      const int half = halves[k % halves.size()];
+      chain.push_back(whole.at(whole.from(half)));
+      chainHalves.push_back(half);
+      const bool isSure = k == halves.size() || half == far || joints.contains(half);
+      if (k == 0 || !isSure) continue;
+      flush();
+      chain = {chain.back()};
+      chainHalves = {half};
+    }
+    return kept;
+  }
+
+  const CutLines& cuts_;
+  const Drawing& drawing_;
+  const ReadSettings& settings_;
+  double tolerance_;
+  const fs::path& file_;
+  std::map<std::string, int> leftOut_;
+  std::vector<CutRay> rays_;
+  std::set<int> isExtended_;
+  std::vector<CutNeck> necks_;
+  std::vector<int> faces_;     // cycles that run anticlockwise
+  std::vector<int> faceOf_;    // by cycles
+  std::vector<bool> hasNeck_;  // of faces
+  std::vector<FaceJoint> joints_;
+  double narrowest_ = kNever, widest_ = 0;  // metres
+  double moved_ = 0;
+  double scale_ = 0;  // of a tile, metres
+};
+
+// ------------------------------------------------------------------------------------------------
+
+/// Lines of one colour, layer and dash.
+struct LineGroup {
+  std::string colour, layer;
+  bool isDashed = false;
+  std::vector<const DrawnPath*> paths;
+  std::string role = "cut";
+
+  double length() const {
+    double sum = 0;
+    for (const DrawnPath* path : paths) sum += lengthOf(*path);
+    return sum;
+  }
+};
+
+struct SheetReading {
+  Model model;
+  std::string found;
+  std::map<std::string, int> leftOut;
+};
+
+class CutPatternReader {
+ public:
+  CutPatternReader(const Drawing& drawing, const ReadSettings& settings, const fs::path& file)
+      : drawing_(drawing),
+        settings_(settings),
+        file_(file),
+        // Ends on a curve are off its straight pieces.
+        tolerance_(std::clamp(std::max(1.5 * drawing.rounding, 1.2 * drawing.flattening),
+                              1e-7 * drawing.size(), 1e-4 * drawing.size())) {
+    collectGroups();
+  }
+
+  Model read(std::vector<std::string>& warnings) {
+    if (groups_.empty())
+      throw inputErrorAt({file_}, "no line is left to cut; choose fewer lines to ignore");
+    if (settings_.cut.empty()) {
+      findMarks();
+      findEngraving();
+    }
+    SheetReading reading;
+    try {
+      reading = sheetOf(pathsOf([](const LineGroup& group) { return group.role == "cut"; }));
+    } catch (const InputError& error) {
+      if (groups_.size() < 2) throw;
+      throw InputError(
+          fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(), describeGroups()));
+    }
+    const TileTable table = patternTable(file_, reading.model.tiles);
+    checkTiles(table);
+    turnClockwiseTiles(table, reading.model, warnings);
+    warnings.push_back(describe(reading));
+    return std::move(reading.model);
+  }
+
+ private:
+  /// Whether one of the words names the path's colour, layer, id, label or class.
+  static bool isNamed(const DrawnPath& path, const std::vector<std::string>& words,
+                      std::set<std::string>* used) {
+    bool isOne = false;
+    for (const std::string& word : words) {
+      const std::string name = normalColour(word);
+      const bool fits = path.colour == name || path.layer == name ||
+                        std::ranges::find(path.names, name) != path.names.end();
+      if (fits && used) used->insert(word);
+      isOne |= fits;
+    }
+    return isOne;
+  }
+
+  void collectGroups() {
+    std::set<std::string> used;
+    for (const DrawnPath& path : drawing_.paths) {
+      const bool isIgnored = isNamed(path, settings_.ignore, &used);
+      const bool isCut = settings_.cut.empty() || isNamed(path, settings_.cut, &used);
+      if (isIgnored || !isCut) {
+        ++notChosen_;
+        continue;
+      }
+      auto group = std::ranges::find_if(groups_, [&](const LineGroup& one) {
+        return one.colour == path.colour && one.layer == path.layer &&
+               one.isDashed == path.isDashed;
+      });
+      if (group == groups_.end()) {
+        groups_.push_back({path.colour, path.layer, path.isDashed, {}, "cut"});
+        group = groups_.end() - 1;
+      }
+      group->paths.push_back(&path);
+    }
+    for (const auto* words : {&settings_.cut, &settings_.ignore}) {
+      for (const std::string& word : *words) {
+        if (used.contains(word)) continue;
+        std::set<std::string> names;
+        for (const DrawnPath& path : drawing_.paths) {
+          names.insert(path.colour);
+          if (!path.layer.empty()) names.insert(path.layer);
+        }
+        throw inputErrorAt(
+            {file_},
+            fmt::format("no line has the colour, layer or id '{}' of {}; there are {}", shown(word),
+                        words == &settings_.cut ? "--cut" : "--ignore", fmt::join(names, ", ")));
+      }
+    }
+  }
+
+  template <typename Filter>
+  std::vector<const DrawnPath*> pathsOf(Filter filter) const {
+    std::vector<const DrawnPath*> paths;
+    for (const LineGroup& group : groups_) {
+      if (filter(group)) paths.insert(paths.end(), group.paths.begin(), group.paths.end());
+    }
+    return paths;
+  }
+
+  static std::vector<PlaneSegment> segmentsOf(const std::vector<const DrawnPath*>& paths) {
+    std::vector<PlaneSegment> segments;
+    for (const DrawnPath* path : paths) appendSegments(*path, segments);
+    return segments;
+  }
+
+  /// Short straight continuations of open ends of the other lines, and dashed lines.
+  void findMarks() {
+    std::vector<LineGroup*> byLength;
+    for (LineGroup& group : groups_) byLength.push_back(&group);
+    std::ranges::stable_sort(byLength, {}, &LineGroup::length);
+    const bool hasSolid =
+        std::ranges::any_of(groups_, [](const LineGroup& group) { return !group.isDashed; });
+    for (LineGroup* group : byLength) {
+      const auto others =
+          pathsOf([&](const LineGroup& one) { return &one != group && one.role == "cut"; });
+      if (others.empty()) return;
+      if (group->isDashed && hasSolid) {
+        group->role = "hinge mark";
+        continue;
+      }
+      const Arrangement lines(segmentsOf(others), tolerance_);
+      const auto isMark = [&](const DrawnPath* path) {
+        const double apart = (path->points.back() - path->points.front()).norm();
+        if (path->isClosed || lengthOf(*path) > 1.05 * apart) return false;
+        for (const bool isReversed : {false, true}) {
+          const Vector2& from = isReversed ? path->points.back() : path->points.front();
+          const Vector2& to = isReversed ? path->points.front() : path->points.back();
+          const std::optional<int> node = lines.nodeAt(from);
+          if (!node || lines.leaving(*node).size() != 1) continue;
+          const Vector2 mark = to - from;
+          // The straight cut before it, whatever crosses it.
+          int last = *node;
+          double length = 0;
+          for (bool goesOn = true; goesOn && length <= 4 * mark.norm();) {
+            goesOn = false;
+            for (const int half : lines.leaving(last)) {
+              const Vector2 step = lines.at(last) - lines.at(lines.to(half));
+              if (step.dot(mark) < 0.98 * step.norm() * mark.norm()) continue;
+              length += step.norm();
+              last = lines.to(half);
+              goesOn = true;
+              break;
+            }
+          }
+          if (length > 2 * mark.norm()) return true;
+        }
+        return false;
+      };
+      const auto marks = std::ranges::count_if(group->paths, isMark);
+      if (5 * marks >= 4 * std::ssize(group->paths)) group->role = "hinge mark";
+    }
+  }
+
+  /// Lines that touch no others, without which the rest still is a sheet, and whose ends stop short
+  /// of none.
+  void findEngraving() {
+    if (groups_.size() < 2 || groups_.size() > 12) return;
+    std::vector<PlaneSegment> segments;
+    std::vector<int> groupOf;
+    for (int g = 0; g < std::ssize(groups_); ++g) {
+      for (const DrawnPath* path : groups_[g].paths) appendSegments(*path, segments);
+      groupOf.resize(segments.size(), g);
+    }
+    std::vector<bool> touches(groups_.size(), false);
+    visitNearSegments(segments, 2 * tolerance_, [&](int i, int j) {
+      const int one = groupOf[i], other = groupOf[j];
+      if (one == other || (touches[one] && touches[other])) return;
+      if (groups_[one].role != "cut" || groups_[other].role != "cut") return;
+      if (!meet(segments[i], segments[j])) return;
+      touches[one] = touches[other] = true;
+    });
+    for (int g = 0; g < std::ssize(groups_); ++g) {
+      if (touches[g] || groups_[g].role != "cut") continue;
+      const auto rest =
+          pathsOf([&](const LineGroup& one) { return &one != &groups_[g] && one.role == "cut"; });
+      if (rest.empty()) continue;
+      try {
+        const SheetReading reading = sheetOf(rest);
+        if (reading.model.joints.empty() || stopsShort(groups_[g], rest, reading.model)) continue;
+        groups_[g].role = "engraved";
+      } catch (const InputError&) {
+        continue;  // the rest is no sheet without it
+      }
+    }
+  }
+
+  bool meet(const PlaneSegment& a, const PlaneSegment& b) const {
+    const auto near = [&](const Vector2& point, const PlaneSegment& line) {
+      const Vector2 along = line.second - line.first;
+      const double share = std::clamp(
+          (point - line.first).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+      return (line.first + share * along - point).norm() <= tolerance_;
+    };
+    if (near(a.first, b) || near(a.second, b) || near(b.first, a) || near(b.second, a)) return true;
+    const auto side = [](const PlaneSegment& line, const Vector2& point) {
+      return crossOf(line.second - line.first, point - line.first) > 0;
+    };
+    return side(a, b.first) != side(a, b.second) && side(b, a.first) != side(b, a.second);
+  }
+
+  /// Whether half of a group's open ends would be necks of the rest.
+  bool stopsShort(const LineGroup& group, const std::vector<const DrawnPath*>& rest,
+                  const Model& model) const {
+    const std::vector<PlaneSegment> lines = segmentsOf(rest);
+    const double near = 0.25 * tileSize(model);
+    int ends = 0, necks = 0;
+    for (const DrawnPath* path : group.paths) {
+      if (path->isClosed) continue;
+      const auto& p = path->points;
+      for (const auto& [end, before] : {std::pair(p.front(), p[1]), {p.back(), p[p.size() - 2]}}) {
+        ++ends;
+        const PlaneSegment ray(end, end + near * (end - before).normalized());
+        necks +=
+            std::ranges::any_of(lines, [&](const PlaneSegment& line) { return meet(ray, line); });
+      }
+    }
+    return ends > 0 && 2 * necks >= ends;
+  }
+
+  SheetReading sheetOf(std::vector<const DrawnPath*> paths) const {
+    std::map<std::string, int> leftOut;
+    dropMarksOutside(paths, leftOut);
+    bool areAllClosed = false;
+    const auto rings = closedRings(paths, tolerance_, areAllClosed);
+    CutLines cuts;
+    if (areAllClosed && !rings.empty()) cuts = slotLines(rings, tolerance_);
+    if (cuts.lines.empty()) {
+      takeReliefs(paths, rings, cuts);
+      cuts.lines = segmentsOf(paths);
+    }
+    for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
+    // Centre lines are known to a small part of their slots' width.
+    const double tolerance = std::max(tolerance_, 0.03 * cuts.kerf);
+    SheetMaker maker(cuts, drawing_, settings_, tolerance, file_);
+    SheetReading reading;
+    reading.model = maker.make();
+    reading.found = (cuts.kerf > 0 ? "slots: " : "slits: ") + maker.found(reading.model);
+    reading.leftOut = maker.leftOut();
+    return reading;
+  }
+
+  /// Crosses and the like beside the sheet.
+  void dropMarksOutside(std::vector<const DrawnPath*>& paths,
+                        std::map<std::string, int>& leftOut) const {
+    const Arrangement lines(segmentsOf(paths), tolerance_);
+    const std::vector<int> parts = lines.parts();
+    std::map<int, Eigen::AlignedBox2d> boxes;
+    for (int c = 0; c < std::ssize(lines.cycles()); ++c) {
+      if (lines.areaOf(c) <= 0) continue;
+      for (const int half : lines.cycles()[c]) {
+        boxes[parts[lines.from(half)]].extend(lines.at(lines.from(half)));
+      }
+    }
+    if (boxes.empty()) return;
+    const auto isOutside = [&](const DrawnPath* path) {
+      const auto node = lines.nodeAt(path->points.front());
+      if (!node || boxes.contains(parts[*node])) return false;
+      return std::ranges::none_of(boxes, [&](const auto& box) {
+        return std::ranges::any_of(path->points,
+                                   [&](const Vector2& p) { return box.second.contains(p); });
+      });
+    };
+    const auto count = std::erase_if(paths, isOutside);
+    if (count > 0) leftOut["line beside the sheet"] += static_cast<int>(count);
+  }
+
+  /// Circles at the ends of slits: taken out, and the slit ends on their far side.
+  void takeReliefs(std::vector<const DrawnPath*>& paths,
+                   const std::vector<std::vector<Vector2>>& rings, CutLines& cuts) const {
+    std::vector<Vector2> firsts, lasts;
+    for (const DrawnPath* path : paths) {
+      if (path->isClosed) continue;
+      firsts.push_back(path->points.front());
+      lasts.push_back(path->points.back());
+    }
+    const auto touches = [&](const std::vector<Vector2>& ring, const Vector2& point) {
+      if (isWithinRing(ring, point)) return true;
+      for (std::size_t k = 0; k < ring.size(); ++k) {
+        const PlaneSegment side(ring[k], ring[(k + 1) % ring.size()]);
+        if (meet({point, point}, side)) return true;
+      }
+      return false;
+    };
+    for (const std::vector<Vector2>& ring : rings) {
+      int oneEnd = 0, bothEnds = 0;
+      for (std::size_t k = 0; k < firsts.size(); ++k) {
+        const int inside = (touches(ring, firsts[k]) ? 1 : 0) + (touches(ring, lasts[k]) ? 1 : 0);
+        oneEnd += inside == 1 ? 1 : 0;
+        bothEnds += inside == 2 ? 1 : 0;
+      }
+      if (oneEnd == 0 || bothEnds > 0) continue;
+      const auto count = std::erase_if(
+          paths, [&](const DrawnPath* path) { return path->isClosed && path->points == ring; });
+      if (count == 0) continue;
+      for (std::size_t k = 0; k < ring.size(); ++k) {
+        cuts.border.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
+      }
+      ++cuts.leftOut["relief at the end of a slit"];
+    }
+  }
+
+  std::string describeGroups() const {
+    std::set<std::string> layers;
+    for (const LineGroup& group : groups_) layers.insert(group.layer);
+    std::vector<std::string> texts;
+    for (const LineGroup& group : groups_) {
+      texts.push_back(fmt::format("{} {}{}{} ({})", group.paths.size(), group.colour,
+                                  layers.size() > 1 ? " on layer " + shown(group.layer) : "",
+                                  group.isDashed ? ", dashed" : "", group.role));
+    }
+    return fmt::format("{}", fmt::join(texts, ", "));
+  }
+
+  std::string describe(const SheetReading& reading) const {
+    Eigen::AlignedBox2d box;
+    for (const Tile& tile : reading.model.tiles) {
+      for (const Vector3& vertex : tile.vertices) box.extend(vertex.head<2>());
+    }
+    std::string text = fmt::format("{}: note: {}, sheet {:.4g} x {:.4g} mm", file_.string(),
+                                   reading.found, box.sizes().x() * 1e3, box.sizes().y() * 1e3);
+    if (drawing_.unitName == "px") text += " (px of 1/96 inch)";
+    if (drawing_.unitName == "units" && std::abs(drawing_.unit - 1e-3) < 1e-12)
+      text += " (no unit in the file: mm)";
+    if (groups_.size() > 1) text += "; lines: " + describeGroups();
+    if (drawing_.flattening > 0)
+      text += fmt::format("; curves straight to within {:.2g} mm",
+                          (drawing_.flattening + tolerance_) * 1e3);
+    std::map<std::string, int> leftOut = reading.leftOut;
+    for (const auto& [what, count] : drawing_.ignored) leftOut[what] += count;
+    if (notChosen_ > 0) leftOut["line that was not chosen"] += notChosen_;
+    std::vector<std::string> texts;
+    for (const auto& [what, count] : leftOut) texts.push_back(fmt::format("{} x {}", count, what));
+    if (!texts.empty()) text += fmt::format("; left out: {}", fmt::join(texts, ", "));
+    return text;
+  }
+
+  const Drawing& drawing_;
+  const ReadSettings& settings_;
+  const fs::path& file_;
+  double tolerance_;
+  std::vector<LineGroup> groups_;
+  int notChosen_ = 0;
+};
+
+}  // namespace
+
+Model readCutPattern(const fs::path& file, const ReadSettings& settings,
+                     std::vector<std::string>& warnings) {
+  const Drawing drawing = readDrawing(file);
+  // Smaller ones are points, and have no tolerance that a double can tell.
+  constexpr double kLeastDrawing = 1e-9;  // metres
+  if (!(drawing.size() > kLeastDrawing)) {
+    throw inputErrorAt({file},
+                       "there are no lines of a sheet in it; draw its outline and its cuts");
+  }
+  const bool isPlain = settings.cut.empty() && settings.ignore.empty() && settings.neckWidth == 0 &&
+                       !settings.areJointsInNecks;
+  if (isPlain && isOwnPattern(drawing)) {
+    std::vector<std::string> own;
+    try {
+      Model model = ownPattern(drawing, file, own);
+      warnings.insert(warnings.end(), own.begin(), own.end());
+      return model;
+    } catch (const InputError& error) {
+      // Editors join, split and round lines. What can be read as any other drawing is.
+      ReadSettings others = settings;
+      const bool hasHinges = std::ranges::any_of(drawing.paths, [](const DrawnPath& path) {
+        return std::ranges::find(path.names, "hinges") != path.names.end();
+      });
+      if (hasHinges) others.ignore = {"hinges"};
+      try {
+        return CutPatternReader(drawing, others, file).read(warnings);
+      } catch (const InputError&) {
+        throw error;
+      }
+    }
+  }
+  return CutPatternReader(drawing, settings, file).read(warnings);
+}
+
+}  // namespace kirireel::model

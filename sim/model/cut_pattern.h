@@ -1,0 +1,42 @@
+/// Cut patterns: what the reader of slits and that of slots share.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/model/arrangement.h"
+#include "sim/model/drawing.h"
+#include "sim/model/model_checks.h"
+
+namespace kirireel::model {
+
+/// The lines that part a sheet, as if the cutter took nothing away.
+struct CutLines {
+  std::vector<PlaneSegment> lines;     ///< outline and cuts, metres
+  std::vector<PlaneSegment> border;    ///< of the removed material, that cuts end at; may be empty
+  double kerf = 0;                     ///< width of the slots, metres; 0 of slits
+  std::map<std::string, int> leftOut;  ///< what is no cut, and how often
+};
+
+/// Closed chains of the paths' lines, and whether all paths are in one. Lines whose ends meet, two
+/// at each place, make one.
+std::vector<std::vector<Vector2>> closedRings(const std::vector<const DrawnPath*>& paths,
+                                              double tolerance, bool& areAllClosed);
+
+/// Slots, closed outlines of removed material in closed outlines of a sheet, as their centre lines.
+/// Without lines where the rings have no narrow slots.
+CutLines slotLines(const std::vector<std::vector<Vector2>>& rings, double tolerance);
+
+/// A pattern that `kirireel export` left, whose layers say which lines are hinges.
+Model ownPattern(const Drawing& drawing, const std::filesystem::path& file,
+                 std::vector<std::string>& warnings);
+
+/// Whether the names of layers are those of such a pattern.
+bool isOwnPattern(const Drawing& drawing);
+
+/// Tiles of a drawing, which have no line of their own in the file.
+TileTable patternTable(const std::filesystem::path& file, const std::vector<Tile>& tiles);
+
+}  // namespace kirireel::model

@@ -1,0 +1,429 @@
+// Our own cut patterns, from lines back to tiles.
+//
+// A cut pattern draws each side of a tile as a line in the sense in which the tile runs (its inside
+// on the left), sides that two tiles share once, as slits. Beside each joint at m a neck of
+// material stays: the two sides round the narrower gap end before m. A line on the layer of hinges
+// leads from m to the middle between their ends, h; where the gap is open, a cut joins these ends.
+//
+// 1. *Necks* are taken out: cuts whose middle is the h of a hinge.
+// 2. *Ends* that a hinge shortened go back to its m: those at its h, at the ends of its neck, or
+//    ends of a single line that points at an m (where several hinges shortened one side).
+// 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the one that is met
+//    first when turning clockwise from the way back: what lies between is the tile's own corner.
+// 4. *Joints*: the corners at m whose sides bound the gap that the hinge's line lies in.
+//
+// Step 3 walks the faces of a planar straight-line graph, as in a doubly connected edge list (M. de
+// Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts have a
+// tile on one side only, so that they are walked in one direction; slits have one on both.
+//
+// All tolerances are parts of the pattern's size: 1e-7 for points, ten times that where an end was
+// computed from a neck, a hundred times that for directions that were written with few digits. In a
+// drawing of fewer digits they are 2, 4 and 6 times the last one.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/cut_pattern.h"
+
+namespace kirireel::model {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPatternPurpose = "give a cut pattern that `kirireel export` left";
+// Points nearer than this part of the pattern's size are one.
+constexpr double kSamePatternPoint = 1e-7;
+// Sides that differ by less than this angle, radians, leave in one direction.
+constexpr double kSamePatternDirection = 1e-6;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+enum class LineLayer { Cuts, Slits, Hinges, Other };
+
+/// By the first of its names that is a layer's. Others are of layers that editors have added.
+LineLayer layerOf(const DrawnPath& path) {
+  for (const std::string& name : path.names) {
+    if (name == "cuts") return LineLayer::Cuts;
+    if (name == "slits") return LineLayer::Slits;
+    if (name == "hinges") return LineLayer::Hinges;
+  }
+  return LineLayer::Other;
+}
+
+struct DrawnLine {
+  LineLayer layer = LineLayer::Cuts;
+  Vector2 from = Vector2::Zero();
+  Vector2 to = Vector2::Zero();
+};
+
+InputError patternFault(const fs::path& file, const std::string& what) {
+  return inputErrorAt({file}, fmt::format("{}; {}", what, kPatternPurpose));
+}
+
+std::vector<DrawnLine> linesOf(const Drawing& drawing) {
+  std::vector<DrawnLine> lines;
+  for (const DrawnPath& path : drawing.paths) {
+    const LineLayer layer = layerOf(path);
+    if (layer == LineLayer::Other) continue;
+    for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+      lines.push_back({layer, path.points[k], path.points[k + 1]});
+    }
+    if (path.isClosed) lines.push_back({layer, path.points.back(), path.points.front()});
+  }
+  return lines;
+}
+
+double angleOf(const Vector2& direction) {
+  return std::atan2(direction.y(), direction.x());
+}
+
+struct Neck {
+  Vector2 joint;   ///< m
+  Vector2 middle;  ///< h
+};
+
+/// A side of a tile from point to point, its tile on the left.
+struct DirectedSide {
+  int from = 0;
+  int to = 0;
+  int twin = -1;  ///< the same slit the other way; -1 of cuts
+  int tile = -1;
+  int vertex = -1;  ///< where it starts within its tile
+};
+
+class PatternReader {
+ public:
+  PatternReader(const Drawing& drawing, const fs::path& file)
+      : lines_(linesOf(drawing)),
+        drawing_(drawing),
+        file_(file),
+        isRounded_(2 * drawing.rounding > kSamePatternPoint * sizeOf(lines_)),
+        tolerance_(isRounded_ ? std::min(2 * drawing.rounding, 1e-4 * sizeOf(lines_))
+                              : kSamePatternPoint * sizeOf(lines_)),
+        origin_(lines_.empty() ? Vector2(0, 0) : lines_.front().from),
+        points_(tolerance_, origin_) {
+    if (!(tolerance_ > 0)) throw patternFault(file_, "there are no lines of a sheet in it");
+    takeNecks();
+    restoreEnds();
+    for (const DirectedSide& side : sides_) {
+      const double length = (points_[side.to] - points_[side.from]).norm();
+      if (isRounded_) sameDirection_ = std::max(sameDirection_, 2 * tolerance_ / length);
+    }
+    for (const Neck& neck : necks_) {
+      const double length = (neck.middle - neck.joint).norm();
+      if (isRounded_) sameDirection_ = std::max(sameDirection_, tolerance_ / length);
+    }
+    sameDirection_ = std::min(sameDirection_, 0.02);
+    for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
+    for (int k = 0; k < std::ssize(sides_); ++k) {
+      // The other sides of slits come last, so that tiles begin with lines of their own.
+      if (!isReverse_[k] && sides_[k].tile < 0) traceTile(k);
+    }
+    for (int k = 0; k < std::ssize(sides_); ++k) {
+      if (sides_[k].tile < 0) traceTile(k);
+    }
+  }
+
+  // One tile for each cycle, in the order in which they were traced.
+  std::vector<Tile> tiles() const {
+    std::vector<Tile> tiles;
+    for (const std::vector<int>& cycle : cycles_) {
+      Tile& tile = tiles.emplace_back();
+      for (const int side : cycle) {
+        const Vector2& point = points_[sides_[side].from];
+        tile.vertices.emplace_back(point.x(), point.y(), 0);
+      }
+    }
+    return tiles;
+  }
+
+  // One joint for each hinge that was drawn.
+  std::vector<Joint> joints() {
+    std::vector<Joint> joints;
+    for (const Neck& neck : necks_) joints.push_back(jointAt(neck));
+    return joints;
+  }
+
+ private:
+  double endTolerance() const { return (isRounded_ ? 2 : 10) * tolerance_; }
+  double directionTolerance() const { return (isRounded_ ? 3 : 100) * tolerance_; }
+
+  // The diagonal of the box round all lines, metres.
+  static double sizeOf(const std::vector<DrawnLine>& lines) {
+    Eigen::AlignedBox2d box;
+    for (const DrawnLine& line : lines) box.extend(line.from).extend(line.to);
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+  }
+
+  /// Steps 1: hinges, their necks, and which ends they shortened.
+  void takeNecks() {
+    PointNumbers middles(endTolerance(), origin_);
+    for (const DrawnLine& line : lines_) {
+      if (line.layer != LineLayer::Hinges) continue;
+      necks_.push_back({line.from, line.to});
+      const int middle = middles.add(line.to);
+      if (middle < std::ssize(neckAt_)) continue;
+      neckAt_.push_back(static_cast<int>(necks_.size()) - 1);
+    }
+    shortened_ = PointNumbers(endTolerance(), origin_);
+    for (const int neck : neckAt_) addShortened(necks_[neck].middle, neck);
+    std::erase_if(lines_, [&](const DrawnLine& line) {
+      if (line.layer == LineLayer::Hinges) return true;
+      if (line.layer != LineLayer::Cuts) return false;
+      const auto middle = middles.find(0.5 * (line.from + line.to));
+      if (!middle) return false;
+      const int neck = neckAt_[*middle];
+      const Vector2& joint = necks_[neck].joint;
+      const double uneven = std::abs((line.from - joint).norm() - (line.to - joint).norm());
+      if (uneven > directionTolerance()) return false;
+      addShortened(line.from, neck);
+      addShortened(line.to, neck);
+      return true;
+    });
+  }
+
+  // Notes that the hinge has shortened a side to this point. The first hinge there counts.
+  void addShortened(const Vector2& point, int neck) {
+    const int number = shortened_.add(point);
+    if (number == std::ssize(shortenedBy_)) shortenedBy_.push_back(neck);
+  }
+
+  /// Whether a line from `other` through `end` leads on to the joint.
+  bool pointsAt(const Vector2& joint, const Vector2& other, const Vector2& end) const {
+    const Vector2 along = (end - other).normalized();
+    const Vector2 rest = joint - end;
+    const double ahead = rest.dot(along);
+    return ahead > 0 && (rest - ahead * along).norm() <= directionTolerance();
+  }
+
+  /// Step 2.
+  void restoreEnds() {
+    std::unordered_map<int, int> uses;
+    PointNumbers ends(tolerance_, origin_);
+    for (const DrawnLine& line : lines_) {
+      ++uses[ends.add(line.from)];
+      ++uses[ends.add(line.to)];
+    }
+    for (const Neck& neck : necks_) points_.add(neck.joint);
+    for (const DrawnLine& line : lines_) {
+      const auto wholeEnd = [&](const Vector2& end, const Vector2& other) {
+        const std::optional<int> known = shortened_.find(end);
+        if (known && pointsAt(necks_[shortenedBy_[*known]].joint, other, end)) {
+          return necks_[shortenedBy_[*known]].joint;
+        }
+        const bool isLoose = uses[*ends.find(end)] == 1 && !points_.find(end);
+        return isLoose ? jointAhead(end, other) : end;
+      };
+      const Vector2 from = wholeEnd(line.from, line.to);
+      const Vector2 to = wholeEnd(line.to, line.from);
+      addSide(points_.add(from), points_.add(to), line.layer == LineLayer::Slits);
+    }
+  }
+
+  // The nearest joint in the direction in which a line ends.
+  Vector2 jointAhead(const Vector2& end, const Vector2& other) const {
+    const Neck* nearest = nullptr;
+    for (const Neck& neck : necks_) {
+      if (!pointsAt(neck.joint, other, end)) continue;
+      if (!nearest || (neck.joint - end).norm() < (nearest->joint - end).norm()) nearest = &neck;
+    }
+    if (nearest) return nearest->joint;
+    throw patternFault(file_,
+                       fmt::format("the line that ends at {} leads nowhere", drawing_.place(end)));
+  }
+
+  // A slit becomes two sides, one for each of its tiles; a cut has a tile on its left alone.
+  void addSide(int from, int to, bool isSlit) {
+    if (from == to) throw patternFault(file_, "a line has no length");
+    const int number = static_cast<int>(sides_.size());
+    sides_.push_back({from, to, isSlit ? number + 1 : -1, -1, -1});
+    isReverse_.push_back(false);
+    if (!isSlit) return;
+    sides_.push_back({to, from, number, -1, -1});
+    isReverse_.push_back(true);
+  }
+
+  /// An angle from just below 0, which rounding makes of 0, to less than a full turn.
+  double turnedBy(double angle) const {
+    double turn = std::fmod(angle, kTurn);
+    if (turn < -sameDirection_) turn += kTurn;
+    return turn >= kTurn - sameDirection_ ? turn - kTurn : turn;
+  }
+
+  /// Step 3.
+  int nextSide(int side) const {
+    const DirectedSide& incoming = sides_[side];
+    const Vector2& here = points_[incoming.to];
+    const double back = angleOf(points_[incoming.from] - here);
+    int best = -1;
+    double least = 2 * kTurn;
+    const auto found = leaving_.find(incoming.to);
+    if (found == leaving_.end()) return -1;
+    for (const int candidate : found->second) {
+      // The way back along the same slit would turn round at its end.
+      if (candidate == incoming.twin) continue;
+      double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
+      // A side that leaves along the way back closes a corner of a full turn: it is the last
+      // choice.
+      if (corner <= sameDirection_) corner += kTurn;
+      if (corner >= least) continue;
+      least = corner;
+      best = candidate;
+    }
+    return best;
+  }
+
+  // Walks from side to side until the first one comes again.
+  void traceTile(int first) {
+    std::vector<int> cycle;
+    int side = first;
+    do {
+      sides_[side].tile = static_cast<int>(cycles_.size());
+      sides_[side].vertex = static_cast<int>(cycle.size());
+      cycle.push_back(side);
+      side = nextSide(side);
+      // Either the line ends, or another tile has taken this side, or the walk has grown beyond any
+      // tile.
+      const bool isStray =
+          side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > kMostTileVertices;
+      if (isStray) {
+        const Vector2& where = points_[sides_[cycle.back()].to];
+        throw patternFault(
+            file_, fmt::format("the lines round {} do not close to tiles", drawing_.place(where)));
+      }
+    } while (side != first);
+    cycles_.push_back(std::move(cycle));
+  }
+
+  /// Step 4.
+  Joint jointAt(const Neck& neck) {
+    const int place = *points_.find(neck.joint);
+    const double towards = angleOf(neck.middle - neck.joint);
+    std::optional<Corner> before, after;
+    double leastBefore = 2 * kTurn, leastAfter = 2 * kTurn;
+    for (const int side : leaving_[place]) {
+      const DirectedSide& leaving = sides_[side];
+      const Corner corner{leaving.tile, leaving.vertex};
+      // The angle from the hinge's line to this side, anticlockwise; the tile is on its left.
+      const double gapAfter = turnedBy(angleOf(points_[leaving.to] - points_[place]) - towards);
+      // The side that arrives here in the same tile bounds its corner on the other side.
+      const std::vector<int>& cycle = cycles_[leaving.tile];
+      const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
+      const double gapBefore =
+          turnedBy(towards - angleOf(points_[sides_[last].from] - points_[place]));
+      if (gapAfter < leastAfter) {
+        leastAfter = gapAfter;
+        after = corner;
+      }
+      if (gapBefore < leastBefore) {
+        leastBefore = gapBefore;
+        before = corner;
+      }
+    }
+    if (!before || !after || before->tile == after->tile) {
+      throw patternFault(
+          file_, fmt::format("the hinge at {} joins no two tiles", drawing_.place(neck.joint)));
+    }
+    return {*before, *after, JointFace::Both};
+  }
+
+  std::vector<DrawnLine> lines_;
+  const Drawing& drawing_;
+  const fs::path& file_;
+  bool isRounded_;
+  double tolerance_;                              // metres
+  double sameDirection_ = kSamePatternDirection;  // radians
+  Vector2 origin_;
+  std::vector<Neck> necks_;
+  std::vector<int> neckAt_;  // by the numbers of their middles
+  PointNumbers shortened_{1, {0, 0}};
+  std::vector<int> shortenedBy_;
+  PointNumbers points_;  // of the sheet
+  std::vector<DirectedSide> sides_;
+  std::vector<bool> isReverse_;
+  std::unordered_map<int, std::vector<int>> leaving_;  // sides by the point that they start at
+  std::vector<std::vector<int>> cycles_;
+};
+
+std::vector<Vector2> ringOf(const Tile& tile) {
+  std::vector<Vector2> ring;
+  for (const Vector3& vertex : tile.vertices) ring.push_back(vertex.head<2>());
+  return ring;
+}
+
+/// In a flat sheet, lines that close within a tile are the outline of a hole.
+void refuseHoles(const std::vector<Tile>& tiles, double tolerance, const Drawing& drawing,
+                 const fs::path& file) {
+  struct ViewPlace {
+    int tile = 0;
+    Eigen::AlignedBox2d box;
+  };
+  std::vector<ViewPlace> places;  // from the left
+  for (int i = 0; i < std::ssize(tiles); ++i) {
+    ViewPlace& place = places.emplace_back();
+    place.tile = i;
+    for (const Vector3& vertex : tiles[i].vertices) place.box.extend(vertex.head<2>());
+  }
+  std::ranges::stable_sort(places, {}, [](const ViewPlace& place) { return place.box.min().x(); });
+  const Vector2 margin = Vector2::Constant(tolerance);
+  for (auto inner = places.begin(); inner != places.end(); ++inner) {
+    const Eigen::AlignedBox2d wide(inner->box.min() - margin, inner->box.max() + margin);
+    const std::vector<Vector3>& outline = tiles[inner->tile].vertices;
+    for (auto outer = places.begin(); outer != inner; ++outer) {
+      const Tile& around = tiles[outer->tile];
+      const bool isHole =
+          outer->box.contains(wide) && std::ranges::all_of(outline, [&](const Vector3& vertex) {
+            return isWithinRing(ringOf(around), vertex.head<2>());
+          });
+      if (!isHole) continue;
+      throw inputErrorAt({file},
+                         fmt::format("the lines round {} cut a hole into a tile; "
+                                     "tiles have none: leave the hole out, or divide the tile into "
+                                     "tiles without holes, hinged to each other",
+                                     drawing.place(outline[0].head<2>())));
+    }
+  }
+}
+
+}  // namespace
+
+TileTable patternTable(const fs::path& file, const std::vector<Tile>& tiles) {
+  TileTable table;
+  table.file = file;
+  table.tiles = tiles;
+  for (const Tile& tile : tiles) {
+    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
+  }
+  return table;
+}
+
+bool isOwnPattern(const Drawing& drawing) {
+  bool hasCuts = false, hasOthers = false;
+  for (const DrawnPath& path : drawing.paths) {
+    const LineLayer layer = layerOf(path);
+    hasCuts |= layer == LineLayer::Cuts;
+    hasOthers |= layer == LineLayer::Slits || layer == LineLayer::Hinges;
+  }
+  return hasCuts && hasOthers;
+}
+
+Model ownPattern(const Drawing& drawing, const fs::path& file, std::vector<std::string>& warnings) {
+  PatternReader reader(drawing, file);
+  Model model;
+  model.name = file.stem().string();
+  model.tiles = reader.tiles();
+  if (model.tiles.empty()) throw patternFault(file, "there are no tiles in it");
+  const TileTable table = patternTable(file, model.tiles);
+  checkTiles(table);
+  refuseHoles(model.tiles, kSamePatternPoint * modelSize(model), drawing, file);
+  model.joints = reader.joints();
+  turnClockwiseTiles(table, model, warnings);
+  return model;
+}
+
+}  // namespace kirireel::model

@@ -1,0 +1,296 @@
+// From slots to their centre lines.
+//
+// 1. *Material* M is the outlines of sheets less all rings in them (GEOS, so that slots may overlap
+//    each other and the outline). A ring round one outline that itself has rings in it is the frame
+//    of a page, and is left out.
+// 2. *Facing edges*: two edges of M's border that run in opposite directions with nothing but
+//    removed material between them. Their distance, the median over their lengths, is the kerf k.
+// 3. *Centre lines* run midway between facing edges, where both are there.
+// 4. *Outline*: M closed by 0.6 k (dilation and erosion with mitred corners, J. Serra, Image
+//    Analysis and Mathematical Morphology, 1982), which fills slots and their mouths and gives
+//    straight edges back as they were. Holes that stay are wider than slots.
+//
+// Where slots meet, centre lines end half a kerf before each other: sheetOfCuts() extends them, as
+// it extends all ends, and finds no material on the way.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <Eigen/Geometry>
+#include <geos_c.h>
+
+#include "sim/base/error.h"
+#include "sim/model/cut_pattern.h"
+
+namespace kirireel::model {
+namespace {
+
+using SlotRing = std::vector<Vector2>;
+
+/// A calculation of GEOS with what it made.
+class GeosPlane {
+ public:
+  GeosPlane() : handle_(GEOS_init_r()) {}
+  ~GeosPlane() {
+    for (GEOSGeometry* one : made_) GEOSGeom_destroy_r(handle_, one);
+    GEOS_finish_r(handle_);
+  }
+  GeosPlane(const GeosPlane&) = delete;
+  GeosPlane& operator=(const GeosPlane&) = delete;
+
+  GEOSGeometry* polygon(const SlotRing& ring) {
+    GEOSCoordSequence* points =
+        GEOSCoordSeq_create_r(handle_, static_cast<unsigned>(ring.size()) + 1, 2);
+    for (std::size_t k = 0; k <= ring.size(); ++k) {
+      const Vector2& p = ring[k % ring.size()];
+      GEOSCoordSeq_setXY_r(handle_, points, static_cast<unsigned>(k), p.x(), p.y());
+    }
+    GEOSGeometry* shell = GEOSGeom_createLinearRing_r(handle_, points);
+    GEOSGeometry* whole = shell ? GEOSGeom_createPolygon_r(handle_, shell, nullptr, 0) : nullptr;
+    if (!whole) throw InputError("error: an outline of the drawing is no polygon");
+    // Outlines that cross themselves become what they go round.
+    if (GEOSisValid_r(handle_, whole) == 1) return keep(whole);
+    keep(whole);
+    return keep(GEOSMakeValid_r(handle_, whole));
+  }
+  GEOSGeometry* united(const std::vector<SlotRing>& rings) {
+    std::vector<GEOSGeometry*> parts;
+    for (const SlotRing& ring : rings) {
+      parts.push_back(GEOSGeom_clone_r(handle_, polygon(ring)));
+    }
+    GEOSGeometry* all = keep(GEOSGeom_createCollection_r(
+        handle_, GEOS_GEOMETRYCOLLECTION, parts.data(), static_cast<unsigned>(parts.size())));
+    return keep(GEOSUnaryUnion_r(handle_, all));
+  }
+  GEOSGeometry* difference(const GEOSGeometry* a, const GEOSGeometry* b) {
+    return keep(GEOSDifference_r(handle_, a, b));
+  }
+  GEOSGeometry* grown(const GEOSGeometry* a, double by) {
+    return keep(GEOSBufferWithStyle_r(handle_, a, by, 8, GEOSBUF_CAP_FLAT, GEOSBUF_JOIN_MITRE, 20));
+  }
+
+  /// The rings of all polygons, material on their left; holes in the second list if it is given.
+  std::vector<SlotRing> rings(const GEOSGeometry* all, std::vector<SlotRing>* holes = nullptr) {
+    std::vector<SlotRing> found;
+    for (int k = 0; k < GEOSGetNumGeometries_r(handle_, all); ++k) {
+      const GEOSGeometry* one = GEOSGetGeometryN_r(handle_, all, k);
+      if (GEOSGeomTypeId_r(handle_, one) != GEOS_POLYGON) continue;
+      found.push_back(ring(GEOSGetExteriorRing_r(handle_, one), true));
+      for (int h = 0; h < GEOSGetNumInteriorRings_r(handle_, one); ++h) {
+        (holes ? *holes : found).push_back(ring(GEOSGetInteriorRingN_r(handle_, one, h), false));
+      }
+    }
+    return found;
+  }
+
+ private:
+  GEOSGeometry* keep(GEOSGeometry* one) {
+    if (!one) throw InputError("error: the outlines of the drawing cross in too many ways");
+    made_.push_back(one);
+    return one;
+  }
+  SlotRing ring(const GEOSGeometry* line, bool isAnticlockwise) {
+    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(handle_, line);
+    unsigned count = 0;
+    GEOSCoordSeq_getSize_r(handle_, points, &count);
+    SlotRing ring;
+    for (unsigned k = 0; k + 1 < count; ++k) {
+      double x = 0, y = 0;
+      GEOSCoordSeq_getXY_r(handle_, points, k, &x, &y);
+      ring.emplace_back(x, y);
+    }
+    if ((ringArea(ring) > 0) != isAnticlockwise) std::ranges::reverse(ring);
+    return ring;
+  }
+
+  GEOSContextHandle_t handle_;
+  std::vector<GEOSGeometry*> made_;
+};
+
+bool holds(const SlotRing& outer, const SlotRing& inner) {
+  return std::ranges::all_of(inner, [&](const Vector2& p) { return isWithinRing(outer, p); });
+}
+
+std::vector<PlaneSegment> segmentsOf(const std::vector<SlotRing>& rings) {
+  std::vector<PlaneSegment> segments;
+  for (const SlotRing& ring : rings) {
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      segments.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
+    }
+  }
+  return segments;
+}
+
+/// Two edges that face each other across removed material.
+struct FacingEdges {
+  PlaneSegment middle;
+  double width = 0;
+  double length = 0;
+  int edges[2] = {0, 0};
+};
+
+std::vector<FacingEdges> facingEdges(const std::vector<PlaneSegment>& border, double reach,
+                                     double tolerance) {
+  std::vector<FacingEdges> found;
+  std::vector<double> nearest(border.size(), reach);
+  visitNearSegments(border, reach, [&](int i, int j) {
+    const auto& [a, b] = border[i];
+    const auto& [c, d] = border[j];
+    const Vector2 u = (b - a).normalized(), v = (d - c).normalized();
+    if (u.dot(v) > -0.985) return;  // ten degrees
+    // Removed material is on the right of both.
+    const Vector2 right(u.y(), -u.x());
+    const double from = std::max(0.0, (d - a).dot(u));
+    const double to = std::min((b - a).norm(), (c - a).dot(u));
+    if (to - from <= tolerance) return;
+    const auto across = [&](double s) {
+      const double share = ((a + s * u) - c).dot(u) / (d - c).dot(u);
+      return Vector2(c + share * (d - c));
+    };
+    const Vector2 first = across(from), last = across(to);
+    const double near = (first - (a + from * u)).dot(right), far = (last - (a + to * u)).dot(right);
+    const double width = 0.5 * (near + far);
+    if (near <= tolerance || far <= tolerance || width > reach) return;
+    found.push_back(
+        {{0.5 * (a + from * u + first), 0.5 * (a + to * u + last)}, width, to - from, {i, j}});
+    // Short overlaps are of ends and corners.
+    if (to - from < width) return;
+    nearest[i] = std::min(nearest[i], width);
+    nearest[j] = std::min(nearest[j], width);
+  });
+  // Further ones have other edges between them.
+  std::erase_if(found, [&](const FacingEdges& pair) {
+    return pair.width > 1.5 * nearest[pair.edges[0]] || pair.width > 1.5 * nearest[pair.edges[1]];
+  });
+  return found;
+}
+
+double medianWidth(std::vector<FacingEdges> pairs) {
+  std::ranges::sort(pairs, {}, &FacingEdges::width);
+  double whole = 0, sum = 0;
+  for (const FacingEdges& pair : pairs) whole += pair.length;
+  for (const FacingEdges& pair : pairs) {
+    if ((sum += pair.length) >= 0.5 * whole) return pair.width;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
+                                  bool& areAllClosed) {
+  std::vector<SlotRing> rings;
+  areAllClosed = true;
+  std::vector<const DrawnPath*> open;
+  for (const DrawnPath* path : paths) {
+    path->isClosed ? rings.push_back(path->points) : open.push_back(path);
+  }
+  if (open.empty()) return rings;
+  PointNumbers numbers(tolerance, open.front()->points.front());
+  std::vector<std::pair<int, int>> ends;
+  std::vector<std::vector<int>> at;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    const int first = numbers.add(open[k]->points.front());
+    ends.emplace_back(first, numbers.add(open[k]->points.back()));
+    at.resize(numbers.count());
+    at[ends.back().first].push_back(static_cast<int>(k));
+    at[ends.back().second].push_back(static_cast<int>(k));
+  }
+  std::vector<bool> isTaken(open.size(), false);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    if (isTaken[k]) continue;
+    SlotRing ring;
+    std::vector<int> chain;
+    int path = static_cast<int>(k), node = ends[k].first;
+    while (!isTaken[path]) {
+      isTaken[path] = true;
+      chain.push_back(path);
+      const bool isForward = ends[path].first == node;
+      std::vector<Vector2> points = open[path]->points;
+      if (!isForward) std::ranges::reverse(points);
+      ring.insert(ring.end(), points.begin(), points.end() - 1);
+      node = isForward ? ends[path].second : ends[path].first;
+      if (at[node].size() != 2) break;
+      path = at[node][0] == path ? at[node][1] : at[node][0];
+    }
+    const bool closes = node == ends[k].first && at[node].size() == 2 && ring.size() > 2;
+    if (closes) {
+      rings.push_back(std::move(ring));
+    } else {
+      areAllClosed = false;
+    }
+  }
+  return rings;
+}
+
+CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
+  CutLines cuts;
+  std::vector<SlotRing> all = rings;
+  std::ranges::stable_sort(all, std::greater<>(),
+                           [](const SlotRing& ring) { return std::abs(ringArea(ring)); });
+  // Frames of pages.
+  while (all.size() > 2 &&
+         std::all_of(all.begin() + 1, all.end(),
+                     [&](const SlotRing& ring) { return holds(all[0], ring); }) &&
+         std::all_of(all.begin() + 2, all.end(),
+                     [&](const SlotRing& ring) { return holds(all[1], ring); })) {
+    all.erase(all.begin());
+    ++cuts.leftOut["frame round the sheet"];
+  }
+  std::vector<SlotRing> sheets, removed;
+  for (const SlotRing& ring : all) {
+    const bool isIn = std::ranges::any_of(sheets, [&](const SlotRing& sheet) {
+      const auto inside = std::ranges::count_if(
+          ring, [&](const Vector2& point) { return isWithinRing(sheet, point); });
+      return 2 * inside >= std::ssize(ring);
+    });
+    (isIn ? removed : sheets).push_back(ring);
+  }
+  GeosPlane plane;
+  const GEOSGeometry* material = plane.united(sheets);
+  if (!removed.empty()) material = plane.difference(material, plane.united(removed));
+  const std::vector<PlaneSegment> border = segmentsOf(plane.rings(material));
+  double area = 0;
+  for (const SlotRing& sheet : sheets) area += std::abs(ringArea(sheet));
+  // Slots are much narrower than tiles.
+  const double reach = 0.25 * std::sqrt(area / static_cast<double>(all.size() + 1));
+  std::vector<FacingEdges> pairs = facingEdges(border, reach, tolerance);
+  cuts.kerf = medianWidth(pairs);
+  if (!(cuts.kerf > 0)) return cuts;
+  std::erase_if(pairs, [&](const FacingEdges& pair) {
+    return pair.width > 2.5 * cuts.kerf || pair.length < 0.25 * cuts.kerf;
+  });
+  PointNumbers ends(0.25 * cuts.kerf, border.front().first);
+  std::vector<int> uses;
+  for (const FacingEdges& pair : pairs) {
+    const int first = ends.add(pair.middle.first), last = ends.add(pair.middle.second);
+    uses.resize(ends.count());
+    if (first == last) continue;
+    ++uses[first];
+    ++uses[last];
+    cuts.lines.emplace_back(ends[first], ends[last]);
+  }
+  std::vector<SlotRing> holes;
+  const std::vector<SlotRing> outlines =
+      plane.rings(plane.grown(plane.grown(material, 0.6 * cuts.kerf), -0.6 * cuts.kerf), &holes);
+  for (const SlotRing& ring : outlines) {
+    for (const PlaneSegment& one : segmentsOf({ring})) cuts.lines.push_back(one);
+  }
+  for (const SlotRing& hole : holes) {
+    // A hole at the end of one slot relieves it; several slots may end at a hole of the design.
+    int slots = 0;
+    for (int k = 0; k < ends.count(); ++k) {
+      if (uses[k] != 1) continue;
+      double nearest = isWithinRing(hole, ends[k]) ? 0 : 1e9;
+      for (const Vector2& point : hole) nearest = std::min(nearest, (point - ends[k]).norm());
+      slots += nearest < 1.5 * cuts.kerf ? 1 : 0;
+    }
+    if (slots == 0) ++cuts.leftOut["hole in a tile"];
+    if (slots < 2) continue;
+    for (const PlaneSegment& one : segmentsOf({hole})) cuts.lines.push_back(one);
+  }
+  cuts.border = border;
+  return cuts;
+}
+
+}  // namespace kirireel::model

@@ -1,0 +1,380 @@
+// Cut patterns of others as models: drawings made here, with what their designs are known to be.
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/read_model.h"
+#include "tests/sim/model/temporary_folder.h"
+
+namespace kirireel::model {
+namespace {
+
+using testing::HasSubstr;
+using Point = Eigen::Vector2d;
+using Line = std::pair<Point, Point>;
+
+struct Reading {
+  Model model;
+  std::string note;
+  std::string refusal;
+};
+
+Reading read(const std::string& name, const std::string& text, const ReadSettings& settings = {}) {
+  const TemporaryFolder folder;
+  folder.write(name, text);
+  Reading reading;
+  std::vector<std::string> warnings;
+  try {
+    reading.model = readModel(folder.path() / name, std::nullopt, warnings, settings);
+  } catch (const InputError& error) {
+    reading.refusal = error.what();
+  }
+  for (const std::string& one : warnings) reading.note += one + "\n";
+  return reading;
+}
+
+/// A page in millimetres.
+std::string page(const std::string& content) {
+  return "<svg width=\"400mm\" height=\"400mm\" viewBox=\"0 0 400 400\" fill=\"none\" "
+         "stroke=\"black\">" +
+         content + "</svg>";
+}
+
+std::string path(const Point& from, const Point& to, int digits = 17,
+                 const std::string& style = "") {
+  return fmt::format("<path {}d=\"M{:.{}f} {:.{}f}L{:.{}f} {:.{}f}\"/>\n", style, from.x(), digits,
+                     from.y(), digits, to.x(), digits, to.y(), digits);
+}
+
+std::string closedPath(const std::vector<Point>& points, int digits = 9) {
+  std::string d;
+  for (const Point& p : points)
+    d += fmt::format("{}{:.{}f} {:.{}f}", d.empty() ? "M" : "L", p.x(), digits, p.y(), digits);
+  return "<path d=\"" + d + "Z\"/>\n";
+}
+
+/// Rotating squares, n x n of 20 mm: at each corner the cuts along one direction go through and
+/// those along the other stop short of them by a neck.
+struct SlitGrid {
+  int n = 4;
+  std::vector<Line> slits;
+  std::vector<Point> joints;
+
+  SlitGrid(int count, const std::function<double()>& neck) : n(count) {
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        if (i < n && j > 0 && j < n) add({i, j}, {i + 1, j}, (i + j) % 2 == 1, neck());
+        if (j < n && i > 0 && i < n) add({i, j}, {i, j + 1}, (i + j) % 2 == 0, neck());
+      }
+    }
+  }
+  void add(const Point& a, const Point& b, bool isShortAtFirst, double neck) {
+    const Point along = (b - a).normalized();
+    Line slit(20 * a, 20 * b);
+    joints.push_back(isShortAtFirst ? slit.first : slit.second);
+    if (isShortAtFirst) {
+      slit.first += neck * along;
+    } else {
+      slit.second -= neck * along;
+    }
+    slits.push_back(slit);
+  }
+  std::vector<Point> outline() const {
+    const double side = 20.0 * n;
+    return {{0, 0}, {side, 0}, {side, side}, {0, side}};
+  }
+};
+
+/// Corners of joints and areas of tiles as the grid has them, within so many millimetres.
+void expectGrid(const Reading& reading, const SlitGrid& grid, const Eigen::Affine2d& move,
+                double tolerance) {
+  ASSERT_EQ(reading.refusal, "");
+  const Model& model = reading.model;
+  EXPECT_EQ(std::ssize(model.tiles), grid.n * grid.n);
+  ASSERT_EQ(model.joints.size(), grid.joints.size());
+  for (const Tile& tile : model.tiles) {
+    EXPECT_EQ(tile.vertices.size(), 4U);
+    EXPECT_NEAR(1e6 * tileArea(tile), 400, 40 * tolerance);
+  }
+  for (const Joint& joint : model.joints) {
+    const Vector3& a = model.tiles[joint.a.tile].vertices[joint.a.vertex];
+    EXPECT_EQ(a, model.tiles[joint.b.tile].vertices[joint.b.vertex]);
+    EXPECT_EQ(joint.face, JointFace::Both);
+    double nearest = 1e9;
+    for (const Point& wanted : grid.joints) {
+      const Point place = move * wanted;
+      nearest = std::min(nearest, (Point(1e3 * a.x(), -1e3 * a.y()) - place).norm());
+    }
+    EXPECT_LE(nearest, tolerance);
+  }
+}
+
+TEST(CutPatterns, SlitGridsComeBackAtAnyAngleAndRounding) {
+  std::mt19937 random(1);
+  for (const int digits : {2, 3, 6, 15}) {
+    for (const int n : {2, 3, 4, 7}) {
+      std::uniform_real_distribution<double> width(0.1, 1.6);  // 0.5 to 8 % of a tile
+      const SlitGrid grid(n, [&] { return width(random); });
+      Eigen::Affine2d move(Eigen::Translation2d(150, 100) *
+                           Eigen::Rotation2Dd(digits == 15 ? 0.0 : 0.3 * n));
+      std::string lines;
+      for (const auto& [a, b] : grid.slits) lines += path(move * a, move * b, digits);
+      const std::vector<Point> outline = grid.outline();
+      for (int k = 0; k < 4; ++k)
+        lines += path(move * outline[k], move * outline[(k + 1) % 4], digits);
+      SCOPED_TRACE(fmt::format("{} digits, {} x {}", digits, n, n));
+      expectGrid(read("a.svg", page(lines)), grid, move,
+                 2 * std::pow(10.0, -digits) + 1e-6 * 20 * n * std::sqrt(2.0));
+    }
+  }
+}
+
+TEST(CutPatterns, SlitGridsInDxfComeBack) {
+  const SlitGrid grid(4, [] { return 0.7; });
+  std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  for (const auto& [a, b] : grid.slits) {
+    text += fmt::format("0\nLINE\n8\nCUT\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", a.x(), -a.y(), b.x(),
+                        -b.y());
+  }
+  text += "0\nLWPOLYLINE\n8\nOUT\n90\n4\n70\n1\n";
+  for (const Point& p : grid.outline()) text += fmt::format("10\n{}\n20\n{}\n", p.x(), -p.y());
+  const Reading reading = read("a.dxf", text + "0\nENDSEC\n0\nEOF\n");
+  expectGrid(reading, grid, Eigen::Affine2d::Identity(), 1e-9);
+  EXPECT_THAT(reading.note,
+              HasSubstr("slits: 16 tiles and 24 hinges, necks 0.7 mm, sheet 80 x 80 mm"));
+}
+
+/// A slot with round ends of so many pieces; pieces of 2: pointed, of 1: square.
+std::vector<Point> stadium(const Line& line, double width, int pieces) {
+  const Point along = (line.second - line.first).normalized();
+  const Point left(-along.y(), along.x());
+  std::vector<Point> points;
+  for (const int side : {1, -1}) {
+    const Point& end = side == 1 ? line.second : line.first;
+    for (int k = 0; k <= pieces; ++k) {
+      const double angle = std::numbers::pi * (k / static_cast<double>(pieces) - 0.5);
+      points.push_back(end + 0.5 * width *
+                                 (side * std::cos(angle) * along + side * std::sin(angle) * left));
+    }
+  }
+  return points;
+}
+
+TEST(CutPatterns, SlotsComeBackWithinTheirWidth) {
+  std::mt19937 random(2);
+  for (const int pieces : {1, 2, 8, 20}) {
+    for (const double kerf : {0.05, 0.2, 0.5}) {
+      std::uniform_real_distribution<double> width(2.5 * kerf, 2.5 * kerf + 0.5);
+      const SlitGrid grid(4, [&] { return width(random); });
+      const Eigen::Affine2d move(Eigen::Translation2d(150, 100) * Eigen::Rotation2Dd(0.4));
+      std::vector<Point> outline = grid.outline();
+      for (Point& p : outline) p = move * p;
+      std::string text = closedPath(outline);
+      for (const auto& [a, b] : grid.slits) {
+        text += closedPath(stadium({move * a, move * b}, kerf, pieces));
+      }
+      SCOPED_TRACE(fmt::format("{} pieces, kerf {}", pieces, kerf));
+      const Reading reading = read("a.svg", page(text));
+      expectGrid(reading, grid, move, 1e-6);
+      EXPECT_THAT(reading.note, HasSubstr(fmt::format("slots {:.4g} mm", kerf)));
+    }
+  }
+}
+
+/// A hexagon of six triangles, joined at its corners or at its middle.
+TEST(CutPatterns, CutsThatAimAtOnePointMeetThere) {
+  const auto corner = [](int k) {
+    const double angle = k * std::numbers::pi / 3;
+    return Point(100 + 30 * std::cos(angle), 100 + 30 * std::sin(angle));
+  };
+  const Point middle(100, 100);
+  std::vector<Point> outline;
+  for (int k = 0; k < 6; ++k) outline.push_back(corner(k));
+  for (const bool isAtMiddle : {false, true}) {
+    std::string text = closedPath(outline);
+    for (int k = 0; k < 6; ++k) {
+      const Point end = isAtMiddle ? middle : corner(k), other = isAtMiddle ? corner(k) : middle;
+      const double neck = 0.5 + 0.2 * k;  // all different
+      text += path(other, end + neck * (other - end).normalized(), 6);
+    }
+    const Reading reading = read("a.svg", page(text));
+    ASSERT_EQ(reading.refusal, "");
+    EXPECT_EQ(reading.model.tiles.size(), 6U);
+    EXPECT_EQ(reading.model.joints.size(), 6U);
+    for (const Tile& tile : reading.model.tiles) EXPECT_EQ(tile.vertices.size(), 3U);
+    for (const Joint& joint : reading.model.joints) {
+      const Vector3& at = reading.model.tiles[joint.a.tile].vertices[joint.a.vertex];
+      const double off = (Point(1e3 * at.x(), -1e3 * at.y()) - middle).norm();
+      EXPECT_NEAR(off, isAtMiddle ? 0 : 30, 2e-5);
+    }
+  }
+}
+
+/// The grid of 4 x 4 with necks of 1 mm, and more lines.
+std::string gridWith(const std::string& more, const std::string& cutStyle = "stroke=\"black\"") {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string lines = fmt::format("<g {}>", cutStyle) + closedPath(grid.outline());
+  for (const auto& [a, b] : grid.slits) lines += path(a, b, 9);
+  return page("<g transform=\"translate(100 100)\">" + lines + "</g>" + more + "</g>");
+}
+
+void expectPlainGrid(const Reading& reading, const std::string& said) {
+  expectGrid(reading, SlitGrid(4, [] { return 1.0; }),
+             Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+  EXPECT_THAT(reading.note, HasSubstr(said));
+}
+
+TEST(CutPatterns, OtherLinesAreToldApart) {
+  const SlitGrid grid(4, [] { return 1.0; });
+  std::string marks = "<g stroke=\"lime\">";
+  for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+    const auto& [a, b] = grid.slits[k];
+    const Point& joint = grid.joints[k];
+    marks += path((a - joint).norm() < (b - joint).norm() ? a : b, joint, 9);
+  }
+  expectPlainGrid(read("a.svg", gridWith(marks + "</g>")), "24 #00ff00 (hinge mark)");
+  const std::string arrow = "<path stroke=\"blue\" d=\"M5 5L15 15M15 15L10 14\"/>";
+  expectPlainGrid(read("a.svg", gridWith(arrow)), "2 #0000ff (engraved)");
+  expectPlainGrid(read("a.svg", gridWith("<path stroke-dasharray=\"1\" d=\"M0 0L80 80\"/>")),
+                  "1 #000000, dashed (hinge mark)");
+  expectPlainGrid(read("a.svg", gridWith("<text>name</text>")), "left out: 1 x text");
+  expectPlainGrid(
+      read("a.svg", gridWith("<rect x=\"-20\" y=\"-20\" width=\"120\" height=\"120\"/>")),
+      "1 x frame round the sheet");
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M-10 -12V-8M-12 -10H-8\"/>")),
+                  "2 x line beside the sheet");
+  expectPlainGrid(read("a.svg", gridWith("<circle cx=\"-10\" cy=\"-10\" r=\"2\"/>")),
+                  "1 x outline without cuts");
+  expectPlainGrid(read("a.svg", gridWith("<circle cx=\"10\" cy=\"10\" r=\"2\"/>")),
+                  "1 x hole in a tile");
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V83\"/>")),
+                  "1 x end of a cut beyond the border");
+  // The same cut twice.
+  expectPlainGrid(read("a.svg", gridWith("<path d=\"M20 80V61\"/><path d=\"M20 59V45\"/>")),
+                  "16 tiles and 24 hinges");
+}
+
+TEST(CutPatterns, OptionsChooseLines) {
+  const std::string text = gridWith("<path stroke=\"red\" id=\"Fold\" d=\"M0 0L80 80\"/>");
+  EXPECT_THAT(read("a.svg", text).note, testing::Not(HasSubstr("16 tiles and 24 hinges,")));
+  for (const char* name : {"red", "#F00", "rgb(255,0,0)", "fold"}) {
+    ReadSettings settings;
+    settings.ignore = {name};
+    expectPlainGrid(read("a.svg", text, settings), "1 x line that was not chosen");
+  }
+  ReadSettings settings;
+  settings.cut = {"black"};
+  expectPlainGrid(read("a.svg", text, settings), "1 x line that was not chosen");
+  settings.cut = {"green"};
+  EXPECT_THAT(read("a.svg", text, settings).refusal,
+              HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of --cut; there "
+                        "are #000000, #ff0000"));
+  EXPECT_THAT(read("a.obj", "v 0 0 0\n", settings).refusal,
+              HasSubstr("--cut is for drawings (.svg, .dxf) only"));
+}
+
+TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
+  const SlitGrid grid(4, [] { return 2.0; });
+  std::string text = closedPath(grid.outline());
+  for (std::size_t k = 0; k < grid.slits.size(); ++k) {
+    const auto& [a, b] = grid.slits[k];
+    text += path(a, b, 9);
+    const Point end = (a - grid.joints[k]).norm() < (b - grid.joints[k]).norm() ? a : b;
+    // Round the end, or with the end on its near side.
+    const Point centre = k % 2 ? end : Point(end + 0.5 * (grid.joints[k] - end).normalized());
+    text += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"0.5\"/>", centre.x(), centre.y());
+  }
+  const Reading reading =
+      read("a.svg", page("<g transform=\"translate(100,100)\">" + text + "</g>"));
+  expectGrid(reading, grid, Eigen::Affine2d(Eigen::Translation2d(100, 100)), 1e-6);
+  EXPECT_THAT(reading.note, HasSubstr("necks 1 to 1.50"));
+  EXPECT_THAT(reading.note, HasSubstr("24 x relief at the end of a slit"));
+}
+
+TEST(CutPatterns, CurvedOutlinesAndCuts) {
+  // A disk in four quarters, joined at its rim; one in two halves along an S.
+  const Reading quarters =
+      read("a.svg",
+           page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M50 50V11M50 50V89M50 50H11M50 "
+                "50H89\"/>"));
+  EXPECT_EQ(quarters.refusal, "");
+  EXPECT_EQ(quarters.model.tiles.size(), 4U);
+  EXPECT_EQ(quarters.model.joints.size(), 4U);
+  for (const Tile& tile : quarters.model.tiles) {
+    EXPECT_NEAR(1e6 * tileArea(tile), 400 * std::numbers::pi, 1);  // measured 0.7
+  }
+  const Reading halves =
+      read("a.svg", page("<circle cx=\"50\" cy=\"50\" r=\"40\"/><path d=\"M10 50A20 "
+                         "20 0 0 1 50 50A20 20 0 0 0 89.875 52.2331\"/>"));
+  EXPECT_EQ(halves.refusal, "");
+  EXPECT_EQ(halves.model.tiles.size(), 2U);
+  EXPECT_EQ(halves.model.joints.size(), 1U);
+}
+
+TEST(CutPatterns, SeveralSheetsAreOneModel) {
+  const std::string one = "<path d=\"M0 0H40V20H0ZM20 0V19\"/>";
+  const Reading reading =
+      read("a.svg", page(one + "<g transform=\"translate(0 50)\">" + one + "</g>"));
+  EXPECT_EQ(reading.model.tiles.size(), 4U);
+  EXPECT_EQ(reading.model.joints.size(), 2U);
+}
+
+TEST(CutPatterns, JointsMayBeInTheMiddleOfTheirNecks) {
+  ReadSettings settings;
+  settings.areJointsInNecks = true;
+  const std::string text = page("<path d=\"M0 0H40V20H0ZM20 0V18\"/>");
+  for (const bool isInNeck : {false, true}) {
+    settings.areJointsInNecks = isInNeck;
+    const Reading reading = read("a.svg", text, settings);
+    ASSERT_EQ(reading.model.joints.size(), 1U) << reading.refusal;
+    const Corner& corner = reading.model.joints[0].a;
+    const Vector3& at = reading.model.tiles[corner.tile].vertices[corner.vertex];
+    EXPECT_NEAR(at.x(), 0.020, 1e-12);
+    EXPECT_NEAR(at.y(), isInNeck ? -0.019 : -0.020, 1e-12);
+  }
+}
+
+TEST(CutPatterns, TheWidestNeckMayBeGiven) {
+  // Two slits, one 2 mm and one 9 mm short of the border.
+  const std::string text = page("<path d=\"M0 0H60V20H0ZM20 0V18M40 0V11\"/>");
+  ReadSettings settings;
+  for (const auto& [width, tiles] : {std::pair(0.001, 1U), {0.002, 2U}, {0.009, 3U}}) {
+    settings.neckWidth = width;
+    EXPECT_EQ(read("a.svg", text, settings).model.tiles.size(), tiles) << width;
+  }
+}
+
+TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
+  EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
+              HasSubstr("a.svg: error: there are no lines of a sheet in it"));
+  EXPECT_THAT(
+      read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
+      HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leads out of "
+                "the sheet; close the outline, or end the line at it"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0V1M20 0V18\"/>")).refusal,
+              HasSubstr("the outline is open"));
+  EXPECT_THAT(
+      read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
+      HasSubstr("the piece at (10, 10) mm hangs by nothing; let a cut round it stop short"));
+  // Ribbons.
+  std::string ribbons = "<path d=\"M0 0H60V50H0Z";
+  for (int row = 1; row < 5; ++row) {
+    ribbons += row % 2 ? fmt::format("M5 {0}H25M35 {0}H55", 10 * row)
+                       : fmt::format("M0 {0}H10M20 {0}H40M50 {0}H60", 10 * row);
+  }
+  EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal,
+              HasSubstr("it can only bend, and is no rigid tile"));
+  EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
+              HasSubstr("--cut and --ignore choose"));
+}
+
+}  // namespace
+}  // namespace kirireel::model
