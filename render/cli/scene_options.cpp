@@ -262,6 +262,12 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings) {
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : scene::quotedText(name);
       });
+  scene::Choices<std::optional<LengthUnit>> units = {{"auto", std::nullopt}};
+  for (const LengthUnit& unit : lengthUnits()) units.emplace_back(unit.name, unit);
+  group.choice<std::optional<LengthUnit>>(
+      "--unit", settings.unit, units,
+      "unit of the model's lengths and of all lengths in options and scene files; auto: as the "
+      "file declares, else m");
   group
       .flag("--strict", settings.strict,
             "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "

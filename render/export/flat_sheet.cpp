@@ -124,7 +124,7 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 //
 // SVG is in millimetres with y down; DXF is ASCII R12 (AC1009; Autodesk, DXF Reference): pairs of
 // lines, a group code and a value: 0 begins an entity, 8 names its layer, 10/20 and 11/21 are its
-// ends, 62 a colour, $INSUNITS 6 metres. R12 needs no tables of handles.
+// ends, 62 a colour, $INSUNITS the unit. R12 needs no tables of handles.
 
 namespace {
 
@@ -298,10 +298,11 @@ std::string patternSvg(const std::vector<PatternLine>& lines) {
   return text + "</svg>\n";
 }
 
-std::string patternDxf(const std::vector<PatternLine>& lines) {
-  std::string text =
-      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n"
-      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n";
+std::string patternDxf(const std::vector<PatternLine>& lines, const LengthUnit& unit) {
+  std::string text = fmt::format(
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n"
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n",
+      unit.dxfNumber);
   for (const LayerLook& look : kLooks) {
     text +=
         fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", look.name, look.dxfColour);
@@ -310,7 +311,8 @@ std::string patternDxf(const std::vector<PatternLine>& lines) {
   for (const PatternLine& line : lines) {
     const LayerLook& look = kLooks[static_cast<int>(line.layer)];
     text += fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", look.name,
-                        line.from.x(), line.from.y(), line.to.x(), line.to.y());
+                        inUnit(line.from.x(), unit), inUnit(line.from.y(), unit),
+                        inUnit(line.to.x(), unit), inUnit(line.to.y(), unit));
   }
   return text + "0\nENDSEC\n0\nEOF\n";
 }
@@ -373,7 +375,8 @@ SharedVertices shareVertices(const model::Model& model) {
 }
 
 /// Corners that a joint leaves apart are written at their mean.
-Json coordinates(const SharedVertices& shared, const std::vector<model::Tile>& tiles) {
+Json coordinates(const SharedVertices& shared, const std::vector<model::Tile>& tiles,
+                 const LengthUnit& unit) {
   std::vector<Vector3> sums(shared.count, Vector3::Zero());
   std::vector<int> uses(shared.count);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -384,7 +387,7 @@ Json coordinates(const SharedVertices& shared, const std::vector<model::Tile>& t
   }
   Json rows = Json::array();
   for (int v = 0; v < shared.count; ++v) {
-    const Vector3 mean = sums[v] / uses[v];
+    const Vector3 mean = inUnit(Vector3(sums[v] / uses[v]), unit);
     rows.push_back({mean.x(), mean.y(), mean.z()});
   }
   return rows;
@@ -440,7 +443,8 @@ std::string planarObjText(const std::vector<model::Tile>& tiles) {
   return text;
 }
 
-std::string foldText(const model::Model& model, const std::vector<SheetState>& states) {
+std::string foldText(const model::Model& model, const std::vector<SheetState>& states,
+                     const LengthUnit& unit) {
   const SharedVertices shared = shareVertices(model);
   Json fold = {{"file_spec", 1.2},
                {"file_creator", "Kirireel"},
@@ -448,8 +452,8 @@ std::string foldText(const model::Model& model, const std::vector<SheetState>& s
                {"file_title", model.name},
                {"frame_title", frameTitle(states[0].time)},
                {"frame_attributes", {"3D"}},
-               {"frame_unit", "m"},
-               {"vertices_coords", coordinates(shared, states[0].tiles)},
+               {"frame_unit", unit.name},
+               {"vertices_coords", coordinates(shared, states[0].tiles, unit)},
                {"faces_vertices", shared.faces}};
   addEdges(shared, fold);
   fold["kirireel:joints"] = jointRows(model.joints);
@@ -458,7 +462,7 @@ std::string foldText(const model::Model& model, const std::vector<SheetState>& s
     frames.push_back({{"frame_title", frameTitle(states[k].time)},
                       {"frame_parent", 0},
                       {"frame_inherit", true},
-                      {"vertices_coords", coordinates(shared, states[k].tiles)}});
+                      {"vertices_coords", coordinates(shared, states[k].tiles, unit)}});
   }
   fold["file_frames"] = std::move(frames);
   return jsonText(fold) + "\n";

@@ -94,16 +94,17 @@ std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth
 /// the pattern. Digits read back to the same doubles.
 std::string patternSvg(const std::vector<PatternLine>& lines);
 
-/// The lines as a DXF (R12) in metres, a layer a kind. Colours of layers: cuts red (1), slits blue
+/// The lines as a DXF (R12) in a unit, a layer a kind. Colours of layers: cuts red (1), slits blue
 /// (5), hinges green (3).
-std::string patternDxf(const std::vector<PatternLine>& lines);
+std::string patternDxf(const std::vector<PatternLine>& lines,
+                       const LengthUnit& unit = millimetre());
 
 // ------------------------------------------------------------------------------------------------
 // States as sheets of flat tiles, without thickness.
 
 /// The bottoms of all bricks as an OBJ of polygons, as PyKirigami exports it: "# n vertices m
 /// faces", one face a tile in the model's order, no vertex shared, no groups. Coordinates read back
-/// to the same doubles. Lengths in metres.
+/// to the same doubles.
 std::string planarObjText(const std::vector<model::Tile>& tiles);
 
 /// A sheet at one time.
@@ -117,7 +118,9 @@ struct SheetState {
 /// hold together are one vertex, at the mean of its corners; edges of one tile are boundaries
 /// ("B"), of two flat folds ("F"). `kirireel:joints` holds the model's joints as rows of tile,
 /// vertex, tile, vertex, face. At least one state; all have the model's tiles in its order.
-std::string foldText(const model::Model& model, const std::vector<SheetState>& states);
+/// Lengths are in `unit`, which is the frames' frame_unit.
+std::string foldText(const model::Model& model, const std::vector<SheetState>& states,
+                     const LengthUnit& unit = {});
 
 // ------------------------------------------------------------------------------------------------
 // The outline of a sheet as it is cut: tiles in one piece with the necks of material at their

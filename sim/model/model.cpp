@@ -235,4 +235,24 @@ std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
   return outline;
 }
 
+void scaleLengths(Model& model, double factor) {
+  if (factor == 1) return;
+  const auto scale = [factor](std::vector<Tile>& tiles) {
+    for (Tile& tile : tiles) {
+      for (Vector3& vertex : tile.vertices) vertex *= factor;
+    }
+  };
+  scale(model.tiles);
+  if (model.target) scale(*model.target);
+  for (Joint& joint : model.joints) joint.apart *= factor;
+  model.rounding *= factor;
+}
+
+std::vector<Tile> inUnit(std::vector<Tile> tiles, const LengthUnit& unit) {
+  for (Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = kirireel::inUnit(vertex, unit);
+  }
+  return tiles;
+}
+
 }  // namespace kirireel::model

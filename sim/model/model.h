@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/length_unit.h"
 
 namespace kirireel::model {
 
@@ -105,7 +106,17 @@ struct Model {
   FileOrder fileOrder;                      ///< how its file counts and orders
   double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
   std::vector<Mend> mends;  ///< what its reader put right
+  /// Unit of the lengths in its file: given by the user, declared by the file, or metres. Lengths
+  /// above are metres in any case. Files for other programs are written in this unit.
+  LengthUnit unit;
+  std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if it does
 };
+
+/// Multiplies all lengths of the model by a factor > 0.
+void scaleLengths(Model& model, double factor);
+
+/// The tiles in a unit, for files.
+std::vector<Tile> inUnit(std::vector<Tile> tiles, const LengthUnit& unit);
 
 /// The model, or tiles of it in any state, with the vertices of each tile in its file's order.
 Model inFileOrder(Model model);

@@ -142,6 +142,9 @@ double startGap(const Model& model, const Joint& joint);
 struct ReadSettings {
   std::filesystem::path jointsFile;  ///< in place of the model's own list of joints; empty for that
   bool strict = false;               ///< refuse what would be mended
+  /// Unit of the file's lengths; absent: the unit that the file declares, else `undeclaredUnit`.
+  std::optional<LengthUnit> unit;
+  LengthUnit undeclaredUnit;  ///< of files that declare none
 };
 
 /// "file:line: mended: what was found; what was done".

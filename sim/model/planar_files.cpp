@@ -15,6 +15,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <regex>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
@@ -601,7 +602,7 @@ std::vector<DrawnLine> svgLines(const std::string& text, const fs::path& file) {
   return lines;
 }
 
-/// Entities LINE on layers, in metres.
+/// Entities LINE on layers, in the file's unit.
 std::vector<DrawnLine> dxfLines(const std::string& text, const fs::path& file) {
   std::vector<DrawnLine> lines;
   std::map<int, std::string_view> entity;  // by group codes
@@ -643,6 +644,18 @@ std::vector<DrawnLine> dxfLines(const std::string& text, const fs::path& file) {
   }
   finish();
   return lines;
+}
+
+/// What $INSUNITS says, with the group code 70; absent if there is none or it means no unit.
+std::optional<LengthUnit> dxfUnit(const std::string& text) {
+  static const std::regex pattern("\\$INSUNITS\\s+70\\s+(\\d+)");
+  std::smatch match;
+  if (!std::regex_search(text, match, pattern)) return std::nullopt;
+  const std::string number = match[1];
+  const auto found = std::ranges::find_if(lengthUnits(), [&](const LengthUnit& unit) {
+    return unit.dxfNumber != 0 && std::to_string(unit.dxfNumber) == number;
+  });
+  return found == lengthUnits().end() ? std::nullopt : std::optional(*found);
 }
 
 /// Points of the plane, those within a tolerance as one, by number.
@@ -1024,6 +1037,8 @@ Model readCutPattern(const fs::path& file, std::vector<std::string>& warnings) {
   checkTiles(table);
   refuseHoles(model.tiles, kSamePatternPoint * modelSize(model), file);
   model.joints = reader.joints();
+  // An SVG is read in metres already.
+  model.declaredUnit = isSvg ? LengthUnit{} : dxfUnit(text);
   turnClockwiseTiles(table, model, warnings);
   return model;
 }

@@ -86,11 +86,33 @@ void requireSameTiles(const Model& model, const Model& other, const fs::path& pa
 std::vector<Tile> startOf(const fs::path& path, const Model& model) {
   // The warnings about another model's start are not about this model.
   std::vector<std::string> ignored;
-  const Model other = readModel(path, std::nullopt, ignored);
+  const Model other = readModel(path, std::nullopt, ignored, {.undeclaredUnit = model.unit});
   requireSameTiles(model, other, path);
   // Back to the order of the other model's file, which both models share, then to this model's
   // order.
   return inFileOrder(inFileOrder(other.tiles, other.fileOrder), model.fileOrder);
+}
+
+/// Readers return coordinates as the file has them, and the unit that it declares. Converts them to
+/// metres.
+void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings,
+               std::vector<std::string>& warnings) {
+  const std::optional<LengthUnit> declared = model.declaredUnit;
+  if (settings.unit && declared && *settings.unit != *declared) {
+    warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (--unit)",
+                                   path.string(), declared->name, settings.unit->name));
+  }
+  model.unit = settings.unit ? *settings.unit : declared.value_or(settings.undeclaredUnit);
+  scaleLengths(model, model.unit.metres);
+}
+
+/// The model with its lengths as its file has them.
+Model inFileUnit(const Model& model) {
+  Model converted = model;
+  converted.tiles = inUnit(model.tiles, model.unit);
+  if (model.target) converted.target = inUnit(*model.target, model.unit);
+  for (Joint& joint : converted.joints) joint.apart = kirireel::inUnit(joint.apart, model.unit);
+  return converted;
 }
 
 }  // namespace
@@ -102,6 +124,7 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                 : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", settings, warnings)
                                        : readModelFolder(path, settings, warnings);
   model.rounding = roundingOf(model.tiles);
+  applyUnit(model, path, settings, warnings);
   if (settings.strict) {
     refuseMends(model);
     if (!model.hullFault.empty()) throw InputError(model.hullFault);
@@ -112,11 +135,19 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
 
 std::vector<Tile> readTarget(const fs::path& path, const Model& model,
                              std::vector<std::string>& warnings) {
-  if (endingOf(path) == ".txt") return readTargetFile(path, model, warnings);
+  if (endingOf(path) == ".txt") {
+    // Compared with the start as its file has it, so in the file's unit.
+    Model inFile = model;
+    scaleLengths(inFile, 1 / model.unit.metres);
+    inFile.target = readTargetFile(path, inFile, warnings);
+    scaleLengths(inFile, model.unit.metres);
+    return *inFile.target;
+  }
   return startOf(path, model);
 }
 
-void writeModel(const Model& model, const fs::path& path) {
+void writeModel(const Model& inMetres, const fs::path& path) {
+  const Model model = inFileUnit(inMetres);
   const std::string ending = endingOf(path);
   if (ending == ".fold") return writeFold(model, path);
   if (ending == ".obj") return writeObjPair(model, path);

@@ -266,6 +266,10 @@ Scene openScene();
 /// Sets drive and thickness from the model where they were left open.
 void fillFromModel(Scene& scene);
 
+/// Multiplies all lengths of a scene by a factor > 0, but those of its model: a scene is typed in
+/// the model's unit. Linear speeds too. Targets that are read later are not in it.
+void scaleLengths(Scene& scene, double factor);
+
 /// What drives a model by default: Target where it has one, else Expansion.
 Drive defaultDrive(const model::Model& model);
 
