@@ -37,6 +37,10 @@ double inUnit(double metres, const LengthUnit& unit) {
   return quotient;
 }
 
+std::string lengthText(double metres, const LengthUnit& unit, int digits) {
+  return fmt::format("{:.{}g} {}", metres / unit.metres, digits, unit.name);
+}
+
 Vector3 inUnit(const Vector3& metres, const LengthUnit& unit) {
   return {inUnit(metres.x(), unit), inUnit(metres.y(), unit), inUnit(metres.z(), unit)};
 }

@@ -35,4 +35,7 @@ double inUnit(double metres, const LengthUnit& unit);
 /// The same for each coordinate.
 Vector3 inUnit(const Vector3& metres, const LengthUnit& unit);
 
+/// A length for messages, as "0.08 mm", with this many significant digits.
+std::string lengthText(double metres, const LengthUnit& unit, int digits = 3);
+
 }  // namespace kirireel

@@ -11,7 +11,7 @@ namespace {
 /// By the definitions of the international yard and of the point in PostScript.
 TEST(LengthUnits, HaveTheirDefinitions) {
   EXPECT_EQ(findLengthUnit("in")->metres, 0.0254);
-  EXPECT_EQ(findLengthUnit("ft")->metres, 12 * 0.0254);
+  EXPECT_DOUBLE_EQ(findLengthUnit("ft")->metres, 12 * 0.0254);
   EXPECT_DOUBLE_EQ(findLengthUnit("pt")->metres * 72, 0.0254);
   EXPECT_EQ(findLengthUnit("furlong"), std::nullopt);
 }
