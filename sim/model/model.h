@@ -154,10 +154,9 @@ double modelSize(const Model& model);
 /// 0 for a model without tiles.
 double tileSize(const Model& model);
 
-/// Whether joints hold all tiles together, so that none can go away from the others for good.
-/// Every kind of joint counts, a single one too. True for a model without tiles. Costs about
-/// O(tiles + joints).
-bool isOnePiece(const Model& model);
+/// The number of each tile's piece, from 0 in the order of the first tiles. A piece is a set of
+/// tiles that joints connect, of any kind. Costs about O(tiles + joints).
+std::vector<int> piecesOf(const Model& model);
 
 /// How many tiles face the other way in a second state: their normals are more than 90 degrees
 /// apart. Both states have the same tiles.

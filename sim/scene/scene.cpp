@@ -217,15 +217,13 @@ void fillFromModel(Scene& scene) {
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
   // Full extension has no end where a part is held by nothing.
-  const bool fliesApart = !scene.model.target && !model::isOnePiece(scene.model);
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
            : !scene.environment.obstacles.empty()             ? "there is ground or an obstacle"
            : scene.hinges.panels                              ? "tiles bend"
            : scene.hinges.areOn()                             ? "hinges have springs"
-           : fliesApart ? "tiles that no joint holds fly apart"
-                        : whyDynamics(scene);
+                                                              : whyDynamics(scene);
   return reason.empty();
 }
 

@@ -275,8 +275,8 @@ Drive defaultDrive(const model::Model& model);
 
 /// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
 /// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
-/// obstacles, friction, a timeline, other springs or damping than the usual, another solver, tiles
-/// that fly apart). Else `reason` says what does.
+/// obstacles, friction, a timeline, other springs or damping than the usual, another solver). Else
+/// `reason` says what does.
 bool isQuasiStatic(const Scene& scene, std::string& reason);
 
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes
