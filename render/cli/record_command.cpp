@@ -11,9 +11,8 @@
 // With --resume a finished run of the same fingerprint is left as it is, and an unfinished one goes
 // on from its checkpoint.
 //
-// Units. --unit U says that a length of 1 in the files is U metres, and all lengths of the run are
-// in that unit. Gravity g (m/s^2) and density rho (kg/m^3) are typed in SI and converted: g / U
-// lengths a second squared, rho U^3 kilograms a cubed length.
+// Units. --unit U is the unit of the model's files and of all lengths that the user gives. They are
+// converted to metres once, in readScene. Other quantities are given in SI units.
 #include "render/cli/record_command.h"
 
 #include <algorithm>
@@ -60,9 +59,6 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 void addModelOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Model", "model");
   addReadOptions(group, order.reading, true);
-  group.choice<double>("--unit", order.unit, {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}},
-                       "unit of the model's lengths, and so of every length of the run; --gravity "
-                       "and --density are given in metres all the same");
   group.choice<std::optional<model::FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt},
@@ -106,10 +102,13 @@ scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warni
   scene::Scene scene = order.scene;
   scene.model =
       order.madeModel ? *order.madeModel : readModelAt(order.model, {}, order.reading, warnings);
+  if (order.madeModel && order.reading.unit && scene.model.unit == LengthUnit{}) {
+    scene.model.unit = *order.reading.unit;
+    model::scaleLengths(scene.model, scene.model.unit.metres);
+  }
+  scene::scaleLengths(scene, scene.model.unit.metres);
   scene::completeScene(order.request.parts, scene, warnings);
   scene::fillFromModel(scene);
-  scene.environment.gravity /= order.unit;
-  scene.brick.density *= std::pow(order.unit, 3);
   if (order.faces) model::chooseJointFaces(scene.model, *order.faces);
   // After faces, since the triangles of a split tile inherit its joints.
   if (order.splitTiles) scene::splitTiles(*order.splitTiles, scene);
@@ -295,6 +294,7 @@ RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& wa
   }
   inputs.modelName = result.scene.model.name;
   result.settings = order.settings;
+  result.settings.exports = exports::inMetres(order.settings.exports, result.scene.model.unit);
   result.settings.sceneText = order.text.scene;
   result.settings.peerSpelling = order.peerSpelling;
   result.settings.inputs = inputs.files;

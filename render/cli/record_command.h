@@ -65,11 +65,11 @@ struct RecordOrder {
   std::optional<model::FaceRule>
       faces;  ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
-  double unit = 1;  ///< of length in all files, metres; gravity and density are SI until prepared
   /// The word that selects PyKirigami's constants for what is not given; empty: none.
   std::string peerSpelling;
   scene::Scene scene =
-      scene::openScene();  ///< everything but the model; the ground's height is not known yet
+      scene::openScene();  ///< everything but the model; the ground's height is not known yet.
+                           ///< Its lengths are in the unit of the model until prepared
   SceneRequest request;    ///< what is added to the model
   record::RecordSettings settings;  ///< the folder is empty when --out was not given
   std::vector<InputFile> inputs;    ///< files that were read so far, but for the scene file

@@ -283,6 +283,12 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       .saidAs([&settings] {
         return settings.hingeWidth > 0 ? scene::numberText(settings.hingeWidth) : "";
       });
+  scene::Choices<std::optional<LengthUnit>> units = {{"auto", std::nullopt}};
+  for (const LengthUnit& unit : lengthUnits()) units.emplace_back(unit.name, unit);
+  group.choice<std::optional<LengthUnit>>(
+      "--export-unit", settings.unit, units,
+      "unit of obj, planar-obj, ply, stl, dxf, fold, vtu, msh and vertices files; auto: mm for stl "
+      "and dxf, else the model's. glb is in m, svg in mm");
   addElementOptions(command, settings.elements);
   addDeckOptions(command, settings.decks, formatOption == "--format");
 }
@@ -325,17 +331,19 @@ void completeOrder(const CLI::App& command, ExportOrder& order) {
 int carryOut(const ExportOrder& order) {
   const std::filesystem::path file = trajectoryFile(order.trajectory);
   const trajectory::TrajectoryReader trajectory(file);
+  const exports::ExportSettings settings =
+      exports::inMetres(order.settings, trajectory.subject().model.unit);
   const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
   // Warnings come before the files, which may take long.
-  for (const std::string& line : exports::exportWarnings(trajectory, order.settings)) {
+  for (const std::string& line : exports::exportWarnings(trajectory, settings)) {
     fmt::print(stderr, "kirireel: {}\n", line);
   }
-  for (const std::string& name : exports::exportStates(trajectory, order.settings, folder)) {
+  for (const std::string& name : exports::exportStates(trajectory, settings, folder)) {
     fmt::print("{}\n", (folder / name).string());
   }
   // The check solves every deck twice and may take far longer than the export.
   if (!order.isChecked) return kExitDone;
-  for (const std::string& line : exports::meshSensitivity(trajectory, order.settings)) {
+  for (const std::string& line : exports::meshSensitivity(trajectory, settings)) {
     fmt::print("{}\n", line);
   }
   return kExitDone;

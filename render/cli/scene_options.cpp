@@ -287,7 +287,7 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
   names("--ignore", "found", "lines of a drawing to leave out, named in the same way",
         settings.ignore);
   group
-      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "METRES", "found",
+      .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "LENGTH", "found",
              "widest neck of a drawing: how far its cuts may stop short of the next line",
              [&settings](const scene::TypedValue& typed) {
                settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
@@ -311,6 +311,12 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : scene::quotedText(name);
       });
+  scene::Choices<std::optional<LengthUnit>> units = {{"auto", std::nullopt}};
+  for (const LengthUnit& unit : lengthUnits()) units.emplace_back(unit.name, unit);
+  group.choice<std::optional<LengthUnit>>(
+      "--unit", settings.unit, units,
+      "unit of the model's lengths and of all lengths in options and scene files; auto: as the "
+      "file declares, else m");
   group
       .value("--frame", "N", "all that are states of one sheet",
              "frame of a FOLD file to read as the model, 0 for the file's own keys",

@@ -290,8 +290,9 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
 /// (TILE_00000, _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3). Gmsh reads thousands
 /// of groups slowly. Coordinates in metres, to the last bit but at shut slits, where nodes that
 /// would lie in one place stand apart (separatedNodes), so that no program welds them. Lengths stay
-/// in metres whatever a deck's unit. All of the text is built in memory.
-std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual);
+/// in `unit`, whatever a deck's unit. All of the text is built in memory.
+std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual,
+                     const LengthUnit& unit = {});
 
 // ------------------------------------------------------------------------------------------------
 // Nodes in one place, drawn apart.

@@ -204,6 +204,12 @@ class Exporter {
     return start_;
   }
 
+  /// Of a format that has no unit of its own: the one asked for, else the model's.
+  LengthUnit unit() const { return settings_.unit.value_or(subject_.model.unit); }
+
+  /// Of formats whose readers expect millimetres.
+  LengthUnit unitOfMachines() const { return settings_.unit.value_or(millimetre()); }
+
   /// The tiles with their vertices in the order of the model's own file.
   std::vector<model::Tile> sheetOf(const trajectory::Sample& sample) const {
     return model::inFileOrder(model::bottomTiles(subject_.bricks, sample.poses),
@@ -309,7 +315,7 @@ class Exporter {
   void writeElements(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
                      const std::string& driveSets) {
     if (wants(kGmsh)) {
-      writeTextFile(files_.add(name + kGmshFile), gmshMesh(mesh, settings_.decks.sets));
+      writeTextFile(files_.add(name + kGmshFile), gmshMesh(mesh, settings_.decks.sets, unit()));
     }
     if (!wants(kDeck)) return;
     // Sets of nodes that a job needs stand at the end of the mesh deck, for readers want them after
@@ -408,7 +414,9 @@ class Exporter {
 /// A surface mesh, whose format writeMesh() tells by the ending.
 void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
                   const std::filesystem::path& file) {
-  writeMesh(file, exporter.subject().bricks, sample.poses);
+  const bool isStl = file.extension() == ".stl";
+  writeMesh(file, exporter.subject().bricks, sample.poses,
+            isStl ? exporter.unitOfMachines() : exporter.unit());
 }
 
 std::vector<PatternLine> patternOf(const Exporter& exporter) {
@@ -445,15 +453,15 @@ ExportFormat deckFormat() {
 using Path = std::filesystem::path;
 
 void writePlanarObj(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file, planarObjText(exporter.sheetOf(sample)));
+  writeTextFile(file, planarObjText(model::inUnit(exporter.sheetOf(sample), exporter.unit())));
 }
 
 void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  model::writeTiles(exporter.sheetOf(sample), file);
+  model::writeTiles(model::inUnit(exporter.sheetOf(sample), exporter.unit()), file);
 }
 
 void writeVtu(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample));
+  writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample, exporter.unit()));
 }
 
 void writePvd(Exporter& exporter, const Path& file) {
@@ -465,7 +473,11 @@ void writeGlb(Exporter& exporter, const Path& file) {
 }
 
 void writeFold(Exporter& exporter, const Path& file) {
-  writeTextFile(file, model::foldText(exporter.subject().model, exporter.foldStates()));
+  // The states' tiles and the model in one unit, which the text names.
+  const LengthUnit unit = exporter.unit();
+  std::vector<model::FoldState> states = exporter.foldStates();
+  for (model::FoldState& state : states) state.tiles = model::inUnit(state.tiles, unit);
+  writeTextFile(file, model::foldText(model::inUnit(exporter.subject().model, unit), states));
 }
 
 void writeSvg(Exporter& exporter, const Path& file) {
@@ -473,7 +485,7 @@ void writeSvg(Exporter& exporter, const Path& file) {
 }
 
 void writeDxf(Exporter& exporter, const Path& file) {
-  writeTextFile(file, patternDxf(patternOf(exporter)));
+  writeTextFile(file, patternDxf(patternOf(exporter), exporter.unitOfMachines()));
 }
 
 const std::vector<ExportFormat>& exportFormats() {
@@ -501,6 +513,16 @@ const std::vector<ExportFormat>& exportFormats() {
 }
 
 }  // namespace
+
+ExportSettings inMetres(ExportSettings settings, const LengthUnit& unit) {
+  ElementRule& elements = settings.elements;
+  for (double* length :
+       {&settings.hingeWidth, &elements.patchRadius, &elements.size, &elements.neck.width,
+        &elements.neck.length, &elements.neck.radius, &elements.neck.kerf}) {
+    *length *= unit.metres;
+  }
+  return settings;
+}
 
 std::vector<std::string> exportFormatNames() {
   std::vector<std::string> names;

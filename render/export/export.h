@@ -24,7 +24,13 @@ struct ExportSettings {
   ElementRule elements;                                    ///< of decks and meshes
   DeckSettings decks;                                      ///< how decks are written
   double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
+  /// Of files whose formats leave the unit open; absent: millimetres for STL and DXF, else the
+  /// model's unit. GLB is in metres, SVG in millimetres; decks have DeckSettings::unit.
+  std::optional<LengthUnit> unit;
 };
+
+/// The settings with their lengths, which were given in this unit, in metres.
+ExportSettings inMetres(ExportSettings settings, const LengthUnit& unit);
 
 /// Throws what exportStates would of this model whatever its run is like: InputError for formats
 /// that are none or given twice, cut patterns, elements, joint patches and necks that it cannot

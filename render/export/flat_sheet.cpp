@@ -124,7 +124,7 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 //
 // SVG is in millimetres with y down; DXF is ASCII R12 (AC1009; Autodesk, DXF Reference): pairs of
 // lines, a group code and a value: 0 begins an entity, 8 names its layer, 10/20 and 11/21 are its
-// ends, 62 a colour, $INSUNITS 6 metres. R12 needs no tables of handles.
+// ends, 62 a colour, $INSUNITS the unit. R12 needs no tables of handles.
 
 namespace {
 
@@ -298,10 +298,11 @@ std::string patternSvg(const std::vector<PatternLine>& lines) {
   return text + "</svg>\n";
 }
 
-std::string patternDxf(const std::vector<PatternLine>& lines) {
-  std::string text =
-      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n"
-      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n";
+std::string patternDxf(const std::vector<PatternLine>& lines, const LengthUnit& unit) {
+  std::string text = fmt::format(
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n"
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n",
+      unit.dxfNumber);
   for (const LayerLook& look : kLooks) {
     text +=
         fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", look.name, look.dxfColour);
@@ -310,7 +311,8 @@ std::string patternDxf(const std::vector<PatternLine>& lines) {
   for (const PatternLine& line : lines) {
     const LayerLook& look = kLooks[static_cast<int>(line.layer)];
     text += fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", look.name,
-                        line.from.x(), line.from.y(), line.to.x(), line.to.y());
+                        inUnit(line.from.x(), unit), inUnit(line.from.y(), unit),
+                        inUnit(line.to.x(), unit), inUnit(line.to.y(), unit));
   }
   return text + "0\nENDSEC\n0\nEOF\n";
 }

@@ -94,16 +94,17 @@ std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth
 /// the pattern. Digits read back to the same doubles.
 std::string patternSvg(const std::vector<PatternLine>& lines);
 
-/// The lines as a DXF (R12) in metres, a layer a kind. Colours of layers: cuts red (1), slits blue
+/// The lines as a DXF (R12) in a unit, a layer a kind. Colours of layers: cuts red (1), slits blue
 /// (5), hinges green (3).
-std::string patternDxf(const std::vector<PatternLine>& lines);
+std::string patternDxf(const std::vector<PatternLine>& lines,
+                       const LengthUnit& unit = millimetre());
 
 // ------------------------------------------------------------------------------------------------
 // States as sheets of flat tiles, without thickness.
 
 /// The bottoms of all bricks as an OBJ of polygons, as PyKirigami exports it: "# n vertices m
 /// faces", one face a tile in the model's order, no vertex shared, no groups. Coordinates read back
-/// to the same doubles. Lengths in metres.
+/// to the same doubles.
 std::string planarObjText(const std::vector<model::Tile>& tiles);
 
 // ------------------------------------------------------------------------------------------------

@@ -82,8 +82,9 @@ struct Group {
 /// Collects groups, entities and elements, and writes them section by section.
 class GmshText {
  public:
-  GmshText(const ElementMesh& mesh, SetChoice sets)
-      : mesh_(mesh), sets_(sets), positions_(separatedNodes(mesh)) {
+  GmshText(const ElementMesh& mesh, SetChoice sets, const LengthUnit& unit)
+      : mesh_(mesh), sets_(sets), unit_(unit), positions_(separatedNodes(mesh)) {
+    for (Vector3& position : positions_) position = inUnit(position, unit);
     // Entities count through tiles and necks, so necks follow the last tile.
     for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
     for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
@@ -103,6 +104,7 @@ class GmshText {
 
   std::string text() const {
     std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+    appendText(text, "$Comments\nunit {}\n$EndComments\n", unit_.name);
     appendText(text, "$PhysicalNames\n{}\n", groups_.size());
     for (const Group& group : groups_) {
       appendText(text, "{} {} \"{}\"\n", group.dimension, group.number, group.name);
@@ -272,6 +274,7 @@ class GmshText {
 
   const ElementMesh& mesh_;
   SetChoice sets_;
+  LengthUnit unit_;
   std::vector<Vector3> positions_;          ///< of the nodes
   std::vector<const TileElements*> parts_;  ///< tiles, then necks
   std::vector<Group> groups_;
@@ -284,8 +287,8 @@ class GmshText {
 
 }  // namespace
 
-std::string gmshMesh(const ElementMesh& mesh, SetChoice sets) {
-  return GmshText(mesh, sets).text();
+std::string gmshMesh(const ElementMesh& mesh, SetChoice sets, const LengthUnit& unit) {
+  return GmshText(mesh, sets, unit).text();
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -259,7 +259,7 @@ std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
 /// Binary STL holds single precision and no shared vertices: nothing to fill in after. Each facet
 /// has its own normal; assimp would smooth them over shared corners.
 std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
-                     const std::filesystem::path& path) {
+                     const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = flatMesh(allTriangles(bricks), corners);
   for (unsigned k = 0; k < mesh->mNumVertices; ++k) {
     aiVector3D& vertex = mesh->mVertices[k];
@@ -268,7 +268,7 @@ std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<
   }
   std::string bytes = exported(*sceneOf(std::move(mesh)), "stlb", path);
   constexpr std::size_t kHeader = 80;
-  std::string header = "Kirireel: closed bricks, lengths in metres";
+  std::string header = fmt::format("Kirireel: closed bricks, unit {}", unit.name);
   header.resize(kHeader, ' ');
   // The header must not begin with "solid", by which readers tell text from binary.
   return bytes.replace(0, kHeader, header);
@@ -276,7 +276,7 @@ std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<
 
 /// The header's counts are assimp's own and stay.
 std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
-                    const std::filesystem::path& path) {
+                    const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
   const std::string numbers = exported(*sceneOf(std::move(mesh)), "ply", path);
   constexpr std::string_view kPlyFloat = "property float ";
@@ -288,6 +288,7 @@ std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<V
     const bool isFloat = line.starts_with(kPlyFloat);
     if (isFloat) text += "property double ";
     text.append(isFloat ? line.substr(kPlyFloat.size()) : line).append("\n");
+    if (line.starts_with("format ")) appendText(text, "comment unit {}\n", unit.name);
   }
   // Rows of vertices come in the order of the corners; the faces after them need no change.
   for (std::size_t k = 0; k < corners.size(); ++k) appendCorner(text, takeLine(rest), corners);
@@ -297,15 +298,16 @@ std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<V
 }  // namespace
 
 void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
-               const Poses& poses) {
-  const std::vector<Vector3> corners = worldCorners(bricks, poses);
+               const Poses& poses, const LengthUnit& unit) {
+  std::vector<Vector3> corners = worldCorners(bricks, poses);
+  for (Vector3& corner : corners) corner = inUnit(corner, unit);
   const std::string ending = path.extension().string();
   if (ending == ".obj") {
-    writeTextFile(path, objText(bricks, corners, path));
+    writeTextFile(path, fmt::format("# unit {}\n", unit.name) + objText(bricks, corners, path));
   } else if (ending == ".ply") {
-    writeTextFile(path, plyText(bricks, corners, path));
+    writeTextFile(path, plyText(bricks, corners, unit, path));
   } else if (ending == ".stl") {
-    writeTextFile(path, stlBytes(bricks, corners, path));
+    writeTextFile(path, stlBytes(bricks, corners, unit, path));
   } else {
     throw InputError(
         fmt::format("{}: error: \"{}\" is no mesh format known here; let the name end "

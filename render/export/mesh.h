@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/length_unit.h"
 #include "sim/model/brick.h"
 
 namespace kirireel::exports {
@@ -18,12 +19,12 @@ namespace kirireel::exports {
 /// - .stl: triangles, binary, each with its own outward normal.
 ///
 /// Every brick is closed, outward, and apart from its neighbours even where they touch: a joint
-/// would else be an edge of four faces. Coordinates are in metres and, but for STL's single
-/// precision, read back to the last bit. Throws InputError for another ending, OutputError when the
-/// file cannot be written. `poses` has one pose a brick. The text is built in memory. Throws
-/// Interrupted when the user ends the program.
+/// would else be an edge of four faces. Coordinates are in the unit, which the file names in a
+/// comment, and, but for STL's single precision, read back to the last bit. Throws InputError for
+/// another ending, OutputError when the file cannot be written. `poses` has one pose a brick. The
+/// text is built in memory. Throws Interrupted when the user ends the program.
 void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
-               const Poses& poses);
+               const Poses& poses, const LengthUnit& unit = {});
 
 /// The version of assimp in use, e.g. "5.2.5".
 std::string meshLibraryVersion();

@@ -173,11 +173,12 @@ void appendCells(std::string& text, const Cells& cells) {
   text += "</Cells>\n";
 }
 
-/// World axes, metres.
-void appendPoints(std::string& text, const trajectory::Subject& subject, const Poses& poses) {
+/// World axes.
+void appendPoints(std::string& text, const trajectory::Subject& subject, const Poses& poses,
+                  const LengthUnit& unit) {
   std::vector<Vector3> points;
   forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t, const Vector3& corner) {
-    points.push_back(poses[tile].apply(corner));
+    points.push_back(inUnit(poses[tile].apply(corner), unit));
   });
   text += "<Points>\n";
   appendArray(text, "points", points);
@@ -191,28 +192,30 @@ std::vector<double> byCells(const std::vector<double>& byBricks, const Cells& ce
   return values;
 }
 
-/// `joint_gap` in metres, `turn` in radians.
+/// `turn` in radians.
 void appendCellFields(std::string& text, const trajectory::Subject& subject, const Cells& cells,
-                      const Poses& start, const Poses& poses) {
+                      const Poses& start, const Poses& poses, const LengthUnit& unit) {
   const std::vector<model::Pivot> pivots = model::makePivots(subject.model.joints, subject.bricks);
+  std::vector<double> gaps = trajectory::brickJointGaps(pivots, poses);
+  for (double& gap : gaps) gap = inUnit(gap, unit);
   text += "<CellData Scalars=\"joint_gap\">\n";
   appendArray(text, "tile", cells.bricks);
-  appendArray(text, "joint_gap", byCells(trajectory::brickJointGaps(pivots, poses), cells));
+  appendArray(text, "joint_gap", byCells(gaps, cells));
   appendArray(text, "turn", byCells(trajectory::brickRotations(start, poses), cells));
   text += "</CellData>\n";
 }
 
 /// Top and bottom of a corner share the distance of the bottom's, which is the tile's vertex.
 void appendPointFields(std::string& text, const trajectory::Subject& subject, const Poses& start,
-                       const Poses& poses) {
+                       const Poses& poses, const LengthUnit& unit) {
   const std::optional<std::vector<model::Tile>>& target = subject.model.target;
   std::vector<Vector3> moves;
   std::vector<double> distances;
   forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t k, const Vector3& corner) {
-    moves.emplace_back(poses[tile].apply(corner) - start[tile].apply(corner));
+    moves.push_back(inUnit(Vector3(poses[tile].apply(corner) - start[tile].apply(corner)), unit));
     if (!target) return;
     const Vector3 vertex = poses[tile].apply(subject.bricks[tile].bottom[k]);
-    distances.push_back((vertex - (*target)[tile].vertices[k]).norm());
+    distances.push_back(inUnit((vertex - (*target)[tile].vertices[k]).norm(), unit));
   });
   text += "<PointData Vectors=\"displacement\">\n";
   appendArray(text, "displacement", moves);
@@ -222,34 +225,34 @@ void appendPointFields(std::string& text, const trajectory::Subject& subject, co
 
 /// TimeValue is the name by which ParaView knows the time of a file.
 void appendMeasures(std::string& text, const trajectory::Subject& subject,
-                    const trajectory::Sample& sample) {
+                    const trajectory::Sample& sample, const LengthUnit& unit) {
   text += "<FieldData>\n";
   appendNumber(text, "TimeValue", sample.time);
-  appendNumber(text, "joint_gap", sample.jointGap);
-  appendNumber(text, "penetration", sample.penetration);
-  if (subject.model.target) appendNumber(text, "target_error", sample.targetError);
+  appendNumber(text, "joint_gap", inUnit(sample.jointGap, unit));
+  appendNumber(text, "penetration", inUnit(sample.penetration, unit));
+  if (subject.model.target) appendNumber(text, "target_error", inUnit(sample.targetError, unit));
   text += "</FieldData>\n";
 }
 
 }  // namespace
 
 std::string vtuText(const trajectory::Subject& subject, const Poses& start,
-                    const trajectory::Sample& sample) {
+                    const trajectory::Sample& sample, const LengthUnit& unit) {
   std::size_t points = 0;
   for (const model::Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
-  std::string text =
-      "<?xml version=\"1.0\"?>\n"
+  std::string text = fmt::format("<?xml version=\"1.0\"?>\n<!-- unit {} -->\n", unit.name);
+  text +=
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
       "<UnstructuredGrid>\n";
-  appendMeasures(text, subject, sample);
+  appendMeasures(text, subject, sample, unit);
   const Cells cells = cellsOf(subject.bricks);
   appendText(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points,
              cells.types.size());
-  appendPoints(text, subject, sample.poses);
+  appendPoints(text, subject, sample.poses, unit);
   appendCells(text, cells);
-  appendPointFields(text, subject, start, sample.poses);
-  appendCellFields(text, subject, cells, start, sample.poses);
+  appendPointFields(text, subject, start, sample.poses, unit);
+  appendCellFields(text, subject, cells, start, sample.poses, unit);
   return text.append("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
 }
 

@@ -323,7 +323,8 @@ ScaleLength roundLength(double longest) {
   if (metres >= 0.1 && metres < 1000) return {metres, fmt::format("{:g} m", metres)};
   if (metres >= 1000) return {metres, fmt::format("{:g} km", metres / 1000)};
   if (metres >= 1e-3) return {metres, fmt::format("{:g} mm", metres * 1e3)};
-  return {metres, fmt::format("{:g} um", metres * 1e6)};
+  if (metres >= 1e-6) return {metres, fmt::format("{:g} um", metres * 1e6)};
+  return {metres, fmt::format("{:g} nm", metres * 1e9)};
 }
 
 int ScaleDrawer::baseline(int y) const {

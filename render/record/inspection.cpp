@@ -80,16 +80,18 @@ std::string mobilityText(const char* where, const trajectory::Mobility& mobility
 }
 
 /// One line for the state, then its overlaps and its freedoms, indented.
-std::string stateText(const char* name, const StateInspection& state, int countsFrom) {
-  std::string text = fmt::format(
-      "{}: joints open by {:.3g} m at most, tiles flat to {:.3g} m, {}, {}{} overlapping pairs\n",
-      name, state.jointGap, state.unevenness, state.leastCornerSine > 0 ? "convex" : "not convex",
-      state.seesAllPairs ? "" : "at least ", state.overlaps.size());
+std::string stateText(const char* name, const StateInspection& state, int countsFrom,
+                      const LengthUnit& unit) {
+  std::string text =
+      fmt::format("{}: joints open by {} at most, tiles flat to {}, {}, {}{} overlapping pairs\n",
+                  name, lengthText(state.jointGap, unit), lengthText(state.unevenness, unit),
+                  state.leastCornerSine > 0 ? "convex" : "not convex",
+                  state.seesAllPairs ? "" : "at least ", state.overlaps.size());
   // The five deepest; there may be thousands.
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
     const trajectory::TileOverlap& overlap = state.overlaps[k];
-    text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", countsFrom + overlap.tileA,
-                        countsFrom + overlap.tileB, overlap.depth);
+    text += fmt::format("  tiles {} and {} overlap by {}\n", countsFrom + overlap.tileA,
+                        countsFrom + overlap.tileB, lengthText(overlap.depth, unit));
   }
   if (state.inPlane) text += mobilityText("in the plane", *state.inPlane);
   return text + mobilityText("in space", state.inSpace);
@@ -164,6 +166,7 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   const model::Model& model = scene.model;
   Inspection inspection;
   inspection.name = model.name;
+  inspection.unit = model.unit;
   for (const model::Tile& tile : model.tiles) {
     ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
   }
@@ -196,28 +199,28 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
 }
 
 std::string inspectionText(const Inspection& inspection) {
+  const LengthUnit& unit = inspection.unit;
   std::string text = fmt::format(
-      "{}\ntiles: {}\njoints: {}\nsize: {:.4g} m, tiles {:.4g} m; suggested thickness {:.2g} m\n",
-      inspection.name, countsText(inspection.tilesByVertices, "{} with {} vertices"),
-      countsText(inspection.jointsByKind, "{} {}"), inspection.size, inspection.tileSize,
-      inspection.suggestedThickness);
+      "{}\ntiles: {}\njoints: {}\nsize: {}, tiles {}; suggested thickness {}\n", inspection.name,
+      countsText(inspection.tilesByVertices, "{} with {} vertices"),
+      countsText(inspection.jointsByKind, "{} {}"), lengthText(inspection.size, unit, 4),
+      lengthText(inspection.tileSize, unit, 4), lengthText(inspection.suggestedThickness, unit, 2));
   if (inspection.rounding > 0) {
-    text +=
-        fmt::format("coordinates are rounded to {:g} m: singular values below {:.2g} are zero\n",
-                    inspection.rounding, inspection.zeroSingularValue);
+    text += fmt::format("coordinates are rounded to {}: singular values below {:.2g} are zero\n",
+                        lengthText(inspection.rounding, unit, 6), inspection.zeroSingularValue);
   }
   for (const auto& [name, tiles] : inspection.tilesByName) {
     text += fmt::format("name {}: tiles {}\n", shown(name, 60),
                         tilesText(tiles, inspection.countsFrom));
   }
   for (const std::string& mend : inspection.mends) text += mend + "\n";
-  text += stateText("start", inspection.start, inspection.countsFrom);
+  text += stateText("start", inspection.start, inspection.countsFrom, unit);
   if (inspection.target) {
-    text += stateText("target", *inspection.target, inspection.countsFrom);
+    text += stateText("target", *inspection.target, inspection.countsFrom, unit);
     text += fmt::format(
-        "congruence: lengths change by {:.3g} m at most; rigid bound {:.3g} m, "
-        "assembled error {:.3g} m\n",
-        *inspection.shapeChange, *inspection.rigidBound, *inspection.assembledError);
+        "congruence: lengths change by {} at most; rigid bound {}, assembled error {}\n",
+        lengthText(*inspection.shapeChange, unit), lengthText(*inspection.rigidBound, unit),
+        lengthText(*inspection.assembledError, unit));
   } else {
     text += "target: none\n";
   }

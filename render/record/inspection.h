@@ -30,6 +30,7 @@ struct StateInspection {
 /// adds.
 struct Inspection {
   std::string name;                         ///< of the model
+  LengthUnit unit;                          ///< of its file; the text has it, JSON is in metres
   std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
   std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
   std::map<std::string, std::vector<int>> tilesByName;  ///< of groups and materials in its file

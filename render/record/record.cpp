@@ -257,15 +257,17 @@ class LiveRun {
 void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSettings& settings,
                    RunSummary& summary) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  model::writeTiles(
-      model::inFileOrder(model::bottomTiles(bricks, end.last->poses), scene.model.fileOrder),
-      settings.folder / exports::output::kFinalVertices);
+  model::writeTiles(model::inUnit(model::inFileOrder(model::bottomTiles(bricks, end.last->poses),
+                                                     scene.model.fileOrder),
+                                  scene.model.unit),
+                    settings.folder / exports::output::kFinalVertices);
   summary.files.emplace_back(exports::output::kFinalVertices);
   if (!settings.meshes) return;
   const auto write = [&](const char* name, const trajectory::Sample& sample) {
     for (const char* ending : {".obj", ".ply"}) {
       summary.files.push_back(fmt::format("{}{}", name, ending));
-      exports::writeMesh(settings.folder / summary.files.back(), bricks, sample.poses);
+      exports::writeMesh(settings.folder / summary.files.back(), bricks, sample.poses,
+                         scene.model.unit);
     }
   };
   write(exports::output::kInitialMesh, *end.first);
@@ -282,7 +284,8 @@ void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunS
     ++number;
     for (const char* ending : {".obj", ".ply"}) {
       summary.files.push_back(exports::momentFile(exports::output::kStateMoment, number, ending));
-      exports::writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses);
+      exports::writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses,
+                         scene.model.unit);
     }
   }
 }

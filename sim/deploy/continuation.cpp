@@ -142,23 +142,35 @@ Vector3 commonCentre(const Poses& poses) {
   return sum / static_cast<double>(poses.size());
 }
 
-/// Each brick farther from the common centre by a part.
-Poses spread(Poses poses, double part) {
-  const Vector3 centre = commonCentre(poses);
-  for (Pose& pose : poses) pose.position += part * (pose.position - centre);
+/// The mean place of the bricks of each piece; `pieces` are those of model::piecesOf().
+std::vector<Vector3> centresOf(const Poses& poses, const std::vector<int>& pieces) {
+  std::vector<Vector3> centres(1 + *std::ranges::max_element(pieces), Vector3::Zero());
+  std::vector<double> counts(centres.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    centres[pieces[i]] += poses[i].position;
+    ++counts[pieces[i]];
+  }
+  for (std::size_t k = 0; k < centres.size(); ++k) centres[k] /= counts[k];
+  return centres;
+}
+
+/// Each brick farther from the centre of its piece by a part.
+Poses spread(Poses poses, const std::vector<int>& pieces, double part) {
+  const std::vector<Vector3> centres = centresOf(poses, pieces);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].position += part * (poses[i].position - centres[pieces[i]]);
+  }
   return poses;
 }
 
-/// The sum of squared distances from the common centre, square metres.
-// sum |x_i - mean|^2 = sum |x_i|^2 - |sum x_i|^2 / n.
-double extent(const Poses& poses) {
-  Vector3 sum = Vector3::Zero();
-  double squares = 0;
-  for (const Pose& pose : poses) {
-    sum += pose.position;
-    squares += pose.position.squaredNorm();
+/// The sum of squared distances from the centres of the pieces, square metres.
+double extent(const Poses& poses, const std::vector<int>& pieces) {
+  const std::vector<Vector3> centres = centresOf(poses, pieces);
+  double sum = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    sum += (poses[i].position - centres[pieces[i]]).squaredNorm();
   }
-  return squares - sum.squaredNorm() / static_cast<double>(poses.size());
+  return sum;
 }
 
 /// The mechanism in one metric, moved from place to place.
@@ -275,6 +287,7 @@ class Continuation {
         settings_(heldBy(settings, closedStiffness)),
         closedStiffness_(closedStiffness),
         tile_(model::tileSize(scene.model)),
+        pieces_(model::piecesOf(scene.model)),
         poses_(std::move(start)),
         mechanism_(scene_, settings_, poses_),
         symmetries_(scene),
@@ -328,7 +341,8 @@ class Continuation {
   }
 
   MechanismPath toExtension() {
-    const double radius = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
+    const double radius = pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
+    if (radius == 0) return finish();  // loose tiles
     stateLength_ = std::max(kStateShare * tile_, radius / kRadiusStates);
     extend();
     // Where nothing extends the tiles, they stand at a maximum or, often by symmetry, at a saddle.
@@ -373,11 +387,11 @@ class Continuation {
 
   /// Moves the tiles apart until nothing extends them any more.
   void extend() {
-    const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
+    const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
     const double widest = kReach * stateLength_ / whole;
     // Bricks that lie flush part by tiny moves, and would wedge by larger ones.
     double part = kFirstReach * widest;
-    double reached = extent(poses_);
+    double reached = extent(poses_, pieces_);
     Poses last = poses_;
     int gains = 0;  // in a row
     for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayGoOn(); ++i) {
@@ -385,10 +399,11 @@ class Continuation {
       const double momentum = gains / (gains + 3.0);
       const Poses ahead = interpolate(last, poses_, 1 + momentum);
       Poses tried = poses_;
-      const double moved = mechanism_.move(tried, spread(ahead, part), stateLength_, budget_);
+      const double moved =
+          mechanism_.move(tried, spread(ahead, pieces_, part), stateLength_, budget_);
       if (isRounded()) mechanism_.settle(tried, budget_);
       mechanism_.restore(symmetries_, tried);
-      const double extended = extent(tried);
+      const double extended = extent(tried, pieces_);
       if (!(extended - reached > kNoGain * reached)) {
         if (gains == 0) part *= 0.3;
         gains = 0;
@@ -428,7 +443,7 @@ class Continuation {
     }
     moveTowards(place);
     extend();
-    if (extent(poses_) > (1 + kMoreExtent) * extent(before)) return true;
+    if (extent(poses_, pieces_) > (1 + kMoreExtent) * extent(before, pieces_)) return true;
     poses_ = before;
     path_ = soFar;
     mechanism_.restart(poses_);
@@ -456,9 +471,9 @@ class Continuation {
     const double end = path_.length() + settings_.opening * tile_;
     double reach = kFirstProgress * tile_;
     while (path_.length() < end && mayGoOn() && reach > kLeastReach * tile_) {
-      const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
+      const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
       const double moved =
-          loose.move(poses_, spread(poses_, kReach * reach / whole), reach, budget_);
+          loose.move(poses_, spread(poses_, pieces_, kReach * reach / whole), reach, budget_);
       mechanism_.restore(symmetries_, poses_);
       keep();
       reach = moved > kOpened * reach ? std::min(kGrowth * reach, stateLength_) : 0.3 * reach;
@@ -546,6 +561,7 @@ class Continuation {
   ContinuationSettings settings_;
   double closedStiffness_;
   double tile_;  // metres
+  std::vector<int> pieces_;
   Poses poses_;  // the last state
   Mechanism mechanism_;
   SymmetricStates symmetries_;  // that the path keeps
@@ -1229,9 +1245,10 @@ class CurveShortening {
   /// Moves the bricks of all images but the ends apart, or together where `share` is below 0, by up
   /// to that part of a tile in the middle of the path.
   void nudgeApart(double share) {
+    const std::vector<int> pieces = model::piecesOf(scene_.model);
     for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
       const double part = static_cast<double>(k) / static_cast<double>(images_.size() - 1);
-      const Poses wide = spread(images_[k], 1);
+      const Poses wide = spread(images_[k], pieces, 1);
       const double whole = distance(images_[k], wide);
       if (!(whole > 0)) continue;
       Displacements apart = displacementsBetween(images_[k], wide);

@@ -146,7 +146,7 @@ double BoundarySprings::energy(const Poses& poses) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Expansion: F = k (x - c) - mu v away from the centre of mass c of all bricks (N, with k in N/m).
+// Expansion: F = k (x - c) - mu v away from the centre of mass c of its piece (N, with k in N/m).
 // Its derivative by x is +k, which is not the stiffness of a spring but the opposite; an implicit
 // step would need a matrix that is not positive definite. The push is therefore taken at the step's
 // start, and only its damping is implicit. All pushes together have no resultant where all masses
@@ -155,9 +155,9 @@ double BoundarySprings::energy(const Poses& poses) const {
 // An acceleration that is proportional to the distance alone makes a sheet grow evenly, whatever
 // its tiles' masses and numbers of vertices: by frequency, k is m (2 pi f)^2 / 4.
 
-Expansion::Expansion(const std::vector<model::Brick>& bricks,
+Expansion::Expansion(const std::vector<model::Brick>& bricks, std::vector<int> pieces,
                      const scene::TargetSpringSettings& settings)
-    : bricks_(bricks), strengths_(springsOf(bricks, settings)) {
+    : bricks_(bricks), pieces_(std::move(pieces)), strengths_(springsOf(bricks, settings)) {
   if (settings.springStiffness) return;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     strengths_[i].springStiffness = bricks[i].mass * squaredFrequency(settings) / 4;
@@ -165,29 +165,32 @@ Expansion::Expansion(const std::vector<model::Brick>& bricks,
 }
 
 void Expansion::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
-  const Vector3 centre = centreOf(poses);
+  const std::vector<Vector3> centres = centresOf(poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    loads[i].force.head<3>() += strengths_[i].springStiffness * (poses[i].position - centre);
+    loads[i].force.head<3>() +=
+        strengths_[i].springStiffness * (poses[i].position - centres[pieces_[i]]);
     addDamping(strengths_[i], poses[i].rotation.toRotationMatrix(), loads[i]);
   }
 }
 
 void Expansion::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const {
-  const Vector3 centre = centreOf(poses);
+  const std::vector<Vector3> centres = centresOf(poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    forces[i] += strengths_[i].springStiffness * (poses[i].position - centre);
+    forces[i] += strengths_[i].springStiffness * (poses[i].position - centres[pieces_[i]]);
   }
 }
 
-/// The centre of mass of all bricks, metres.
-Vector3 Expansion::centreOf(const Poses& poses) const {
-  Vector3 sum = Vector3::Zero();
-  double mass = 0;
+/// The centre of mass of each piece, metres.
+std::vector<Vector3> Expansion::centresOf(const Poses& poses) const {
+  const std::size_t count = 1 + *std::ranges::max_element(pieces_);
+  std::vector<Vector3> sums(count, Vector3::Zero());
+  std::vector<double> masses(count);
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    sum += bricks_[i].mass * poses[i].position;
-    mass += bricks_[i].mass;
+    sums[pieces_[i]] += bricks_[i].mass * poses[i].position;
+    masses[pieces_[i]] += bricks_[i].mass;
   }
-  return sum / mass;
+  for (std::size_t k = 0; k < count; ++k) sums[k] /= masses[k];
+  return sums;
 }
 
 // ------------------------------------------------------------------------------------------------

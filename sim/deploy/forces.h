@@ -59,16 +59,18 @@ class DriveForce {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Expansion: every brick is pushed away from the common centre (PyKirigami's --cm_expansion).
+// Expansion: every brick is pushed away from the centre of its piece (PyKirigami's --cm_expansion).
 
-/// F = k (x - centre) - c v on a brick's centre of mass, with the centre of mass of all bricks, and
-/// the torque damping of its spring. The push grows outwards, so it is taken at the start of a
-/// step: its stiffness is zero, only the damping is implicit.
+/// F = k (x - centre) - c v on a brick's centre of mass, with the centre of mass of the bricks that
+/// joints connect it to, and the torque damping of its spring. The push grows outwards, so it is
+/// taken at the start of a step: its stiffness is zero, only the damping is implicit.
 class Expansion : public DriveForce {
  public:
   /// k is the spring stiffness of the settings, N/m, or what their frequency gives a vertex of a
   /// square of the brick's mass; c is the brick's force damping, N s/m. `bricks` must outlive this.
-  Expansion(const std::vector<model::Brick>& bricks, const scene::TargetSpringSettings& settings);
+  /// `pieces` has the number of each brick's piece, see model::piecesOf().
+  Expansion(const std::vector<model::Brick>& bricks, std::vector<int> pieces,
+            const scene::TargetSpringSettings& settings);
 
   void addLoads(const Poses& poses, std::vector<model::Load>& loads) const override;
   double energy(const Poses&) const override { return 0; }
@@ -76,9 +78,10 @@ class Expansion : public DriveForce {
   bool isEndless() const override { return true; }
 
  private:
-  Vector3 centreOf(const Poses& poses) const;
+  std::vector<Vector3> centresOf(const Poses& poses) const;
 
   const std::vector<model::Brick>& bricks_;
+  std::vector<int> pieces_;             // one a brick
   std::vector<BrickSpring> strengths_;  // one a brick
 };
 

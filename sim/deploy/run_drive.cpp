@@ -89,7 +89,7 @@ std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
   const scene::TargetSpringSettings& strength = scene.springs;
   switch (scene.actuation.drive) {
     case scene::Drive::Expansion:
-      return std::make_unique<Expansion>(bricks, strength);
+      return std::make_unique<Expansion>(bricks, model::piecesOf(scene.model), strength);
     case scene::Drive::Boundary:
       return std::make_unique<BoundarySprings>(scene.model, bricks, strength,
                                                scene.actuation.boundary);
@@ -160,7 +160,7 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
     : bricks_(bricks),
       clock_(clock),
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
-      opening_(bricks.bricks, bricks.scene.springs) {}
+      opening_(bricks.bricks, model::piecesOf(bricks.scene.model), bricks.scene.springs) {}
 
 // Compliant joints while the tiles are guided close again; on a straight path they stay as they
 // are.

@@ -1084,9 +1084,23 @@ class CutPatternReader {
 
 }  // namespace
 
-Model readCutPattern(const fs::path& file, const ReadSettings& settings,
+namespace {
+
+/// Makes one unit of a drawing that names no length this long.
+void rescale(Drawing& drawing, const LengthUnit& unit) {
+  const double factor = unit.metres / drawing.unit;
+  for (DrawnPath& path : drawing.paths) {
+    for (Vector2& point : path.points) point *= factor;
+  }
+  drawing.origin *= factor;
+  drawing.rounding *= factor;
+  drawing.flattening *= factor;
+  drawing.unit = unit.metres;
+  drawing.unitName = unit.name;
+}
+
+Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSettings& settings,
                      std::vector<std::string>& warnings) {
-  const Drawing drawing = readDrawing(file);
   // Smaller ones are points, and have no tolerance that a double can tell.
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
@@ -1116,6 +1130,22 @@ Model readCutPattern(const fs::path& file, const ReadSettings& settings,
     }
   }
   return CutPatternReader(drawing, settings, file).read(warnings);
+}
+
+}  // namespace
+
+Model readCutPattern(const fs::path& file, const ReadSettings& settings,
+                     std::vector<std::string>& warnings) {
+  Drawing drawing = readDrawing(file);
+  const std::optional<LengthUnit> declared = findLengthUnit(drawing.unitName);
+  if (!declared && settings.unit) rescale(drawing, *settings.unit);
+  // A name that is no unit of ours, such as px, leaves millimetres, which drawings are exported in.
+  const LengthUnit unit = settings.unit.value_or(declared.value_or(millimetre()));
+  ReadSettings inMetres = settings;
+  inMetres.neckWidth *= unit.metres;
+  Model model = readDrawnModel(drawing, file, inMetres, warnings);
+  model.unit = unit;
+  return model;
 }
 
 }  // namespace kirireel::model

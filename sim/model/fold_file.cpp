@@ -92,6 +92,12 @@ class FoldReader {
     chooseFrame(settings);
   }
 
+  /// What frame_unit says; absent if there is none, or it is no unit of length.
+  std::optional<LengthUnit> unit() const {
+    const Json* value = find("frame_unit");
+    return value && value->is_string() ? findLengthUnit(value->get<std::string>()) : std::nullopt;
+  }
+
   /// The coordinates of the start, and after them those of all states of the same sheet.
   std::vector<std::vector<Vector3>> states() const {
     std::vector<std::vector<Vector3>> states;
@@ -832,6 +838,7 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
   const std::vector<std::vector<Vector3>> states = reader.states();
   Model model;
   model.name = file.stem().string();
+  model.declaredUnit = reader.unit();
   FoldSheet& drawing = model.drawing.emplace(reader.drawing(states.front()));
   findTiles(reader, states, drawing);
   reader.warnOfIgnored(settings, warnings);
@@ -879,6 +886,7 @@ std::string foldText(const Model& inOrder, const std::vector<FoldState>& samples
   // carry those of the start itself.
   const std::optional<Vector3> normal = patternNormal(model);
   json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
+  json["frame_unit"] = model.unit.name;
   json["vertices_coords"] = mesh.coordinates(model.tiles);
   mesh.addTo(inOrder, normal, json);
   Json frames = Json::array();

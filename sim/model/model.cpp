@@ -148,26 +148,29 @@ bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
   });
 }
 
-bool isOnePiece(const Model& model) {
+std::vector<int> piecesOf(const Model& model) {
   // Each tile points to one of its piece; following the pointers ends at the piece's own tile.
   // Disjoint sets with path halving: R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union
   // algorithms, J. ACM 31, 1984.
   std::vector<std::size_t> towards(model.tiles.size());
   std::iota(towards.begin(), towards.end(), std::size_t{0});
-  const auto pieceOf = [&](std::size_t tile) {
+  const auto rootOfTile = [&](std::size_t tile) {
     while (towards[tile] != tile) tile = towards[tile] = towards[towards[tile]];
     return tile;
   };
-  std::size_t pieces = model.tiles.size();
   for (const Joint& joint : model.joints) {
-    const std::size_t a = pieceOf(static_cast<std::size_t>(joint.a.tile));
-    const std::size_t b = pieceOf(static_cast<std::size_t>(joint.b.tile));
-    // This joint closes a loop within one piece.
-    if (a == b) continue;
-    towards[a] = b;
-    --pieces;
+    const std::size_t a = rootOfTile(static_cast<std::size_t>(joint.a.tile));
+    const std::size_t b = rootOfTile(static_cast<std::size_t>(joint.b.tile));
+    // The lower number stays, so the first tile of each piece is its root.
+    towards[std::max(a, b)] = std::min(a, b);
   }
-  return pieces <= 1;
+  std::vector<int> pieces;
+  int count = 0;
+  for (std::size_t tile = 0; tile < towards.size(); ++tile) {
+    const std::size_t root = rootOfTile(tile);
+    pieces.push_back(root == tile ? count++ : pieces[root]);
+  }
+  return pieces;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -236,6 +239,43 @@ std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
   appendHalf(points.begin(), points.end(), rounding, outline);
   appendHalf(points.rbegin(), points.rend(), rounding, outline);
   return outline;
+}
+
+void scaleLengths(Model& model, double factor) {
+  if (factor == 1) return;
+  const auto scale = [factor](std::vector<Tile>& tiles) {
+    for (Tile& tile : tiles) {
+      for (Vector3& vertex : tile.vertices) vertex *= factor;
+    }
+  };
+  scale(model.tiles);
+  if (model.target) scale(*model.target);
+  for (std::vector<Tile>& state : model.waypoints) scale(state);
+  if (model.drawing) {
+    for (Vector3& vertex : model.drawing->vertices) vertex *= factor;
+  }
+  for (Joint& joint : model.joints) joint.apart *= factor;
+  model.rounding *= factor;
+}
+
+std::vector<Tile> inUnit(std::vector<Tile> tiles, const LengthUnit& unit) {
+  for (Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = kirireel::inUnit(vertex, unit);
+  }
+  return tiles;
+}
+
+Model inUnit(Model model, const LengthUnit& unit) {
+  model.tiles = inUnit(std::move(model.tiles), unit);
+  if (model.target) model.target = inUnit(std::move(*model.target), unit);
+  for (std::vector<Tile>& state : model.waypoints) state = inUnit(std::move(state), unit);
+  if (model.drawing) {
+    for (Vector3& vertex : model.drawing->vertices) vertex = kirireel::inUnit(vertex, unit);
+  }
+  for (Joint& joint : model.joints) joint.apart = kirireel::inUnit(joint.apart, unit);
+  model.rounding = kirireel::inUnit(model.rounding, unit);
+  model.unit = unit;
+  return model;
 }
 
 }  // namespace kirireel::model

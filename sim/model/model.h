@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/length_unit.h"
 
 namespace kirireel::model {
 
@@ -131,7 +132,20 @@ struct Model {
   FileOrder fileOrder;                      ///< how its file counts and orders
   double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
   std::vector<Mend> mends;  ///< what its reader put right
+  /// Unit of the lengths in its file: given by the user, declared by the file, or metres. Lengths
+  /// above are metres in any case. Files for other programs are written in this unit.
+  LengthUnit unit;
+  std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if it does
 };
+
+/// Multiplies all lengths of the model by a factor > 0.
+void scaleLengths(Model& model, double factor);
+
+/// The tiles in a unit, for files.
+std::vector<Tile> inUnit(std::vector<Tile> tiles, const LengthUnit& unit);
+
+/// The model with its lengths in a unit, which becomes its unit, for files.
+Model inUnit(Model model, const LengthUnit& unit);
 
 /// The model, or tiles of it in any state, with the vertices of each tile in its file's order.
 Model inFileOrder(Model model);
@@ -169,10 +183,9 @@ double modelSize(const Model& model);
 /// 0 for a model without tiles.
 double tileSize(const Model& model);
 
-/// Whether joints hold all tiles together, so that none can go away from the others for good.
-/// Every kind of joint counts, a single one too. True for a model without tiles. Costs about
-/// O(tiles + joints).
-bool isOnePiece(const Model& model);
+/// The number of each tile's piece, from 0 in the order of the first tiles. A piece is a set of
+/// tiles that joints connect, of any kind. Costs about O(tiles + joints).
+std::vector<int> piecesOf(const Model& model);
 
 /// How many tiles face the other way in a second state: their normals are more than 90 degrees
 /// apart. Both states have the same tiles.

@@ -152,8 +152,11 @@ struct ReadSettings {
   // Of cut patterns.
   std::vector<std::string> cut;     ///< colours, layers and ids of the lines to cut; empty: all
   std::vector<std::string> ignore;  ///< of those to leave out
-  double neckWidth = 0;             ///< cuts stop short by at most that, metres; 0: found
+  double neckWidth = 0;             ///< cuts stop short by at most that, in `unit`; 0: found
   bool areJointsInNecks = false;    ///< in the middle of their necks, not where cuts aim at
+  /// Unit of the file's lengths; absent: the unit that the file declares, else `undeclaredUnit`.
+  std::optional<LengthUnit> unit;
+  LengthUnit undeclaredUnit;  ///< of files that declare none
 };
 
 /// "file:line: mended: what was found; what was done".

@@ -15,6 +15,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <regex>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>

@@ -36,6 +36,11 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
                      "the model to a folder");
 }
 
+bool isDrawing(const fs::path& path) {
+  const std::string ending = endingOf(path);
+  return ending == ".svg" || ending == ".dxf";
+}
+
 /// Options of one format are refused for another.
 void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
   const std::string ending = endingOf(path);
@@ -44,16 +49,15 @@ void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
     throw inputErrorAt({path}, fmt::format("{} is for {} only; remove it", option, formats));
   };
   const bool isFold = ending == ".fold";
-  const bool isDrawing = ending == ".svg" || ending == ".dxf";
   const char* const kDrawings = "drawings (.svg, .dxf)";
   require(settings.frame.has_value(), isFold, "--frame", ".fold files");
   require(settings.fold.has_value(), isFold, "--fold", ".fold files");
   require(settings.joinCoplanar, ending == ".obj" || ending == ".ply", "--join-coplanar",
           "OBJ and PLY meshes");
-  require(!settings.cut.empty(), isDrawing, "--cut", kDrawings);
-  require(!settings.ignore.empty(), isDrawing, "--ignore", kDrawings);
-  require(settings.neckWidth > 0, isDrawing, "--widest-neck", kDrawings);
-  require(settings.areJointsInNecks, isDrawing, "--joint-at", kDrawings);
+  require(!settings.cut.empty(), isDrawing(path), "--cut", kDrawings);
+  require(!settings.ignore.empty(), isDrawing(path), "--ignore", kDrawings);
+  require(settings.neckWidth > 0, isDrawing(path), "--widest-neck", kDrawings);
+  require(settings.areJointsInNecks, isDrawing(path), "--joint-at", kDrawings);
 }
 
 // A file by its ending.
@@ -74,7 +78,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
   requireNoJointsFile(path, settings);
   if (ending == ".fold") return readFold(path, settings, warnings);
   if (ending == ".ply") return readPly(path, warnings, settings);
-  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, settings, warnings);
+  if (isDrawing(path)) return readCutPattern(path, settings, warnings);
   if (ending == ".obj") {
     // A target that was asked for makes the sibling superfluous, and what is wrong with it
     // harmless.
@@ -109,11 +113,26 @@ std::vector<Tile> startOf(const fs::path& path, const Model& model, bool joinCop
   ReadSettings settings;
   const std::string ending = endingOf(path);
   settings.joinCoplanar = joinCoplanar && (ending == ".obj" || ending == ".ply");
+  settings.undeclaredUnit = model.unit;
   const Model other = readModel(path, std::nullopt, ignored, settings);
   requireSameTiles(model, other, path);
   // Back to the order of the other model's file, which both models share, then to this model's
   // order.
   return inFileOrder(inFileOrder(other.tiles, other.fileOrder), model.fileOrder);
+}
+
+/// Readers return coordinates as the file has them, and the unit that it declares. Converts them to
+/// metres.
+void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings,
+               std::vector<std::string>& warnings) {
+  if (isDrawing(path)) return;  // a drawing has its size, see readCutPattern()
+  const std::optional<LengthUnit> declared = model.declaredUnit;
+  if (settings.unit && declared && *settings.unit != *declared) {
+    warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (--unit)",
+                                   path.string(), declared->name, settings.unit->name));
+  }
+  model.unit = settings.unit ? *settings.unit : declared.value_or(settings.undeclaredUnit);
+  scaleLengths(model, model.unit.metres);
 }
 
 }  // namespace
@@ -127,6 +146,7 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                                        : readModelFolder(path, settings, warnings);
   model.rounding = roundingOf(model.tiles);
   model.areCoplanarJoined = settings.joinCoplanar;
+  applyUnit(model, path, settings, warnings);
   if (settings.strict) {
     refuseMends(model);
     if (!model.hullFault.empty()) throw InputError(model.hullFault);
@@ -140,11 +160,19 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
 
 std::vector<Tile> readTarget(const fs::path& path, const Model& model,
                              std::vector<std::string>& warnings) {
-  if (endingOf(path) == ".txt") return readTargetFile(path, model, warnings);
+  if (endingOf(path) == ".txt") {
+    // Compared with the start as its file has it, so in the file's unit.
+    Model inFile = model;
+    scaleLengths(inFile, 1 / model.unit.metres);
+    inFile.target = readTargetFile(path, inFile, warnings);
+    scaleLengths(inFile, model.unit.metres);
+    return *inFile.target;
+  }
   return startOf(path, model, model.areCoplanarJoined);
 }
 
-void writeModel(const Model& model, const fs::path& path) {
+void writeModel(const Model& inMetres, const fs::path& path) {
+  const Model model = inUnit(inMetres, inMetres.unit);
   const std::string ending = endingOf(path);
   if (ending == ".fold") return writeFold(model, path);
   if (ending == ".obj") return writeObjPair(model, path);

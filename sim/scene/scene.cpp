@@ -180,6 +180,38 @@ Drive defaultDrive(const model::Model& model) {
   return model.target ? Drive::Target : Drive::Expansion;
 }
 
+void scaleLengths(Scene& scene, double factor) {
+  if (factor == 1) return;
+  scene.brick.thickness *= factor;
+  if (scene.environment.ground) scene.environment.ground->height *= factor;
+  for (Obstacle& obstacle : scene.environment.obstacles) {
+    obstacle.size *= factor;
+    obstacle.radius *= factor;
+    obstacle.pose.position *= factor;
+    for (model::Tile& face : obstacle.mesh) {
+      for (Vector3& vertex : face.vertices) vertex *= factor;
+    }
+  }
+  if (scene.hinges.neck) {
+    scene.hinges.neck->width *= factor;
+    scene.hinges.neck->length *= factor;
+  }
+  if (scene.hinges.panels) scene.hinges.panels->foldLength *= factor;
+  for (TimelineEntry& entry : scene.timeline) {
+    if (entry.when.kind == Occasion::Kind::ErrorBelow) entry.when.value *= factor;
+    if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
+      for (Vector3& point : drag->path) point *= factor;
+    }
+  }
+  for (InitialVelocity& velocity : scene.velocities) velocity.linear *= factor;
+  for (GripSetting& grip : scene.grips) {
+    if (grip.isForce) continue;
+    for (std::optional<double>* move : {&grip.x, &grip.y, &grip.z}) {
+      if (*move) **move *= factor;
+    }
+  }
+}
+
 void fillFromModel(Scene& scene) {
   if (scene.actuation.drive == Drive::Auto) scene.actuation.drive = defaultDrive(scene.model);
   if (scene.brick.thickness == 0)
@@ -188,15 +220,13 @@ void fillFromModel(Scene& scene) {
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
   // Full extension has no end where a part is held by nothing.
-  const bool fliesApart = !scene.model.target && !model::isOnePiece(scene.model);
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
            : !scene.environment.obstacles.empty()             ? "there is ground or an obstacle"
            : scene.hinges.panels                              ? "tiles bend"
            : scene.hinges.areOn()                             ? "hinges have springs"
-           : fliesApart ? "tiles that no joint holds fly apart"
-                        : whyDynamics(scene);
+                                                              : whyDynamics(scene);
   return reason.empty();
 }
 

@@ -270,13 +270,17 @@ Scene openScene();
 /// Sets drive and thickness from the model where they were left open.
 void fillFromModel(Scene& scene);
 
+/// Multiplies all lengths of a scene by a factor > 0, but those of its model: a scene is typed in
+/// the model's unit. Linear speeds too. Targets that are read later are not in it.
+void scaleLengths(Scene& scene, double factor);
+
 /// What drives a model by default: Target where it has one, else Expansion.
 Drive defaultDrive(const model::Model& model);
 
 /// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
 /// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
-/// obstacles, friction, a timeline, other springs or damping than the usual, another solver, tiles
-/// that fly apart). Else `reason` says what does.
+/// obstacles, friction, a timeline, other springs or damping than the usual, another solver). Else
+/// `reason` says what does.
 bool isQuasiStatic(const Scene& scene, std::string& reason);
 
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes

@@ -154,7 +154,7 @@ SettingGroup brickSettings() {
           {specialNumber(
                "thickness", "METRES", "0.02 of the mean edge", "thickness of the bricks",
                [](Scene& scene, const TypedValue& typed) {
-                 scene.brick.thickness = parseNumber(typed, {1e-9, 1e9});
+                 scene.brick.thickness = parseNumber(typed, {1e-15, 1e9});
                },
                [](const Scene& scene) {
                  return scene.brick.thickness > 0 ? numberText(scene.brick.thickness) : "";

@@ -183,6 +183,8 @@ std::vector<int> reversedTiles(const model::FileOrder& order) {
 void writeModel(ArrayWriter& file, const model::Model& model) {
   file.addGroup("model");
   file.setAttribute("model", "name", model.name);
+  // Of the files that the model came from and that exports are written in; arrays are in metres.
+  file.setAttribute("model", "unit", model.unit.name);
   file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
   writePoints(file, "model/vertices", flatten(model.tiles));
   if (model.target) writePoints(file, "model/target", flatten(*model.target));
@@ -717,9 +719,17 @@ class SubjectReader {
     return folds;
   }
 
+  LengthUnit readUnit() const {
+    const std::string name = file_.textAttribute("model", "unit");
+    const std::optional<LengthUnit> unit = findLengthUnit(name);
+    if (!unit) file_.refuse(fmt::format("the model's unit {} is not known", name));
+    return *unit;
+  }
+
   model::Model readModel() const {
     model::Model model;
     model.name = file_.textAttribute("model", "name");
+    model.unit = readUnit();
     model.tiles = tiles("model/vertices", sizes_);
     if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
     model.joints = readJoints();

@@ -67,6 +67,7 @@ const std::vector<Sample>& chosenSamples() {
   static const std::vector<Sample> all = {
       {"--fps", {"30", "50"}},
       {"--unit", {"mm", "km"}},
+      {"--export-unit", {"mm"}, {"--export", "obj"}},
       {"--faces", {"fold", "pykirigami"}},
       {"--auto-detect-connections", {}},
       {"--split-tiles", {"all", "0,2"}},
@@ -261,23 +262,21 @@ TEST(Orders, AreToldApartByEveryOption) {
   }
 }
 
-/// 9.81 m/s^2 are 9810 mm/s^2, and a litre of water, 1 kg, is a million cubic millimetres.
-TEST(Orders, HaveGravityAndDensityInTheUnitOfTheModel) {
-  Words words = {"record",    KIRIREEL_SOURCE_DIR "/data/tessellation_4x4",
-                 "--gravity", "-9.81",
-                 "--mass",    "prism",
-                 "--density", "1000",
-                 "--unit",    "mm"};
+/// Lengths in the unit of the model become metres; gravity and density are in SI units.
+TEST(Orders, ConvertLengthsToMetres) {
+  const Words words = {"record",      KIRIREEL_SOURCE_DIR "/data/tessellation_4x4",
+                       "--gravity",   "-9.81",
+                       "--mass",      "prism",
+                       "--density",   "1000",
+                       "--thickness", "20",
+                       "--unit",      "mm"};
   std::vector<std::string> warnings;
-  const scene::Scene small =
+  const scene::Scene scene =
       cli::prepareOrder(std::get<cli::RecordOrder>(cli::parseCommandLine(words)), warnings).scene;
-  EXPECT_DOUBLE_EQ(small.environment.gravity.z(), -9810);
-  EXPECT_DOUBLE_EQ(small.brick.density, 1e-6);
-  words.back() = "m";
-  const scene::Scene usual =
-      cli::prepareOrder(std::get<cli::RecordOrder>(cli::parseCommandLine(words)), warnings).scene;
-  EXPECT_EQ(usual.environment.gravity.z(), -9.81);
-  EXPECT_EQ(usual.brick.density, 1000);
+  EXPECT_DOUBLE_EQ(scene.environment.gravity.z(), -9.81);
+  EXPECT_DOUBLE_EQ(scene.brick.density, 1000);
+  EXPECT_DOUBLE_EQ(scene.brick.thickness, 0.02);
+  EXPECT_DOUBLE_EQ(model::tileSize(scene.model), 1e-3);
 }
 
 TEST(Orders, AreNotToldApartByWhatDecidesNothing) {

@@ -47,7 +47,7 @@ TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
       model::makeBricks(tiles, {0.1, model::MassRule::Prism, 700});
   const Poses poses = model::startPoses(tiles, bricks);
   std::vector<model::Load> loads(poses.size());
-  deploy::Expansion(bricks, {}).addLoads(poses, loads);
+  deploy::Expansion(bricks, std::vector<int>(bricks.size()), {}).addLoads(poses, loads);
   const double rate =
       std::pow(2 * std::numbers::pi * scene::TargetSpringSettings{}.frequency, 2) / 4;
   Vector3 centre = Vector3::Zero();

@@ -346,7 +346,7 @@ TEST(CutPatterns, TheWidestNeckMayBeGiven) {
   // Two slits, one 2 mm and one 9 mm short of the border.
   const std::string text = page("<path d=\"M0 0H60V20H0ZM20 0V18M40 0V11\"/>");
   ReadSettings settings;
-  for (const auto& [width, tiles] : {std::pair(0.001, 1U), {0.002, 2U}, {0.009, 3U}}) {
+  for (const auto& [width, tiles] : {std::pair(1.0, 1U), {2.0, 2U}, {9.0, 3U}}) {
     settings.neckWidth = width;
     EXPECT_EQ(read("a.svg", text, settings).model.tiles.size(), tiles) << width;
   }

@@ -66,6 +66,25 @@ Vector3 cornerOf(const std::vector<model::Tile>& tiles, int tile, int vertex) {
   return tiles[static_cast<std::size_t>(tile)].vertices[static_cast<std::size_t>(vertex)];
 }
 
+/// Lengths are in the file's unit, and converting keeps it.
+TEST(FoldUnits, AreThoseOfTheFile) {
+  const TemporaryFolder folder;
+  folder.write("sheet.fold", R"({"file_spec": 1.2, "frame_unit": "in",
+    "vertices_coords": [[0, 0], [2.5, 0], [2.5, 1], [0, 1]], "faces_vertices": [[0, 1, 2, 3]]})");
+  const fs::path file = folder.path() / "sheet.fold", again = folder.path() / "again.fold";
+  std::vector<std::string> warnings;
+  const model::Model model = model::readModel(file, {}, warnings);
+  EXPECT_EQ(model.unit.name, "in");
+  EXPECT_DOUBLE_EQ(model.tiles[0].vertices[1].x(), 2.5 * 0.0254);
+  EXPECT_DOUBLE_EQ(model.drawing->vertices[1].x(), 2.5 * 0.0254);
+  model::writeModel(model, again);
+  const std::string text = readTextFile(again, "");
+  EXPECT_NE(text.find("\"frame_unit\":\"in\""), std::string::npos);
+  EXPECT_NE(text.find("2.5"), std::string::npos);
+  const model::Model given = model::readModel(file, {}, warnings, {.unit = *findLengthUnit("mm")});
+  EXPECT_DOUBLE_EQ(given.tiles[0].vertices[1].x(), 2.5e-3);
+}
+
 TEST(FoldFile, TakesBothNamesOfAngles) {
   const json angles = {0, 90, 0, 0, 0, 0, 0};
   for (const char* name : {"edges_foldAngles", "edges_foldAngle"}) {
