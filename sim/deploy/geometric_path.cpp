@@ -547,7 +547,7 @@ class Walk {
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
       if (!(due <= time_) || isAskedToEnd_) return;
-      takeSample(due, between(from, (due - before) / (time_ - before)));
+      takeSample(due, between(from, state, (due - before) / (time_ - before)));
     }
   }
 
@@ -556,12 +556,57 @@ class Walk {
            trajectory::jointGap(pivots_, state).max > kExactShare * model::tileSize(scene_.model);
   }
 
+  /// The slope of a path's value at a state, by the parabola through it and its neighbours: seconds
+  /// from the one before and to the next, above 0, with the changes there.
+  static Vector3 slope(double before, const Vector3& changeBefore, double after,
+                       const Vector3& changeAfter) {
+    return (after / before * changeBefore + before / after * changeAfter) / (before + after);
+  }
+
+  /// A state between one of the path and the one before it, on a cubic with the slopes of the path.
+  /// Straight ways of rounded tiles would open their joints by the square of a turn.
+  Poses smoothBetween(std::size_t state, double share) const {
+    const std::vector<Poses>& states = found_.path.states;
+    const std::size_t first = state > 1 ? state - 2 : state - 1;
+    const std::size_t last = std::min(state + 1, states.size() - 1);
+    const double length = timeAt(state) - timeAt(state - 1);
+    const double before = timeAt(state - 1) - timeAt(first);
+    const double after = timeAt(last) - timeAt(state);
+    const double u = share, ends = u * u * (3 - 2 * u);
+    const auto between = [&](const Vector3& from, const Vector3& to, const Vector3& next) {
+      // Changes from the state before: `from` of the one before that, `to` and `next`.
+      // At an end of the path the cubic is a parabola.
+      const Vector3 mean = to / length;
+      Vector3 begin = before > 0 ? slope(before, -from, length, to) : mean;
+      const Vector3 end = after > 0 ? slope(length, to, after, next - to) : 2 * mean - begin;
+      if (!(before > 0)) begin = 2 * mean - end;
+      return Vector3(ends * to + length * (u * (1 - u) * (1 - u) * begin - u * u * (1 - u) * end));
+    };
+    Poses poses = states[state - 1];
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Pose& origin = states[state - 1][i];
+      const auto move = [&](std::size_t k) {
+        return Vector3(states[k][i].position - origin.position);
+      };
+      const auto turn = [&](std::size_t k) {
+        return turnBetween(origin.rotation, states[k][i].rotation);
+      };
+      poses[i].position += between(move(first), move(state), move(last));
+      const Vector3 turned = between(turn(first), turn(state), turn(last));
+      poses[i].rotation = (rotationFromVector(turned) * origin.rotation).normalized();
+    }
+    return poses;
+  }
+
   // A state between two of the path. Where joints are closed in both, the straight state is closed
   // again. Compliant joints that are open need not close, so that only its symmetry is restored.
-  Poses between(const Poses& from, double share) {
+  Poses between(const Poses& from, std::size_t state, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    if (isOpen(from) || isOpen(*poses_)) return model::symmetricMean(poses, found_.path.symmetries);
+    if (isOpen(from) || isOpen(*poses_)) {
+      if (found_.path.isRounded) poses = smoothBetween(state, share);
+      return model::symmetricMean(poses, found_.path.symmetries);
+    }
     closeInPlace(poses, *projection_);
     symmetries_.restore(poses, *projection_);
     return poses;
