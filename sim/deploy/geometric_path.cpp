@@ -483,6 +483,9 @@ GeometricPaths extensions(const scene::Scene& scene, SearchBudget& budget,
   return found;
 }
 
+// A state between two of a path of rounded tiles lies on a curve through so many.
+constexpr std::size_t kSmoothStates = 4;
+
 /// A walk in progress.
 class Walk {
  public:
@@ -556,46 +559,39 @@ class Walk {
            trajectory::jointGap(pivots_, state).max > kExactShare * model::tileSize(scene_.model);
   }
 
-  /// The slope of a path's value at a state, by the parabola through it and its neighbours: seconds
-  /// from the one before and to the next, above 0, with the changes there.
-  static Vector3 slope(double before, const Vector3& changeBefore, double after,
-                       const Vector3& changeAfter) {
-    return (after / before * changeBefore + before / after * changeAfter) / (before + after);
-  }
-
-  /// A state between one of the path and the one before it, on a cubic with the slopes of the path.
-  /// Straight ways of rounded tiles would open their joints by the square of a turn.
+  /// A state between one of the path and the one before it, on the cubic through the four states
+  /// around it (Lagrange). Straight ways of rounded tiles would open their joints by the square of
+  /// a turn.
   Poses smoothBetween(std::size_t state, double share) const {
     const std::vector<Poses>& states = found_.path.states;
-    const std::size_t first = state > 1 ? state - 2 : state - 1;
-    const std::size_t last = std::min(state + 1, states.size() - 1);
-    const double length = timeAt(state) - timeAt(state - 1);
-    const double before = timeAt(state - 1) - timeAt(first);
-    const double after = timeAt(last) - timeAt(state);
-    const double u = share, ends = u * u * (3 - 2 * u);
-    const auto between = [&](const Vector3& from, const Vector3& to, const Vector3& next) {
-      // Changes from the state before: `from` of the one before that, `to` and `next`.
-      // At an end of the path the cubic is a parabola.
-      const Vector3 mean = to / length;
-      Vector3 begin = before > 0 ? slope(before, -from, length, to) : mean;
-      const Vector3 end = after > 0 ? slope(length, to, after, next - to) : 2 * mean - begin;
-      if (!(before > 0)) begin = 2 * mean - end;
-      return Vector3(ends * to + length * (u * (1 - u) * (1 - u) * begin - u * u * (1 - u) * end));
-    };
+    const std::size_t count = std::min(kSmoothStates, states.size());
+    const std::size_t first = std::min(state > 2 ? state - 2 : 0, states.size() - count);
+    const double time = timeAt(state - 1) + share * (timeAt(state) - timeAt(state - 1));
     Poses poses = states[state - 1];
+    std::vector<Vector3> turns(poses.size(), Vector3::Zero());
+    for (std::size_t k = first; k < first + count; ++k) {
+      double weight = 1;
+      for (std::size_t m = first; m < first + count; ++m) {
+        if (m == k) continue;
+        if (timeAt(m) == timeAt(k)) return interpolate(states[state - 1], states[state], share);
+        weight *= (time - timeAt(m)) / (timeAt(k) - timeAt(m));
+      }
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        const Pose& origin = states[state - 1][i];
+        poses[i].position += weight * (states[k][i].position - origin.position);
+        turns[i] += weight * turnBetween(origin.rotation, states[k][i].rotation);
+      }
+    }
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      const Pose& origin = states[state - 1][i];
-      const auto move = [&](std::size_t k) {
-        return Vector3(states[k][i].position - origin.position);
-      };
-      const auto turn = [&](std::size_t k) {
-        return turnBetween(origin.rotation, states[k][i].rotation);
-      };
-      poses[i].position += between(move(first), move(state), move(last));
-      const Vector3 turned = between(turn(first), turn(state), turn(last));
-      poses[i].rotation = (rotationFromVector(turned) * origin.rotation).normalized();
+      poses[i].rotation = (rotationFromVector(turns[i]) * poses[i].rotation).normalized();
     }
     return poses;
+  }
+
+  void keepIfMoreClosed(const Poses& tried, Poses& poses) const {
+    if (trajectory::jointGap(pivots_, tried).max < trajectory::jointGap(pivots_, poses).max) {
+      poses = tried;
+    }
   }
 
   // A state between two of the path. Where joints are closed in both, the straight state is closed
@@ -604,7 +600,7 @@ class Walk {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
     if (isOpen(from) || isOpen(*poses_)) {
-      if (found_.path.isRounded) poses = smoothBetween(state, share);
+      if (found_.path.isRounded) keepIfMoreClosed(smoothBetween(state, share), poses);
       return model::symmetricMean(poses, found_.path.symmetries);
     }
     closeInPlace(poses, *projection_);
