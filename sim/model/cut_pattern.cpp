@@ -12,8 +12,6 @@
 // 5. *Tiles* are the faces between lines and necks. A face without a neck is no tile: it falls out,
 //    or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
 // 6. *Joints* are at the far ends of the necks, where the design's vertices are.
-#include "sim/model/cut_pattern.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -25,10 +23,12 @@
 #include <set>
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
+#include "sim/model/cut_pattern.h"
 #include "sim/model/model_formats.h"
 
 namespace kirireel::model {
@@ -738,6 +738,32 @@ struct LineGroup {
   }
 };
 
+/// Whether rigid tiles can move in their plane, to first order: the rank of the joints' equations
+/// w x (p - c) + v, equal for both tiles, against three unknowns a tile. Rotations count in tiles.
+/// Of large sheets the unknowns are only counted (J. C. Maxwell).
+bool movesInPlane(const Model& model, double tolerance) {
+  constexpr std::size_t kMostTiles = 300;  // for a dense factorisation
+  const auto tiles = static_cast<Eigen::Index>(model.tiles.size());
+  const auto joints = static_cast<Eigen::Index>(model.joints.size());
+  if (3 * tiles - 3 > 2 * joints || model.tiles.size() > kMostTiles) {
+    return 3 * tiles - 3 > 2 * joints;
+  }
+  const double size = tileSize(model);
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(2 * joints, 3 * tiles);
+  for (Eigen::Index k = 0; k < joints; ++k) {
+    const Joint& joint = model.joints[k];
+    for (const auto& [corner, sign] : {std::pair(joint.a, 1.0), {joint.b, -1.0}}) {
+      const Tile& tile = model.tiles[corner.tile];
+      const Vector3 arm = (tile.vertices[corner.vertex] - tileCentroid(tile)) / size;
+      equations.block<2, 3>(2 * k, 3 * corner.tile) << sign, 0, -sign * arm.y(), 0, sign,
+          sign * arm.x();
+    }
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(equations);
+  factors.setThreshold(std::max(1e-6, 30 * tolerance / size));
+  return factors.rank() < 3 * tiles - 3;
+}
+
 struct SheetReading {
   Model model;
   std::string found;
@@ -774,7 +800,14 @@ class CutPatternReader {
     const TileTable table = patternTable(file_, reading.model.tiles);
     checkTiles(table);
     turnClockwiseTiles(table, reading.model, warnings);
-    warnings.push_back(describe(reading));
+    // Necks of a sheet that cannot open in its plane bend and twist: they are ball joints.
+    const bool isHeld = reading.model.tiles.size() > 1 && !reading.model.joints.empty() &&
+                        !movesInPlane(reading.model, tolerance_);
+    if (isHeld) {
+      for (Joint& joint : reading.model.joints) joint.face = JointFace::Bottom;
+    }
+    warnings.push_back(describe(reading) +
+                       (isHeld ? "; no motion in its plane: its hinges are ball joints" : ""));
     return std::move(reading.model);
   }
 
