@@ -68,18 +68,21 @@ class DxfReader {
   }
 
  private:
+  /// The line at a place, which moves behind it, without blanks; none at the end.
+  static std::optional<std::string_view> takeLine(std::string_view text, std::size_t& at) {
+    if (at >= text.size()) return std::nullopt;
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
+    return line;
+  }
+
   void parse(std::string_view text) {
     std::size_t at = 0;
     if (text.starts_with("\xef\xbb\xbf")) at = 3;
-    const auto nextLine = [&]() -> std::optional<std::string_view> {
-      if (at >= text.size()) return std::nullopt;
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      std::string_view line = text.substr(at, end - at);
-      at = end + 1;
-      while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-      while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
-      return line;
-    };
+    const auto nextLine = [&] { return takeLine(text, at); };
     std::string section, block;
     std::optional<bool> hasSections;
     DxfEntity current;
