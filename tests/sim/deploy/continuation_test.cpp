@@ -374,8 +374,8 @@ TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
 
 /// In the plane the four quads of this design have no freedom: their joints must open.
 TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
-  scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
-  scene.solver.planar = true;
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
   const double tile = model::tileSize(scene.model);
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_EQ(run.atTarget, true);
@@ -390,10 +390,10 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   EXPECT_THAT(run.pathReason, testing::HasSubstr("none with exact joints was found"));
 }
 
-/// Through space the joints of the same design stay closed, and its bricks apart.
+/// Through space ball joints of the same design stay closed, and its bricks apart.
 TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
-  const scene::Scene scene =
-      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  for (model::Joint& joint : scene.model.joints) joint.face = model::JointFace::Bottom;
   const double tile = model::tileSize(scene.model);
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_FALSE(run.needs.planar.on);
