@@ -675,7 +675,10 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
     words += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it", found.opening,
                          found.opening / tile);
   }
-  if (found.path.isRounded) {
+  if (found.path.isRounded && found.isFitMeasured) {
+    words +=
+        fmt::format("; the model's tiles fit each other to {:.1g} m only", scene.model.rounding);
+  } else if (found.path.isRounded) {
     words += fmt::format(
         ", {:.2g} of the last digit, {:g} m, of the model's coordinates: tiles so rounded fit each "
         "other no better",
