@@ -19,7 +19,7 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
   settings.springStiffness = 3;
   Vector3 centre = Vector3::Zero();  // bricks of one mass
   for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
-  const deploy::Expansion expansion(bricks, settings);
+  const deploy::Expansion expansion(bricks, std::vector<int>(bricks.size()), settings);
   std::vector<model::Load> loads(poses.size());
   expansion.addLoads(poses, loads);
   std::vector<Vector3> forces(poses.size(), Vector3::Zero());
