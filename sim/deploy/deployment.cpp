@@ -148,51 +148,44 @@ void requireMotion(const scene::Scene& scene, const GeometricPaths& found) {
 //
 // Tiles that do not quite fit each other make no exact mechanism: redundant joints become
 // independent, and singular values of their Jacobian that should be zero are about as large as the
-// misfit, in tiles. They are known by a gap: treating singular values up to s as zero gives more
-// freedoms than the exact count, and 30 s gives the same number.
+// misfit, in tiles. They are known by the gap to the next larger singular value.
 
 /// How closely the tiles of a model fit, metres; 0 if they fit exactly or nobody can tell.
 double misfitOf(const scene::Scene& scene) {
-  constexpr double kLeast = 1e-9, kMost = 1e-4;  // in tiles
-  constexpr double kSmall = 1e-2;                // no smaller singular value, no misfit
-  constexpr double kGap = 30;
+  constexpr double kExact = 1e-11;    // an exact mechanism drops no larger singular value
+  constexpr double kMost = 1e-4;      // in tiles
+  constexpr double kGap = 30;         // between the least one kept and the largest one dropped
   constexpr int kMostUnknowns = 900;  // beyond, singular values are bounds
   const bool isPlanar = scene::sceneNeeds(scene).planar.on;
   const auto count = static_cast<int>(scene.model.tiles.size());
   if (scene.model.rounding > 0 || (isPlanar ? 3 : 6) * count > kMostUnknowns) return 0;
   const double tile = model::tileSize(scene.model);
   model::Model model = scene.model;
-  const auto mobilityTo = [&](double fit) {
+  for (double fit = 0; fit <= kMost * tile; fit = fit == 0 ? 1e-8 * tile : 10 * fit) {
     model.rounding = fit;
-    return trajectory::mobility(model, model.tiles,
-                                isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space,
-                                scene.brick.thickness);
-  };
-  const trajectory::Mobility exact = mobilityTo(0);
-  if (exact.leastKept >= kSmall) return 0;
-  for (double fit = kLeast * tile; fit <= kMost * tile; fit *= 10) {
-    const int freedoms = mobilityTo(fit).freedoms;
-    if (freedoms > exact.freedoms && mobilityTo(kGap * fit).freedoms == freedoms) return fit;
+    const trajectory::Mobility found = trajectory::mobility(
+        model, model.tiles, isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space,
+        scene.brick.thickness);
+    if (found.leastKept < kGap * found.largestDropped) continue;
+    if (found.largestDropped > kExact) return found.largestDropped * tile;
+    if (found.leastKept > kMost) return 0;
   }
   return 0;
 }
 
-/// The path to full extension. Tiles that fit to a tolerance only are kept to that instead, if it
-/// takes them farther.
+/// The path to full extension. Tiles that fit to a tolerance only are kept to that, unless exact
+/// joints take them farther.
 void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
             Search& found) {
-  constexpr double kFarther = 1.02;
+  constexpr double kShorter = 0.98;
   found.geometric = findExtension(scene, budget, watch);
   const double misfit = misfitOf(scene);
   if (misfit == 0) return;
   scene::Scene loose = scene;
   loose.model.rounding = misfit;
   GeometricPaths other = findExtension(loose, budget, watch);
-  const std::optional<GeometricPath>& own = found.geometric.clear;
-  const double length = own ? own->path.length() : 0;
-  if (!other.clear ||
-      other.clear->path.length() < kFarther * length + kClearShare * model::tileSize(scene.model))
-    return;
+  const double length = found.geometric.clear ? found.geometric.clear->path.length() : 0;
+  if (!other.clear || other.clear->path.length() < kShorter * length) return;
   found.geometric = std::move(other);
   found.geometric.clear->isFitMeasured = true;
   found.misfit = misfit;

@@ -70,9 +70,9 @@ double zeroSingularValue(const model::Model& model);
 /// that singular values are plain numbers; those above 1e-6 of the largest and above
 /// zeroSingularValue() count. Up to 900 unknowns by a dense singular value decomposition; above, by
 /// counting the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), which
-/// bounds singular values by powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not counted:
-/// that takes minutes. For rank and freedom of links, fixed joints and pivots alike. Throws
-/// Interrupted where a scope asks for it.
+/// bounds singular values by powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space,
+/// are not counted: that takes minutes. For rank and freedom of links, fixed joints and pivots
+/// alike. Throws Interrupted where a scope asks for it.
 Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness);
 

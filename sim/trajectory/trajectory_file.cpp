@@ -542,11 +542,9 @@ class SubjectReader {
       file_.refuse("this HDF5 file is not a trajectory");
     }
     const double version = file_.numberAttribute("/", "format_version");
-    const bool isKnown = version >= layout::kFirstVersion && version <= layout::kFormatVersion &&
-                         version == std::floor(version);
-    if (!isKnown) {
-      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g} to {:g}",
-                               version, layout::kFirstVersion, layout::kFormatVersion));
+    if (version != layout::kFormatVersion) {
+      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g}", version,
+                               layout::kFormatVersion));
     }
   }
 
@@ -828,7 +826,6 @@ struct TrajectoryReader::FileRun final : Internals {
     readMeasures();
     readEvents();
     if (file.has("energy")) readMechanics();
-    if (file.numberAttribute("/", "format_version") == layout::kFirstVersion) return;
     readSteps();
     readFigureStates();
     const std::vector<std::string> texts = file.texts("findings");
@@ -924,8 +921,7 @@ struct TrajectoryReader::FileRun final : Internals {
     }
     // A hold belongs to the sample with exactly its time, as the writer stores both from one
     // number.
-    const auto [first, last] =
-        std::equal_range(holdTimes.begin(), holdTimes.end(), times[index]);
+    const auto [first, last] = std::equal_range(holdTimes.begin(), holdTimes.end(), times[index]);
     result.holds.assign(holds.begin() + (first - holdTimes.begin()),
                         holds.begin() + (last - holdTimes.begin()));
     return result;
@@ -957,8 +953,6 @@ struct TrajectoryReader::FileRun final : Internals {
     }
     for (const StepFigure& figure : kStepFigures) {
       const std::string name = arrayOf(figure);
-      // Files of earlier releases lack some figures, which are 0 then.
-      if (!file.has(name)) continue;
       const std::vector<double> entries = stepEntries(name);
       for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
     }

@@ -63,8 +63,7 @@
 ///     figures/rotation        figures x bricks x 4
 ///     findings                what the run found out about its scene, JSON (one text)
 ///
-/// Files of version 1 have no steps, figures and findings, those of version 2 no ligaments. energy,
-/// forces and holds are there for runs with dynamics by the direct solver alone.
+/// energy, forces and holds are there only for runs with dynamics by the direct solver.
 #pragma once
 
 #include <array>
@@ -142,8 +141,8 @@ class TrajectoryReader {
   /// What the run shows.
   const Subject& subject() const;
   const std::vector<double>& times() const;      ///< of all samples, rising, seconds; at least one
-  const std::vector<StepRecord>& steps() const;  ///< of the whole run; none in version 1
-  const TrajectoryEnd& end() const;              ///< events alone in version 1
+  const std::vector<StepRecord>& steps() const;  ///< of the whole run
+  const TrajectoryEnd& end() const;              ///< of the whole run
 
   /// Whether samples have mechanics: energies and forces.
   bool hasMechanics() const;
@@ -178,8 +177,7 @@ namespace kirireel::trajectory::layout {
 
 /// The attribute "format" of the file itself.
 inline constexpr const char* kFormat = "kirireel trajectory";
-inline constexpr double kFormatVersion = 3;  ///< older ones are read too, from the first on
-inline constexpr double kFirstVersion = 1;   ///< had neither steps nor figures
+inline constexpr double kFormatVersion = 4;  ///< the only one that is read
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 

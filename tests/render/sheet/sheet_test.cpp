@@ -179,8 +179,8 @@ TEST(CutPattern, DrawsLayersInSvgAndDxf) {
                              "stroke=\"#d00000\">\n<path d=\"M 5 255 L 105 255\"/>\n</g>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"slits\""));
   const std::string dxf = exports::patternDxf(lines);
-  EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nslits\n10\n0\n20\n0\n11\n0\n21\n0.2\n"));
-  EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nhinges\n10\n0\n20\n0.2\n11\n0\n21\n0.25\n"));
+  EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nslits\n10\n0\n20\n0\n11\n0\n21\n200\n"));
+  EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nhinges\n10\n0\n20\n200\n11\n0\n21\n250\n"));
   EXPECT_THAT(dxf, testing::EndsWith("0\nENDSEC\n0\nEOF\n"));
 }
 
