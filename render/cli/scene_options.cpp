@@ -295,9 +295,11 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
       .saidAs([&settings] {
         return settings.neckWidth > 0 ? fmt::format("{}", settings.neckWidth) : "";
       });
-  group.choice<bool>("--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
-                     "joints of a drawing: where the cut would meet the line, or in the middle of "
-                     "the neck");
+  group
+      .choice<bool>("--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
+                    "joints of a drawing: where the cut would meet the line, or in the middle of "
+                    "the neck")
+      .saidAs([&settings] { return settings.areJointsInNecks ? scene::quotedText("middle") : ""; });
 }
 
 }  // namespace

@@ -114,6 +114,7 @@ struct Search {
   const GeometricPath* walked = nullptr;  ///< the one that is taken, if any
   std::optional<GeometricPath> traced;    ///< of the dynamics that arrive
   PathChoice choice;                      ///< of the dynamics where none is
+  double misfit = 0;                      ///< to which tiles fit, metres; 0 if the path is exact
 };
 
 /// Without a target, tiles that joints hold fast cannot be driven by anything that they were given.
@@ -141,6 +142,60 @@ void requireMotion(const scene::Scene& scene, const GeometricPaths& found) {
       "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
       "motion but that of the whole; give --target, other joints (--joints-file), or what moves "
       "it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)");
+}
+
+// Corners that fit to a tolerance only, in all digits: designs that an optimiser left.
+//
+// Tiles that do not quite fit each other make no exact mechanism: redundant joints become
+// independent, and singular values of their Jacobian that should be zero are about as large as the
+// misfit, in tiles. They are known by a gap: treating singular values up to s as zero gives more
+// freedoms than the exact count, and 30 s gives the same number.
+
+/// How closely the tiles of a model fit, metres; 0 if they fit exactly or nobody can tell.
+double misfitOf(const scene::Scene& scene) {
+  constexpr double kLeast = 1e-9, kMost = 1e-4;  // in tiles
+  constexpr double kSmall = 1e-2;                // no smaller singular value, no misfit
+  constexpr double kGap = 30;
+  constexpr int kMostUnknowns = 900;  // beyond, singular values are bounds
+  const bool isPlanar = scene::sceneNeeds(scene).planar.on;
+  const auto count = static_cast<int>(scene.model.tiles.size());
+  if (scene.model.rounding > 0 || (isPlanar ? 3 : 6) * count > kMostUnknowns) return 0;
+  const double tile = model::tileSize(scene.model);
+  model::Model model = scene.model;
+  const auto mobilityTo = [&](double fit) {
+    model.rounding = fit;
+    return trajectory::mobility(model, model.tiles,
+                                isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space,
+                                scene.brick.thickness);
+  };
+  const trajectory::Mobility exact = mobilityTo(0);
+  if (exact.leastKept >= kSmall) return 0;
+  for (double fit = kLeast * tile; fit <= kMost * tile; fit *= 10) {
+    const int freedoms = mobilityTo(fit).freedoms;
+    if (freedoms > exact.freedoms && mobilityTo(kGap * fit).freedoms == freedoms) return fit;
+  }
+  return 0;
+}
+
+/// The path to full extension. Tiles that fit to a tolerance only are kept to that instead, if it
+/// takes them farther.
+void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
+            Search& found) {
+  constexpr double kFarther = 1.02;
+  found.geometric = findExtension(scene, budget, watch);
+  const double misfit = misfitOf(scene);
+  if (misfit == 0) return;
+  scene::Scene loose = scene;
+  loose.model.rounding = misfit;
+  GeometricPaths other = findExtension(loose, budget, watch);
+  const std::optional<GeometricPath>& own = found.geometric.clear;
+  const double length = own ? own->path.length() : 0;
+  if (!other.clear ||
+      other.clear->path.length() < kFarther * length + kClearShare * model::tileSize(scene.model))
+    return;
+  found.geometric = std::move(other);
+  found.geometric.clear->isFitMeasured = true;
+  found.misfit = misfit;
 }
 
 /// Looks at the target, and for a path of the mechanism where the scene is one for it.
@@ -179,7 +234,7 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
     found.geometric =
         findGeometricPaths(scene, {found.nearest, !found.blocking.empty()}, budget, watch);
   } else {
-    found.geometric = findExtension(scene, budget, watch);
+    extend(scene, budget, watch, found);
     requireMotion(scene, found.geometric);
   }
 }
@@ -525,6 +580,7 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   try {
     const InterruptionCatcher catcher;
     search(scene, budget, watchSearch, found);
+    if (found.misfit > 0) scene.model.rounding = found.misfit;
     const scene::Scene whole = scene;
     chooseWay(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
     if (mayLeavePlane(whole, scene, found)) leavePlane(whole, scene, found, watchSearch);

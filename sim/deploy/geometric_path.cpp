@@ -483,6 +483,9 @@ GeometricPaths extensions(const scene::Scene& scene, SearchBudget& budget,
   return found;
 }
 
+// A state between two of a path of rounded tiles lies on a curve through so many.
+constexpr std::size_t kSmoothStates = 4;
+
 /// A walk in progress.
 class Walk {
  public:
@@ -547,7 +550,7 @@ class Walk {
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
       if (!(due <= time_) || isAskedToEnd_) return;
-      takeSample(due, between(from, (due - before) / (time_ - before)));
+      takeSample(due, between(from, state, (due - before) / (time_ - before)));
     }
   }
 
@@ -556,12 +559,50 @@ class Walk {
            trajectory::jointGap(pivots_, state).max > kExactShare * model::tileSize(scene_.model);
   }
 
+  /// A state between one of the path and the one before it, on the cubic through the four states
+  /// around it (Lagrange). Straight ways of rounded tiles would open their joints by the square of
+  /// a turn.
+  Poses smoothBetween(std::size_t state, double share) const {
+    const std::vector<Poses>& states = found_.path.states;
+    const std::size_t count = std::min(kSmoothStates, states.size());
+    const std::size_t first = std::min(state > 2 ? state - 2 : 0, states.size() - count);
+    const double time = timeAt(state - 1) + share * (timeAt(state) - timeAt(state - 1));
+    Poses poses = states[state - 1];
+    std::vector<Vector3> turns(poses.size(), Vector3::Zero());
+    for (std::size_t k = first; k < first + count; ++k) {
+      double weight = 1;
+      for (std::size_t m = first; m < first + count; ++m) {
+        if (m == k) continue;
+        if (timeAt(m) == timeAt(k)) return interpolate(states[state - 1], states[state], share);
+        weight *= (time - timeAt(m)) / (timeAt(k) - timeAt(m));
+      }
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        const Pose& origin = states[state - 1][i];
+        poses[i].position += weight * (states[k][i].position - origin.position);
+        turns[i] += weight * turnBetween(origin.rotation, states[k][i].rotation);
+      }
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      poses[i].rotation = (rotationFromVector(turns[i]) * poses[i].rotation).normalized();
+    }
+    return poses;
+  }
+
+  void keepIfMoreClosed(const Poses& tried, Poses& poses) const {
+    if (trajectory::jointGap(pivots_, tried).max < trajectory::jointGap(pivots_, poses).max) {
+      poses = tried;
+    }
+  }
+
   // A state between two of the path. Where joints are closed in both, the straight state is closed
   // again. Compliant joints that are open need not close, so that only its symmetry is restored.
-  Poses between(const Poses& from, double share) {
+  Poses between(const Poses& from, std::size_t state, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    if (isOpen(from) || isOpen(*poses_)) return model::symmetricMean(poses, found_.path.symmetries);
+    if (isOpen(from) || isOpen(*poses_)) {
+      if (found_.path.isRounded) keepIfMoreClosed(smoothBetween(state, share), poses);
+      return model::symmetricMean(poses, found_.path.symmetries);
+    }
     closeInPlace(poses, *projection_);
     symmetries_.restore(poses, *projection_);
     return poses;
@@ -634,7 +675,10 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
     words += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it", found.opening,
                          found.opening / tile);
   }
-  if (found.path.isRounded) {
+  if (found.path.isRounded && found.isFitMeasured) {
+    words +=
+        fmt::format("; the model's tiles fit each other to {:.1g} m only", scene.model.rounding);
+  } else if (found.path.isRounded) {
     words += fmt::format(
         ", {:.2g} of the last digit, {:g} m, of the model's coordinates: tiles so rounded fit each "
         "other no better",

@@ -23,6 +23,8 @@ struct GeometricPath {
   double grownAtEnd = 0;            ///< the same in the last state
   bool hasCompliantJoints = false;  ///< no path with exact joints was found
   double opening = 0;               ///< of compliant joints, the largest on the path, metres
+  /// Model::rounding is not the last digit of coordinates but how closely the tiles fit.
+  bool isFitMeasured = false;
 };
 
 /// The paths that were found.

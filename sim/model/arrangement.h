@@ -102,11 +102,11 @@ std::vector<bool> simplifiedChain(const std::vector<Vector2>& chain, double tole
 
 template <typename Visit>
 void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, Visit visit) {
-  struct Box {
+  struct SegmentBox {
     double left, right, low, high;
     int number;
   };
-  std::vector<Box> boxes;
+  std::vector<SegmentBox> boxes;
   boxes.reserve(segments.size());
   for (std::size_t k = 0; k < segments.size(); ++k) {
     const Vector2 low = segments[k].first.cwiseMin(segments[k].second);
@@ -114,7 +114,7 @@ void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, 
     boxes.push_back({low.x() - reach / 2, high.x() + reach / 2, low.y() - reach / 2,
                      high.y() + reach / 2, static_cast<int>(k)});
   }
-  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
+  std::sort(boxes.begin(), boxes.end(), [](const SegmentBox& a, const SegmentBox& b) {
     return a.left != b.left ? a.left < b.left : a.number < b.number;
   });
   for (std::size_t i = 0; i < boxes.size(); ++i) {

@@ -25,6 +25,7 @@
 #include <set>
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -95,12 +96,12 @@ class RayTracer {
 
   /// Where all rays stop.
   std::vector<CutRay> run() {
-    struct Event {
+    struct RayEvent {
       double time;
       int one, other;  // other: -1 at a line
       double alongOne, alongOther;
     };
-    std::vector<Event> events;
+    std::vector<RayEvent> events;
     for (int i = 0; i < std::ssize(rays_); ++i) {
       const CutRay& ray = rays_[i];
       if (ray.hit == kNever) continue;
@@ -120,8 +121,8 @@ class RayTracer {
         events.push_back({std::max(s, t), i, j, s, t});
       }
     }
-    std::ranges::stable_sort(events, {}, &Event::time);
-    for (const Event& event : events) {
+    std::ranges::stable_sort(events, {}, &RayEvent::time);
+    for (const RayEvent& event : events) {
       CutRay& one = rays_[event.one];
       if (event.other < 0) {
         if (one.isRunning) reachLine(event.one);
@@ -331,10 +332,10 @@ class SheetMaker {
     const Arrangement lines(cuts_.lines, tolerance_);
     rays_ = RayTracer(lines, drawing_.flattening > 0 || cuts_.kerf > 0, tolerance_).run();
     findTips(rays_, cuts_, tolerance_);
-    scale_ = tileScale(cuts_.lines, rays_, tolerance_);
-    dropBeyondBorder(lines);
+    const double scale = tileScale(cuts_.lines, rays_, tolerance_);
+    dropBeyondBorder(lines, scale);
     requireClosed(lines);
-    takeNecks();
+    takeNecks(scale);
     Arrangement whole = arranged();
     requireInside(whole);
     whole.dropBridges();
@@ -351,10 +352,11 @@ class SheetMaker {
     std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
                                    model.tiles.size() == 1 ? "" : "s", model.joints.size(),
                                    model.joints.size() == 1 ? "" : "s");
-    if (narrowest_ < kNever) {
-      text += widest_ - narrowest_ <= 0.01 * widest_
-                  ? fmt::format(", necks {}", millimetres(widest_))
-                  : fmt::format(", necks {:.4g} to {}", narrowest_ * 1e3, millimetres(widest_));
+    if (!widths_.empty()) {
+      const auto [narrowest, widest] = std::ranges::minmax(widths_);
+      text += widest - narrowest <= 0.01 * widest
+                  ? fmt::format(", necks {}", millimetres(widest))
+                  : fmt::format(", necks {:.4g} to {}", narrowest * 1e3, millimetres(widest));
     }
     if (cuts_.kerf > 0) text += fmt::format(", slots {}", millimetres(cuts_.kerf));
     if (moved_ > tolerance_) text += fmt::format(", cuts bent by up to {}", millimetres(moved_));
@@ -373,7 +375,7 @@ class SheetMaker {
   InputError fault(const std::string& what) const { return inputErrorAt({file_}, what); }
 
   /// Short pieces of cuts that run over the border of their sheet.
-  void dropBeyondBorder(const Arrangement& lines) {
+  void dropBeyondBorder(const Arrangement& lines, double scale) {
     const std::vector<int> parts = lines.parts();
     std::vector<std::vector<Vector2>> rings;
     std::vector<int> ringParts;
@@ -396,7 +398,7 @@ class SheetMaker {
           break;
         }
       }
-      if (lines.leaving(node).size() < 3 || length > 0.25 * scale_) return false;
+      if (lines.leaving(node).size() < 3 || length > 0.25 * scale) return false;
       bool isOfSheet = false;
       for (std::size_t k = 0; k < rings.size(); ++k) {
         isOfSheet |= ringParts[k] == parts[ray.node];
@@ -424,9 +426,9 @@ class SheetMaker {
     if (!hasFace) throw fault("there are no lines of a sheet in it; draw its outline and its cuts");
   }
 
-  void takeNecks() {
+  void takeNecks(double scale) {
     const double widest = settings_.neckWidth > 0 ? settings_.neckWidth * (1 + 1e-9) + tolerance_
-                                                  : widestNeck(rays_, scale_);
+                                                  : widestNeck(rays_, scale);
     for (int k = 0; k < std::ssize(rays_); ++k) {
       const CutRay& ray = rays_[k];
       if (ray.stop == kNever) continue;
@@ -547,8 +549,7 @@ class SheetMaker {
     }
     for (const auto& [pair, between] : known) {
       for (const Between& one : between) {
-        narrowest_ = std::min(narrowest_, one.width);
-        widest_ = std::max(widest_, one.width);
+        widths_.push_back(one.width);
       }
     }
   }
@@ -609,7 +610,7 @@ class SheetMaker {
       else if (isShared) {
         if (fallen.empty()) fallen = drawing_.place(inner(whole, faces_[f]));
         ++leftOut_[fmt::format("piece that falls out (one at {})", fallen)];
-      } else if (isRound)
+      } else if (isRound && !sheets.empty())
         ++leftOut_["frame round the sheet"];
       else if (!sheets.empty())
         ++leftOut_["outline without cuts"];
@@ -717,9 +718,8 @@ class SheetMaker {
   std::vector<int> faceOf_;    // by cycles
   std::vector<bool> hasNeck_;  // of faces
   std::vector<FaceJoint> joints_;
-  double narrowest_ = kNever, widest_ = 0;  // metres
+  std::vector<double> widths_;  // of necks, metres
   double moved_ = 0;
-  double scale_ = 0;  // of a tile, metres
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -737,6 +737,32 @@ struct LineGroup {
     return sum;
   }
 };
+
+/// Whether rigid tiles can move in their plane, to first order: the rank of the joints' equations
+/// w x (p - c) + v, equal for both tiles, against three unknowns a tile. Rotations count in tiles.
+/// Of large sheets the unknowns are only counted (J. C. Maxwell).
+bool movesInPlane(const Model& model, double tolerance) {
+  constexpr std::size_t kMostTiles = 300;  // for a dense factorisation
+  const auto tiles = static_cast<Eigen::Index>(model.tiles.size());
+  const auto joints = static_cast<Eigen::Index>(model.joints.size());
+  if (3 * tiles - 3 > 2 * joints || model.tiles.size() > kMostTiles) {
+    return 3 * tiles - 3 > 2 * joints;
+  }
+  const double size = tileSize(model);
+  Eigen::MatrixXd equations = Eigen::MatrixXd::Zero(2 * joints, 3 * tiles);
+  for (Eigen::Index k = 0; k < joints; ++k) {
+    const Joint& joint = model.joints[k];
+    for (const auto& [corner, sign] : {std::pair(joint.a, 1.0), {joint.b, -1.0}}) {
+      const Tile& tile = model.tiles[corner.tile];
+      const Vector3 arm = (tile.vertices[corner.vertex] - tileCentroid(tile)) / size;
+      equations.block<2, 3>(2 * k, 3 * corner.tile) << sign, 0, -sign * arm.y(), 0, sign,
+          sign * arm.x();
+    }
+  }
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(equations);
+  factors.setThreshold(std::max(1e-6, 30 * tolerance / size));
+  return factors.rank() < 3 * tiles - 3;
+}
 
 struct SheetReading {
   Model model;
@@ -774,7 +800,14 @@ class CutPatternReader {
     const TileTable table = patternTable(file_, reading.model.tiles);
     checkTiles(table);
     turnClockwiseTiles(table, reading.model, warnings);
-    warnings.push_back(describe(reading));
+    // Necks of a sheet that cannot open in its plane bend and twist: they are ball joints.
+    const bool isHeld = reading.model.tiles.size() > 1 && !reading.model.joints.empty() &&
+                        !movesInPlane(reading.model, tolerance_);
+    if (isHeld) {
+      for (Joint& joint : reading.model.joints) joint.face = JointFace::Bottom;
+    }
+    warnings.push_back(describe(reading) +
+                       (isHeld ? "; no motion in its plane: its hinges are ball joints" : ""));
     return std::move(reading.model);
   }
 
@@ -1028,7 +1061,8 @@ class CutPatternReader {
         oneEnd += inside == 1 ? 1 : 0;
         bothEnds += inside == 2 ? 1 : 0;
       }
-      if (oneEnd == 0 || bothEnds > 0) continue;
+      // A hole of the design has more ends.
+      if (oneEnd != 1 || bothEnds > 0) continue;
       const auto count = std::erase_if(
           paths, [&](const DrawnPath* path) { return path->isClosed && path->points == ring; });
       if (count == 0) continue;

@@ -68,18 +68,21 @@ class DxfReader {
   }
 
  private:
+  /// The line at a place, which moves behind it, without blanks; none at the end.
+  static std::optional<std::string_view> takeLine(std::string_view text, std::size_t& at) {
+    if (at >= text.size()) return std::nullopt;
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line = text.substr(at, end - at);
+    at = end + 1;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
+    return line;
+  }
+
   void parse(std::string_view text) {
     std::size_t at = 0;
     if (text.starts_with("\xef\xbb\xbf")) at = 3;
-    const auto nextLine = [&]() -> std::optional<std::string_view> {
-      if (at >= text.size()) return std::nullopt;
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      std::string_view line = text.substr(at, end - at);
-      at = end + 1;
-      while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-      while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
-      return line;
-    };
+    const auto nextLine = [&] { return takeLine(text, at); };
     std::string section, block;
     std::optional<bool> hasSections;
     DxfEntity current;
@@ -310,6 +313,41 @@ class DxfReader {
     }
   }
 
+  void addPolyline(const DxfEntity& entity, DrawnPath& path) {
+    std::vector<Vector2> vertices;
+    std::vector<double> bulges;
+    for (const auto& [code, value] : entity.groups) {
+      if (code == 10) {
+        vertices.emplace_back(drawnNumber(value, file_, &decimals_), 0);
+        bulges.push_back(0);
+      } else if (code == 20 && !vertices.empty()) {
+        vertices.back().y() = drawnNumber(value, file_, &decimals_);
+      } else if (code == 42 && !bulges.empty()) {
+        bulges.back() = drawnNumber(value, file_);
+      }
+    }
+    path.isClosed = (whole(entity, 70, 0) & 1) != 0;
+    addVertices(vertices, bulges, path);
+  }
+
+  /// Of R12, whose vertices are entities of their own; false for meshes.
+  bool addOldPolyline(const DxfEntity& entity, const std::vector<DxfEntity>& all, std::size_t first,
+                      std::size_t last, DrawnPath& path) {
+    const int flags = whole(entity, 70, 0);
+    if ((flags & (16 | 64)) != 0) return false;
+    std::vector<Vector2> vertices;
+    std::vector<double> bulges;
+    for (std::size_t k = first; k < last; ++k) {
+      if ((whole(all[k], 70, 0) & 16) != 0) continue;  // of a spline's frame
+      vertices.push_back(point(all[k], 10));
+      const auto bulge = all[k].text(42);
+      bulges.push_back(bulge ? drawnNumber(*bulge, file_) : 0);
+    }
+    path.isClosed = (flags & 1) != 0;
+    addVertices(vertices, bulges, path);
+    return true;
+  }
+
   /// The entity's lines in its own coordinates; false for what has none.
   bool addPoints(const DxfEntity& entity, const std::vector<DxfEntity>& all, std::size_t first,
                  std::size_t last, DrawnPath& path) {
@@ -317,33 +355,9 @@ class DxfReader {
     if (type == "LINE") {
       path.points = {point(entity, 10), point(entity, 11)};
     } else if (type == "LWPOLYLINE") {
-      std::vector<Vector2> vertices;
-      std::vector<double> bulges;
-      for (const auto& [code, value] : entity.groups) {
-        if (code == 10) {
-          vertices.emplace_back(drawnNumber(value, file_, &decimals_), 0);
-          bulges.push_back(0);
-        } else if (code == 20 && !vertices.empty()) {
-          vertices.back().y() = drawnNumber(value, file_, &decimals_);
-        } else if (code == 42 && !bulges.empty()) {
-          bulges.back() = drawnNumber(value, file_);
-        }
-      }
-      path.isClosed = (whole(entity, 70, 0) & 1) != 0;
-      addVertices(vertices, bulges, path);
+      addPolyline(entity, path);
     } else if (type == "POLYLINE") {
-      const int flags = whole(entity, 70, 0);
-      if ((flags & (16 | 64)) != 0) return false;  // meshes
-      std::vector<Vector2> vertices;
-      std::vector<double> bulges;
-      for (std::size_t k = first; k < last; ++k) {
-        if ((whole(all[k], 70, 0) & 16) != 0) continue;  // of a spline's frame
-        vertices.push_back(point(all[k], 10));
-        const auto bulge = all[k].text(42);
-        bulges.push_back(bulge ? drawnNumber(*bulge, file_) : 0);
-      }
-      path.isClosed = (flags & 1) != 0;
-      addVertices(vertices, bulges, path);
+      return addOldPolyline(entity, all, first, last, path);
     } else if (type == "CIRCLE" || type == "ARC") {
       const Vector2 centre = point(entity, 10);
       const double radius = number(entity, 40);
@@ -375,6 +389,20 @@ class DxfReader {
   }
 
   /// De Boor's algorithm on homogeneous points.
+  static Eigen::Vector3d splinePoint(const std::vector<double>& knots,
+                                     const std::vector<Eigen::Vector3d>& control, int degree,
+                                     int span, double t) {
+    std::vector<Eigen::Vector3d> d(control.begin() + (span - degree), control.begin() + span + 1);
+    for (int r = 1; r <= degree; ++r) {
+      for (int j = degree; j >= r; --j) {
+        const double low = knots[j + span - degree], high = knots[j + 1 + span - r];
+        const double part = high > low ? (t - low) / (high - low) : 0;
+        d[j] = (1 - part) * d[j - 1] + part * d[j];
+      }
+    }
+    return d[degree];
+  }
+
   void addSpline(const DxfEntity& entity, DrawnPath& path) {
     std::vector<double> knots, weights;
     std::vector<Eigen::Vector3d> control;
@@ -407,16 +435,10 @@ class DxfReader {
       if (weights.size() == control.size()) control[k] *= weights[k];
     }
     if (degree > 1) drawing_.flattening = flattening_;
+    const bool isRational = weights.size() == control.size();
     const auto at = [&](int span, double t) {
-      std::vector<Eigen::Vector3d> d(control.begin() + (span - degree), control.begin() + span + 1);
-      for (int r = 1; r <= degree; ++r) {
-        for (int j = degree; j >= r; --j) {
-          const double low = knots[j + span - degree], high = knots[j + 1 + span - r];
-          const double part = high > low ? (t - low) / (high - low) : 0;
-          d[j] = (1 - part) * d[j - 1] + part * d[j];
-        }
-      }
-      return Vector2(d[degree].head<2>() / (weights.size() == control.size() ? d[degree].z() : 1));
+      const Eigen::Vector3d place = splinePoint(knots, control, degree, span, t);
+      return Vector2(place.head<2>() / (isRational ? place.z() : 1));
     };
     for (int span = degree; span < count; ++span) {
       const double from = knots[span], to = knots[span + 1];

@@ -93,7 +93,8 @@ struct DirectedSide {
   int to = 0;
   int twin = -1;  ///< the same slit the other way; -1 of cuts
   int tile = -1;
-  int vertex = -1;  ///< where it starts within its tile
+  int vertex = -1;         ///< where it starts within its tile
+  bool isReverse = false;  ///< the second side of a slit
 };
 
 class PatternReader {
@@ -122,7 +123,7 @@ class PatternReader {
     for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
     for (int k = 0; k < std::ssize(sides_); ++k) {
       // The other sides of slits come last, so that tiles begin with lines of their own.
-      if (!isReverse_[k] && sides_[k].tile < 0) traceTile(k);
+      if (!sides_[k].isReverse && sides_[k].tile < 0) traceTile(k);
     }
     for (int k = 0; k < std::ssize(sides_); ++k) {
       if (sides_[k].tile < 0) traceTile(k);
@@ -242,10 +243,9 @@ class PatternReader {
     if (from == to) throw patternFault(file_, "a line has no length");
     const int number = static_cast<int>(sides_.size());
     sides_.push_back({from, to, isSlit ? number + 1 : -1, -1, -1});
-    isReverse_.push_back(false);
+
     if (!isSlit) return;
-    sides_.push_back({to, from, number, -1, -1});
-    isReverse_.push_back(true);
+    sides_.push_back({to, from, number, -1, -1, true});
   }
 
   /// An angle from just below 0, which rounding makes of 0, to less than a full turn.
@@ -345,7 +345,6 @@ class PatternReader {
   std::vector<int> shortenedBy_;
   PointNumbers points_;  // of the sheet
   std::vector<DirectedSide> sides_;
-  std::vector<bool> isReverse_;
   std::unordered_map<int, std::vector<int>> leaving_;  // sides by the point that they start at
   std::vector<std::vector<int>> cycles_;
 };

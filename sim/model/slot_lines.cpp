@@ -175,6 +175,18 @@ double medianWidth(std::vector<FacingEdges> pairs) {
   return 0;
 }
 
+/// Rings round one outline that itself has rings in it. The largest ring comes first.
+void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
+  const auto holdsFrom = [&](std::size_t outer) {
+    return std::all_of(rings.begin() + static_cast<std::ptrdiff_t>(outer) + 1, rings.end(),
+                       [&](const SlotRing& ring) { return holds(rings[outer], ring); });
+  };
+  while (rings.size() > 2 && holdsFrom(0) && holdsFrom(1)) {
+    rings.erase(rings.begin());
+    ++cuts.leftOut["frame round the sheet"];
+  }
+}
+
 }  // namespace
 
 std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, double tolerance,
@@ -228,15 +240,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
   std::vector<SlotRing> all = rings;
   std::ranges::stable_sort(all, std::greater<>(),
                            [](const SlotRing& ring) { return std::abs(ringArea(ring)); });
-  // Frames of pages.
-  while (all.size() > 2 &&
-         std::all_of(all.begin() + 1, all.end(),
-                     [&](const SlotRing& ring) { return holds(all[0], ring); }) &&
-         std::all_of(all.begin() + 2, all.end(),
-                     [&](const SlotRing& ring) { return holds(all[1], ring); })) {
-    all.erase(all.begin());
-    ++cuts.leftOut["frame round the sheet"];
-  }
+  dropFrames(all, cuts);
   std::vector<SlotRing> sheets, removed;
   for (const SlotRing& ring : all) {
     const bool isIn = std::ranges::any_of(sheets, [&](const SlotRing& sheet) {
@@ -273,9 +277,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
   std::vector<SlotRing> holes;
   const std::vector<SlotRing> outlines =
       plane.rings(plane.grown(plane.grown(material, 0.6 * cuts.kerf), -0.6 * cuts.kerf), &holes);
-  for (const SlotRing& ring : outlines) {
-    for (const PlaneSegment& one : segmentsOf({ring})) cuts.lines.push_back(one);
-  }
+  for (const PlaneSegment& one : segmentsOf(outlines)) cuts.lines.push_back(one);
   for (const SlotRing& hole : holes) {
     // A hole at the end of one slot relieves it; several slots may end at a hole of the design.
     int slots = 0;

@@ -555,6 +555,40 @@ class SvgReader {
     addPath(drawing_, std::move(path), file_);
   }
 
+  /// Whether a smooth curve continues one of its degree.
+  static bool isSmoothAfter(char kind, char before) {
+    return (kind == 'S' && before == 'C') || (kind == 'T' && before == 'Q');
+  }
+
+  /// The commands C, S, Q and T. Returns the curve's end; `control` is its last control point.
+  template <typename ReadPoint>
+  Vector2 addCurve(std::vector<Vector2>& points, char kind, bool continues, const Vector2& at,
+                   Vector2& control, ReadPoint point) {
+    const bool isCubic = kind == 'C' || kind == 'S';
+    const bool isSmooth = kind == 'S' || kind == 'T';
+    Vector2 a = isSmooth ? (continues ? Vector2(2 * at - control) : at) : point();
+    control = isCubic ? point() : a;
+    const Vector2 end = point();
+    Vector2 b = control;
+    if (!isCubic) {
+      b = end + 2.0 / 3 * (a - end);
+      a = at + 2.0 / 3 * (a - at);
+    }
+    addCubic(points, at, a, b, end);
+    return end;
+  }
+
+  /// The command A. Returns the arc's end.
+  template <typename ReadPoint>
+  Vector2 addArcCommand(std::vector<Vector2>& points, NumberScanner& scanner, const Vector2& at,
+                        ReadPoint point) {
+    const double rx = scanner.number(), ry = scanner.number(), turn = scanner.number();
+    const bool isLarge = scanner.flag(), isPositive = scanner.flag();
+    const Vector2 end = point();
+    addEllipticalArc(points, at, end, rx, ry, turn * std::numbers::pi / 180, isLarge, isPositive);
+    return end;
+  }
+
   /// All commands of path data (chapter 8.3).
   void addPathData(std::string_view data) {
     NumberScanner scanner(data, file_, counts_);
@@ -590,42 +624,20 @@ class SvgReader {
           points.push_back(at = point());
           break;
         case 'H':
-          at.x() = base.x() + scanner.number();
-          points.push_back(at);
-          break;
         case 'V':
-          at.y() = base.y() + scanner.number();
+          at[kind == 'V'] = base[kind == 'V'] + scanner.number();
           points.push_back(at);
           break;
         case 'C':
         case 'S':
         case 'Q':
-        case 'T': {
-          const bool isCubic = kind == 'C' || kind == 'S';
-          const bool isSmooth = kind == 'S' || kind == 'T';
-          const bool continues =
-              isCubic ? before == 'C' || before == 'S' : before == 'Q' || before == 'T';
-          Vector2 a = isSmooth ? (continues ? Vector2(2 * at - control) : at) : point();
-          control = isCubic ? point() : a;
-          const Vector2 end = point();
-          Vector2 b = control;
-          if (!isCubic) {
-            b = end + 2.0 / 3 * (a - end);
-            a = at + 2.0 / 3 * (a - at);
-          }
-          addCubic(points, at, a, b, end);
-          at = end;
+        case 'T':
+          at = addCurve(points, kind, kind == before || isSmoothAfter(kind, before), at, control,
+                        point);
           break;
-        }
-        case 'A': {
-          const double rx = scanner.number(), ry = scanner.number(), turn = scanner.number();
-          const bool isLarge = scanner.flag(), isPositive = scanner.flag();
-          const Vector2 end = point();
-          addEllipticalArc(points, at, end, rx, ry, turn * std::numbers::pi / 180, isLarge,
-                           isPositive);
-          at = end;
+        case 'A':
+          at = addArcCommand(points, scanner, at, point);
           break;
-        }
         case 'Z':
           finish(true);
           at = first;

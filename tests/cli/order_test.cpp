@@ -78,7 +78,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--cut", {"red", "rgb(255,0,0),slits"}},
       {"--ignore", {"#0000ff"}},
       {"--widest-neck", {"0.002"}},
-      {"--joint-at", {"vertex", "middle"}},
+      {"--joint-at", {"middle"}},
       {"--target", {"a.txt"}},
       {"--pin", {"0", "3,0,7"}},
       {"--fix", {"0,1", "1,2"}},

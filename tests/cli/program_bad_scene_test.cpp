@@ -100,8 +100,8 @@ TEST_F(BadScene, ARunWhoseTimeIsUpSaysWhetherItIsAtItsTarget) {
   EXPECT_EQ(simulate("", {"--duration", "0.05", "--path", "dynamic"}).exitCode, kEndedShort);
   EXPECT_EQ(summary()["outcome"], "out_of_time");
   EXPECT_EQ(summary()["at_target"], false);
-  // After 0.5 s it is 2.9e-5 m from its target, and comes to rest after 0.9 s.
-  EXPECT_EQ(simulate("", {"--duration", "0.5", "--path", "dynamic"}).exitCode, 0);
+  // After 0.7 s it is 1.6e-7 m from its target, and comes to rest after 0.9 s.
+  EXPECT_EQ(simulate("", {"--duration", "0.7", "--path", "dynamic"}).exitCode, 0);
   EXPECT_EQ(summary()["outcome"], "out_of_time");
   EXPECT_EQ(summary()["at_target"], true);
   // Nothing to reach.

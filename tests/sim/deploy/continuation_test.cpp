@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -374,8 +375,8 @@ TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
 
 /// In the plane the four quads of this design have no freedom: their joints must open.
 TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
-  scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
-  scene.solver.planar = true;
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
   const double tile = model::tileSize(scene.model);
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_EQ(run.atTarget, true);
@@ -390,10 +391,10 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   EXPECT_THAT(run.pathReason, testing::HasSubstr("none with exact joints was found"));
 }
 
-/// Through space the joints of the same design stay closed, and its bricks apart.
+/// Through space ball joints of the same design stay closed, and its bricks apart.
 TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
-  const scene::Scene scene =
-      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  for (model::Joint& joint : scene.model.joints) joint.face = model::JointFace::Bottom;
   const double tile = model::tileSize(scene.model);
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_FALSE(run.needs.planar.on);
@@ -497,6 +498,41 @@ TEST(Continuation, ExtendsEachPieceAsIfItWereAlone) {
   EXPECT_LE((model::bottomTiles(bricks, together).back().vertices[0] - all.tiles.back().vertices[0])
                 .norm(),
             1e-9 * tile);
+}
+
+/// Shared points moved by up to e in all digits, as an optimiser leaves them: the sheet extends as
+/// the exact one does, and says to what its tiles fit.
+TEST(Continuation, ExtendsTilesThatFitToATolerance) {
+  model::Model exact = generate::generateModel(generate::familyNamed("quads"), {});
+  exact.target.reset();
+  const auto widthOf = [](const deploy::DeploymentResult& run) {
+    const Poses& poses = run.trajectory.samples.back().poses;
+    double most = 0;
+    for (const Pose& a : poses) {
+      for (const Pose& b : poses) most = std::max(most, (a.position - b.position).norm());
+    }
+    return most;
+  };
+  const double width = widthOf(deploy::deploy(sceneOf(exact), 1, nullptr));
+  for (const double e : {1e-7, 1e-6, 1e-5}) {
+    model::Model moved = exact;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> part(-e, e);
+    std::map<std::pair<long, long>, Vector3> moves;
+    for (model::Tile& tile : moved.tiles) {
+      for (Vector3& vertex : tile.vertices) {
+        const std::pair<long, long> place(std::lround(1e4 * vertex.x()),
+                                          std::lround(1e4 * vertex.y()));
+        const auto [move, isNew] = moves.try_emplace(place);
+        if (isNew) move->second = {part(random), part(random), 0};
+        vertex += move->second;
+      }
+    }
+    const deploy::DeploymentResult run = deploy::deploy(sceneOf(moved), 1, nullptr);
+    EXPECT_NEAR(widthOf(run), width, 1e-2 * width) << e << run.reason;
+    EXPECT_LE(run.accuracy.jointGapMax, 30 * e) << e;
+    if (e > 1e-7) EXPECT_THAT(run.reason, testing::HasSubstr("fit each other to")) << e;
+  }
 }
 
 bool isAnnounced(const deploy::DeploymentResult& run) {

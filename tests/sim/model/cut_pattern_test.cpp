@@ -327,6 +327,21 @@ TEST(CutPatterns, SeveralSheetsAreOneModel) {
   EXPECT_EQ(reading.model.joints.size(), 2U);
 }
 
+TEST(CutPatterns, SheetsThatCannotOpenInTheirPlaneHaveBallJoints) {
+  // Three triangles round a triangular hole: a truss. One neck less is a chain.
+  const auto ring = [](const char* last) {
+    return page(fmt::format(
+        "<path d=\"M0 0L40 0L20 35ZM14 8H26L20 18ZM14 8L1 0.57M26 8L39 0.57M20 18V{}\"/>", last));
+  };
+  const Reading truss = read("a.svg", ring("34"));
+  ASSERT_EQ(truss.model.joints.size(), 3U) << truss.refusal;
+  for (const Joint& joint : truss.model.joints) EXPECT_EQ(joint.face, JointFace::Bottom);
+  EXPECT_THAT(truss.note, HasSubstr("no motion in its plane: its hinges are ball joints"));
+  const Reading chain = read("a.svg", ring("35"));
+  ASSERT_EQ(chain.model.joints.size(), 2U) << chain.refusal;
+  for (const Joint& joint : chain.model.joints) EXPECT_EQ(joint.face, JointFace::Both);
+}
+
 TEST(CutPatterns, JointsMayBeInTheMiddleOfTheirNecks) {
   ReadSettings settings;
   settings.areJointsInNecks = true;
