@@ -1,8 +1,8 @@
-"""Runs every block of README.md, docs/guide.md, docs/sweeps.md and docs/gallery.md in a copy of the sources.
+"""Runs every block of README.md and of the pages in docs/ that have blocks, in a copy of the sources.
 
-Fenced blocks say what they are. `sh root` installs packages of Debian, `sh clone` what the sources make, and
-`sh install` our packages; these blocks run in a bare Debian, for pages_on_bare_debian and
-tests/package/bare_root. Indented blocks are known by how they begin.
+The fence of a block has its kind. `sh root` installs packages of Debian, `sh clone` the program from the
+sources, and `sh install` our packages; these blocks run in a bare Debian, for pages_on_bare_debian and
+tests/package/bare_root.
 """
 
 import os
@@ -20,45 +20,14 @@ from fresh.test_scripts import copy_sources
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 FINE = (0, 3)  # exit code 3: a run ended short of its target, which is no mistake of the page
-INDENTED = ("README.md", "docs/sweeps.md")
 
 
 def fenced_blocks(text):
     return re.findall(r"^```(\S[^\n]*)\n(.*?)^```$", text, re.M | re.S)
 
 
-def indented_blocks(text):
-    """With the kinds that fenced blocks would have."""
-    blocks = re.findall(r"(?:^|\n\n)((?:    [^\n]*\n(?:\n(?=    ))?)+)", text)
-    return [(kind_of(block), block) for block in (re.sub(r"^    ", "", b, flags=re.M) for b in blocks)]
-
-
-def kind_of(block):
-    if "──" in block:
-        return "drawing"
-    if block.startswith("scripts/demo"):
-        return "sh sources"
-    if block.startswith("apt-get "):
-        # The first line installs, the others are as everywhere.
-        return "sh root"
-    if block.startswith("export PATH="):
-        return "sh path"
-    if block.startswith("kirireel "):
-        return "sh"
-    if block.startswith(("job=", "parallel ")):
-        return "sh cluster"
-    if block.startswith(("generate =", "# sweep.toml")):
-        return "toml sweep.toml"
-    if block.startswith(("[list]", "[latin_hypercube]")):
-        return "toml part"
-    if block.startswith("["):
-        return "toml scene.toml"
-    raise AssertionError(f"no test knows what to do with this block:\n{block}")
-
-
 def blocks_of(name):
-    text = (SOURCES / name).read_text()
-    blocks = indented_blocks(text) if name in INDENTED else fenced_blocks(text)
+    blocks = fenced_blocks((SOURCES / name).read_text())
     if not blocks:
         raise AssertionError(f"{name} has no blocks")
     return blocks
@@ -79,7 +48,7 @@ def commands(kind, block, place):
         return [f"(cd /root && {line})" for line in lines] if place == "packages" else []
     if kind == "sh packages":
         return lines if place == "packages" else []
-    if kind in ("drawing", "sh sources", "sh cluster", "toml part"):
+    if kind in ("sh sources", "sh cluster", "sh example", "toml part"):
         return []
     if kind == "python":
         return [f"python3 -W ignore - <<{here}\n{block}END OF BLOCK"]
@@ -87,7 +56,7 @@ def commands(kind, block, place):
         return [f"cat > block.m <<{here}\n{block}END OF BLOCK", "octave-cli --no-gui -q block.m"]
     if kind.startswith("toml "):
         name = kind.split()[1]
-        run = {"scene.toml": ["kirireel simulate data/tessellation_4x4 --scene scene.toml --contacts none --duration 2"],
+        run = {"scene.toml": ["kirireel simulate tessellation_4x4 --scene scene.toml --contacts none --duration 2"],
                "sweep.toml": ["kirireel sweep sweep.toml"]}
         return [f"cat > {name} <<{here}\n{block}END OF BLOCK", *run.get(name, [])]
     raise AssertionError(f"no test knows what to do with a block of {kind}")
@@ -159,8 +128,29 @@ class Pages(unittest.TestCase):
         for option, default in rows:
             self.assertEqual(default, defaults[option], option)
 
-    def test_guide(self):
-        self.run_page("docs/guide.md")
+    def test_python(self):
+        self.run_page("docs/python.md")
+
+    def test_models(self):
+        self.run_page("docs/models.md")
+
+    def test_figures(self):
+        self.run_page("docs/figures.md")
+
+    def test_video(self):
+        self.run_page("docs/video.md")
+
+    def test_fea(self):
+        self.run_page("docs/fea.md")
+
+    def test_files(self):
+        self.run_page("docs/files.md")
+
+    def test_scenes(self):
+        self.run_page("docs/scenes.md")
+
+    def test_elastic(self):
+        self.run_page("docs/elastic.md")
 
     def test_sweeps(self):
         self.run_page("docs/sweeps.md")
@@ -176,6 +166,12 @@ class Pages(unittest.TestCase):
 
     def test_gallery(self):
         self.run_page("docs/gallery.md")
+
+    def test_links_lead_to_files(self):
+        for page in [*SOURCES.glob("*.md"), *SOURCES.glob("docs/*.md"), SOURCES / "data/README.md"]:
+            for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text()):
+                with self.subTest(page=page.name, target=target):
+                    self.assertTrue((page.parent / target).exists())
 
 
 class Examples(unittest.TestCase):
