@@ -54,6 +54,8 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
             "page.html too: the run in 3-D for any browser, see kirireel page")
       .decidesNothing();
   group.flag("--json", order.printJson, "print the summary as JSON").decidesNothing();
+  group.flag("--verbose", order.verbose, "print all findings and warnings of the run")
+      .decidesNothing();
 }
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
@@ -342,8 +344,11 @@ int carryOut(const RecordOrder& order) {
   {
     ProgressLine line;
     result.summary =
-        record::record(result.scene, result.settings, [&line](const record::Progress& progress) {
-          if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
+        record::record(result.scene, result.settings, [&](const record::Progress& progress) {
+          const bool isShown = order.verbose || !progress.isRemarkInSummary;
+          if (isShown && !progress.remark.empty()) {
+            fmt::print(stderr, "kirireel: {}\n", progress.remark);
+          }
           line.show(progress);
           return takeInterrupt();
         });
@@ -351,7 +356,8 @@ int carryOut(const RecordOrder& order) {
   const auto& [scene, settings, summary] = result;
   addPage(order, settings.folder);
   fmt::print("{}", order.printJson ? record::summaryJson(scene, settings, summary)
-                                   : describeRun(scene, settings, summary));
+                   : order.verbose ? describeRun(scene, settings, summary)
+                                   : describeRunBriefly(scene, settings, summary));
   return exitCode(deploy::toString(summary.outcome), !summary.shortfall.empty());
 }
 

@@ -18,6 +18,7 @@
 #include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/path_choice.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/sheet.h"
 
@@ -255,6 +256,96 @@ void ProgressLine::show(const std::string& line) {
   fmt::print(stderr, "\r\033[K{}", line);
   std::fflush(stderr);
   shown_ = line;
+}
+
+namespace {
+
+/// How a run ended that had a target.
+std::string describeArrival(const scene::Scene& scene, const record::RunSummary& summary) {
+  const double error = summary.accuracy.targetErrorEnd;
+  if (!*summary.atTarget) {
+    return fmt::format("target missed by {}, {}", inTiles(error, model::tileSize(scene.model)),
+                       summary.outcome == deploy::Outcome::OutOfTime
+                           ? fmt::format("still moving after {:.4g} s", summary.endTime)
+                           : deploy::toString(summary.outcome));
+  }
+  const std::string text = fmt::format("target reached, error {:.2g} m", error);
+  if (summary.forbiddenOverlap > 0) {
+    return text + fmt::format(", but tiles overlap by {:.2g} m", summary.forbiddenOverlap);
+  }
+  return summary.shortfall.empty() ? text : text + ", but the search used up its budget (--search)";
+}
+
+/// The outcome, and the exit code of a run with a shortfall.
+std::string headline(const scene::Scene& scene, const record::RunSummary& summary) {
+  using enum deploy::Outcome;
+  std::string text = summary.reason;
+  if (summary.outcome == Diverged || (!summary.atTarget && summary.outcome != OutOfTime)) {
+    text = fmt::format("{} after {:.4g} s: {}", deploy::toString(summary.outcome), summary.endTime,
+                       summary.reason);
+  } else if (summary.atTarget) {
+    text = describeArrival(scene, summary);
+  }
+  if (summary.outcome == Interrupted) text = summary.reason;
+  const bool isShort = summary.outcome != Interrupted && !summary.shortfall.empty();
+  return isShort ? text + fmt::format("; exit code {}", kExitShort) : text;
+}
+
+/// "kinematic path, no collisions".
+std::string describeMotion(const record::RunSummary& summary, double tile) {
+  const char* path = summary.loadCurve                                    ? "path of equilibria"
+                     : summary.path.kind == scene::PathKind::Continuation ? "kinematic path"
+                     : summary.path.kind == scene::PathKind::Guided       ? "guided by springs"
+                                                                          : "dynamics";
+  const bool isClear = summary.accuracy.penetrationGrownMax <= deploy::kClearShare * tile;
+  return fmt::format("{}, {}", path,
+                     summary.needs.contacts.on ? "contacts on"
+                     : isClear                 ? "no collisions"
+                                               : "contacts off");
+}
+
+/// Empty if no tiles overlap beyond the start, and none would at the target.
+std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSummary& summary) {
+  const double tile = model::tileSize(scene.model);
+  const double grown = summary.accuracy.penetrationGrownMax;
+  const bool isOverlapping = grown > deploy::kClearShare * tile;
+  const bool isBlocked = !summary.blocking.empty() && summary.atTarget == false;
+  if (!isOverlapping && !isBlocked) return "";
+  std::string text = isOverlapping ? fmt::format("worst overlap {}", inTiles(grown, tile)) : "";
+  if (!summary.blocking.empty()) {
+    const deploy::BlockingPair& worst = summary.blocking.front();
+    const int first = scene.model.fileOrder.countsFrom;
+    text += fmt::format("{}at the target: {} pair{}, worst tiles {} and {} ({:.2g} m)",
+                        isOverlapping ? "; " : "overlaps ", summary.blocking.size(),
+                        summary.blocking.size() > 1 ? "s" : "", first + worst.tileA,
+                        first + worst.tileB, worst.overlap);
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
+                               const record::RunSummary& summary) {
+  const double tile = model::tileSize(scene.model);
+  std::string text = fmt::format("{}: {}\n", scene.model.name, headline(scene, summary));
+  text += fmt::format("{} tiles, {} joints, {}; {}\n", scene.model.tiles.size(),
+                      scene.model.joints.size(), summary.needs.planar.on ? "planar" : "in space",
+                      describeMotion(summary, tile));
+  if (!scene.model.joints.empty()) {
+    const deploy::Accuracy& accuracy = summary.accuracy;
+    text += accuracy.jointOpeningMax > 0
+                ? fmt::format("joints open by up to {}, {:.2g} m at the end\n",
+                              inTiles(accuracy.jointOpeningMax, tile), accuracy.jointGapEnd)
+                : fmt::format("joints closed to {:.2g} m\n", accuracy.jointGapMax);
+  }
+  text += describeWorstOverlap(scene, summary);
+  text += fmt::format("{} files in {} ({:.1f} s)", summary.files.size(), settings.folder.string(),
+                      summary.recordCost.wallSeconds);
+  if (const std::size_t count = summary.warnings.size(); count > 0) {
+    text += fmt::format("; {} warning{}: --verbose", count, count > 1 ? "s" : "");
+  }
+  return text + "\n";
 }
 
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,

@@ -31,8 +31,12 @@ class ProgressLine {
   std::string shown_;
 };
 
-/// The summary in a few lines: outcome, accuracy, cost, files. Several lines, each with its line
-/// feed.
+/// At most six lines: the outcome with its error or shortfall, the model and the path, the joints,
+/// the worst overlap if there is one, the files and the time.
+std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
+                               const record::RunSummary& summary);
+
+/// All findings of a run, with its warnings, for --verbose.
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
                         const record::RunSummary& summary);
 
