@@ -145,9 +145,10 @@ std::vector<Command> addCommands(CLI::App& program) {
   return {addCommand(program, addRecordCommand),   addCommand(program, addSimulateCommand),
           addCommand(program, addRenderCommand),   addCommand(program, addExportCommand),
           addCommand(program, addGenerateCommand), addCommand(program, addInspectCommand),
-          addCommand(program, addConvertCommand),  addCommand(program, addStudyCommand),
-          addCommand(program, addPageCommand),     addCommand(program, addCurvesCommand),
-          addCommand(program, addSweepCommand),    addCommand(program, addVerifyCommand)};
+          addCommand(program, addConvertCommand),  addCommand(program, addModelsCommand),
+          addCommand(program, addStudyCommand),    addCommand(program, addPageCommand),
+          addCommand(program, addCurvesCommand),   addCommand(program, addSweepCommand),
+          addCommand(program, addVerifyCommand)};
 }
 
 }  // namespace

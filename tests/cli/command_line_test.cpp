@@ -304,7 +304,7 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
   EXPECT_EQ(messageOf({}),
             "error: no command given; choose record, simulate, render, export, generate, inspect, "
-            "convert, study, page, curves, sweep or verify, see "
+            "convert, models, study, page, curves, sweep or verify, see "
             "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");
