@@ -260,35 +260,36 @@ void ProgressLine::show(const std::string& line) {
 
 namespace {
 
-/// How a run ended that had a target.
-std::string describeArrival(const scene::Scene& scene, const record::RunSummary& summary) {
+/// "target reached, error 1e-13 m", "target missed by ...", "settled after 6 s: ...".
+std::string describeEnd(const scene::Scene& scene, const record::RunSummary& summary) {
+  using enum deploy::Outcome;
+  const std::string end =
+      fmt::format("{} after {:.4g} s",
+                  summary.outcome == OutOfTime ? "still moving" : deploy::toString(summary.outcome),
+                  summary.endTime);
   const double error = summary.accuracy.targetErrorEnd;
-  if (!*summary.atTarget) {
+  const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
+  if (summary.outcome == Interrupted) return summary.reason;
+  if (summary.atTarget == true) return fmt::format("target reached, error {:.2g} m", error);
+  if (summary.atTarget && summary.outcome != Diverged) {
     return fmt::format("target missed by {}, {}", inTiles(error, model::tileSize(scene.model)),
-                       summary.outcome == deploy::Outcome::OutOfTime
-                           ? fmt::format("still moving after {:.4g} s", summary.endTime)
-                           : deploy::toString(summary.outcome));
+                       end);
   }
-  const std::string text = fmt::format("target reached, error {:.2g} m", error);
-  if (summary.forbiddenOverlap > 0) {
-    return text + fmt::format(", but tiles overlap by {:.2g} m", summary.forbiddenOverlap);
-  }
-  return summary.shortfall.empty() ? text : text + ", but the search used up its budget (--search)";
+  return isFailed || summary.shortfall.empty() ? end + ": " + summary.reason : end;
 }
 
-/// The outcome, and the exit code of a run with a shortfall.
+/// The end, and why a run that did not miss its target still has a shortfall.
 std::string headline(const scene::Scene& scene, const record::RunSummary& summary) {
   using enum deploy::Outcome;
-  std::string text = summary.reason;
-  if (summary.outcome == Diverged || (!summary.atTarget && summary.outcome != OutOfTime)) {
-    text = fmt::format("{} after {:.4g} s: {}", deploy::toString(summary.outcome), summary.endTime,
-                       summary.reason);
-  } else if (summary.atTarget) {
-    text = describeArrival(scene, summary);
+  std::string text = describeEnd(scene, summary);
+  if (summary.shortfall.empty() || summary.outcome == Interrupted) return text;
+  const bool isExplained = summary.atTarget == false || summary.outcome == Locked;
+  if (!isExplained) {
+    text += summary.forbiddenOverlap > 0
+                ? fmt::format(", but tiles overlap by {:.2g} m", summary.forbiddenOverlap)
+                : ", but the search used up its budget (--search)";
   }
-  if (summary.outcome == Interrupted) text = summary.reason;
-  const bool isShort = summary.outcome != Interrupted && !summary.shortfall.empty();
-  return isShort ? text + fmt::format("; exit code {}", kExitShort) : text;
+  return fmt::format("{}; exit code {}", text, kExitShort);
 }
 
 /// "kinematic path, no collisions".
@@ -304,23 +305,18 @@ std::string describeMotion(const record::RunSummary& summary, double tile) {
                                                : "contacts off");
 }
 
-/// Empty if no tiles overlap beyond the start, and none would at the target.
+/// Up to two lines: overlaps of the run beyond its start, and those that block the target.
 std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double grown = summary.accuracy.penetrationGrownMax;
   const bool isOverlapping = grown > deploy::kClearShare * tile;
-  const bool isBlocked = !summary.blocking.empty() && summary.atTarget == false;
-  if (!isOverlapping && !isBlocked) return "";
-  std::string text = isOverlapping ? fmt::format("worst overlap {}", inTiles(grown, tile)) : "";
-  if (!summary.blocking.empty()) {
-    const deploy::BlockingPair& worst = summary.blocking.front();
-    const int first = scene.model.fileOrder.countsFrom;
-    text += fmt::format("{}at the target: {} pair{}, worst tiles {} and {} ({:.2g} m)",
-                        isOverlapping ? "; " : "overlaps ", summary.blocking.size(),
-                        summary.blocking.size() > 1 ? "s" : "", first + worst.tileA,
-                        first + worst.tileB, worst.overlap);
-  }
-  return text + "\n";
+  std::string text = isOverlapping ? fmt::format("worst overlap {}\n", inTiles(grown, tile)) : "";
+  if (summary.blocking.empty() || (summary.atTarget == true && !isOverlapping)) return text;
+  const deploy::BlockingPair& worst = summary.blocking.front();
+  const int first = scene.model.fileOrder.countsFrom;
+  return text + fmt::format("overlaps at the target: {} pair{}, worst tiles {} and {} ({:.2g} m)\n",
+                            summary.blocking.size(), summary.blocking.size() > 1 ? "s" : "",
+                            first + worst.tileA, first + worst.tileB, worst.overlap);
 }
 
 }  // namespace
