@@ -27,6 +27,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "render/cli/help.h"
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
@@ -53,17 +54,6 @@ std::vector<std::string> commandNames(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::App* sub : command.get_subcommands({})) names.push_back(sub->get_name());
   return names;
-}
-
-/// The page of a command, with the full name before its usage line, and one line feed at the end.
-std::string helpText(const CLI::App& command) {
-  const CLI::App* parent = command.get_parent();
-  // CLI11 leaves two blank lines between groups; one will do.
-  std::string text;
-  for (const char letter : command.help(parent == nullptr ? "" : fullName(*parent))) {
-    if (letter != '\n' || !text.ends_with("\n\n")) text += letter;
-  }
-  return text.ends_with('\n') ? text : text + '\n';
 }
 
 /// Arguments that no option and no place took: the first unknown option, else the first of all.
@@ -100,13 +90,14 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
   // CLI11 takes the arguments from the back.
   std::vector<std::string> reversed = translatePeerSpellings(arguments);
+  const std::string group = takeHelpGroup(reversed);
   std::reverse(reversed.begin(), reversed.end());
   try {
     program.parse(reversed);
   } catch (const CLI::CallForVersion& call) {
     return PrintOrder{call.what()};
   } catch (const CLI::CallForHelp&) {
-    return PrintOrder{helpText(chosenCommand(program))};
+    return PrintOrder{helpText(chosenCommand(program), group)};
   } catch (const CLI::ArgumentMismatch& error) {
     throw missingValue(error.what(), chosenCommand(program));
   } catch (const CLI::ParseError& error) {
@@ -140,14 +131,16 @@ Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
 /// What holds for the program as a whole, and its commands. Their order is that of the help.
 std::vector<Command> addCommands(CLI::App& program) {
   program.allow_extras();
+  setHelpLayout(program);
   program.set_version_flag("--version", record::versionText());
   program.footer(fmt::format("kirireel COMMAND --help explains a command.\n\n{}", kExitCodesHelp));
   return {addCommand(program, addRecordCommand),   addCommand(program, addSimulateCommand),
           addCommand(program, addRenderCommand),   addCommand(program, addExportCommand),
           addCommand(program, addGenerateCommand), addCommand(program, addInspectCommand),
-          addCommand(program, addConvertCommand),  addCommand(program, addStudyCommand),
-          addCommand(program, addPageCommand),     addCommand(program, addCurvesCommand),
-          addCommand(program, addSweepCommand),    addCommand(program, addVerifyCommand)};
+          addCommand(program, addConvertCommand),  addCommand(program, addModelsCommand),
+          addCommand(program, addStudyCommand),    addCommand(program, addPageCommand),
+          addCommand(program, addCurvesCommand),   addCommand(program, addSweepCommand),
+          addCommand(program, addVerifyCommand)};
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does. It holds all values that carryOut() needs; no parser is
 /// left when it is returned.
-using Order =
-    std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder, ConvertOrder,
-                 StudyOrder, SweepOrder, VerifyOrder, CurvesOrder, PageOrder, PrintOrder>;
+using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
+                           ConvertOrder, ModelsOrder, StudyOrder, SweepOrder, VerifyOrder,
+                           CurvesOrder, PageOrder, PrintOrder>;
 
 /// A model in memory, with what a run of it must know beside.
 struct LoadedModel {

@@ -216,6 +216,36 @@ int carryOut(const InspectOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
+// The models that findModel() knows, one per line.
+
+CLI::App* addModelsCommand(CLI::App& program, ModelsOrder&) {
+  CLI::App* command = program.add_subcommand(
+      "models", "list the models in data/ and those installed with the program");
+  command->footer("Each can be named without its folder, as in kirireel record fan.");
+  return command;
+}
+
+void completeOrder(const CLI::App&, ModelsOrder&) {}
+
+int carryOut(const ModelsOrder&) {
+  const std::map<std::string, std::filesystem::path> models = knownModels();
+  std::size_t width = 4;
+  for (const auto& [name, place] : models) width = std::max(width, name.size());
+  fmt::print("{:<{}}  {:>6}  {:>6}  target\n", "name", width, "tiles", "joints");
+  for (const auto& [name, place] : models) {
+    try {
+      std::vector<std::string> ignored;
+      const model::Model model = model::readModel(place, {}, ignored);
+      fmt::print("{:<{}}  {:>6}  {:>6}  {}\n", name, width, model.tiles.size(), model.joints.size(),
+                 model.target ? "yes" : "no");
+    } catch (const InputError& error) {
+      fmt::print("{:<{}}  {}\n", name, width, oneLine(error.what()));
+    }
+  }
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
 // Studies measure this machine: seconds of CPU time against error, of our solver and of Bullet's.
 // Rows are kept as they are finished, so an interrupted study continues with --resume.
 

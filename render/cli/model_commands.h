@@ -1,4 +1,4 @@
-/// Commands about models: generate, convert, inspect and study.
+/// Commands about models: generate, convert, inspect, models and study.
 #pragma once
 
 #include <filesystem>
@@ -94,6 +94,21 @@ void completeOrder(const CLI::App& command, InspectOrder& order);
 /// for a model that cannot be read; for one with a tile that crosses itself the picture is written
 /// first.
 int carryOut(const InspectOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel models`.
+
+/// Lists the models that findModel() knows. It has no options.
+struct ModelsOrder {};
+
+/// Adds `models`.
+CLI::App* addModelsCommand(CLI::App& program, ModelsOrder& order);
+
+/// Accepts every order.
+void completeOrder(const CLI::App& command, ModelsOrder& order);
+
+/// Prints name, tiles, joints and target of each model. Returns the exit code.
+int carryOut(const ModelsOrder& order);
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel study NAME`.

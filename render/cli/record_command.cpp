@@ -54,6 +54,8 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
             "page.html too: the run in 3-D for any browser, see kirireel page")
       .decidesNothing();
   group.flag("--json", order.printJson, "print the summary as JSON").decidesNothing();
+  group.flag("--verbose", order.verbose, "print all findings and warnings of the run")
+      .decidesNothing();
 }
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
@@ -89,13 +91,11 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
 }
 
 constexpr const char* kPeerNote =
-    "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's spellings work\n"
-    "too: --model, --brick_thickness, --spring_stiffness, --force_damping, --ground_plane,\n"
-    "-ss, -fd, -bt, -gp, -gf. --no_collision is --contacts unjoined, --filter_collision is\n"
-    "--contacts none. --headless is accepted and does nothing: no window is ever opened. Such\n"
-    "lines, and --like pykirigami, run as dynamics with PyKirigami's constants for what they "
-    "leave\n"
-    "out, and their bricks collide (--contacts all).\n\n";
+    "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's\n"
+    "spellings work too: --model, --brick_thickness (-bt), --spring_stiffness (-ss),\n"
+    "--force_damping (-fd), --ground_plane (-gp), -gf, --headless, --no_collision\n"
+    "(--contacts unjoined), --filter_collision (--contacts none). They, and --like\n"
+    "pykirigami, select its dynamics, constants and collisions.\n\n";
 
 /// What a run can live with is appended to the warnings; everything else throws.
 scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
@@ -185,7 +185,7 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
   command->footer(
       fmt::format("Examples:\n"
                   "  kirireel record data/tessellation_4x4\n"
-                  "  kirireel record data/tessellation_4x4 --out out/figure --grid 2x3 --view top "
+                  "  kirireel record data/tessellation_4x4 --grid 2x3 --view top "
                   "--size 800x600\n"
                   "  kirireel record MODEL --ground --gravity -9.81 --spring-stiffness 25\n\n{}{}",
                   kPeerNote, kExitCodesHelp));
@@ -342,8 +342,11 @@ int carryOut(const RecordOrder& order) {
   {
     ProgressLine line;
     result.summary =
-        record::record(result.scene, result.settings, [&line](const record::Progress& progress) {
-          if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
+        record::record(result.scene, result.settings, [&](const record::Progress& progress) {
+          const bool isShown = order.verbose || !progress.isRemarkInSummary;
+          if (isShown && !progress.remark.empty()) {
+            fmt::print(stderr, "kirireel: {}\n", progress.remark);
+          }
           line.show(progress);
           return takeInterrupt();
         });
@@ -351,7 +354,8 @@ int carryOut(const RecordOrder& order) {
   const auto& [scene, settings, summary] = result;
   addPage(order, settings.folder);
   fmt::print("{}", order.printJson ? record::summaryJson(scene, settings, summary)
-                                   : describeRun(scene, settings, summary));
+                   : order.verbose ? describeRun(scene, settings, summary)
+                                   : describeRunBriefly(scene, settings, summary));
   return exitCode(deploy::toString(summary.outcome), !summary.shortfall.empty());
 }
 

@@ -76,6 +76,7 @@ struct RecordOrder {
   OrderText text;                   ///< the settings, once the order is complete
   bool page = false;                ///< page.html beside the other files, once they are in place
   bool printJson = false;           ///< the summary on standard output as JSON
+  bool verbose = false;             ///< print all findings, not only the six lines of a run
 };
 
 /// Adds `record`. The order must outlive the parsing.

@@ -18,6 +18,7 @@
 #include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/path_choice.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/sheet.h"
 
@@ -255,6 +256,92 @@ void ProgressLine::show(const std::string& line) {
   fmt::print(stderr, "\r\033[K{}", line);
   std::fflush(stderr);
   shown_ = line;
+}
+
+namespace {
+
+/// "target reached, error 1e-13 m", "target missed by ...", "settled after 6 s: ...".
+std::string describeEnd(const scene::Scene& scene, const record::RunSummary& summary) {
+  using enum deploy::Outcome;
+  const std::string end =
+      fmt::format("{} after {:.4g} s",
+                  summary.outcome == OutOfTime ? "still moving" : deploy::toString(summary.outcome),
+                  summary.endTime);
+  const double error = summary.accuracy.targetErrorEnd;
+  const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
+  if (summary.outcome == Interrupted) return summary.reason;
+  if (summary.atTarget == true) return fmt::format("target reached, error {:.2g} m", error);
+  if (summary.atTarget && summary.outcome != Diverged) {
+    return fmt::format("target missed by {}, {}", inTiles(error, model::tileSize(scene.model)),
+                       end);
+  }
+  return isFailed || summary.shortfall.empty() ? end + ": " + summary.reason : end;
+}
+
+/// The end, and why a run that did not miss its target still has a shortfall.
+std::string headline(const scene::Scene& scene, const record::RunSummary& summary) {
+  using enum deploy::Outcome;
+  std::string text = describeEnd(scene, summary);
+  if (summary.shortfall.empty() || summary.outcome == Interrupted) return text;
+  const bool isExplained = summary.atTarget == false || summary.outcome == Locked;
+  if (!isExplained) {
+    text += summary.forbiddenOverlap > 0
+                ? fmt::format(", but tiles overlap by {:.2g} m", summary.forbiddenOverlap)
+                : ", but the search used up its budget (--search)";
+  }
+  return fmt::format("{}; exit code {}", text, kExitShort);
+}
+
+/// "kinematic path, no collisions".
+std::string describeMotion(const record::RunSummary& summary, double tile) {
+  const char* path = summary.loadCurve                                    ? "path of equilibria"
+                     : summary.path.kind == scene::PathKind::Continuation ? "kinematic path"
+                     : summary.path.kind == scene::PathKind::Guided       ? "guided by springs"
+                                                                          : "dynamics";
+  const bool isClear = summary.accuracy.penetrationGrownMax <= deploy::kClearShare * tile;
+  return fmt::format("{}, {}", path,
+                     summary.needs.contacts.on ? "contacts on"
+                     : isClear                 ? "no collisions"
+                                               : "contacts off");
+}
+
+/// Up to two lines: overlaps of the run beyond its start, and those that block the target.
+std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSummary& summary) {
+  const double tile = model::tileSize(scene.model);
+  const double grown = summary.accuracy.penetrationGrownMax;
+  const bool isOverlapping = grown > deploy::kClearShare * tile;
+  std::string text = isOverlapping ? fmt::format("worst overlap {}\n", inTiles(grown, tile)) : "";
+  if (summary.blocking.empty() || (summary.atTarget == true && !isOverlapping)) return text;
+  const deploy::BlockingPair& worst = summary.blocking.front();
+  const int first = scene.model.fileOrder.countsFrom;
+  return text + fmt::format("overlaps at the target: {} pair{}, worst tiles {} and {} ({:.2g} m)\n",
+                            summary.blocking.size(), summary.blocking.size() > 1 ? "s" : "",
+                            first + worst.tileA, first + worst.tileB, worst.overlap);
+}
+
+}  // namespace
+
+std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
+                               const record::RunSummary& summary) {
+  const double tile = model::tileSize(scene.model);
+  std::string text = fmt::format("{}: {}\n", scene.model.name, headline(scene, summary));
+  text += fmt::format("{} tiles, {} joints, {}; {}\n", scene.model.tiles.size(),
+                      scene.model.joints.size(), summary.needs.planar.on ? "planar" : "in space",
+                      describeMotion(summary, tile));
+  if (!scene.model.joints.empty()) {
+    const deploy::Accuracy& accuracy = summary.accuracy;
+    text += accuracy.jointOpeningMax > 0
+                ? fmt::format("joints open by up to {}, {:.2g} m at the end\n",
+                              inTiles(accuracy.jointOpeningMax, tile), accuracy.jointGapEnd)
+                : fmt::format("joints closed to {:.2g} m\n", accuracy.jointGapMax);
+  }
+  text += describeWorstOverlap(scene, summary);
+  text += fmt::format("{} files in {} ({:.1f} s)", summary.files.size(), settings.folder.string(),
+                      summary.recordCost.wallSeconds);
+  if (const std::size_t count = summary.warnings.size(); count > 0) {
+    text += fmt::format("; {} warning{}: --verbose", count, count > 1 ? "s" : "");
+  }
+  return text + "\n";
 }
 
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,

@@ -31,8 +31,12 @@ class ProgressLine {
   std::string shown_;
 };
 
-/// The summary in a few lines: outcome, accuracy, cost, files. Several lines, each with its line
-/// feed.
+/// At most six lines: the outcome with its error or shortfall, the model and the path, the joints,
+/// the worst overlap if there is one, the files and the time.
+std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSettings& settings,
+                               const record::RunSummary& summary);
+
+/// All findings of a run, with its warnings, for --verbose.
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
                         const record::RunSummary& summary);
 
@@ -54,9 +58,9 @@ inline constexpr int kExitInterrupted = 4;  ///< by a signal
 
 /// The same for people, at the end of a command's help.
 inline constexpr const char* kExitCodesHelp =
-    "Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or command line\n"
-    "wrong; 3 the run missed its target, bricks passed through each other, or the search ended at\n"
-    "its budget; 4 interrupted.";
+    "Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or\n"
+    "command line wrong; 3 the run missed its target, bricks passed through each\n"
+    "other, or the search ended at its budget; 4 interrupted.";
 
 // ------------------------------------------------------------------------------------------------
 // Ctrl-C and polite requests to end.

@@ -253,15 +253,43 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
       overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
 }
 
+/// Where findModel() searches: first near the current folder, then where models are installed.
+constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
+
+/// Refuses a mistyped name of a known model; other names are for the reader to refuse.
+void requireNoSlip(const std::filesystem::path& named) {
+  std::error_code ignored;
+  if (std::filesystem::exists(findModel(named), ignored)) return;
+  // A folder may be typed with a slash at its end.
+  const std::filesystem::path name = named.has_filename() ? named : named.parent_path();
+  std::vector<std::string> names;
+  for (const auto& [known, place] : knownModels()) names.push_back(known);
+  const std::string meant = suggestion(name.filename().string(), names);
+  if (meant.empty()) return;
+  throw inputErrorAt({named}, fmt::format("there is no such model{}; see kirireel models", meant));
+}
+
 }  // namespace
 
 std::filesystem::path findModel(const std::filesystem::path& named) {
   if (std::filesystem::exists(named) || named.is_absolute()) return named;
-  // The current folder's data/ first, then what was installed with the program.
-  for (const std::filesystem::path folder : {"data", KIRIREEL_MODELS}) {
+  for (const std::filesystem::path folder : kModelFolders) {
     if (std::filesystem::exists(folder / named)) return folder / named;
   }
   return named;
+}
+
+std::map<std::string, std::filesystem::path> knownModels() {
+  std::map<std::string, std::filesystem::path> models;
+  std::error_code ignored;
+  for (const std::filesystem::path folder : kModelFolders) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+      if (std::filesystem::exists(entry.path() / "vertices.txt", ignored)) {
+        models.emplace(entry.path().filename().string(), entry.path());
+      }
+    }
+  }
+  return models;
 }
 
 void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
@@ -346,6 +374,7 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
 
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
                          const model::ReadSettings& settings, std::vector<std::string>& warnings) {
+  requireNoSlip(place);
   std::optional<std::filesystem::path> named;
   // A target of another model is looked for in the same places.
   if (!target.empty()) named = findModel(target);

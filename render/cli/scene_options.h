@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
@@ -88,6 +90,10 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
 /// were installed with the program. As named where it stands nowhere, so that the error names what
 /// the user typed.
 std::filesystem::path findModel(const std::filesystem::path& named);
+
+/// The folders of models next to the current folder (data/) and those installed with the program,
+/// by name; of two models of one name, findModel() knows only the first.
+std::map<std::string, std::filesystem::path> knownModels();
 
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
 /// Warnings are appended, also of tiles that overlap at the start. Throws InputError.

@@ -136,6 +136,7 @@ void noteResult(const deploy::DeploymentResult& result, double endTime, RunSumma
   summary.reason = result.reason;
   summary.atTarget = result.atTarget;
   summary.shortfall = result.shortfall;
+  summary.forbiddenOverlap = result.forbiddenOverlap;
   summary.endTime = endTime;
   summary.needs = result.needs;
   summary.accuracy = result.accuracy;
@@ -211,8 +212,8 @@ class LiveRun {
 
  private:
   void tellWarning(const std::string& warning) {
-    observer_(
-        {"looking for a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning)});
+    observer_({"looking for a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning),
+               true});
   }
 
   /// Returns whether the deployment goes on. Who has ended it is not asked again: what comes next

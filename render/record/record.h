@@ -153,6 +153,7 @@ struct RunSummary : PictureReport {
   std::string reason;                                    ///< one line: why it ended so
   std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
   std::string shortfall;         ///< why the run does not count as done; empty if it does
+  double forbiddenOverlap = 0;   ///< see deploy::DeploymentResult; metres
   double endTime = 0;            ///< simulated seconds
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.
@@ -175,9 +176,10 @@ struct RunSummary : PictureReport {
 
 /// How far a run is, for a progress line. `stage` lives as long as the program.
 struct Progress {
-  const char* stage = "";   ///< "looking for a path", "deploying", "painting" or "exporting"
-  double share = 0;         ///< of this stage, 0 to 1
-  std::string remark = {};  ///< a line to be told once; seldom there
+  const char* stage = "";          ///< "looking for a path", "deploying", "painting" or "exporting"
+  double share = 0;                ///< of this stage, 0 to 1
+  std::string remark = {};         ///< a line to print once; mostly empty
+  bool isRemarkInSummary = false;  ///< the remark is one of RunSummary::warnings
 };
 
 /// Who ends a stage of a run early, for example "SIGTERM"; absent: it goes on.

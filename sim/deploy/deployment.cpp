@@ -466,6 +466,7 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   const double tile = model::tileSize(scene.model);
   const bool isOverlapping = grown > kClearShare * tile;
   if (isOverlapping) {
+    result.forbiddenOverlap = grown;
     faults.push_back(fmt::format("bricks pass through each other by up to {:.2g} m ({:.2g} tiles)",
                                  grown, grown / tile));
   }

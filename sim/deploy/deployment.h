@@ -96,7 +96,8 @@ struct DeploymentResult {
   /// Why the run does not count as done, in one line; empty if it does: the target is missed,
   /// bricks that may touch pass through each other, or the budget ended the search.
   std::string shortfall;
-  Accuracy accuracy;  ///< gaps, errors and overlaps, metres
+  double forbiddenOverlap = 0;  ///< the one in `shortfall`, metres; 0 if it has none
+  Accuracy accuracy;            ///< gaps, errors and overlaps, metres
   /// How far the tolerance's tenth moved a vertex at any sample, tiles; absent where it was not
   /// measured (SolverSettings::measuresTimeError), or where the run kept no tolerance.
   std::optional<double> timeError;

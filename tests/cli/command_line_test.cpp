@@ -1,6 +1,8 @@
 #include "render/cli/command_line.h"
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -34,9 +36,9 @@ TEST(CommandLine, HelpTellsTheExitCodes) {
   for (const Words& words : {Words{"--help"}, {"record", "--help"}, {"simulate", "--help"}}) {
     EXPECT_THAT(
         page(words),
-        HasSubstr("Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input "
-                  "or command line\nwrong; 3 the run missed its target, bricks passed through each "
-                  "other, or the search ended at\nits budget; 4 interrupted."));
+        HasSubstr("Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or\n"
+                  "command line wrong; 3 the run missed its target, bricks passed through each\n"
+                  "other, or the search ended at its budget; 4 interrupted."));
   }
 }
 
@@ -304,7 +306,7 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
   EXPECT_EQ(messageOf({}),
             "error: no command given; choose record, simulate, render, export, generate, inspect, "
-            "convert, study, page, curves, sweep or verify, see "
+            "convert, models, study, page, curves, sweep or verify, see "
             "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");
@@ -321,15 +323,49 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
 }
 
 TEST(CommandLine, HelpTeaches) {
-  const std::string help = page({"record", "--help"});
+  const std::string help = page({"record", "--help", "all"});
   for (const char* part :
-       {"Usage: kirireel record", "--thickness METRES", "(default 0.02 of the mean edge)",
-        "auto, none, unjoined or all (default auto)",
+       {"Usage: kirireel record", "--thickness METRES", "thickness of the bricks",
         "Examples:", "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
     EXPECT_THAT(help, HasSubstr(part));
   }
   EXPECT_THAT(page({"--help"}), HasSubstr("simulate"));
   EXPECT_THAT(page({"generate", "tessellation", "--help"}), HasSubstr("--target-angle DEGREES"));
+}
+
+std::size_t widestLine(const std::string& text) {
+  std::size_t widest = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) widest = std::max(widest, line.size());
+  return widest;
+}
+
+TEST(CommandLine, HelpFitsTheTerminal) {
+  for (const cli::CommandDescription& command : cli::describeProgram().commands) {
+    EXPECT_LE(widestLine(page({command.name, "--help", "all"})), 80U) << command.name;
+    const std::string help = page({command.name, "--help"});
+    // Families of models are one list.
+    if (command.commands.empty()) {
+      EXPECT_LE(std::ranges::count(help, '\n'), 48) << command.name;
+    }
+    for (const cli::OptionDescription& option : command.options) {
+      if (option.group == "Options") continue;
+      const std::string group = page({command.name, "--help", option.group});
+      EXPECT_LE(std::ranges::count(group, '\n'), 48) << option.group;
+      EXPECT_THAT(group, HasSubstr("\n  " + option.names.front())) << option.group;
+    }
+  }
+}
+
+TEST(CommandLine, HelpListsGroups) {
+  const std::string help = page({"record", "--help"});
+  EXPECT_THAT(help, HasSubstr("\n  output        --out "));
+  EXPECT_THAT(help, HasSubstr("\n  video "));
+  EXPECT_THAT(page({"record", "--help", "springs"}),
+              testing::StartsWith("Springs to the target:\n"));
+  EXPECT_EQ(messageOf({"verify", "--help", "vidoe"}),
+            "error: kirireel verify has no group of options 'vidoe'; choose all");
+  EXPECT_THAT(messageOf({"record", "--help", "vidoe"}), HasSubstr("'vidoe', did you mean video?;"));
 }
 
 TEST(CommandLine, VersionNamesTheLibraries) {

@@ -218,9 +218,9 @@ const std::vector<Sample>& samples() {
 
 /// Options that say where a run goes, what is printed, where its settings stand, which of two
 /// libraries or how many threads draw the same pictures, or what is so anyway.
-const std::set<std::string> kDecideNothing = {"--help",   "--out",     "--resume", "--json",
-                                              "--page",   "--scene",   "--gl",     "--quadratic",
-                                              "--strict", "--painters"};
+const std::set<std::string> kDecideNothing = {"--help",   "--out",     "--resume",  "--json",
+                                              "--page",   "--scene",   "--gl",      "--quadratic",
+                                              "--strict", "--verbose", "--painters"};
 
 cli::RecordOrder orderOf(const Words& options) {
   Words words = {"record", "model"};
@@ -241,7 +241,7 @@ Words given(const Sample& sample, std::size_t value) {
 
 TEST(Orders, HaveASampleOfEveryOption) {
   const std::string help =
-      std::get<cli::PrintOrder>(cli::parseCommandLine({"record", "--help"})).text;
+      std::get<cli::PrintOrder>(cli::parseCommandLine({"record", "--help", "all"})).text;
   const std::regex pattern("\n  (?:-h,)?(--[a-z-]+)");
   std::set<std::string> known = kDecideNothing;
   for (const Sample& sample : samples()) known.insert(sample.option);
@@ -281,8 +281,9 @@ TEST(Orders, ConvertLengthsToMetres) {
 
 TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
   const std::string plain = termsOf({});
-  for (const Words& words : {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"},
-                             Words{"--page"}, Words{"--gl", "egl"}, Words{"--painters", "2"}}) {
+  for (const Words& words :
+       {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"}, Words{"--page"},
+        Words{"--verbose"}, Words{"--gl", "egl"}, Words{"--painters", "2"}}) {
     EXPECT_EQ(termsOf(words), plain) << words.front();
   }
 }

@@ -1,4 +1,5 @@
 // Models that other people made, where they stand beside the repository; skipped where they do not.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -79,6 +80,36 @@ INSTANTIATE_TEST_SUITE_P(Command, PublishedPairs,
                          testing::Values("hexagon_shear_w4_h2_i4_f0", "quad_sphere_w4_h4_i3_f0_r0",
                                          "triangle_circle_w3_h3_i3_f1_r1",
                                          "triangle_sphere_w3_h4_i3_f0_r0"));
+
+const ProgramSetting kAmongSources{.folder = KIRIREEL_SOURCE_DIR};
+
+TEST(KnownModels, AreListed) {
+  const ProgramEnd end = runKirireel({"models"}, kAmongSources);
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(end.out, testing::MatchesRegex("name +tiles +joints +target\n(.*\n)*"
+                                             "ammann_beenker_48 +[0-9]+ +[0-9]+  no\n(.*\n)*"
+                                             "tessellation_4x4 +16 +24  yes\n(.*\n)*"));
+  const ScratchFolder scratch;
+  std::filesystem::create_directories(scratch / "data/broken");
+  writeText(scratch / "data/broken/vertices.txt", "0 0 0 1\n");
+  const ProgramEnd broken = runKirireel({"models"}, {.folder = scratch.path()});
+  EXPECT_EQ(broken.exitCode, 0);
+  EXPECT_THAT(broken.out, testing::HasSubstr("vertices.txt:1: error: "));
+}
+
+TEST(KnownModels, AreSuggestedForMistypedNames) {
+  for (const std::string name : {"tesselation_4x4", "data/tesselation_4x4/"}) {
+    for (const char* command : {"record", "simulate", "inspect"}) {
+      const ProgramEnd end = runKirireel({command, name}, kAmongSources);
+      EXPECT_EQ(end.exitCode, 2);
+      EXPECT_EQ(end.err, "kirireel: " + name +
+                             ": error: there is no such model, did you mean tessellation_4x4?; see "
+                             "kirireel models\n");
+    }
+  }
+  EXPECT_THAT(runKirireel({"record", "nothing_like_it"}, kAmongSources).err,
+              testing::HasSubstr("nothing_like_it: error: there is no such folder; "));
+}
 
 }  // namespace
 }  // namespace kirireel

@@ -1,4 +1,5 @@
 // What the program says of targets that cannot be reached, and of starts that it moves.
+#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@ namespace kirireel {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using ::testing::Not;
 
 class Targets : public testing::Test {
@@ -36,7 +38,7 @@ TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
   }
-  const ProgramEnd end = simulate(model, {});
+  const ProgramEnd end = simulate(model, {"--verbose"});
   EXPECT_NE(end.exitCode, 0);
   EXPECT_THAT(end.err, HasSubstr("model: warning: the target is torn: its own joints are open by 1 "
                                  "m there (1 tiles), so that closed joints cannot reach it"));
@@ -48,17 +50,37 @@ TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
   EXPECT_EQ(summary_["warnings"][0].get<std::string>().substr(0, 18), "the target is torn");
 }
 
+TEST_F(Targets, AMissedOneIsReportedInSixLines) {
+  model::Model model = model::makeTessellation({});
+  for (int i = 8; i < 16; ++i) {
+    for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
+  }
+  const ProgramEnd end = simulate(model, {});
+  EXPECT_EQ(end.exitCode, kEndedShort);
+  EXPECT_EQ(end.err, "");
+  EXPECT_THAT(
+      end.out,
+      MatchesRegex("model: target missed by 0.5[0-9]* m \\(0.5[0-9]* tiles\\), "
+                   "locked after [0-9.]+ s; exit code 3\n(.*\n)*.*; 2 warnings: --verbose\n"));
+  EXPECT_LE(std::ranges::count(end.out, '\n'), 6);
+  const ProgramEnd late = simulate(model, {"--path", "dynamic", "--duration", "0.1"});
+  EXPECT_THAT(late.out, MatchesRegex("model: target missed by .*, still moving after 0.1 s; exit "
+                                     "code 3\n(.*\n)*"));
+}
+
 TEST_F(Targets, NoErrorInTimeIsClaimedThatIsNotKnown) {
   const model::Model model = model::makeTessellation({});
-  const ProgramEnd guided = simulate(model, {"--path", "guided", "--damping-ratio", "0"});
+  const ProgramEnd guided =
+      simulate(model, {"--path", "guided", "--damping-ratio", "0", "--verbose"});
   EXPECT_THAT(guided.out, HasSubstr("time: critically damped springs guide the tiles in fixed "
                                     "steps, which keep no tolerance\n"));
-  const ProgramEnd dynamic = simulate(model, {"--path", "dynamic"});
+  const ProgramEnd dynamic = simulate(model, {"--path", "dynamic", "--verbose"});
   EXPECT_THAT(dynamic.out, HasSubstr("time: each step keeps 0.001 tiles"));
   EXPECT_THAT(dynamic.out, HasSubstr("the error of the run is not known (--measure-time-error)"));
   EXPECT_THAT(dynamic.out, Not(HasSubstr("within")));
   EXPECT_TRUE(summary_["accuracy"]["time_error"].is_null());
-  const ProgramEnd measured = simulate(model, {"--path", "dynamic", "--measure-time-error"});
+  const ProgramEnd measured =
+      simulate(model, {"--path", "dynamic", "--measure-time-error", "--verbose"});
   EXPECT_THAT(measured.out, HasSubstr("; a tenth of it moves a vertex by "));
   EXPECT_GT(summary_["accuracy"]["time_error"].get<double>(), 0);
 }
@@ -68,11 +90,11 @@ TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
   for (model::Tile& tile : model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 1;
   }
-  const ProgramEnd moved = simulate(model, {"--duration", "0.1"});
+  const ProgramEnd moved = simulate(model, {"--duration", "0.1", "--verbose"});
   EXPECT_THAT(moved.out, HasSubstr("the start was moved by up to "));
   EXPECT_GE(summary_["alignment"]["moved"].get<double>(), 1);
   EXPECT_EQ(summary_["alignment"]["by"], "all tiles");
-  const ProgramEnd kept = simulate(model, {"--duration", "0.1", "--no-align"});
+  const ProgramEnd kept = simulate(model, {"--duration", "0.1", "--no-align", "--verbose"});
   EXPECT_THAT(kept.out, Not(HasSubstr("the start was moved")));
   EXPECT_TRUE(summary_["alignment"].is_null());
 }

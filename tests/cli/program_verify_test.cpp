@@ -160,7 +160,8 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
             "[model]\nligaments = true\nhinge_neck = \"0.1,0.1,1e6\"\n"
             "[[grip]]\ntiles = [0, 1]\nmove = {x = 0, y = 0}\n"
             "[[grip]]\ntiles = [2, 3]\nmove = {x = -0.1}\n");
-  const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
+  const ProgramEnd end =
+      runKirireel({"simulate", model, "--scene", scene, "--out", run, "--verbose"});
   ASSERT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(end.out, HasSubstr("springs at 4 hinges and 4 ligaments: "));
   ASSERT_TRUE(record::verifyRun(run).complaints.empty());

@@ -120,8 +120,9 @@ class Pages(unittest.TestCase):
         self.run_page("README.md")
 
     def test_readme_names_the_defaults_of_the_help(self):
-        help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "record", "--help"], text=True,
-                                   capture_output=True).stdout
+        help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "record", "--help", "all"],
+                                   text=True, capture_output=True).stdout
+        help_text = re.sub(r"\n {26}", " ", help_text)  # one option per line
         defaults = dict(re.findall(r"^  (--[a-z-]+) .*\(default ([\w.]+)[^()]*\)$", help_text, re.M))
         rows = re.findall(r"^\| `(--[a-z-]+)[^`]*` \|.*?\((\d[\w.]*|auto)\b", (SOURCES / "README.md").read_text(), re.M)
         self.assertGreater(len(rows), 4)
