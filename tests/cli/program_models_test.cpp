@@ -69,8 +69,9 @@ TEST_P(PublishedPairs, DeployToTheirFloorWithNoFlags) {
   const ProgramEnd end =
       runKirireel({"simulate", (folder / GetParam()).string() + "_contracted.obj", "--out",
                    scratch.path().string(), "--fps", "10"});
-  EXPECT_EQ(end.exitCode, 0) << end.out << end.err;
-  const auto accuracy = nlohmann::json::parse(readText(scratch / "summary.json"))["accuracy"];
+  const auto summary = nlohmann::json::parse(readText(scratch / "summary.json"));
+  EXPECT_EQ(end.exitCode, summary["shortfall"].is_null() ? 0 : kEndedShort) << end.out << end.err;
+  const auto& accuracy = summary["accuracy"];
   const double rest = accuracy["springs_rest_error"];
   EXPECT_LE(accuracy["target_error_end"], 1.05 * rest);  // measured: 1.00 of 3.6e-6 to 0.012
   EXPECT_LE(accuracy["assembled_error"], accuracy["target_error_end"]);

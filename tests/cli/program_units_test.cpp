@@ -71,6 +71,10 @@ struct UnitRun {
   double millimetre;  ///< in this unit
 };
 
+void PrintTo(const UnitRun& run, std::ostream* stream) {
+  *stream << run.unit;
+}
+
 class Units : public testing::TestWithParam<UnitRun> {};
 
 TEST_P(Units, LeaveFilesOfOneSize) {
