@@ -68,6 +68,10 @@ void requireNothingLeft(const CLI::App& program) {
   for (const std::string& argument : left) {
     if (!argument.starts_with('-')) continue;
     const std::string name = argument.substr(0, argument.find('='));
+    const std::string replacement = replacementOf(name);
+    if (!replacement.empty()) {
+      throw InputError(fmt::format("error: option {} was removed{}; {}", name, replacement, help));
+    }
     throw InputError(fmt::format("error: unknown option {}{}; {}", name,
                                  suggestion(name, optionNames(command)), help));
   }

@@ -26,7 +26,7 @@ const std::set<std::string>& mostUsedOptions() {
   static const std::set<std::string> names = {
       "--out",       "--fps",       "--json",    "--verbose",  "--target",   "--unit",
       "--pin",       "--actuation", "--path",    "--contacts", "--ground",   "--gravity",
-      "--thickness", "--duration",  "--export",  "--state",    "--joints",   "--size",
+      "--thickness", "--duration",  "--export",  "--states",   "--joints",   "--size",
       "--grid",      "--frames-at", "--colour",  "--theme",    "--captions", "--brick-colour",
       "--view",      "--zoom",      "--video",   "--length",   "--title",    "--brick-friction",
       "--scene",     "--drive",     "--no-video"};

@@ -77,8 +77,7 @@ bool hasPreset(const OptionContext& context) {
 bool mayBeTransparent(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   if (pictures.video && picture::videoFormatOf(pictures.videoFile).transparent) return true;
-  const bool isNamed =
-      isGiven(*context.command, "--video") || isGiven(*context.command, "--format");
+  const bool isNamed = isGiven(*context.command, "--video");
   return hasPng(context) && !(pictures.video && isNamed);
 }
 
@@ -183,7 +182,6 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--frames-at", isOneRun, kSeveral, kSingle},
     {"--fps", isOneRun, kSeveral, kSingle},
     {"--video", isOneRun, kSeveral, kSingle},
-    {"--format", isOneRun, kSeveral, kSingle},
     {"--length", isOneRun, kSeveral, kSingle},
     {"--hold", isOneRun, kSeveral, kSingle},
     {"--title", isOneRun, kSeveral, kSingle},
@@ -193,7 +191,6 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--preset", isOneRun, kSeveral, kSingle},
     {"--encoder", isOneRun, kSeveral, kSingle},
     {"--video", hasVideo, "without a video", "Remove --no-video"},
-    {"--format", hasVideo, "without a video", "Remove --no-video"},
     {"--crf", hasVideo, "without a video", "Remove --no-video"},
     {"--encoder", hasVideo, "without a video", "Remove --no-video"},
     {"--preset", hasVideo, "without a video", "Remove --no-video"},
@@ -241,8 +238,7 @@ constexpr OptionEffect kExportEffects[] = {
     {"--state-map", hasDeck, kNoDeck, kDeck},
     {"--check", hasDeck, kNoDeck, kDeck},
     {"--hinge-width", hasPattern, "without a cut pattern", "Export svg or dxf"},
-    {"--states", hasStates, "without files of states", "Export another format than svg, dxf, glb"},
-    {"--state", hasStates, "without files of states", "Export another format than svg, dxf, glb"}};
+    {"--states", hasStates, "without files of states", "Export another format than svg, dxf, glb"}};
 
 constexpr OptionEffect kCurvesEffects[] = {
     {"--against", hasPlot, kNoPlot, kPlot},

@@ -13,6 +13,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -178,6 +179,17 @@ const CLI::App& chosenCommand(const CLI::App& program) {
   // CLI11 lists the commands that were parsed, and only one can be.
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   return *command;
+}
+
+std::string replacementOf(const std::string& option) {
+  static const std::map<std::string, std::string> replacements = {
+      {"--format", "--video NAME.WORD"},
+      {"--pitch", "--view AZ,EL with EL = -pitch"},
+      {"--quadratic", "nothing, since it is the default"},
+      {"--state", "--states"},
+      {"--yaw", "--view AZ,EL with AZ = yaw - 90"}};
+  const auto found = replacements.find(option);
+  return found == replacements.end() ? "" : "; give " + found->second;
 }
 
 std::string fullName(const CLI::App& command) {

@@ -212,6 +212,9 @@ void addPlace(CLI::App& command, const std::string& name, std::filesystem::path&
 /// in the message.
 void requireGiven(const std::filesystem::path& path, const char* what, const CLI::App& command);
 
+/// What to give in place of an option that former versions had, "; give ..."; empty for others.
+std::string replacementOf(const std::string& option);
+
 /// The command with those it belongs to, e.g. "kirireel generate tessellation". For messages that
 /// name the page of the help to look at.
 std::string fullName(const CLI::App& command);

@@ -152,17 +152,8 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
 // Options of colours, drawing and camera. Angles are typed in degrees and kept in radians; lengths
 // are metres. A typed value is written back (saidAs) as the shortest number that reads to the same
 // double, so that a scene file made from an order gives the same pictures to the last bit.
-//
-// Two ways to say a view write into one place: --view with a word or azimuth and elevation, and
-// --yaw and --pitch as PyKirigami has them, where yaw 0 looks from the front and pitch -90 from
-// above (PyBullet's resetDebugVisualizerCamera). The later of two counts. Written back is the word
-// where there is one, else yaw and pitch.
 
 namespace {
-
-/// PyBullet's first view, where one of yaw and pitch is given alone.
-constexpr double kUsualYaw = 50 * kDegree;
-constexpr double kUsualPitch = -35 * kDegree;
 
 /// "" where the colour is that of the theme.
 std::string saidColour(const std::optional<picture::Colour>& colour) {
@@ -288,6 +279,15 @@ std::optional<picture::ViewAngles> parseView(
                              degrees(value.text.substr(comma + 1), 90)};
 }
 
+/// "45,30": the shortest degrees that read back to the same angles.
+std::string anglesText(const picture::ViewAngles& view) {
+  const auto degrees = [](double angle) {
+    return scene::numberText(
+        scene::numberReadAs(angle, angle / kDegree, [](double typed) { return typed * kDegree; }));
+  };
+  return degrees(view.azimuth) + "," + degrees(view.elevation);
+}
+
 /// `views` is kept by the readers, so it is copied into each.
 void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
   const scene::Choices<std::optional<picture::ViewAngles>> views = {
@@ -309,37 +309,10 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
              [&camera, views](const scene::TypedValue& typed) {
                camera.view = parseView(typed, views);
              })
-      .saidAs(
-          [&camera, views] { return scene::quotedText(scene::nameOfChoice(views, camera.view)); });
-  // A view with a name is said by that.
-  const auto angles = [&camera, views]() -> std::optional<TypedView> {
-    return scene::nameOfChoice(views, camera.view).empty() ? std::optional(typedView(*camera.view))
-                                                           : std::nullopt;
-  };
-  // The first of --yaw and --pitch sets both to PyBullet's start, so that one alone means what it
-  // does there.
-  const auto usual = [&camera] {
-    if (!camera.view) camera.view = picture::viewFromYawPitch(kUsualYaw, kUsualPitch);
-  };
-  group
-      .value("--yaw", "DEGREES", "50 with --pitch",
-             "turns the camera about z, 0 is from the front, as in PyKirigami",
-             [&camera, usual](const scene::TypedValue& typed) {
-               usual();
-               // viewFromYawPitch turns both; only the one that was typed is taken over.
-               const double yaw = scene::parseNumber(typed, {-3600, 3600}) * kDegree;
-               camera.view->azimuth = picture::viewFromYawPitch(yaw, 0).azimuth;
-             })
-      .saidAs([angles] { return angles() ? scene::numberText(angles()->yaw) : ""; });
-  group
-      .value("--pitch", "DEGREES", "-35 with --yaw",
-             "-90 is from above, 0 from the side, as in PyKirigami",
-             [&camera, usual](const scene::TypedValue& typed) {
-               usual();
-               const double pitch = scene::parseNumber(typed, {-90, 90}) * kDegree;
-               camera.view->elevation = picture::viewFromYawPitch(0, pitch).elevation;
-             })
-      .saidAs([angles] { return angles() ? scene::numberText(angles()->pitch) : ""; });
+      .saidAs([&camera, views] {
+        const std::string name = scene::nameOfChoice(views, camera.view);
+        return scene::quotedText(name.empty() ? anglesText(*camera.view) : name);
+      });
 }
 
 /// Lengths in metres, angles in degrees.
@@ -459,12 +432,6 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
              "(FFV1, lossless)",
              [&](const scene::TypedValue& typed) { settings.videoFile = parseFileName(typed); })
       .saidAs([&] { return scene::quotedText(settings.videoFile); });
-  group
-      .value("--format", "WORD", "mp4", "the same as --video deployment.WORD",
-             [&](const scene::TypedValue& typed) {
-               settings.videoFile = parseFileName({typed.name, "deployment." + typed.text});
-             })
-      .decidesNothing();  // --video says it
   group.flag("--no-video", settings.video, "no video", false);
   addPaceOptions(group, settings);
   group

@@ -42,7 +42,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       "States between two samples are interpolated, with their joints closed.\n\n"
       "Examples:\n"
       "  kirireel render out/tessellation_4x4 --view iso --out out/again\n"
-      "  kirireel render out/tessellation_4x4 --format gif --fps 25 --speed 0.5\n"
+      "  kirireel render out/tessellation_4x4 --video slow.gif --fps 25 --speed 0.5\n"
       "  kirireel render out/cylinder out/cap --grid 1x4 --width 180mm --font-size 7pt --out "
       "figure");
   return command;
@@ -92,8 +92,7 @@ int carryOut(const RenderOrder& order) {
 // ------------------------------------------------------------------------------------------------
 // Options of states, elements and decks, which `record` and `simulate` have too (behind --export),
 // and the command that exports a finished run. Every value that decides the bytes of a file says
-// itself by saidAs(), so that the fingerprint of a run holds it; aliases (--states beside --state,
-// --quadratic beside --linear) decide nothing.
+// itself by saidAs(), so that the fingerprint of a run holds it.
 
 namespace {
 
@@ -110,9 +109,8 @@ std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
 }
 
 void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
-  // What is typed takes the place of the default.
   // The default is two states. The first state that is typed empties the list, later ones add to
-  // it; the flag is shared by both options and outlives this function.
+  // it. The flag outlives this function.
   const auto isTyped = std::make_shared<bool>(false);
   const auto append = [&settings, isTyped](const std::string& name) {
     exports::requireStateName(name);
@@ -123,14 +121,12 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
   group
       .values("--states", "LIST",
               "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
-              "(30deg), separated by commas (initial,final)",
+              "(30deg), separated by commas (initial,final); or event:TEXT",
               [append](const scene::TypedValue& typed) {
+                // The text of an event may have commas.
+                if (typed.text.starts_with("event:")) return append(typed.text);
                 for (const std::string& name : splitAtCommas(typed)) append(name);
               })
-      .decidesNothing();  // --state says it
-  group
-      .values("--state", "NAME", "one of them, or event:TEXT",
-              [append](const scene::TypedValue& typed) { append(typed.text); })
       .saidAs([&settings] {
         std::vector<std::string> names;
         for (const std::string& name : settings.states) names.push_back(scene::quotedText(name));
@@ -161,11 +157,9 @@ void addElementOptions(CLI::App& command, exports::ElementRule& elements) {
   length("--element-size", "", "the longest element edge, in place of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
   group.flag("--linear", elements.quadratic,
-             "8 nodes an element (C3D8I); needs twice as many for the same accuracy", false);
-  group
-      .flag("--quadratic", "20 nodes an element (C3D20R); the default",
-            [&elements] { elements.quadratic = true; })
-      .decidesNothing();
+             "8 nodes per element (C3D8I) instead of 20 (C3D20R); needs twice as many elements for "
+             "the same accuracy",
+             false);
   // The first word is the default.
   group.choice<exports::JointStyle>(
       "--joints", elements.joints,
@@ -310,7 +304,7 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
   command->footer(
       "Examples:\n"
       "  kirireel export out/tessellation_4x4 --format obj,stl --states 0%,25%,50%,100%\n"
-      "  kirireel export out/tessellation_4x4 --format inp --state final --joints patch\n"
+      "  kirireel export out/tessellation_4x4 --format inp --states final --joints patch\n"
       "  kirireel export out/tessellation_4x4 --format inp --joints neck --neck-width 0.1\n"
       "  kirireel export out/tessellation_4x4 --format vtu --states all\n"
       "  kirireel export out/tessellation_4x4 --format glb,svg --hinge-width 0.03\n\n"

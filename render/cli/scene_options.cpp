@@ -182,10 +182,13 @@ CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
     throw inputErrorAt(setting.where, fmt::format("{} belongs in [{}], not in [{}]", setting.key,
                                                   table, setting.table));
   }
+  const std::string replacement = replacementOf("--" + setting.key);
   throw inputErrorAt(
       setting.where,
       fmt::format("[{}] has no key {}{}; see {} --help", setting.table, shown(setting.key),
-                  suggestion(setting.key, keysOf(command, setting.table)), command.get_name()));
+                  replacement.empty() ? suggestion(setting.key, keysOf(command, setting.table))
+                                      : replacement,
+                  command.get_name()));
 }
 
 /// An option without a value is switched on by true and left alone by false.

@@ -195,11 +195,11 @@ TEST(CommandLine, ReadsEveryOptionOfTheLook) {
 
 TEST(CommandLine, ReadsEveryOptionOfTheCamera) {
   const picture::Look look =
-      recordOrder({"record", "fan", "--yaw", "30", "--projection", "parallel", "--zoom", "2",
+      recordOrder({"record", "fan", "--view", "-60,35", "--projection", "parallel", "--zoom", "2",
                    "--margin", "0.1", "--fit", "ends", "--orbit", "180", "--camera-keys",
                    "0:50:-35:1,2.5:90:-20:1.5"})
           .settings.look;
-  EXPECT_EQ(look.camera.view, picture::viewFromYawPitch(30 * M_PI / 180, -35 * M_PI / 180));
+  EXPECT_EQ(look.camera.view, (picture::ViewAngles{-60 * kDegree, 35 * kDegree}));
   EXPECT_EQ(look.camera.orthographic, true);
   EXPECT_EQ(look.camera.zoom, 2);
   EXPECT_EQ(look.camera.margin, 0.1);
@@ -383,10 +383,22 @@ TEST(CommandLine, RenderTakesSeveralRunsIntoAFolderOfTheirOwn) {
                         "its own with --out"));
 }
 
+TEST(CommandLine, RemovedSpellingsNameTheirReplacement) {
+  EXPECT_EQ(messageOf({"record", "fan", "--yaw", "30"}),
+            "error: option --yaw was removed; give --view AZ,EL with AZ = yaw - 90; see kirireel "
+            "record --help");
+  EXPECT_EQ(messageOf({"export", "run", "--format", "inp", "--quadratic"}),
+            "error: option --quadratic was removed; give nothing, since it is the default; see "
+            "kirireel export --help");
+  for (const char* word : {"--pitch", "--state", "--format"}) {
+    EXPECT_THAT(messageOf({"record", "fan", word, "1"}), HasSubstr(" was removed; give --"));
+  }
+}
+
 TEST(CommandLine, RenderTakesPictureAndVideoOptions) {
-  const auto order = std::get<cli::RenderOrder>(
-      cli::parseCommandLine({"render", "out/fan/trajectory.h5", "--format", "webm", "--fps", "25",
-                             "--speed", "0.5", "--hold", "1", "--crf", "30", "--view", "iso"}));
+  const auto order = std::get<cli::RenderOrder>(cli::parseCommandLine(
+      {"render", "out/fan/trajectory.h5", "--video", "deployment.webm", "--fps", "25", "--speed",
+       "0.5", "--hold", "1", "--crf", "30", "--view", "iso"}));
   EXPECT_EQ(order.trajectories.front(), "out/fan/trajectory.h5");
   EXPECT_EQ(order.settings.videoFile, "deployment.webm");
   EXPECT_EQ(order.settings.framesPerSecond, 25);

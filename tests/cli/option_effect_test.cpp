@@ -63,7 +63,6 @@ std::multimap<std::string, Case> cases() {
                                                                   {"--frames-at", {"0"}},
                                                                   {"--fps", {"30"}},
                                                                   {"--video", {"a.mp4"}},
-                                                                  {"--format", {"mp4"}},
                                                                   {"--length", {"5"}},
                                                                   {"--hold", {"1"}},
                                                                   {"--title", {"A"}},
@@ -75,7 +74,6 @@ std::multimap<std::string, Case> cases() {
     all.insert({option, {several + Words{option} + value, {"b"}}});
   }
   for (const auto& [option, value] : std::map<std::string, Words>{{"--video", {"a.mp4"}},
-                                                                  {"--format", {"mp4"}},
                                                                   {"--crf", {"20"}},
                                                                   {"--preset", {"slow"}},
                                                                   {"--encoder", {"libx264"}},
@@ -87,9 +85,9 @@ std::multimap<std::string, Case> cases() {
     all.insert({option, {record + Words{"--no-video", option} + value, {"-"}}});
   }
   all.insert(
-      {"--preset", {record + Words{"--format", "gif", "--preset", "slow"}, {"--format", "mp4"}}});
+      {"--preset", {record + Words{"--video", "a.gif", "--preset", "slow"}, {"--video", "a.mp4"}}});
   all.insert({"--transparent",
-              {record + Words{"--format", "webm", "--transparent"}, {"--format", "apng"}}});
+              {record + Words{"--video", "a.webm", "--transparent"}, {"--video", "a.apng"}}});
   for (const auto& [option, value] : std::map<std::string, Words>{
            {"--colour-map", {"cividis"}}, {"--colour-least", {"0"}}, {"--colour-most", {"1"}}}) {
     all.insert({option, {record + Words{option} + value, {"--colour", "error"}}});
@@ -138,10 +136,8 @@ std::multimap<std::string, Case> cases() {
         {option, {Words{"export", "run", "--format", "msh", option} + value, {"--format", "inp"}}});
   }
   all.insert({"--hinge-width", {stl + Words{"--hinge-width", "0.1"}, {"--format", "svg"}}});
-  for (const std::string option : {"--states", "--state"}) {
-    all.insert(
-        {option, {{"export", "run", "--format", "glb", option, "final"}, {"--format", "obj"}}});
-  }
+  all.insert({"--states",
+              {{"export", "run", "--format", "glb", "--states", "final"}, {"--format", "obj"}}});
   for (const auto& [option, value] : std::map<std::string, Words>{
            {"--against", {"opening"}}, {"--width", {"85"}}, {"--font-size", {"7"}}}) {
     all.insert({option, {Words{"curves", "run", option} + value, {"--plot", "svg"}}});

@@ -115,15 +115,16 @@ TEST(ProgramCheck, SaysHowMuchElementsMatter) {
   EXPECT_THAT(end.out, testing::ContainsRegex(
                            "check: final: 1 N at both ends moves them apart by [0-9.e-]+ m, "
                            "[0-9.e-]+ m with elements half as long \\([+-][0-9.]+%\\)"));
-  EXPECT_THAT(runKirireel({"export", out, "--check", "--format", "obj"}).err,
-              HasSubstr("error: --check has no effect without a deck. Export inp or remove --check"));
+  EXPECT_THAT(
+      runKirireel({"export", out, "--check", "--format", "obj"}).err,
+      HasSubstr("error: --check has no effect without a deck. Export inp or remove --check"));
 }
 
 TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
   const ScratchFolder scratch;
   const std::string out = scratch.path().string();
   runKirireel({"simulate", shippedModel("hexagons").string(), "--out", out, "--fps", "10",
-               "--export", "inp", "--joints", "equation", "--quadratic"});
+               "--export", "inp", "--joints", "equation"});
   // CalculiX and Abaqus read 20 characters of a number and 256 of a line, without a word.
   const std::string limits =
       "!/^\\*/ { n = split($0, words, \",\"); for (k = 1; k <= n; k++) { gsub(/ /, \"\", "

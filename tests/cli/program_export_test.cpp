@@ -46,7 +46,7 @@ TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
     EXPECT_EQ(end.exitCode, 2);
     return end.err;
   };
-  EXPECT_EQ(complaint({"--format", "obj", "--state", "9"}),
+  EXPECT_EQ(complaint({"--format", "obj", "--states", "9"}),
             "kirireel: error: state '9' is not in the trajectory; it goes from 0 to 1 s\n");
   EXPECT_THAT(complaint({"--format", "obj,step"}),
               HasSubstr("--format: 'step' is not allowed; give obj, ply, stl,"));

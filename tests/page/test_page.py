@@ -48,7 +48,7 @@ class Pages(unittest.TestCase):
         """Our own frames at the start, half way and at the end of the motion."""
         run = self.folder / model
         view = ("--view", "iso") if model == "drape" else ()
-        run_program("render", run, *view, "--size", "%dx%d" % SIZE, "--frames", "--format", "apng",
+        run_program("render", run, *view, "--size", "%dx%d" % SIZE, "--frames", "--video", "deployment.apng",
                     "--no-snapshots", "--fps", "10", "--length", "2.1", "--hold", "0",
                     "--occlusion", "0",
                     "--out", run / "pictures")
