@@ -95,7 +95,7 @@ TEST(KnownModels, AreListed) {
   writeText(scratch / "data/broken/vertices.txt", "0 0 0 1\n");
   const ProgramEnd broken = runKirireel({"models"}, {.folder = scratch.path()});
   EXPECT_EQ(broken.exitCode, 0);
-  EXPECT_THAT(broken.out, testing::HasSubstr("vertices.txt:1: error: "));
+  EXPECT_THAT(broken.out, testing::HasSubstr("vertices.txt:1:7: error: "));
 }
 
 TEST(KnownModels, AreSuggestedForMistypedNames) {
