@@ -277,10 +277,8 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       .saidAs([&settings] {
         return settings.hingeWidth > 0 ? scene::numberText(settings.hingeWidth) : "";
       });
-  scene::Choices<std::optional<LengthUnit>> units = {{"auto", std::nullopt}};
-  for (const LengthUnit& unit : lengthUnits()) units.emplace_back(unit.name, unit);
   group.choice<std::optional<LengthUnit>>(
-      "--export-unit", settings.unit, units,
+      "--export-unit", settings.unit, unitChoices(),
       "unit of obj, planar-obj, ply, stl, dxf, fold, vtu, msh and vertices files; auto: mm for stl "
       "and dxf, else the model's. glb is in m, svg in mm");
   addElementOptions(command, settings.elements);

@@ -335,6 +335,12 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
 
 }  // namespace
 
+scene::Choices<std::optional<LengthUnit>> unitChoices() {
+  scene::Choices<std::optional<LengthUnit>> units = {{"auto", std::nullopt}};
+  for (const LengthUnit& unit : lengthUnits()) units.emplace_back(unit.name, unit);
+  return units;
+}
+
 void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
   group
       .value("--joints-file", "FILE", "the model's own",
@@ -344,10 +350,8 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : scene::quotedText(name);
       });
-  scene::Choices<std::optional<LengthUnit>> units = {{"auto", std::nullopt}};
-  for (const LengthUnit& unit : lengthUnits()) units.emplace_back(unit.name, unit);
   group.choice<std::optional<LengthUnit>>(
-      "--unit", settings.unit, units,
+      "--unit", settings.unit, unitChoices(),
       "unit of the model's lengths and of all lengths in options and scene files; auto: as the "
       "file declares, else m");
   group

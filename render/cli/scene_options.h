@@ -86,6 +86,9 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 /// theirs. The settings must outlive the parsing.
 void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks = false);
 
+/// The words of --unit and --export-unit: "auto" (absent), then the names of all units.
+scene::Choices<std::optional<LengthUnit>> unitChoices();
+
 /// Where a model stands: as named, or in data/ when it stands only there, or among the models that
 /// were installed with the program. As named where it stands nowhere, so that the error names what
 /// the user typed.
