@@ -159,7 +159,8 @@ class Pages(unittest.TestCase):
     def test_gallery_shows_every_family(self):
         text = (SOURCES / "docs/gallery.md").read_text()
         help_text = subprocess.run([os.environ["KIRIREEL_PROGRAM"], "generate", "--help"], text=True, capture_output=True)
-        families = re.findall(r"^  ([a-z-]+) ", help_text.stdout.split("Subcommands:")[1], re.M)
+        listed = re.sub(r"\n {26}", " ", help_text.stdout.split("Subcommands:")[1])
+        families = re.findall(r"^  ([a-z-]+) ", listed, re.M)
         shown = [block.split()[2] for _, block in fenced_blocks(text)]
         self.assertEqual(shown, families)
         for picture in re.findall(r"\]\(([^)]+\.png)\)", text):
