@@ -262,7 +262,7 @@ print(f["settings"].asstr()[0])
 )";
   const std::string text = outputOf("/usr/bin/python3 '" + (folder / "read.py").string() + "' '" +
                                     (folder / "run.h5").string() + "'");
-  EXPECT_THAT(text, HasSubstr("kirireel trajectory 3.0 " + written.model.name + "\n"));
+  EXPECT_THAT(text, HasSubstr("kirireel trajectory 4.0 " + written.model.name + "\n"));
   EXPECT_THAT(text, HasSubstr("(50, 16, 3) float64 m\n(50, 16, 4) (24, 6) paused\n"));
   // Python's hex() of a double reads back exactly; strtod reads it.
   const std::size_t at = text.find("paused\n") + 7;
