@@ -84,6 +84,15 @@ INSTANTIATE_TEST_SUITE_P(Command, PublishedPairs,
 
 const ProgramSetting kAmongSources{.folder = KIRIREEL_SOURCE_DIR};
 
+/// Else run scripts/options.
+TEST(OptionsPage, HasWhatTheHelpPrints) {
+  const std::string page = readText(KIRIREEL_SOURCE_DIR "/docs/options.md");
+  for (const char* command : {"record", "render", "export", "curves", "inspect", "convert"}) {
+    const std::string help = runKirireel({command, "--help", "all"}).out;
+    EXPECT_NE(page.find(help + "```\n"), std::string::npos) << command;
+  }
+}
+
 TEST(KnownModels, AreListed) {
   const ProgramEnd end = runKirireel({"models"}, kAmongSources);
   EXPECT_EQ(end.exitCode, 0) << end.err;
