@@ -1,5 +1,6 @@
 // The same sheet in several units leaves the same files for other programs.
 #include <cmath>
+#include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -39,9 +40,12 @@ void writeSquares(const fs::path& folder, double millimetre) {
   writeText(folder / "constraints.txt", joints.str());
 }
 
-/// All numbers of a text.
-std::vector<double> numbersOf(const std::string& text) {
+/// All numbers of a text; of a deck those of its nodes. Comments are figures of a run, and rounding
+/// decides which of two equal nodes is in a set.
+std::vector<double> numbersOf(std::string text) {
   std::vector<double> numbers;
+  text = text.substr(0, text.find("*ELEMENT"));
+  text = std::regex_replace(text, std::regex("(^|\n)\\*\\*[^\n]*"), "");
   const char* at = text.c_str();
   while (*at) {
     char* end = nullptr;
