@@ -5,7 +5,7 @@
 ///
 ///     /                       attributes format = "kirireel trajectory", format_version
 ///     settings                the run's settings, JSON (one text)
-///     model/                  attribute name
+///     model/                  attributes name, unit (of its file; all arrays are in metres)
 ///       tile_sizes            tiles            vertices of each tile
 ///       vertices, target      vertices x 3     m; tile by tile; target only if there is one
 ///       joints                joints x 6       tile, vertex, tile, vertex, face, kind
