@@ -93,8 +93,8 @@ std::string groupLine(const CLI::App& command, const std::string& heading) {
        command.get_options([&](const CLI::Option* one) { return one->get_group() == heading; })) {
     names.push_back("--" + option->get_lnames().front());
   }
-  std::ranges::stable_partition(
-      names, [](const std::string& name) { return mostUsedOptions().contains(name); });
+  std::stable_partition(names.begin(), names.end(),
+                        [](const std::string& name) { return mostUsedOptions().contains(name); });
   std::string line = fmt::format("  {:<13}", groupWord(heading));
   for (const std::string& name : names) {
     if (line.size() + name.size() + 5 > kPageWidth) return line + " ...\n";

@@ -258,8 +258,7 @@ std::vector<int> allJointNodes(const ElementMesh& mesh) {
     std::ranges::copy(joint.b, std::back_inserter(nodes));
   }
   std::ranges::sort(nodes);
-  const auto repeated = std::ranges::unique(nodes);
-  nodes.erase(repeated.begin(), repeated.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;
 }
 

@@ -425,8 +425,7 @@ namespace {
 
 std::vector<int> sortedOnce(std::vector<int> nodes) {
   std::ranges::sort(nodes);
-  const auto repeated = std::ranges::unique(nodes);
-  nodes.erase(repeated.begin(), repeated.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;
 }
 
@@ -719,8 +718,7 @@ std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& c
     }
   }
   std::ranges::sort(edges);
-  const auto repeated = std::ranges::unique(edges);
-  edges.erase(repeated.begin(), repeated.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
 }
 
@@ -956,14 +954,14 @@ void mergeClusters(ElementMesh& mesh) {
   std::iota(lowest.begin(), lowest.end(), 0);
   const std::vector<int> owner = tilesOfNodes(mesh);
   // Clusters of shells in the middle come first and are merged; those of shells on a face stay.
-  const auto kept = std::ranges::stable_partition(mesh.clusters, [&](const NodeCluster& cluster) {
-    return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5;
-  });
-  for (auto cluster = mesh.clusters.begin(); cluster != kept.begin(); ++cluster) {
+  const auto kept = std::stable_partition(
+      mesh.clusters.begin(), mesh.clusters.end(),
+      [&](const NodeCluster& cluster) { return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5; });
+  for (auto cluster = mesh.clusters.begin(); cluster != kept; ++cluster) {
     for (const int node : cluster->nodes) lowest[node] = cluster->nodes[0];
     mesh.nodes[cluster->nodes[0]] = meanOf(cluster->nodes, mesh.nodes);
   }
-  mesh.clusters.erase(mesh.clusters.begin(), kept.begin());
+  mesh.clusters.erase(mesh.clusters.begin(), kept);
   // A follower's lowest node is before it, so its new number is known already.
   std::vector<int> numbers(mesh.nodes.size());
   std::vector<Vector3> positions;

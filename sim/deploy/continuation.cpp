@@ -727,7 +727,7 @@ MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, co
     if (!isAtStart(rest)) continue;
     back.isStuck = false;
     back.symmetries = std::move(rest.symmetries);
-    std::ranges::move(rest.states | std::views::drop(1), std::back_inserter(back.states));
+    std::move(std::next(rest.states.begin()), rest.states.end(), std::back_inserter(back.states));
   }
   std::ranges::reverse(back.states);
   if (!back.isStuck) back.states.front() = start;

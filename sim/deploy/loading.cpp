@@ -346,8 +346,7 @@ class BarHingeMaker {
       made_.fixed.insert(made_.fixed.end(), nodes.begin(), nodes.end());
     }
     std::ranges::sort(made_.fixed);
-    const auto twice = std::ranges::unique(made_.fixed);
-    made_.fixed.erase(twice.begin(), twice.end());
+    made_.fixed.erase(std::unique(made_.fixed.begin(), made_.fixed.end()), made_.fixed.end());
   }
 
   mechanics::NodeGrip gripOf(const GripOrder& order) const {

@@ -677,7 +677,7 @@ class SheetMaker {
       const Vector2& at = whole.at(whole.from(half));
       return std::pair(at.x(), at.y());
     });
-    std::ranges::rotate(halves, first);
+    std::rotate(halves.begin(), first, halves.end());
     std::vector<int> kept;
     std::vector<Vector2> chain;
     std::vector<int> chainHalves;

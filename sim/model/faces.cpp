@@ -143,7 +143,8 @@ FacePairs coplanarFaces(const CornerNumbers& faces,
     }
   }
   FacePairs pairs;
-  for (const auto& [edge, face] : faceAt) {
+  for (const auto& [edge, faceOfEdge] : faceAt) {
+    const auto face = faceOfEdge;  // lambdas cannot capture it as a binding
     if (edges != nullptr && !edges->contains(std::minmax(edge.first, edge.second))) continue;
     const auto other = faceAt.find({edge.second, edge.first});
     if (other == faceAt.end() || other->second <= face) continue;

@@ -134,8 +134,8 @@ std::vector<FacingEdges> facingEdges(const std::vector<PlaneSegment>& border, do
   std::vector<FacingEdges> found;
   std::vector<double> nearest(border.size(), reach);
   visitNearSegments(border, reach, [&](int i, int j) {
-    const auto& [a, b] = border[i];
-    const auto& [c, d] = border[j];
+    const Vector2 a = border[i].first, b = border[i].second;
+    const Vector2 c = border[j].first, d = border[j].second;
     const Vector2 u = (b - a).normalized(), v = (d - c).normalized();
     if (u.dot(v) > -0.985) return;  // ten degrees
     // Removed material is on the right of both.
