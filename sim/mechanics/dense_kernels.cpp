@@ -27,16 +27,17 @@ constexpr int kLanes = kRowsTogether;  // rows in a register
 constexpr int kWide = 60;
 
 /// The rows of a register.
-using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
 
-// Reads kLanes numbers from an address that needs no more alignment than a double.
-inline const Lanes& lanesAt(const double* place) {
-  return *reinterpret_cast<const Lanes*>(place);
+// Addresses need no more alignment than a double. Copies are compiled to unaligned moves.
+inline Lanes load(const double* place) {
+  Lanes lanes;
+  __builtin_memcpy(&lanes, place, sizeof(lanes));
+  return lanes;
 }
 
-// The same to write.
-inline Lanes& lanesAt(double* place) {
-  return *reinterpret_cast<Lanes*>(place);
+inline void store(double* place, const Lanes& lanes) {
+  __builtin_memcpy(place, &lanes, sizeof(lanes));
 }
 
 // The row at which the register that holds this row begins: columns begin at whole registers.
@@ -51,11 +52,12 @@ inline void takeProduct(double* to, int toStride, const double* left, const doub
   Lanes sum[kTogether][kRegisters] = {};
   for (int k = 0; k < columns; ++k, left += stride, right += stride) {
     for (int c = 0; c < kTogether; ++c) {
-      for (int n = 0; n < kRegisters; ++n) sum[c][n] += lanesAt(left + kLanes * n) * right[c];
+      for (int n = 0; n < kRegisters; ++n) sum[c][n] += load(left + kLanes * n) * right[c];
     }
   }
   for (int c = 0; c < kTogether; ++c) {
-    for (int n = 0; n < kRegisters; ++n) lanesAt(to + c * toStride + kLanes * n) -= sum[c][n];
+    for (int n = 0; n < kRegisters; ++n)
+      store(to + c * toStride + kLanes * n, load(to + c * toStride + kLanes * n) - sum[c][n]);
   }
 }
 
@@ -87,9 +89,9 @@ inline bool factorColumns(double* columns, int stride, int row) {
   if (!(squareC > 0)) return false;
   const double overC = 1 / __builtin_sqrt(squareC);
   for (int r = wholeRegisters(row); r < stride; r += kLanes) {
-    lanesAt(a + r) *= overA;
-    lanesAt(b + r) = (lanesAt(b + r) - lanesAt(a + r) * ab) * overB;
-    lanesAt(c + r) = (lanesAt(c + r) - lanesAt(a + r) * ac - lanesAt(b + r) * bc) * overC;
+    store(a + r, load(a + r) * overA);
+    store(b + r, (load(b + r) - load(a + r) * ab) * overB);
+    store(c + r, (load(c + r) - load(a + r) * ac - load(b + r) * bc) * overC);
   }
   a[row] = overA;
   b[row + 1] = overB;
@@ -156,7 +158,8 @@ void solveForward(const double* panel, int rows, int columns, double* x) {
     int r = j + kTogether;
     for (; r % kLanes != 0; ++r) x[r] -= a[r] * first + b[r] * second + c[r] * third;
     for (; r < stride; r += kLanes) {
-      lanesAt(x + r) -= lanesAt(a + r) * first + lanesAt(b + r) * second + lanesAt(c + r) * third;
+      store(x + r,
+            load(x + r) - (load(a + r) * first + load(b + r) * second + load(c + r) * third));
     }
   }
 }
@@ -179,9 +182,9 @@ void solveBackward(const double* panel, int rows, int columns, double* x) {
     }
     Lanes sum[kTogether] = {};
     for (; r < stride; r += kLanes) {
-      sum[0] += lanesAt(a + r) * lanesAt(x + r);
-      sum[1] += lanesAt(b + r) * lanesAt(x + r);
-      sum[2] += lanesAt(c + r) * lanesAt(x + r);
+      sum[0] += load(a + r) * load(x + r);
+      sum[1] += load(b + r) * load(x + r);
+      sum[2] += load(c + r) * load(x + r);
     }
     for (int n = 0; n < kLanes; ++n) {
       first -= sum[0][n];
