@@ -48,8 +48,8 @@ void writeObjPair(const Model& model, const std::filesystem::path& file);
 ///
 /// Throws InputError for headers and numbers that are wrong, files that end early, and tiles that
 /// make no bricks.
-/// Coordinates count as metres. There is no target. A file as large as kMostTextBytes is read whole
-/// into memory.
+/// Coordinates are in the file's unit. There is no target. A file as large as kMostTextBytes is
+/// read whole into memory.
 Model readPly(const std::filesystem::path& file, std::vector<std::string>& warnings,
               const ReadSettings& settings = {});
 
@@ -150,9 +150,9 @@ Model readCutPattern(const std::filesystem::path& file, const ReadSettings& sett
 ///
 /// Throws InputError for text that is no JSON, wrong numbers, tiles that make no bricks, frames and
 /// folds that are not in the file, and two edges of the same two faces that fold by different
-/// angles. Coordinates count as metres, whatever the file's frame_unit says. Appends to warnings
-/// what is not read, what letters decide, and what a run can live with: tiles of a target that are
-/// not congruent, angles that do not close.
+/// angles. Coordinates are in the file's unit; `declaredUnit` is its frame_unit. Appends to
+/// warnings what is not read, what letters decide, and what a run can live with: tiles of a target
+/// that are not congruent, angles that do not close.
 Model readFold(const std::filesystem::path& file, const ReadSettings& settings,
                std::vector<std::string>& warnings);
 
