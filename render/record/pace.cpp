@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "render/picture/state_painter.h"
-#include "render/record/run_pictures.h"
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 

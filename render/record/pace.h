@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "render/record/record.h"
+#include "render/record/job.h"
 #include "sim/deploy/continuation.h"
 #include "sim/trajectory/trajectory_file.h"
 

@@ -12,9 +12,9 @@
 #include "render/picture/png.h"
 #include "render/picture/state_painter.h"
 #include "render/picture/video.h"
+#include "render/record/job.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
-#include "render/record/record.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel::record {

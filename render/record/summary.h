@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/record/record.h"
+#include "render/record/job.h"
 #include "sim/base/files.h"
 
 namespace kirireel::record {

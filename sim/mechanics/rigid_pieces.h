@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
 
