@@ -10,8 +10,8 @@
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
 #include "render/picture/png.h"
-#include "render/record/inspection.h"
 #include "render/record/summary.h"
+#include "render/report/inspection.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
 #include "sim/model/model_checks.h"
@@ -154,9 +154,9 @@ namespace {
 constexpr picture::FrameSize kStateSize{1200, 1200};
 
 /// The rank of the constraints takes long in large sheets, so the line says what is at work.
-record::Inspection inspectWithProgress(const scene::Scene& scene) {
+report::Inspection inspectWithProgress(const scene::Scene& scene) {
   ProgressLine line;
-  return record::inspect(scene, [&line](const char* what) { line.show(what); });
+  return report::inspect(scene, [&line](const char* what) { line.show(what); });
 }
 
 /// Reads the model; of a tile that cannot be meant a picture is left before the error goes on.
@@ -165,7 +165,7 @@ model::Model readOrDraw(const InspectOrder& order) {
     return readModelAt(order.model, order.target, order.reading);
   } catch (const model::CrossedTile& error) {
     if (!order.picture.empty()) {
-      picture::writePng(record::crossingPicture(error.tile(), error.place(), kStateSize),
+      picture::writePng(report::crossingPicture(error.tile(), error.place(), kStateSize),
                         order.picture);
     }
     throw;
@@ -207,11 +207,11 @@ int carryOut(const InspectOrder& order) {
   printWarnings(warnings);
   // What a run needs depends on where its start stands.
   model::alignStartToTarget(scene.model);
-  const record::Inspection inspection = inspectWithProgress(scene);
-  fmt::print("{}", order.printJson ? record::inspectionJson(inspection)
-                                   : record::inspectionText(inspection));
+  const report::Inspection inspection = inspectWithProgress(scene);
+  fmt::print("{}", order.printJson ? report::inspectionJson(inspection)
+                                   : report::inspectionText(inspection));
   if (!order.picture.empty())
-    picture::writePng(record::numberedPicture(scene, kStateSize), order.picture);
+    picture::writePng(report::numberedPicture(scene, kStateSize), order.picture);
   return kExitDone;
 }
 

@@ -105,13 +105,13 @@ bool hasStates(const OptionContext& context) {
   });
 }
 bool hasPatches(const OptionContext& context) {
-  return context.exports->elements.joints == exports::JointStyle::Patch;
+  return context.exports->elements.joints == fea::JointStyle::Patch;
 }
 bool hasNecks(const OptionContext& context) {
-  return context.exports->elements.joints == exports::JointStyle::Neck;
+  return context.exports->elements.joints == fea::JointStyle::Neck;
 }
 bool hasSolids(const OptionContext& context) {
-  return context.exports->elements.family == exports::ElementFamily::Solid;
+  return context.exports->elements.family == fea::ElementFamily::Solid;
 }
 bool countsElements(const OptionContext& context) {
   return context.exports->elements.size == 0;

@@ -27,8 +27,8 @@
 #include "render/cli/report.h"
 #include "render/cli/run_commands.h"
 #include "render/cli/scene_options.h"
-#include "render/export/output_folder.h"
-#include "render/record/page.h"
+#include "render/output/output_folder.h"
+#include "render/page/page.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -151,10 +151,10 @@ RecordResult prepareLoudly(const RecordOrder& order) {
 /// A kill may have come while a whole run was put in place, or just before its checkpoint went.
 /// Nothing where the folder holds another run, an unfinished one, or files that have changed.
 std::optional<record::FinishedRun> findFinished(const record::RecordSettings& settings) {
-  std::optional<exports::FileSet> files;
+  std::optional<output::FileSet> files;
   // Opening the set finishes what a kill has left to move.
-  if (std::filesystem::exists(settings.folder / exports::output::kUnfinished)) {
-    files.emplace(settings.folder, exports::output::kSummary);
+  if (std::filesystem::exists(settings.folder / output::kUnfinished)) {
+    files.emplace(settings.folder, output::kSummary);
   }
   std::optional<record::FinishedRun> finished =
       record::findFinishedRun(settings.folder, settings.order);
@@ -316,16 +316,16 @@ RecordResult runOrder(const RecordOrder& order, const record::ProgressObserver& 
 /// The page of a run whose files are in place.
 void addPage(const RecordOrder& order, const std::filesystem::path& folder) {
   if (!order.page) return;
-  record::WebPageSettings settings;
+  page::WebPageSettings settings;
   settings.folder = folder;
   settings.look = order.settings.look;
-  record::writePage({folder / exports::output::kTrajectory}, settings);
+  page::writePage({folder / output::kTrajectory}, settings);
 }
 
 int carryOut(const RecordOrder& order) {
   noteSignals();
   // Before the run, which may take hours.
-  if (order.page) record::requirePages();
+  if (order.page) page::requirePages();
   RecordResult result = prepareLoudly(order);
   // The model has been read, since its bytes decide whether the finished run is this one.
   if (order.settings.resume) {

@@ -16,7 +16,7 @@
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
 #include "render/export/export.h"
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 
@@ -52,7 +52,7 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
   // A folder stands for the trajectory.h5 in it.
   for (std::filesystem::path& trajectory : order.trajectories) {
-    if (std::filesystem::is_directory(trajectory)) trajectory /= exports::output::kTrajectory;
+    if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
   }
   requireConsistentPace(command);
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
@@ -134,7 +134,7 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
       });
 }
 
-void addElementOptions(CLI::App& command, exports::ElementRule& elements) {
+void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
   // Lengths of 0 mean "as usual" in the rule, so a typed one starts above it.
   const auto length = [&group](const char* name, const char* usual, const char* help,
@@ -161,13 +161,12 @@ void addElementOptions(CLI::App& command, exports::ElementRule& elements) {
              "the same accuracy",
              false);
   // The first word is the default.
-  group.choice<exports::JointStyle>(
-      "--joints", elements.joints,
-      {{"shared", exports::JointStyle::Shared},
-       {"equation", exports::JointStyle::Equation},
-       {"patch", exports::JointStyle::Patch},
-       {"neck", exports::JointStyle::Neck}},
-      "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
+  group.choice<fea::JointStyle>("--joints", elements.joints,
+                                {{"shared", fea::JointStyle::Shared},
+                                 {"equation", fea::JointStyle::Equation},
+                                 {"patch", fea::JointStyle::Patch},
+                                 {"neck", fea::JointStyle::Neck}},
+                                "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
   // Lengths of necks and patches are metres of the model, whatever the deck's unit.
   length("--patch-radius", "a quarter of the shortest edge",
          "of rigid patches; below half of an edge", elements.patchRadius);
@@ -177,16 +176,16 @@ void addElementOptions(CLI::App& command, exports::ElementRule& elements) {
   length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
   // --shells and --plane-stress exclude each other with some joints; the element rule says so.
   group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
-             [&elements] { elements.family = exports::ElementFamily::Shell; });
+             [&elements] { elements.family = fea::ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
-             [&elements] { elements.family = exports::ElementFamily::Plane; });
+             [&elements] { elements.family = fea::ElementFamily::Plane; });
 }
 
 /// "all", "edge", or numbers with commas; whether the model has such tiles is seen when it is read.
-exports::DriveChoice parseDrive(const scene::TypedValue& typed) {
-  if (typed.text == "all") return {exports::DriveChoice::All, {}};
-  if (typed.text == "edge") return {exports::DriveChoice::Edge, {}};
-  exports::DriveChoice drive{exports::DriveChoice::Some, {}};
+fea::DriveChoice parseDrive(const scene::TypedValue& typed) {
+  if (typed.text == "all") return {fea::DriveChoice::All, {}};
+  if (typed.text == "edge") return {fea::DriveChoice::Edge, {}};
+  fea::DriveChoice drive{fea::DriveChoice::Some, {}};
   for (const std::string& word : splitAtCommas(typed)) {
     drive.tiles.push_back(scene::parseInteger({typed.name, word}, {0, 1e9}));
   }
@@ -194,21 +193,20 @@ exports::DriveChoice parseDrive(const scene::TypedValue& typed) {
 }
 
 /// `isAlone` tells the command whose options are these alone: names may be short there.
-void addDeckOptions(CLI::App& command, exports::DeckSettings& decks, bool isAlone) {
+void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
   OptionGroup group(command, "Decks (inp)", "recording");
   // Within `record` the names --solver and --density belong to the simulation, so a deck's have a
   // prefix there.
-  group.choice<exports::Solver>(
-      isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
-      {{"calculix", exports::Solver::Calculix}, {"abaqus", exports::Solver::Abaqus}},
-      "whose keywords are written where they differ");
+  group.choice<fea::Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
+                            {{"calculix", fea::Solver::Calculix}, {"abaqus", fea::Solver::Abaqus}},
+                            "whose keywords are written where they differ");
   group.value("--sets", "WORD", "all up to 1000 tiles",
               "named sets of each tile and joint: none, joints, all",
               [&decks](const scene::TypedValue& typed) {
-                decks.sets = scene::parseChoice<exports::SetChoice>(
-                    typed, {{"none", exports::SetChoice::None},
-                            {"joints", exports::SetChoice::Joints},
-                            {"all", exports::SetChoice::All}});
+                decks.sets =
+                    scene::parseChoice<fea::SetChoice>(typed, {{"none", fea::SetChoice::None},
+                                                               {"joints", fea::SetChoice::Joints},
+                                                               {"all", fea::SetChoice::All}});
               });
   // SI units here whatever --deck-unit says; the deck is what is scaled.
   group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
@@ -216,9 +214,9 @@ void addDeckOptions(CLI::App& command, exports::DeckSettings& decks, bool isAlon
   group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
   group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
                {1e-12, 1e9}, "KG/M3", "of the material");
-  group.choice<exports::DeckUnit>(
+  group.choice<fea::DeckUnit>(
       "--deck-unit", decks.unit,
-      {{"m", exports::DeckUnit::Model}, {"mm-N", exports::DeckUnit::MillimetresNewtons}},
+      {{"m", fea::DeckUnit::Model}, {"mm-N", fea::DeckUnit::MillimetresNewtons}},
       "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
   group.value("--drive", "TILES", "",
               "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12), "
@@ -245,7 +243,7 @@ void addDeckOptions(CLI::App& command, exports::DeckSettings& decks, bool isAlon
 
 /// A folder stands for the trajectory.h5 in it.
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
-  return std::filesystem::is_directory(given) ? given / exports::output::kTrajectory : given;
+  return std::filesystem::is_directory(given) ? given / output::kTrajectory : given;
 }
 
 }  // namespace
@@ -404,7 +402,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
 
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
   requireGiven(order.run, "RUN", command);
-  if (std::filesystem::is_directory(order.run)) order.run /= exports::output::kTrajectory;
+  if (std::filesystem::is_directory(order.run)) order.run /= output::kTrajectory;
   requireEffect({.command = &command, .curves = &order.settings}, givenOptions(command));
 }
 
@@ -436,17 +434,17 @@ int parseSamples(const scene::TypedValue& typed) {
 /// folder without a trajectory is refused with what to do.
 std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
   if (!std::filesystem::is_directory(run)) return run;
-  const std::filesystem::path file = run / exports::output::kTrajectory;
+  const std::filesystem::path file = run / output::kTrajectory;
   if (std::filesystem::exists(file)) return file;
   throw InputError(
       fmt::format("{}: error: this folder has no {}, which a page is made from; record its "
                   "model again",
-                  run.string(), exports::output::kTrajectory));
+                  run.string(), output::kTrajectory));
 }
 
 }  // namespace
 
-void addPageOptions(CLI::App& command, record::WebPageSettings& settings) {
+void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
   OptionGroup group(command, "Page");
   group
       .value("--samples", "COUNT", "201",
@@ -504,22 +502,22 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 void completeOrder(const CLI::App& command, PageOrder& order) {
   // CLI11 is told to expect one at least, but --help and our own message come before its error.
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
-  if (order.runs.size() > record::kMostPageRuns) {
+  if (order.runs.size() > page::kMostPageRuns) {
     throw InputError(
         fmt::format("error: {} runs are given, and a page shows {} at most; make "
                     "several pages",
-                    order.runs.size(), record::kMostPageRuns));
+                    order.runs.size(), page::kMostPageRuns));
   }
 }
 
 int carryOut(const PageOrder& order) {
-  record::WebPageSettings settings = order.settings;
+  page::WebPageSettings settings = order.settings;
   std::vector<std::filesystem::path> trajectories;
   for (const std::filesystem::path& run : order.runs) trajectories.push_back(trajectoryOf(run));
   if (settings.folder.empty()) settings.folder = trajectories.front().parent_path();
   if (settings.folder.empty()) settings.folder = ".";
-  record::writePage(trajectories, settings);
-  const std::filesystem::path page = settings.folder / record::kPageFile;
+  page::writePage(trajectories, settings);
+  const std::filesystem::path page = settings.folder / page::kPageFile;
   fmt::print("{}: {:.2f} MB\n", page.string(),
              static_cast<double>(std::filesystem::file_size(page)) / 1e6);
   return kExitDone;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "render/export/export.h"
+#include "render/page/page.h"
 #include "render/record/curves.h"
-#include "render/record/page.h"
 #include "render/record/record.h"
 
 namespace CLI {
@@ -90,11 +90,11 @@ int carryOut(const CurvesOrder& order);
 /// Which runs go on a page, and how. At least one run, at most kMostPageRuns.
 struct PageOrder {
   std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or the folder that it is in
-  record::WebPageSettings settings;         ///< the folder is empty when --out was not given
+  page::WebPageSettings settings;           ///< the folder is empty when --out was not given
 };
 
 /// Adds the options that say what a page has. The settings must outlive the parsing.
-void addPageOptions(CLI::App& command, record::WebPageSettings& settings);
+void addPageOptions(CLI::App& command, page::WebPageSettings& settings);
 
 /// Adds `page`. The order must outlive the parsing.
 CLI::App* addPageCommand(CLI::App& program, PageOrder& order);

@@ -30,9 +30,9 @@
 #include "render/cli/record_command.h"
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/picture/png.h"
-#include "render/record/collect.h"
+#include "render/sweep/collect.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
@@ -57,7 +57,7 @@ int coreCount() {
 }
 
 /// A fair share of the machine's memory, unless a limit was given.
-record::WorkerLimits withMemoryLimit(record::WorkerLimits limits) {
+sweep::WorkerLimits withMemoryLimit(sweep::WorkerLimits limits) {
   if (limits.memoryBytes > 0) return limits;
   limits.memoryBytes =
       static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE) / limits.count;
@@ -83,7 +83,7 @@ SweepShard parseShard(const scene::TypedValue& value) {
   return {static_cast<std::uint64_t>(part), static_cast<std::uint64_t>(count)};
 }
 
-void addWorkerOptions(CLI::App& command, record::WorkerLimits& limits) {
+void addWorkerOptions(CLI::App& command, sweep::WorkerLimits& limits) {
   OptionGroup group(command, "Workers");
   limits.count = coreCount();
   group.value("--jobs", "COUNT", "one for each core", "processes at a time",
@@ -154,12 +154,12 @@ class SweepFolder {
   }
 
   /// Makes a run that nobody has made or is making. In a worker.
-  record::Verdict make(std::uint64_t index) const {
-    std::optional<record::RunClaim> claim = take(index);
-    if (!claim) return record::Verdict::Skipped;
+  sweep::Verdict make(std::uint64_t index) const {
+    std::optional<sweep::RunClaim> claim = take(index);
+    if (!claim) return sweep::Verdict::Skipped;
     redirectPrints(claim->folder() / kMessages);
     // An empty reason means that the run was made.
-    record::RunRecord record{false, "", runs_.inputs(index)};
+    sweep::RunRecord record{false, "", runs_.inputs(index)};
     try {
       runs_.make(index, claim->folder());
     } catch (const std::bad_alloc&) {
@@ -172,16 +172,16 @@ class SweepFolder {
   }
 
   /// Keeps the reason why a run did not end.
-  record::Verdict lose(std::uint64_t index, const std::string& reason) const {
-    std::optional<record::RunClaim> claim = take(index);
-    if (!claim) return record::Verdict::Skipped;
+  sweep::Verdict lose(std::uint64_t index, const std::string& reason) const {
+    std::optional<sweep::RunClaim> claim = take(index);
+    if (!claim) return sweep::Verdict::Skipped;
     claim->finish({true, reason, runs_.inputs(index)});
-    return record::Verdict::Failed;
+    return sweep::Verdict::Failed;
   }
 
  private:
   /// On a full disk, keeps the reason in place of the run.
-  static record::Verdict finish(record::RunClaim& claim, record::RunRecord& record) {
+  static sweep::Verdict finish(sweep::RunClaim& claim, sweep::RunRecord& record) {
     record.failed = !record.reason.empty();
     try {
       claim.finish(record);
@@ -192,11 +192,11 @@ class SweepFolder {
       record.reason = withoutFolder(error.what(), claim.folder());
       claim.finish(record);
     }
-    return record.failed ? record::Verdict::Failed : record::Verdict::Done;
+    return record.failed ? sweep::Verdict::Failed : sweep::Verdict::Done;
   }
 
-  std::optional<record::RunClaim> take(std::uint64_t index) const {
-    return record::RunClaim::take(folder_, runs_.name(index), order_.retryFailed);
+  std::optional<sweep::RunClaim> take(std::uint64_t index) const {
+    return sweep::RunClaim::take(folder_, runs_.name(index), order_.retryFailed);
   }
 
   const SweepRuns& runs_;
@@ -217,10 +217,10 @@ class Tally {
  public:
   explicit Tally(std::uint64_t total) : total_(total), start_(Clock::now()) {}
 
-  void add(record::Verdict verdict) {
-    ++(verdict == record::Verdict::Done     ? done_
-       : verdict == record::Verdict::Failed ? failed_
-                                            : skipped_);
+  void add(sweep::Verdict verdict) {
+    ++(verdict == sweep::Verdict::Done     ? done_
+       : verdict == sweep::Verdict::Failed ? failed_
+                                           : skipped_);
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::uint64_t seen = done_ + failed_ + skipped_;
     // Skipped runs take no time, so the rate is that of the runs that were made.
@@ -260,64 +260,63 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   Tally tally(runsOf(order.shard, total));
   std::uint64_t next = order.shard.number - 1;
   // Numbers of runs are handed out here, in the parent; the work is done in children.
-  const record::WorkerJobs jobs = {
+  const sweep::WorkerJobs jobs = {
       [&]() -> std::optional<std::uint64_t> {
         if (next >= total) return std::nullopt;
         return std::exchange(next, next + order.shard.count);
       },
       [&](std::uint64_t index) { return runFolder.make(index); },
       [&](std::uint64_t index, const std::string& why) { return runFolder.lose(index, why); },
-      [&](std::optional<record::Verdict> verdict) {
+      [&](std::optional<sweep::Verdict> verdict) {
         if (verdict) tally.add(*verdict);
         return !takeInterrupt();
       }};
-  const bool isWhole = record::runInWorkers(jobs, withMemoryLimit(order.limits));
+  const bool isWhole = sweep::runInWorkers(jobs, withMemoryLimit(order.limits));
   fmt::print("{}{}\n",
              isWhole ? "" : "interrupted; the same command goes on from here: ", tally.text());
   return {isWhole, tally.failed()};
 }
 
 /// Reads the end states of the runs that are shown.
-void writeContactSheet(const record::Gathered& gathered, const std::vector<std::string>& keys,
+void writeContactSheet(const sweep::Gathered& gathered, const std::vector<std::string>& keys,
                        const fs::path& folder, const fs::path& file) {
   // Nothing to show.
   if (gathered.runs.size() == gathered.failed) return;
-  std::vector<record::ContactPicture> pictures;
-  for (const record::SweepRow& run : gathered.runs) {
-    const fs::path vertices = folder / "runs" / run.name / exports::output::kFinalVertices;
+  std::vector<sweep::ContactPicture> pictures;
+  for (const sweep::SweepRow& run : gathered.runs) {
+    const fs::path vertices = folder / "runs" / run.name / output::kFinalVertices;
     pictures.push_back({run.failed ? fs::path() : vertices, run.thickness, run.values});
   }
-  picture::writePng(record::composeContactSheet(keys, pictures), file,
+  picture::writePng(sweep::composeContactSheet(keys, pictures), file,
                     {.compressionLevel = kSheetCompression});
 }
 
 /// Puts the table, the costs and the contact sheet beside the runs.
-record::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
+sweep::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   const auto values = [&runs](std::uint64_t index) {
     std::vector<std::string> texts;
-    for (const record::SweepValue& value : runs.sweep().plan.run(index))
-      texts.push_back(value.text);
+    for (const sweep::SweepValue& value : runs.sweep().plan.run(index)) texts.push_back(value.text);
     return texts;
   };
   makeFolder(folder);
   // Two sweeps that end together gather one after the other.
-  const auto lock = record::FileLock::take(folder / "collect.lock", record::FileLock::IfHeld::Wait);
-  const record::Gathered gathered =
-      record::gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
-                      [&runs](std::uint64_t index) { return runs.name(index); }, values});
+  const auto lock = sweep::FileLock::take(folder / "collect.lock", sweep::FileLock::IfHeld::Wait);
+  const sweep::Gathered gathered =
+      sweep::gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
+                     [&runs](std::uint64_t index) { return runs.name(index); }, values});
   const std::string name = runs.sweep().file.stem().string();
   std::vector<std::string> names = {name + ".csv", name + ".h5", name + "_costs.csv"};
   if (gathered.runs.size() > gathered.failed) names.push_back(name + ".png");
   // All files appear together, or none.
-  exports::FileSet files(folder, exports::output::kContents);
+  output::FileSet files(folder, output::kContents);
   const auto isWanted = [&names](const std::string& wanted) {
-    return wanted == exports::output::kContents || std::ranges::find(names, wanted) != names.end();
+    return wanted == output::kContents || std::ranges::find(names, wanted) != names.end();
   };
   files.requireFree(isWanted);
   const std::string stem = (files.stage() / name).string();
-  writeTextFile(stem + ".csv", record::csvText(gathered.results));
-  record::writeTableArrays(gathered.results, stem + ".h5");
-  writeTextFile(stem + "_costs.csv", record::csvText(gathered.costs));
+  writeTextFile(stem + ".csv", sweep::csvText(gathered.results));
+  sweep::writeTableArrays(gathered.results, stem + ".h5");
+  writeTextFile(stem + "_costs.csv", sweep::csvText(gathered.costs));
   writeContactSheet(gathered, runs.sweep().plan.keys(), folder, stem + ".png");
   files.commit(names);
   fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n",
@@ -357,12 +356,12 @@ void completeOrder(const CLI::App& command, SweepOrder& order) {
 }
 
 int carryOut(const SweepOrder& order) {
-  const SweepRuns runs(record::readSweepFile(order.sweep));
+  const SweepRuns runs(sweep::readSweepFile(order.sweep));
   requireMeant(runs, order.confirmed);
   const fs::path folder =
       order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
   if (order.collectOnly) {
-    const record::Gathered gathered = collect(runs, folder);
+    const sweep::Gathered gathered = collect(runs, folder);
     return gathered.failed + gathered.missing == 0 ? kExitDone : kExitFailed;
   }
   const MadeRuns made = makeRuns(runs, folder, order);
@@ -423,13 +422,13 @@ CLI::Option& optionOf(CLI::App& command, const std::string& key) {
 /// orders beside them, so it can be neither copied nor moved.
 class RunOrders {
  public:
-  explicit RunOrders(const record::Sweep& sweep) : family_(sweep.family) {
+  explicit RunOrders(const sweep::Sweep& sweep) : family_(sweep.family) {
     const bool paints =
-        sweep.keep == record::SweepKeep::Pictures || sweep.keep == record::SweepKeep::All;
+        sweep.keep == sweep::SweepKeep::Pictures || sweep.keep == sweep::SweepKeep::All;
     run_ = paints ? addRecordCommand(program_, record_) : addSimulateCommand(program_, record_);
     record_.settings.painterCount = 1;  // other cores have runs of their own
-    record_.settings.trajectory = sweep.keep != record::SweepKeep::State;
-    if (sweep.keep == record::SweepKeep::Pictures)
+    record_.settings.trajectory = sweep.keep != sweep::SweepKeep::State;
+    if (sweep.keep == sweep::SweepKeep::Pictures)
       record_.settings.video = record_.settings.meshes = false;
     if (family_.empty()) return;
     generate_.family = family_;
@@ -438,7 +437,7 @@ class RunOrders {
   RunOrders(const RunOrders&) = delete;
   RunOrders& operator=(const RunOrders&) = delete;
 
-  void apply(const record::SweepSetting& setting) {
+  void apply(const sweep::SweepSetting& setting) {
     const auto& [key, value] = setting;
     // A family's parameter comes before an option of the same name: of `thickness` a family may
     // mean its own.
@@ -521,7 +520,7 @@ class RunOrders {
     return found->second = readInputs(order);
   }
 
-  void requireNoFamily(const record::SweepValue& value) const {
+  void requireNoFamily(const sweep::SweepValue& value) const {
     if (family_.empty()) return;
     throw inputErrorAt(value.where, "either model or generate will do; remove the other");
   }
@@ -539,7 +538,7 @@ class RunOrders {
     return family_.empty() ? run : fmt::format("{} and kirireel generate {} --help", run, family_);
   }
 
-  static void applyTo(CLI::App& command, const record::SweepSetting& setting) {
+  static void applyTo(CLI::App& command, const sweep::SweepSetting& setting) {
     const auto& [key, value] = setting;
     applySetting(optionOf(command, key), {"", key, {value.text}, value.isSwitch, value.where});
   }
@@ -553,7 +552,7 @@ class RunOrders {
 };
 
 /// A family that does not exist, with the nearest name that does.
-void requireFamily(const record::Sweep& sweep) {
+void requireFamily(const sweep::Sweep& sweep) {
   std::vector<std::string> names;
   for (const generate::Family& family : generate::families()) names.push_back(family.name);
   if (sweep.family.empty() || has(names, sweep.family)) return;
@@ -568,7 +567,7 @@ bool isPathKey(const std::string& key) {
 }
 
 /// Tries a value alone.
-void requireValid(const record::Sweep& sweep, const record::SweepSetting& setting) {
+void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting) {
   // An order of its own for each value, so that one value cannot hide a mistake of another.
   RunOrders(sweep).apply(setting);
   if (!isPathKey(setting.key) || fs::exists(setting.value.text)) return;
@@ -579,16 +578,16 @@ void requireValid(const record::Sweep& sweep, const record::SweepSetting& settin
 }
 
 /// Each value is tried alone: what a run of them all would refuse is for that run to say.
-void requireValid(const record::Sweep& sweep) {
+void requireValid(const sweep::Sweep& sweep) {
   requireFamily(sweep);
-  for (const record::SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
+  for (const sweep::SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
   // A sweep may name its model in [base], at its top, or as a parameter that varies.
   bool namesModel = !sweep.family.empty();
-  for (const record::SweepAxis& axis : sweep.axes) {
-    for (const record::SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});
+  for (const sweep::SweepAxis& axis : sweep.axes) {
+    for (const sweep::SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});
     namesModel = namesModel || axis.key == "model";
   }
-  for (const record::SweepSetting& setting : sweep.settings) {
+  for (const sweep::SweepSetting& setting : sweep.settings) {
     namesModel = namesModel || setting.key == "model";
   }
   if (namesModel) return;
@@ -598,26 +597,26 @@ void requireValid(const record::Sweep& sweep) {
 
 }  // namespace
 
-SweepRuns::SweepRuns(record::Sweep sweep) : sweep_(std::move(sweep)) {
+SweepRuns::SweepRuns(sweep::Sweep sweep) : sweep_(std::move(sweep)) {
   requireValid(sweep_);
 }
 
-std::vector<record::SweepSetting> SweepRuns::settings(std::uint64_t index) const {
-  std::vector<record::SweepSetting> settings = sweep_.settings;
-  const std::vector<record::SweepValue> values = sweep_.plan.run(index);
+std::vector<sweep::SweepSetting> SweepRuns::settings(std::uint64_t index) const {
+  std::vector<sweep::SweepSetting> settings = sweep_.settings;
+  const std::vector<sweep::SweepValue> values = sweep_.plan.run(index);
   for (std::size_t k = 0; k < values.size(); ++k) {
     settings.push_back({sweep_.plan.keys()[k], values[k]});
   }
   std::sort(
       settings.begin(), settings.end(),
-      [](const record::SweepSetting& a, const record::SweepSetting& b) { return a.key < b.key; });
+      [](const sweep::SweepSetting& a, const sweep::SweepSetting& b) { return a.key < b.key; });
   return settings;
 }
 
 RunInputs SweepRuns::inputs(std::uint64_t index) const {
   RunInputs inputs;
   if (!sweep_.family.empty()) inputs.emplace_back("generate", sweep_.family);
-  for (const record::SweepSetting& setting : settings(index)) {
+  for (const sweep::SweepSetting& setting : settings(index)) {
     inputs.emplace_back(setting.key, setting.value.text);
   }
   return inputs;
@@ -625,13 +624,13 @@ RunInputs SweepRuns::inputs(std::uint64_t index) const {
 
 std::string SweepRuns::name(std::uint64_t index) const {
   RunOrders orders(sweep_);
-  for (const record::SweepSetting& setting : settings(index)) orders.apply(setting);
+  for (const sweep::SweepSetting& setting : settings(index)) orders.apply(setting);
   return orders.fingerprint(inputs_).substr(0, kNameDigits);
 }
 
 void SweepRuns::make(std::uint64_t index, const fs::path& folder) const {
   RunOrders orders(sweep_);
-  for (const record::SweepSetting& setting : settings(index)) orders.apply(setting);
+  for (const sweep::SweepSetting& setting : settings(index)) orders.apply(setting);
   orders.carryOut(folder);
 }
 

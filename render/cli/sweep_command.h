@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "render/cli/record_command.h"
-#include "render/record/sweep_plan.h"
-#include "render/record/worker_pool.h"
+#include "render/sweep/sweep_plan.h"
+#include "render/sweep/worker_pool.h"
 
 namespace CLI {
 class App;
@@ -30,7 +30,7 @@ struct SweepOrder {
   std::filesystem::path sweep;   ///< the sweep file
   std::filesystem::path folder;  ///< empty: out/NAME of the sweep file
   SweepShard shard;              ///< the runs that this process makes
-  record::WorkerLimits limits;   ///< of each worker process
+  sweep::WorkerLimits limits;    ///< of each worker process
   bool retryFailed = false;      ///< runs that failed before are tried again
   bool collectOnly = false;      ///< make no runs
   bool confirmed = false;        ///< however many runs there are
@@ -61,10 +61,10 @@ class SweepRuns {
   /// Checks every key and value of the sweep against the options of `kirireel simulate` (or
   /// `record`, as the sweep keeps more) and the family's parameters, which come first where both
   /// have a key. Throws InputError with file:line:column, suggesting the nearest key.
-  explicit SweepRuns(record::Sweep sweep);
+  explicit SweepRuns(sweep::Sweep sweep);
 
   /// As it was read.
-  const record::Sweep& sweep() const { return sweep_; }
+  const sweep::Sweep& sweep() const { return sweep_; }
 
   /// All that a run was told: the family, the settings of all runs, and its own parameters. `index`
   /// is below the number of runs of the plan. By key, the family first.
@@ -78,9 +78,9 @@ class SweepRuns {
   void make(std::uint64_t index, const std::filesystem::path& folder) const;
 
  private:
-  std::vector<record::SweepSetting> settings(std::uint64_t index) const;
+  std::vector<sweep::SweepSetting> settings(std::uint64_t index) const;
 
-  record::Sweep sweep_;
+  sweep::Sweep sweep_;
   mutable std::map<std::string, OrderInputs> inputs_;  ///< of the files that runs name
 };
 

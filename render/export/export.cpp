@@ -31,13 +31,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "render/export/deck.h"
-#include "render/export/flat_sheet.h"
-#include "render/export/job.h"
-#include "render/export/mesh.h"
-#include "render/export/output_folder.h"
-#include "render/export/outside_program.h"
-#include "render/export/vtk.h"
+#include "render/fea/deck.h"
+#include "render/writers/flat_sheet.h"
+#include "render/fea/job.h"
+#include "render/writers/mesh.h"
+#include "render/output/output_folder.h"
+#include "render/fea/outside_program.h"
+#include "render/writers/vtk.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/geometry.h"
@@ -48,10 +48,10 @@ namespace kirireel::exports {
 namespace {
 
 /// A hinge width of 0 means a twentieth of the tiles' mean edge.
-std::vector<PatternLine> patternOf(const model::Model& model, const ExportSettings& settings) {
+std::vector<writers::PatternLine> patternOf(const model::Model& model, const ExportSettings& settings) {
   constexpr double kHingeOfTile = 0.05;
   const double width = settings.hingeWidth;
-  return cutPattern(model, width != 0 ? width : kHingeOfTile * model::tileSize(model));
+  return writers::cutPattern(model, width != 0 ? width : kHingeOfTile * model::tileSize(model));
 }
 
 class Exporter;
@@ -64,7 +64,7 @@ struct ExportFile {
   /// Writes the file of a whole deployment.
   void (*writeDeployment)(Exporter&, const std::filesystem::path&) = nullptr;
   /// Whether these settings ask for it; null: always.
-  bool (*isWanted)(const DeckSettings&) = nullptr;
+  bool (*isWanted)(const fea::DeckSettings&) = nullptr;
 
   bool showsElements() const { return !writeState && !writeDeployment; }
 };
@@ -130,7 +130,7 @@ constexpr const char* kSheet = "sheet";
 
 /// The rule with tiles numbered as the model's file numbers them. Planar files count from 1,
 /// folders from 0: messages name tiles as the user knows them.
-ElementRule numbered(ElementRule rule, const model::Model& model) {
+fea::ElementRule numbered(fea::ElementRule rule, const model::Model& model) {
   rule.countsFrom = model.fileOrder.countsFrom;
   return rule;
 }
@@ -138,10 +138,10 @@ ElementRule numbered(ElementRule rule, const model::Model& model) {
 /// Whether a drive has a mesh of its own: nobody chose elements, and tiles on ideal hinges are
 /// rigid on the way. Coarse ones turn in a tenth of the increments and a hundredth of the time, but
 /// have no flanks apart from joints, for contact.
-bool hasDriveMesh(const ElementRule& rule, const DeckSettings& decks) {
+bool hasDriveMesh(const fea::ElementRule& rule, const fea::DeckSettings& decks) {
   if (decks.contactFriction) return false;
-  const bool isHinged = rule.joints == JointStyle::Shared || rule.joints == JointStyle::Equation;
-  return isHinged && rule.family == ElementFamily::Solid && rule.perEdge == 0 && rule.size == 0;
+  const bool isHinged = rule.joints == fea::JointStyle::Shared || rule.joints == fea::JointStyle::Equation;
+  return isHinged && rule.family == fea::ElementFamily::Solid && rule.perEdge == 0 && rule.size == 0;
 }
 
 /// The files that were written into a folder; without keep() they are removed.
@@ -227,9 +227,9 @@ class Exporter {
 
   /// All samples of the run, whatever states were asked for.
   std::string animation() const {
-    return animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
+    return writers::animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
       trajectory::Sample sample = trajectory_.sample(k);
-      return AnimationKey{sample.time, std::move(sample.poses)};
+      return writers::AnimationKey{sample.time, std::move(sample.poses)};
     });
   }
 
@@ -252,11 +252,11 @@ class Exporter {
   void writeState(const ChosenState& state, const trajectory::Sample& sample) {
     const std::string name = fileStem(state.label);
     if (wantsElements(settings_) && !isNecked()) {
-      ElementMesh mesh =
-          makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
+      fea::ElementMesh mesh =
+          fea::makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
       // Springs that find no patches are left out; exportWarnings() has said so.
-      addHingeSprings(mesh, model::hingeSpringsOf(subject_.pairForces), sample.poses);
-      const DeckOrigin origin = originOf(state.label, sample);
+      fea::addHingeSprings(mesh, model::hingeSpringsOf(subject_.pairForces), sample.poses);
+      const fea::DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       // The drive is written first: its sets of nodes belong to the end of the mesh deck.
       if (isDriven(state.sample)) {
@@ -292,50 +292,50 @@ class Exporter {
     const bool isFinalAlone = std::ranges::all_of(states_, [this](const ChosenState& state) {
       return state.sample + 1 == trajectory_.times().size();
     });
-    if (settings_.decks.drive.kind == DriveChoice::None || isNecked() || !isFinalAlone) return;
+    if (settings_.decks.drive.kind == fea::DriveChoice::None || isNecked() || !isFinalAlone) return;
     throw InputError(
         "error: --drive moves tiles from a state on, and the final state has no motion after it; "
         "choose --states initial");
   }
 
-  bool isNecked() const { return settings_.elements.joints == JointStyle::Neck; }
+  bool isNecked() const { return settings_.elements.joints == fea::JointStyle::Neck; }
 
   /// The flat start as it is cut, whatever states are asked for.
   void writeNeckSheet() {
     if (!wantsElements(settings_)) return;
     const double thickness = subject_.brickRule.thickness;
-    const ElementMesh mesh = makeNeckMesh(subject_.model, thickness, elements_);
-    const DeckOrigin origin = originOf("flat sheet", trajectory_.sample(0));
+    const fea::ElementMesh mesh = fea::makeNeckMesh(subject_.model, thickness, elements_);
+    const fea::DeckOrigin origin = originOf("flat sheet", trajectory_.sample(0));
     std::string sets;
     if (isDriven(0)) sets = writeDrive(mesh, kSheet, origin, 0, {});
     writeElements(mesh, kSheet, origin, sets);
   }
 
   /// `driveSets` are those of a drive on this mesh.
-  void writeElements(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
+  void writeElements(const fea::ElementMesh& mesh, const std::string& name, const fea::DeckOrigin& origin,
                      const std::string& driveSets) {
     if (wants(kGmsh)) {
-      writeTextFile(files_.add(name + kGmshFile), gmshMesh(mesh, settings_.decks.sets, unit()));
+      writeTextFile(files_.add(name + kGmshFile), fea::gmshMesh(mesh, settings_.decks.sets, unit()));
     }
     if (!wants(kDeck)) return;
     // Sets of nodes that a job needs stand at the end of the mesh deck, for readers want them after
     // the nodes.
-    const DeckJob job = staticJob(mesh, settings_.decks, origin, name + kMeshFile);
+    const fea::DeckJob job = fea::staticJob(mesh, settings_.decks, origin, name + kMeshFile);
     writeTextFile(files_.add(name + kMeshFile),
-                  meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
+                  fea::meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
     writeTextFile(files_.add(name + kJobFile), job.text);
     if (settings_.decks.buckling) {
       writeTextFile(files_.add(name + kBucklingFile),
-                    bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
+                    fea::bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
     }
     if (settings_.decks.periodic) {
       writeTextFile(files_.add(name + kPeriodicFile),
-                    periodicJob(mesh, settings_.decks, origin, name + kMeshFile).text);
+                    fea::periodicJob(mesh, settings_.decks, origin, name + kMeshFile).text);
     }
   }
 
   /// The job that takes the first state to this one; keeps the mesh of the first.
-  void writeMap(ElementMesh mesh, const std::string& name, const DeckOrigin& origin) {
+  void writeMap(fea::ElementMesh mesh, const std::string& name, const fea::DeckOrigin& origin) {
     if (!wants(kDeck) || !settings_.decks.stateMap) return;
     // The first state is where the map begins; later ones get a job each on its mesh deck.
     if (!first_) {
@@ -343,41 +343,41 @@ class Exporter {
       return;
     }
     const auto& [firstName, firstMesh] = *first_;
-    const DeckJob job =
-        stateMapJob(firstMesh, mesh, settings_.decks, origin, firstName + kMeshFile);
+    const fea::DeckJob job =
+        fea::stateMapJob(firstMesh, mesh, settings_.decks, origin, firstName + kMeshFile);
     writeTextFile(files_.add(name + kMapFile), job.text);
   }
 
   /// The last sample has nothing after it to follow.
   bool isDriven(std::size_t sample) const {
     const bool hasFuture = sample + 1 < trajectory_.times().size();
-    return wants(kDeck) && settings_.decks.drive.kind != DriveChoice::None && hasFuture;
+    return wants(kDeck) && settings_.decks.drive.kind != fea::DriveChoice::None && hasFuture;
   }
 
   /// Writes the drive's job, and its mesh where it has one of its own. Returns the sets that the
   /// sheet's mesh needs for it.
-  std::string writeDrive(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
+  std::string writeDrive(const fea::ElementMesh& mesh, const std::string& name, const fea::DeckOrigin& origin,
                          std::size_t sample, const Poses& poses) {
     const bool hasOwn = hasDriveMesh(elements_, settings_.decks);
     const std::string meshFile = name + (hasOwn ? kDriveMesh : kMeshFile);
-    const auto jobOn = [&](const ElementMesh& driven) {
-      const DeckJob job = driveJob(driven, settings_.decks, origin, meshFile, historyFrom(sample));
+    const auto jobOn = [&](const fea::ElementMesh& driven) {
+      const fea::DeckJob job = fea::driveJob(driven, settings_.decks, origin, meshFile, historyFrom(sample));
       writeTextFile(files_.add(name + kDriveFile), job.text);
       return job.sets;
     };
     if (!hasOwn) return jobOn(mesh);
-    const ElementMesh own =
-        makeElementMesh(subject_.bricks, subject_.model.joints, poses, coarsest(elements_));
-    DeckSettings decks = settings_.decks;
+    const fea::ElementMesh own =
+        fea::makeElementMesh(subject_.bricks, subject_.model.joints, poses, fea::coarsest(elements_));
+    fea::DeckSettings decks = settings_.decks;
     // The coarse mesh has no control nodes, since only the periodic job uses them.
     decks.periodic = false;
-    writeTextFile(files_.add(meshFile), meshDeck(own, decks, origin) + jobOn(own));
+    writeTextFile(files_.add(meshFile), fea::meshDeck(own, decks, origin) + jobOn(own));
     return {};
   }
 
   /// Reads all later samples into memory.
-  TileHistory historyFrom(std::size_t first) const {
-    TileHistory history;
+  fea::TileHistory historyFrom(std::size_t first) const {
+    fea::TileHistory history;
     for (std::size_t k = first; k < trajectory_.times().size(); ++k) {
       history.times.push_back(trajectory_.times()[k] - trajectory_.times()[first]);
       history.poses.push_back(trajectory_.sample(k).poses);
@@ -386,7 +386,7 @@ class Exporter {
   }
 
   /// `sample` gives time and overlap; the label is as the state was asked for.
-  DeckOrigin originOf(const std::string& label, const trajectory::Sample& sample) const {
+  fea::DeckOrigin originOf(const std::string& label, const trajectory::Sample& sample) const {
     return {subject_.model.name, label,
             sample.time,         subject_.brickRule.thickness,
             sample.penetration,  std::string("Kirireel ") + KIRIREEL_VERSION,
@@ -404,22 +404,22 @@ class Exporter {
   const trajectory::TrajectoryReader& trajectory_;
   const trajectory::Subject& subject_;
   const ExportSettings& settings_;
-  ElementRule elements_;
+  fea::ElementRule elements_;
   std::vector<ChosenState> states_;
   WrittenFiles& files_;
   Poses start_;
-  std::optional<std::pair<std::string, ElementMesh>> first_;  ///< of state maps: name and mesh
+  std::optional<std::pair<std::string, fea::ElementMesh>> first_;  ///< of state maps: name and mesh
 };
 
 /// A surface mesh, whose format writeMesh() tells by the ending.
 void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
                   const std::filesystem::path& file) {
   const bool isStl = file.extension() == ".stl";
-  writeMesh(file, exporter.subject().bricks, sample.poses,
+  writers::writeMesh(file, exporter.subject().bricks, sample.poses,
             isStl ? exporter.unitOfMachines() : exporter.unit());
 }
 
-std::vector<PatternLine> patternOf(const Exporter& exporter) {
+std::vector<writers::PatternLine> patternOf(const Exporter& exporter) {
   return patternOf(exporter.subject().model, exporter.settings());
 }
 
@@ -427,8 +427,8 @@ void requirePattern(const model::Model& model, const ExportSettings& settings) {
   patternOf(model, settings);
 }
 
-bool isDriven(const DeckSettings& decks) {
-  return decks.drive.kind != DriveChoice::None;
+bool isDriven(const fea::DeckSettings& decks) {
+  return decks.drive.kind != fea::DriveChoice::None;
 }
 
 // Files of a deployment have no writer of states.
@@ -444,16 +444,16 @@ ExportFormat deckFormat() {
            {.name = kDriveFile, .isWanted = isDriven},
            {.name = kDriveMesh, .isWanted = isDriven},
            {.name = kBucklingFile,
-            .isWanted = [](const DeckSettings& decks) { return decks.buckling; }},
-           {.name = kMapFile, .isWanted = [](const DeckSettings& decks) { return decks.stateMap; }},
+            .isWanted = [](const fea::DeckSettings& decks) { return decks.buckling; }},
+           {.name = kMapFile, .isWanted = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
            {.name = kPeriodicFile,
-            .isWanted = [](const DeckSettings& decks) { return decks.periodic; }}}};
+            .isWanted = [](const fea::DeckSettings& decks) { return decks.periodic; }}}};
 }
 
 using Path = std::filesystem::path;
 
 void writePlanarObj(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file, planarObjText(model::inUnit(exporter.sheetOf(sample), exporter.unit())));
+  writeTextFile(file, writers::planarObjText(model::inUnit(exporter.sheetOf(sample), exporter.unit())));
 }
 
 void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
@@ -461,11 +461,11 @@ void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const P
 }
 
 void writeVtu(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample, exporter.unit()));
+  writeTextFile(file, writers::vtuText(exporter.subject(), exporter.start(), sample, exporter.unit()));
 }
 
 void writePvd(Exporter& exporter, const Path& file) {
-  writeTextFile(file, pvdText(exporter.series(".vtu")));
+  writeTextFile(file, writers::pvdText(exporter.series(".vtu")));
 }
 
 void writeGlb(Exporter& exporter, const Path& file) {
@@ -481,11 +481,11 @@ void writeFold(Exporter& exporter, const Path& file) {
 }
 
 void writeSvg(Exporter& exporter, const Path& file) {
-  writeTextFile(file, patternSvg(patternOf(exporter)));
+  writeTextFile(file, writers::patternSvg(patternOf(exporter)));
 }
 
 void writeDxf(Exporter& exporter, const Path& file) {
-  writeTextFile(file, patternDxf(patternOf(exporter), exporter.unitOfMachines()));
+  writeTextFile(file, writers::patternDxf(patternOf(exporter), exporter.unitOfMachines()));
 }
 
 const std::vector<ExportFormat>& exportFormats() {
@@ -515,7 +515,7 @@ const std::vector<ExportFormat>& exportFormats() {
 }  // namespace
 
 ExportSettings inMetres(ExportSettings settings, const LengthUnit& unit) {
-  ElementRule& elements = settings.elements;
+  fea::ElementRule& elements = settings.elements;
   for (double* length :
        {&settings.hingeWidth, &elements.patchRadius, &elements.size, &elements.neck.width,
         &elements.neck.length, &elements.neck.radius, &elements.neck.kerf}) {
@@ -533,25 +533,25 @@ std::vector<std::string> exportFormatNames() {
 void requireExportable(const model::Model& model, const model::BrickRule& rule,
                        const ExportSettings& settings) {
   requireDifferent(settings.formats);
-  requireValidRule(settings.elements);
-  requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
+  fea::requireValidRule(settings.elements);
+  fea::requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
   // What depends on the start alone can be tried before the run, necks among it.
   for (const std::string& name : settings.formats) {
     const ExportFormat& format = exportFormat(name);
     if (format.require) format.require(model, settings);
   }
   if (!wantsElements(settings)) return;
-  if (settings.elements.joints == JointStyle::Neck) {
-    neckOutline(model, settings.elements.neck);
+  if (settings.elements.joints == fea::JointStyle::Neck) {
+    writers::neckOutline(model, settings.elements.neck);
     return;
   }
-  ElementRule elements = numbered(settings.elements, model);
+  fea::ElementRule elements = numbered(settings.elements, model);
   // How well corners meet that share a node is known of the run's own states alone.
-  if (elements.joints == JointStyle::Shared) elements.joints = JointStyle::Equation;
+  if (elements.joints == fea::JointStyle::Shared) elements.joints = fea::JointStyle::Equation;
   // Making the mesh is the check: it throws what it would throw at the end of a run that may take
   // hours.
   const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, rule);
-  makeElementMesh(bricks, model.joints, model::startPoses(model.tiles, bricks), elements);
+  fea::makeElementMesh(bricks, model.joints, model::startPoses(model.tiles, bricks), elements);
 }
 
 bool isExported(const std::string& name, const ExportSettings& settings) {
@@ -562,12 +562,12 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
     // Names with the number of a sample: any number counts, since how many samples a run will have
     // is not known.
     return name == nameOf(0) ||
-           isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
+           output::isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
   };
   const auto isOfFile = [&](const ExportFile& file) {
     if (file.isWanted && !file.isWanted(settings.decks)) return false;
     if (file.writeDeployment) return name == file.name;
-    const bool isOfSheet = file.showsElements() && settings.elements.joints == JointStyle::Neck;
+    const bool isOfSheet = file.showsElements() && settings.elements.joints == fea::JointStyle::Neck;
     if (isOfSheet) return name == std::string(kSheet) + file.name;
     return std::ranges::any_of(
         settings.states, [&](const std::string& state) { return isOfState(state, file.name); });
@@ -580,21 +580,21 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
 std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& trajectory,
                                         const ExportSettings& settings) {
   std::vector<std::string> lines;
-  if (!wantsElements(settings) || settings.elements.joints == JointStyle::Neck) return lines;
+  if (!wantsElements(settings) || settings.elements.joints == fea::JointStyle::Neck) return lines;
   const std::vector<model::Brick>& bricks = trajectory.subject().bricks;
   // Large sheets get fewer elements than usual without being asked; the user has to know.
-  if (isCoarsened(bricks, settings.elements)) {
+  if (fea::isCoarsened(bricks, settings.elements)) {
     lines.push_back(
         fmt::format("warning: a sheet of {} tiles gets {} elements per edge, and 8 would bend more "
                     "truly; choose with --elements-per-edge or --element-size",
-                    bricks.size(), usualPerEdge(bricks, settings.elements)));
+                    bricks.size(), fea::usualPerEdge(bricks, settings.elements)));
   }
   if (!wants(settings, kDeck)) return lines;
   const std::vector<model::HingeSpring>& springs =
       model::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
   // Only patches have rotations that a spring can join.
-  if (hasSprings && settings.elements.joints != JointStyle::Patch) {
+  if (hasSprings && settings.elements.joints != fea::JointStyle::Patch) {
     lines.emplace_back(
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
         "patches; choose --joints patch");
@@ -607,7 +607,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   const double thickness = trajectory.subject().brickRule.thickness;
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
     const double overlap = trajectory.sample(state.sample).penetration;
-    if (!isOverlapToTell(overlap, thickness)) continue;
+    if (!fea::isOverlapToTell(overlap, thickness)) continue;
     lines.push_back(
         fmt::format("warning: in state {} bricks overlap by {:.2g} m, {:.0f}% of their thickness; "
                     "an analysis with contact would start overclosed",
@@ -620,7 +620,7 @@ std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajec
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
-  FileSet files(folder, output::kContents);
+  output::FileSet files(folder, output::kContents);
   // Before anything is written: names that belong to somebody else are refused.
   files.requireFree([&](const std::string& name) {
     return name == output::kContents || isExported(name, settings);
@@ -857,7 +857,7 @@ namespace {
 
 /// The rule with elements half as long; `usual` lie along edges where the rule does not say. Necks
 /// and patches keep their sizes: they are part of what is asked about.
-ElementRule halved(ElementRule rule, int usual) {
+fea::ElementRule halved(fea::ElementRule rule, int usual) {
   if (rule.size > 0) {
     rule.size /= 2;
   } else {
@@ -868,14 +868,14 @@ ElementRule halved(ElementRule rule, int usual) {
 
 /// The job is written in CalculiX's keywords and metres whatever the settings say, without sets
 /// that nobody reads.
-double openingOf(const ElementMesh& mesh, DeckSettings settings, const DeckOrigin& origin) {
-  settings.solver = Solver::Calculix;
-  settings.sets = SetChoice::None;
-  settings.unit = DeckUnit::Model;
+double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings, const fea::DeckOrigin& origin) {
+  settings.solver = fea::Solver::Calculix;
+  settings.sets = fea::SetChoice::None;
+  settings.unit = fea::DeckUnit::Model;
   settings.periodic = false;
-  const DeckJob job = staticJob(mesh, settings, origin, "mesh.inp");
-  return openingByCalculix(meshDeck(mesh, settings, origin) + job.sets, job.text,
-                           longestAxis(mesh));
+  const fea::DeckJob job = fea::staticJob(mesh, settings, origin, "mesh.inp");
+  return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text,
+                           fea::longestAxis(mesh));
 }
 
 /// Metres by newton, with four digits, and the change in per cent.
@@ -894,7 +894,7 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
     throw InputError("error: --check runs the jobs of decks; add inp to --format");
   }
   const trajectory::Subject& subject = trajectory.subject();
-  DeckOrigin origin;
+  fea::DeckOrigin origin;
   origin.thickness = subject.brickRule.thickness;
   std::vector<std::string> lines;
   // `meshBy` makes the mesh of a rule; it is called twice.
@@ -904,19 +904,19 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
         openingOf(meshBy(halved(settings.elements, usual)), settings.decks, origin);
     lines.push_back(lineOf(name, own, finer));
   };
-  if (settings.elements.joints == JointStyle::Neck) {
-    const auto meshBy = [&](const ElementRule& rule) {
-      return makeNeckMesh(subject.model, origin.thickness, rule);
+  if (settings.elements.joints == fea::JointStyle::Neck) {
+    const auto meshBy = [&](const fea::ElementRule& rule) {
+      return fea::makeNeckMesh(subject.model, origin.thickness, rule);
     };
-    check("flat sheet", meshBy, kUsualPerEdge);
+    check("flat sheet", meshBy, fea::kUsualPerEdge);
     return lines;
   }
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
     const Poses poses = trajectory.sample(state.sample).poses;
-    const auto meshBy = [&](const ElementRule& rule) {
-      return makeElementMesh(subject.bricks, subject.model.joints, poses, rule);
+    const auto meshBy = [&](const fea::ElementRule& rule) {
+      return fea::makeElementMesh(subject.bricks, subject.model.joints, poses, rule);
     };
-    check(state.label, meshBy, usualPerEdge(subject.bricks, settings.elements));
+    check(state.label, meshBy, fea::usualPerEdge(subject.bricks, settings.elements));
   }
   return lines;
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "render/export/deck.h"
-#include "render/export/element_mesh.h"
+#include "render/fea/deck.h"
+#include "render/fea/element_mesh.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel::exports {
@@ -21,8 +21,8 @@ std::vector<std::string> exportFormatNames();
 struct ExportSettings {
   std::vector<std::string> states = {"initial", "final"};  ///< as chooseStates reads them
   std::vector<std::string> formats;                        ///< of exportFormatNames()
-  ElementRule elements;                                    ///< of decks and meshes
-  DeckSettings decks;                                      ///< how decks are written
+  fea::ElementRule elements;                                    ///< of decks and meshes
+  fea::DeckSettings decks;                                      ///< how decks are written
   double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
   /// Of files whose formats leave the unit open; absent: millimetres for STL and DXF, else the
   /// model's unit. GLB is in metres, SVG in millimetres; decks have DeckSettings::unit.

@@ -22,7 +22,7 @@
 
 #include "render/cli/command_line.h"
 #include "render/cli/manual.h"
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/picture/state_painter.h"
 #include "render/record/pace.h"
 #include "render/record/run_pictures.h"
@@ -449,7 +449,7 @@ double orbitBehind(const MemoryRun& run, const record::PictureSettings& settings
 }
 
 py::array render(const MemoryRun& run, std::optional<double> time, const py::kwargs& options) {
-  std::vector<std::string> words = {"render", exports::output::kTrajectory};
+  std::vector<std::string> words = {"render", output::kTrajectory};
   for (const std::string& word :
        optionWords(options, cli::optionsNotForPictures(cli::describeProgram()))) {
     words.push_back(word);
@@ -508,7 +508,7 @@ py::object summary(const DeployedRun& run) {
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
   return withoutInterpreter([&] {
     const bool isFolder = std::filesystem::is_directory(path);
-    const trajectory::TrajectoryReader file(isFolder ? path / exports::output::kTrajectory : path);
+    const trajectory::TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
     return std::make_shared<MemoryRun>(
         file.subject(), file.end(),
         std::make_shared<trajectory::SampleTable>(trajectory::readSamples(file)));

@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/label.h"
 #include "render/record/pace.h"
@@ -89,9 +89,9 @@ std::vector<std::string> writeCurves(const trajectory::TrajectoryReader& run,
                                      const CurvesSettings& settings) {
   std::vector<std::string> names = {kTable};
   for (const picture::PageFormat format : settings.plots) names.emplace_back(fileOf(format));
-  exports::FileSet files(settings.folder, exports::output::kContents);
+  output::FileSet files(settings.folder, output::kContents);
   files.requireFree([&names](const std::string& name) {
-    return name == exports::output::kContents || std::ranges::find(names, name) != names.end();
+    return name == output::kContents || std::ranges::find(names, name) != names.end();
   });
   const trajectory::RunCurves curves = trajectory::curvesOf(run);
   // The share of the motion at a time, as in a video at an even pace; 0 at the start, 1 at the end.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "render/export/export.h"
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/frame.h"
 #include "render/picture/gl_context.h"
@@ -81,7 +81,7 @@ struct PictureSettings {
   std::string madeBy;  ///< who makes the pictures from what, noted in the files
   SnapshotSpacing spacing = SnapshotSpacing::Progress;  ///< which states the snapshots show
   bool video = true;                                    ///< whether there is one
-  std::string videoFile = exports::output::kVideo;      ///< its ending chooses the format
+  std::string videoFile = output::kVideo;      ///< its ending chooses the format
   std::optional<int> crf;                               ///< of the video, see VideoSettings
   std::string preset = "auto";                          ///< of the video, see VideoSettings
   std::string encoder;                                  ///< of the video, see VideoSettings
@@ -171,7 +171,7 @@ struct RunSummary : PictureReport {
   std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
   std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring
   std::string leftOut;  ///< why nothing was exported that was to be; mostly empty
-  std::vector<exports::FileDigest> digests;  ///< of all files but summary.json
+  std::vector<output::FileDigest> digests;  ///< of all files but summary.json
 };
 
 /// How far a run is, for a progress line. `stage` lives as long as the program.

@@ -83,6 +83,10 @@ std::vector<FrameMoment> realMoments(const MotionCurve& motion, const PictureSet
 
 }  // namespace
 
+int heldFrames(const PictureSettings& settings) {
+  return static_cast<int>(std::lround(settings.heldSeconds() * settings.framesPerSecond));
+}
+
 MotionCurve::MotionCurve(std::vector<double> times, std::vector<double> lengths)
     : times_(std::move(times)), lengths_(std::move(lengths)) {}
 

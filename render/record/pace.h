@@ -56,6 +56,10 @@ FrameMoment momentAt(const MotionCurve& motion, Pace pace, double time);
 /// falls evenly.
 double easedProgress(double share, double ramp);
 
+/// How many more frames the first and the last one are shown for. Rounded: settings.heldSeconds()
+/// times the frames a second.
+int heldFrames(const PictureSettings& settings);
+
 /// The frames of a video of the run, rising in time. At an even pace each brings the same motion
 /// but for ramps of 0.6 s at both ends, and what hardly moves after its arrival takes no time; a
 /// run in which nothing moves is one frame. At real pace they are equally far apart in simulated

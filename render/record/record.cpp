@@ -28,8 +28,8 @@
 
 #include <fmt/format.h>
 
-#include "render/export/mesh.h"
-#include "render/export/output_folder.h"
+#include "render/writers/mesh.h"
+#include "render/output/output_folder.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/label.h"
 #include "render/record/pace.h"
@@ -171,7 +171,7 @@ class LiveRun {
         deployer_(deployer),
         subject_(trajectory::subjectOf(scene)),
         start_(contentOf(subject_)),
-        checkpoints_(settings.folder / exports::output::kCheckpoint, settings.order) {
+        checkpoints_(settings.folder / output::kCheckpoint, settings.order) {
     if (settings.resume) {
       remark_ = checkpoints_.find();
     } else {
@@ -184,7 +184,7 @@ class LiveRun {
     std::optional<ThreadedTrajectoryWriter> writer;
     if (leavesTrajectory(settings_)) {
       subject_.settings = settingsText(scene_, settings_);
-      writer.emplace(settings_.folder / exports::output::kTrajectory, subject_);
+      writer.emplace(settings_.folder / output::kTrajectory, subject_);
     }
     const deploy::SampleObserver watch = [&](const trajectory::Sample& sample) {
       keep(sample);
@@ -261,31 +261,31 @@ void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSet
   model::writeTiles(model::inUnit(model::inFileOrder(model::bottomTiles(bricks, end.last->poses),
                                                      scene.model.fileOrder),
                                   scene.model.unit),
-                    settings.folder / exports::output::kFinalVertices);
-  summary.files.emplace_back(exports::output::kFinalVertices);
+                    settings.folder / output::kFinalVertices);
+  summary.files.emplace_back(output::kFinalVertices);
   if (!settings.meshes) return;
   const auto write = [&](const char* name, const trajectory::Sample& sample) {
     for (const char* ending : {".obj", ".ply"}) {
       summary.files.push_back(fmt::format("{}{}", name, ending));
-      exports::writeMesh(settings.folder / summary.files.back(), bricks, sample.poses,
+      writers::writeMesh(settings.folder / summary.files.back(), bricks, sample.poses,
                          scene.model.unit);
     }
   };
-  write(exports::output::kInitialMesh, *end.first);
-  write(exports::output::kFinalMesh, *end.last);
+  write(output::kInitialMesh, *end.first);
+  write(output::kFinalMesh, *end.last);
 }
 
 /// Meshes of the moments that the timeline asked for. Two files for each "export" of the timeline,
 /// numbered from 1.
 void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunSummary& summary) {
-  const trajectory::TrajectoryReader run(settings.folder / exports::output::kTrajectory);
+  const trajectory::TrajectoryReader run(settings.folder / output::kTrajectory);
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   int number = 0;
   for (const std::size_t sample : samplesOf("export", run)) {
     ++number;
     for (const char* ending : {".obj", ".ply"}) {
-      summary.files.push_back(exports::momentFile(exports::output::kStateMoment, number, ending));
-      exports::writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses,
+      summary.files.push_back(output::momentFile(output::kStateMoment, number, ending));
+      writers::writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses,
                          scene.model.unit);
     }
   }
@@ -294,9 +294,9 @@ void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunS
 /// The equilibria of a scene with grips.
 void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
   if (!summary.loadCurve) return;
-  writeTextFile(settings.folder / exports::output::kLoadCurve,
+  writeTextFile(settings.folder / output::kLoadCurve,
                 mechanics::loadTable(*summary.loadCurve));
-  summary.files.emplace_back(exports::output::kLoadCurve);
+  summary.files.emplace_back(output::kLoadCurve);
 }
 
 /// Who makes a run's pictures from what: noted in each of them. It goes into the metadata of PNG,
@@ -333,16 +333,16 @@ void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings
 /// Files in place change no more: each is read once. Files whose digest is known already are not
 /// read again.
 void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
-  std::set<std::string> known = {exports::output::kSummary};
-  for (const exports::FileDigest& digest : summary.digests) known.insert(digest.name);
+  std::set<std::string> known = {output::kSummary};
+  for (const output::FileDigest& digest : summary.digests) known.insert(digest.name);
   for (const std::string& file : summary.files) {
-    if (known.insert(file).second) summary.digests.push_back(exports::digestOf(folder, file));
+    if (known.insert(file).second) summary.digests.push_back(output::digestOf(folder, file));
   }
 }
 
 /// A state to export may turn out not to be in the run, which is none the worse for it.
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
-  const trajectory::TrajectoryReader trajectory(settings.folder / exports::output::kTrajectory);
+  const trajectory::TrajectoryReader trajectory(settings.folder / output::kTrajectory);
   try {
     for (const std::string& file :
          exports::exportInto(trajectory, settings.exports, settings.folder)) {
@@ -358,36 +358,36 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
 bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
   return (settings.video && name == settings.videoFile) ||
-         (settings.snapshots && name == exports::output::kSnapshots) ||
+         (settings.snapshots && name == output::kSnapshots) ||
          (settings.snapshots && std::ranges::any_of(settings.pages,
                                                     [&name](picture::PageFormat format) {
                                                       return name == pageFile(format);
                                                     })) ||
          (settings.svg &&
-          exports::isNumbered(name, [](int k) { return exports::snapshotDrawing(k).string(); })) ||
-         (hasFrames && name == exports::output::kFrames + std::string("/")) ||
+          output::isNumbered(name, [](int k) { return output::snapshotDrawing(k).string(); })) ||
+         (hasFrames && name == output::kFrames + std::string("/")) ||
          (hasFrames &&
-          exports::isNumbered(name, [](int k) { return exports::frameFile(k).string(); })) ||
-         exports::isNumbered(name, [](int k) {
-           return exports::momentFile(exports::output::kSnapshotMoment, k, ".png");
+          output::isNumbered(name, [](int k) { return output::frameFile(k).string(); })) ||
+         output::isNumbered(name, [](int k) {
+           return output::momentFile(output::kSnapshotMoment, k, ".png");
          });
 }
 
 /// The same of all files.
 bool isOutput(const std::string& name, const RecordSettings& settings) {
-  if (name == exports::output::kSummary || name == exports::output::kFinalVertices) return true;
-  if (name == exports::output::kLoadCurve) return true;
-  if (leavesTrajectory(settings) && name == exports::output::kTrajectory) return true;
+  if (name == output::kSummary || name == output::kFinalVertices) return true;
+  if (name == output::kLoadCurve) return true;
+  if (leavesTrajectory(settings) && name == output::kTrajectory) return true;
   if (settings.paints() && isPicture(name, settings)) return true;
   if (exports::isExported(name, settings.exports)) return true;
   for (const char* ending : {".obj", ".ply"}) {
     if (!settings.meshes) break;
-    if (name == exports::output::kInitialMesh + std::string(ending)) return true;
-    if (name == exports::output::kFinalMesh + std::string(ending)) return true;
+    if (name == output::kInitialMesh + std::string(ending)) return true;
+    if (name == output::kFinalMesh + std::string(ending)) return true;
     const auto moment = [&](int k) {
-      return exports::momentFile(exports::output::kStateMoment, k, ending);
+      return output::momentFile(output::kStateMoment, k, ending);
     };
-    if (exports::isNumbered(name, moment)) return true;
+    if (output::isNumbered(name, moment)) return true;
   }
   return false;
 }
@@ -411,7 +411,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   requireValidSettings(asked);
   requirePaintable(contentOf(trajectory::subjectOf(scene)), asked);
   exports::requireExportable(scene.model, scene.brick, asked.exports);
-  exports::FileSet files(asked.folder, exports::output::kSummary);
+  output::FileSet files(asked.folder, output::kSummary);
   files.requireFree([&asked](const std::string& name) { return isOutput(name, asked); });
   RecordSettings settings = asked;
   settings.folder = files.stage();
@@ -422,12 +422,12 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   prepareGraphics(settings);
   run.deploy();
   summarize(run.end(), summary);
-  if (leavesTrajectory(settings)) summary.files.emplace_back(exports::output::kTrajectory);
+  if (leavesTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
   writeLoadCurve(settings, summary);
   if (settings.paints()) {
-    const trajectory::TrajectoryReader trajectory(settings.folder / exports::output::kTrajectory);
+    const trajectory::TrajectoryReader trajectory(settings.folder / output::kTrajectory);
     makePictures(trajectory, settings, observer, summary);
   }
   if (summary.stoppedAt) {
@@ -436,7 +436,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
                                  summary.stoppedBy, *summary.stoppedAt);
   }
 
-  summary.files.emplace_back(exports::output::kSummary);
+  summary.files.emplace_back(output::kSummary);
   // Where an export fails, all else is put in place all the same.
   std::exception_ptr exportFailure;
   try {
@@ -461,9 +461,9 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   const Stopwatch stopwatch;
   requireValidSettings(settings);
   const trajectory::TrajectoryReader run(trajectory);
-  exports::FileSet files(settings.folder, exports::output::kContents);
+  output::FileSet files(settings.folder, output::kContents);
   files.requireFree([&settings](const std::string& name) {
-    return name == exports::output::kContents || isPicture(name, settings);
+    return name == output::kContents || isPicture(name, settings);
   });
   PictureSettings aside = settings;
   aside.folder = files.stage();
@@ -492,9 +492,9 @@ PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectorie
     runs.push_back(opened.back().get());
     models += (models.empty() ? "" : ", ") + runs.back()->subject().model.name;
   }
-  exports::FileSet files(settings.folder, exports::output::kContents);
+  output::FileSet files(settings.folder, output::kContents);
   files.requireFree([&settings](const std::string& name) {
-    return name == exports::output::kContents || isPicture(name, settings);
+    return name == output::kContents || isPicture(name, settings);
   });
   settings.folder = files.stage();
   settings.madeBy = madeBy(models, "");

@@ -23,7 +23,7 @@
 
 #include <fmt/format.h>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/grid.h"
@@ -262,13 +262,13 @@ void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const Motio
 
 void RunPictures::writeChosenFrames(const trajectory::TrajectoryReader& run,
                                     const MotionCurve& motion) {
-  makeFolder(settings_.folder / exports::output::kFrames);
+  makeFolder(settings_.folder / output::kFrames);
   for (const int number : chooseFrames(run.times(), motion, settings_.chosenFrames)) {
     const trajectory::Sample sample = run.sample(static_cast<std::size_t>(number));
     const picture::Frame frame =
         paintStill({momentAt(motion, settings_.pace, sample.time), sample});
-    picture::writePng(frame, settings_.folder / exports::frameFile(number), pngSettings(settings_));
-    report_.files.push_back(exports::frameFile(number).string());
+    picture::writePng(frame, settings_.folder / output::frameFile(number), pngSettings(settings_));
+    report_.files.push_back(output::frameFile(number).string());
   }
 }
 
@@ -277,8 +277,7 @@ void RunPictures::writeMoments(const trajectory::TrajectoryReader& run, const Mo
   int number = 0;
   for (const std::size_t index : samplesOf("snapshot", run)) {
     const trajectory::Sample sample = run.sample(index);
-    report_.files.push_back(
-        exports::momentFile(exports::output::kSnapshotMoment, ++number, ".png"));
+    report_.files.push_back(output::momentFile(output::kSnapshotMoment, ++number, ".png"));
     picture::writePng(paintStill({momentAt(motion, settings_.pace, sample.time), sample}),
                       settings_.folder / report_.files.back(), pngSettings(settings_));
   }
@@ -315,13 +314,9 @@ picture::PngSettings pngSettings(const PictureSettings& settings) {
   return {.dotsPerInch = settings.dotsPerInch, .description = settings.madeBy};
 }
 
-int heldFrames(const PictureSettings& settings) {
-  return static_cast<int>(std::lround(settings.heldSeconds() * settings.framesPerSecond));
-}
-
 FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
     : settings_(settings), report_(report), heldFrames_(heldFrames(settings)) {
-  if (settings.frames) makeFolder(settings.folder / exports::output::kFrames);
+  if (settings.frames) makeFolder(settings.folder / output::kFrames);
   if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
 }
 
@@ -342,9 +337,8 @@ picture::Frame FrameSink::put(picture::Frame frame) {
   const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
   if (video_) encode(frame, number_ == 0 ? 1 + heldFrames_ : 1);
   if (settings_.frames) {
-    picture::writePng(frame, settings_.folder / exports::frameFile(number_),
-                      pngSettings(settings_));
-    files_.push_back(exports::frameFile(number_).string());
+    picture::writePng(frame, settings_.folder / output::frameFile(number_), pngSettings(settings_));
+    files_.push_back(output::frameFile(number_).string());
   }
   ++number_;
   std::swap(last_, frame);
@@ -473,8 +467,7 @@ picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::
 }  // namespace
 
 const char* pageFile(picture::PageFormat format) {
-  return format == picture::PageFormat::Svg ? exports::output::kSnapshotsSvg
-                                            : exports::output::kSnapshotsPdf;
+  return format == picture::PageFormat::Svg ? output::kSnapshotsSvg : output::kSnapshotsPdf;
 }
 
 picture::ShownState shownState(const FrameState& state) {
@@ -501,7 +494,7 @@ void PanelSheet::writeDrawings() {
     const picture::PictureSetup& setup = painters_[row]->setup();
     for (const FrameState& state : rows_[row].states) {
       const picture::ShownState shown = shownState(state);
-      report_.files.push_back(exports::snapshotDrawing(++number).string());
+      report_.files.push_back(output::snapshotDrawing(++number).string());
       const std::unique_ptr<picture::Canvas> page =
           picture::makeSvgCanvas(pageSettings(setup, setup.pictureSize(), settings_.madeBy));
       picture::drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(), {0, 0},
@@ -585,8 +578,8 @@ void PanelSheet::write() {
     png.dotsPerInch = layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
   }
   picture::writePng(picture::composeGrid(pictures_, shape_, style),
-                    settings_.folder / exports::output::kSnapshots, png);
-  report_.files.emplace_back(exports::output::kSnapshots);
+                    settings_.folder / output::kSnapshots, png);
+  report_.files.emplace_back(output::kSnapshots);
   for (const picture::PageFormat format : settings_.pages) writePage(format, part, layout, style);
 }
 

@@ -117,10 +117,6 @@ picture::VideoSettings videoSettings(const PictureSettings& settings);
 /// How its single pictures are written.
 picture::PngSettings pngSettings(const PictureSettings& settings);
 
-/// How many more frames the first and the last one are shown for. Rounded: settings.heldSeconds()
-/// times the frames a second.
-int heldFrames(const PictureSettings& settings);
-
 /// Encodes and writes frames in order; holds the first and the last as long as the settings say.
 /// Belongs to the thread that makes it.
 class FrameSink {

@@ -27,7 +27,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/export/mesh.h"
+#include "render/writers/mesh.h"
 #include "render/picture/png.h"
 #include "render/picture/video.h"
 #include "sim/deploy/forces.h"
@@ -310,9 +310,9 @@ Json inputsJson(const std::vector<InputFile>& inputs) {
   return json;
 }
 
-Json contentsJson(const std::vector<exports::FileDigest>& digests) {
+Json contentsJson(const std::vector<output::FileDigest>& digests) {
   Json contents = Json::object();
-  for (const exports::FileDigest& digest : digests) {
+  for (const output::FileDigest& digest : digests) {
     contents[digest.name] = {{"bytes", digest.bytes}, {"sha256", digest.sha256}};
   }
   return contents;
@@ -373,7 +373,7 @@ std::string summaryJson(const scene::Scene& scene, const RecordSettings& setting
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
   });
-  return exports::sealed(jsonText(json, 2) + "\n");
+  return output::sealed(jsonText(json, 2) + "\n");
 }
 
 std::string findingsText(const scene::Scene& scene, const RunSummary& summary) {
@@ -401,7 +401,7 @@ std::vector<std::pair<std::string, std::string>> allVersions() {
       {"hdf5", trajectory::arrayLibraryVersion()},
       {"libavcodec", picture::encoderLibraryVersion()},
       {"libpng", picture::pngLibraryVersion()},
-      {"assimp", exports::meshLibraryVersion()},
+      {"assimp", writers::meshLibraryVersion()},
   };
 }
 

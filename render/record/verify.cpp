@@ -26,7 +26,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/picture/video.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
@@ -45,13 +45,13 @@ constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError where there is none.
 std::string summaryText(const fs::path& folder) {
-  if (fs::exists(folder / exports::output::kSummary)) {
-    return readTextFile(folder / exports::output::kSummary, "give the folder that a run left");
+  if (fs::exists(folder / output::kSummary)) {
+    return readTextFile(folder / output::kSummary, "give the folder that a run left");
   }
   throw InputError(fmt::format(
       "{}: error: there is no {} here; give the folder that a run of kirireel record or "
       "simulate left",
-      folder.string(), exports::output::kSummary));
+      folder.string(), output::kSummary));
 }
 
 /// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
@@ -60,7 +60,7 @@ std::string asInJson(const std::string& text) {
   return parseJson(jsonText(Json(text)));
 }
 
-exports::FileDigest digestIn(const std::string& name, const Json& noted) {
+output::FileDigest digestIn(const std::string& name, const Json& noted) {
   return {name, noted.at("bytes").get<std::uintmax_t>(), noted.at("sha256").get<std::string>()};
 }
 
@@ -77,11 +77,11 @@ class Verifier {
 
   VerifyReport run() {
     const std::string text = summaryText(folder_);
-    if (!exports::isSealed(text))
-      complain(exports::output::kSummary, "this is not the text that the run wrote");
+    if (!output::isSealed(text))
+      complain(output::kSummary, "this is not the text that the run wrote");
     const Json summary = parseJsonOrDiscard(text);
     if (!summary.is_object() || !summary.contains("contents")) {
-      complain(exports::output::kSummary,
+      complain(output::kSummary,
                "it names no files to compare with; record the run again");
       return report_;
     }
@@ -90,7 +90,7 @@ class Verifier {
       // A damaged trajectory would only repeat the complaint in many words.
       if (report_.complaints.empty()) compareFigures(summary);
     } catch (const Json::exception&) {
-      complain(exports::output::kSummary, "its entries are not those of a run");
+      complain(output::kSummary, "its entries are not those of a run");
     }
     return report_;
   }
@@ -102,15 +102,15 @@ class Verifier {
 
   /// What was exported or painted again since counts as contents.json has it.
   void compareFiles(const Json& contents) {
-    exports::FileList files = exports::listedFiles(folder_ / exports::output::kContents);
-    if (files.empty() && fs::exists(folder_ / exports::output::kContents)) {
-      complain(exports::output::kContents, "this is not the text that export or render wrote");
+    output::FileList files = output::listedFiles(folder_ / output::kContents);
+    if (files.empty() && fs::exists(folder_ / output::kContents)) {
+      complain(output::kContents, "this is not the text that export or render wrote");
     }
     for (const auto& [name, noted] : contents.items())
       files.try_emplace(name, digestIn(name, noted));
     for (const auto& [name, noted] : files) {
       ++report_.files;
-      const std::string found = exports::difference(folder_, noted);
+      const std::string found = output::difference(folder_, noted);
       if (!found.empty()) complain(name, found);
     }
   }
@@ -127,13 +127,13 @@ class Verifier {
   /// A figure among the summary's "accuracy".
   void compareAccuracy(const Json& stated, double deploy::Accuracy::*figure, double computed) {
     const char* name = nameOfField(figure);
-    compare(exports::output::kSummary, name, stated.at(name), computed, lengthRounding_);
+    compare(output::kSummary, name, stated.at(name), computed, lengthRounding_);
   }
 
   /// An entry of the summary of which trajectory.h5 has a copy.
   void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
     if (stated != copy)
-      complain(exports::output::kSummary, fmt::format("{} differs from trajectory.h5", entry));
+      complain(output::kSummary, fmt::format("{} differs from trajectory.h5", entry));
   }
 
   /// One sample.
@@ -142,12 +142,12 @@ class Verifier {
     const trajectory::Subject& subject = run.subject();
     const trajectory::Sample stored = run.sample(index);
     const std::string at = fmt::format(" at {:.4g} s", stored.time);
-    compare(exports::output::kTrajectory, "joint_gap" + at, stored.jointGap,
+    compare(output::kTrajectory, "joint_gap" + at, stored.jointGap,
             trajectory::jointGap(pivots, stored.poses).max, lengthRounding_);
-    compare(exports::output::kTrajectory, "penetration" + at, stored.penetration,
+    compare(output::kTrajectory, "penetration" + at, stored.penetration,
             trajectory::deepestPenetration(subject.bricks, stored.poses).depth, lengthRounding_);
     if (subject.model.target) {
-      compare(exports::output::kTrajectory, "target_error" + at, stored.targetError,
+      compare(output::kTrajectory, "target_error" + at, stored.targetError,
               trajectory::targetError(*subject.model.target, subject.bricks, stored.poses),
               lengthRounding_);
     }
@@ -156,13 +156,13 @@ class Verifier {
 
   /// Files agree already, so what differs here was wrong when it was written.
   void compareFigures(const Json& summary) {
-    const trajectory::TrajectoryReader run(folder_ / exports::output::kTrajectory);
+    const trajectory::TrajectoryReader run(folder_ / output::kTrajectory);
     const std::vector<model::Pivot> pivots =
         model::makePivots(run.subject().model.joints, run.subject().bricks);
     lengthRounding_ = kFigureRounding * model::tileSize(run.subject().model);
     for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
     if (run.steps().empty()) {
-      complain(exports::output::kTrajectory,
+      complain(output::kTrajectory,
                "an earlier version of the program left it, without the states that "
                "the summary's figures stand for; record the run again");
       return;
@@ -181,14 +181,14 @@ class Verifier {
 
   /// The last event of a run repeats its outcome and reason.
   void compareEnd(const Json& summary, const trajectory::TrajectoryReader& run) {
-    compare(exports::output::kSummary, "end_time", summary.at("end_time"), run.times().back());
+    compare(output::kSummary, "end_time", summary.at("end_time"), run.times().back());
     const std::string outcome = summary.at("outcome");
     const std::string reason = summary.at("reason");
     const std::string stated = fmt::format("{}: {}", outcome, reason);
     // What interrupts the painting comes after the run.
     if (outcome == "interrupted" || run.end().events.empty()) return;
     if (run.end().events.back().text != stated) {
-      complain(exports::output::kSummary,
+      complain(output::kSummary,
                "outcome or reason differ from the last event of trajectory.h5");
     }
   }
@@ -197,12 +197,12 @@ class Verifier {
   void compareModel(const Json& stated, const model::Model& model) {
     compareCopy("model.name", stated.at("name"), asInJson(model.name));
     compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
-    compare(exports::output::kSummary, "model.tiles", stated.at("tiles"),
+    compare(output::kSummary, "model.tiles", stated.at("tiles"),
             static_cast<double>(model.tiles.size()));
-    compare(exports::output::kSummary, "model.joints", stated.at("joints"),
+    compare(output::kSummary, "model.joints", stated.at("joints"),
             static_cast<double>(model.joints.size()));
-    compare(exports::output::kSummary, "model.size", stated.at("size"), model::modelSize(model));
-    compare(exports::output::kSummary, "model.tile_size", stated.at("tile_size"),
+    compare(output::kSummary, "model.size", stated.at("size"), model::modelSize(model));
+    compare(output::kSummary, "model.tile_size", stated.at("tile_size"),
             model::tileSize(model));
   }
 
@@ -232,7 +232,7 @@ class Verifier {
     // Counts of steps: figures without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
-      compare(exports::output::kSummary, figure.partName,
+      compare(output::kSummary, figure.partName,
               summary.at(figure.part).value(figure.partName, 0.0), figure.get(took));
     }
   }
@@ -262,10 +262,10 @@ class Verifier {
       const auto state =
           std::ranges::find(run.end().figureStates, figure.name, &trajectory::FigureState::figure);
       if (state != run.end().figureStates.end()) {
-        compare(exports::output::kSummary, figure.name, stated.at(figure.name),
+        compare(output::kSummary, figure.name, stated.at(figure.name),
                 figure.compute(state->poses), lengthRounding_);
       } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
-        complain(exports::output::kSummary,
+        complain(output::kSummary,
                  fmt::format("{} has no state in trajectory.h5", figure.name));
       }
     }
@@ -276,7 +276,7 @@ class Verifier {
     const Json stated = summary.value("elasticity", Json());
     const bool isElastic = !subject.pairForces.empty();
     if (isElastic == stated.is_null()) {
-      complain(exports::output::kSummary,
+      complain(output::kSummary,
                "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
@@ -284,11 +284,11 @@ class Verifier {
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not tell of all kinds.
       const std::string name = kind.name.counted;
-      compare(exports::output::kSummary, "elasticity." + name, stated.value(name, 0),
+      compare(output::kSummary, "elasticity." + name, stated.value(name, 0),
               found.count(name));
     }
     for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
-      compare(exports::output::kSummary, std::string("elasticity.") + figure.name,
+      compare(output::kSummary, std::string("elasticity.") + figure.name,
               stated.at(figure.name), found.*figure.member);
     }
   }
@@ -331,12 +331,12 @@ class Verifier {
       // A GIF leaves out what its players could not show.
       if (!picture::isVideo(name) || endingOf(name) == ".gif") continue;
       // One that was painted again since is not the run's.
-      if (exports::listedFiles(folder_ / exports::output::kContents).contains(name)) return;
-      compare(exports::output::kSummary, "video_frames", summary.at("video_frames"),
+      if (output::listedFiles(folder_ / output::kContents).contains(name)) return;
+      compare(output::kSummary, "video_frames", summary.at("video_frames"),
               picture::countVideoFrames(folder_ / name));
       return;
     }
-    compare(exports::output::kSummary, "video_frames", summary.at("video_frames"), 0);
+    compare(output::kSummary, "video_frames", summary.at("video_frames"), 0);
   }
 
   fs::path folder_;
@@ -347,14 +347,14 @@ class Verifier {
 }  // namespace
 
 std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
-  if (!fs::is_regular_file(folder / exports::output::kSummary)) return std::nullopt;
+  if (!fs::is_regular_file(folder / output::kSummary)) return std::nullopt;
   const std::string text = summaryText(folder);
   const Json summary = parseJsonOrDiscard(text);
-  if (!exports::isSealed(text) || !summary.is_object()) return std::nullopt;
+  if (!output::isSealed(text) || !summary.is_object()) return std::nullopt;
   try {
     if (summary.at("order") != order || summary.at("outcome") == "interrupted") return std::nullopt;
     for (const auto& [name, noted] : summary.at("contents").items()) {
-      if (!exports::difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
+      if (!output::difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
     }
     return FinishedRun{summary.at("outcome"), !summary.at("shortfall").is_null(), text};
   } catch (const Json::exception&) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
@@ -73,7 +73,7 @@ TEST_F(Verify, SaysWhatIsWrong) {
 void falsify(const std::filesystem::path& file, const std::string& from, const std::string& to) {
   std::string text = readText(file);
   text.replace(text.find(from), from.size(), to);
-  writeText(file, exports::sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
+  writeText(file, output::sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
 }
 
 using Json = nlohmann::ordered_json;
@@ -107,7 +107,7 @@ TEST_F(Verify, FindsEachFigureThatIsFalsified) {
       const double stated = value.get<double>();
       figure = std::abs(stated) < 1e-6 ? stated + 1e-3 : stated * 1.000001;
     }
-    writeText(file, exports::sealed(falsified.dump(2) + "\n"));
+    writeText(file, output::sealed(falsified.dump(2) + "\n"));
     EXPECT_FALSE(record::verifyRun(folder()).complaints.empty()) << pointer;
     ++figures;
   }
@@ -129,12 +129,12 @@ TEST_F(Verify, ComputesTheFiguresAgain) {
 /// Writes another trajectory into a run's folder, whose summary notes the new file.
 void exchangeTrajectory(const std::filesystem::path& folder, const trajectory::Trajectory& run) {
   const std::filesystem::path file = folder / "trajectory.h5";
-  const std::string hash = exports::digestOf(folder, "trajectory.h5").sha256;
+  const std::string hash = output::digestOf(folder, "trajectory.h5").sha256;
   const std::string size = "\"trajectory.h5\": {\n      \"bytes\": ";
   const std::string bytes = std::to_string(readText(file).size());
   trajectory::writeTrajectory(run, file);
   falsify(folder / "summary.json", size + bytes, size + std::to_string(readText(file).size()));
-  falsify(folder / "summary.json", hash, exports::digestOf(folder, "trajectory.h5").sha256);
+  falsify(folder / "summary.json", hash, output::digestOf(folder, "trajectory.h5").sha256);
 }
 
 TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {

@@ -1,5 +1,5 @@
 // The summary.json of a run: as it is, and under a seal that fits it.
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
@@ -37,6 +37,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   const std::string text(fuzz::inputText(bytes, size));
   readSummary(text);
   constexpr std::size_t kEnd = 3;  // "\n}\n", which the seal goes before
-  if (once && size >= kEnd) readSummary(exports::sealed(text));
+  if (once && size >= kEnd) readSummary(output::sealed(text));
   return 0;
 }

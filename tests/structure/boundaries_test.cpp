@@ -99,6 +99,32 @@ TEST(Boundaries, OnlyContactsAndEnginesIncludeBullet) {
   EXPECT_FALSE(usersOf(kBullet).empty());
 }
 
+// What the three main jobs do not need can change, or go, without them.
+TEST(Boundaries, LeavesAreIncludedByFewModules) {
+  const std::map<std::string, std::set<std::string>> allowed = {{"sim/generate/", {"sim/study/"}},
+                                                                {"sim/study/", {}},
+                                                                {"render/fea/", {"render/export/"}},
+                                                                {"render/report/", {}},
+                                                                {"render/page/", {}},
+                                                                {"render/sweep/", {}}};
+  for (const auto& [leaf, others] : allowed) {
+    int count = 0;
+    for (const SourceFile& file : sources()) {
+      const bool isAllowed =
+          file.path == "sim/sim.h" || file.path.starts_with(leaf) ||
+          file.path.starts_with("render/cli/") || file.path.starts_with("render/python/") ||
+          std::ranges::any_of(
+              others, [&file](const std::string& module) { return file.path.starts_with(module); });
+      for (const std::string& header : file.includes) {
+        if (!header.starts_with(leaf)) continue;
+        ++count;
+        EXPECT_TRUE(isAllowed) << file.path << " includes " << header;
+      }
+    }
+    EXPECT_GT(count, 0) << leaf;
+  }
+}
+
 TEST(Boundaries, MechanicsAndMeasuresDoNotKnowWhatFindsContacts) {
   EXPECT_THAT(uses("sim/mechanics/", "sim/(contacts|engines)/.*"), IsEmpty());
   EXPECT_THAT(uses("sim/trajectory/", "sim/(contacts|engines)/.*"), IsEmpty());
@@ -206,7 +232,7 @@ TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
     if (std::regex_search(text, start)) starters.push_back(file.path);
   }
-  EXPECT_THAT(starters, testing::ElementsAre("render/export/outside_program.cpp"));
+  EXPECT_THAT(starters, testing::ElementsAre("render/fea/outside_program.cpp"));
 }
 
 // A run is known again by the files that it read, so that none may be read unnoticed.
@@ -227,10 +253,10 @@ TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
                            "sim/base/files.cpp", "sim/base/files.h",
                            "sim/trajectory/array_file.cpp",    // once it was opened there
                            "render/cli/sweep_command.cpp",     // to write messages
-                           "render/export/output_folder.cpp",  // to lock a folder
+                           "render/output/output_folder.cpp",  // to lock a folder
                            "render/picture/label.cpp",         // the system's font
                            "render/picture/png.cpp",           // to write, and what was written
-                           "render/record/collect.cpp",        // to lock
+                           "render/sweep/collect.cpp",         // to lock
                            "render/picture/video.cpp"));       // what it wrote itself
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 
@@ -19,7 +19,7 @@ TEST(DigestOf, ReadsTheWholeFile) {
   const test::TemporaryFolder folder;
   const std::string million(1000000, 'a');
   std::ofstream(folder / "file") << million;
-  const exports::FileDigest digest = exports::digestOf(folder.path(), "file");
+  const output::FileDigest digest = output::digestOf(folder.path(), "file");
   EXPECT_EQ(digest.name, "file");
   EXPECT_EQ(digest.bytes, 1000000U);
   EXPECT_EQ(digest.sha256, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
@@ -28,7 +28,7 @@ TEST(DigestOf, ReadsTheWholeFile) {
 TEST(DigestOf, SaysWhichFileCannotBeRead) {
   const test::TemporaryFolder folder;
   try {
-    exports::digestOf(folder.path(), "file");
+    output::digestOf(folder.path(), "file");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(error.what(), (folder / "file").string() +
@@ -38,15 +38,15 @@ TEST(DigestOf, SaysWhichFileCannotBeRead) {
 }
 
 TEST(Seal, HoldsUntilAnyByteChanges) {
-  const std::string text = exports::sealed("{\n  \"a\": 1\n}\n");
-  EXPECT_TRUE(exports::isSealed(text));
+  const std::string text = output::sealed("{\n  \"a\": 1\n}\n");
+  EXPECT_TRUE(output::isSealed(text));
   for (std::size_t k = 0; k < text.size(); ++k) {
     std::string changed = text;
     changed[k] ^= 1;
-    EXPECT_FALSE(exports::isSealed(changed)) << k;
+    EXPECT_FALSE(output::isSealed(changed)) << k;
   }
-  EXPECT_FALSE(exports::isSealed("{}\n"));
-  EXPECT_FALSE(exports::isSealed(""));
+  EXPECT_FALSE(output::isSealed("{}\n"));
+  EXPECT_FALSE(output::isSealed(""));
 }
 
 }  // namespace

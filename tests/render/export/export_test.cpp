@@ -113,7 +113,7 @@ TEST_F(Export, WritesJobsThatFollowTheDeployment) {
   exports::ExportSettings settings;
   settings.formats = {"inp"};
   settings.elements.perEdge = 2;
-  settings.decks.drive = {exports::DriveChoice::Some, {0}};
+  settings.decks.drive = {fea::DriveChoice::Some, {0}};
   settings.decks.buckling = true;
   settings.states = {"initial", "final"};
   const std::vector<std::string> names = exports::exportStates(*reader_, settings, out());
@@ -151,14 +151,14 @@ TEST_F(Export, MapsTheFirstStateToTheOthers) {
   };
   settings.states = {"final"};
   EXPECT_THAT(refused(), HasSubstr("choose several, as --states initial,final"));
-  settings.elements.joints = exports::JointStyle::Neck;
+  settings.elements.joints = fea::JointStyle::Neck;
   EXPECT_THAT(refused(), HasSubstr("a sheet with necks is the start alone"));
 }
 
 TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
   exports::ExportSettings settings;
   settings.formats = {"inp"};
-  settings.decks.drive = {exports::DriveChoice::All, {}};
+  settings.decks.drive = {fea::DriveChoice::All, {}};
   settings.states = {"initial"};
   for (const std::string& name : exports::exportStates(*reader_, settings, out())) {
     EXPECT_TRUE(exports::isExported(name, settings)) << name;
@@ -205,7 +205,7 @@ TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
                            "state_final_drive.inp", "state_final_buckle.inp", "sheet_job.inp"}) {
     EXPECT_FALSE(exports::isExported(name, settings)) << name;
   }
-  settings.elements.joints = exports::JointStyle::Neck;
+  settings.elements.joints = fea::JointStyle::Neck;
   EXPECT_TRUE(exports::isExported("sheet_job.inp", settings));
   EXPECT_TRUE(exports::isExported("state_final.stl", settings));
   EXPECT_FALSE(exports::isExported("state_final_job.inp", settings));
@@ -254,7 +254,7 @@ TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   exports::ExportSettings settings;
   settings.states = {"initial"};
   settings.formats = {"inp"};
-  settings.elements.joints = exports::JointStyle::Patch;
+  settings.elements.joints = fea::JointStyle::Patch;
   const std::string warning =
       "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
       "--joints neck has the start with its necks";

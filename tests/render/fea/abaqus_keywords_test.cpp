@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
-#include "render/export/element_mesh.h"
-#include "render/export/job.h"
+#include "render/fea/deck.h"
+#include "render/fea/element_mesh.h"
+#include "render/fea/job.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
@@ -139,28 +139,28 @@ class Judge {
 };
 
 /// All decks and jobs on a mesh whose tiles stand like this.
-void judgeAll(Judge& judge, const exports::ElementMesh& mesh, const Poses& poses,
-              exports::DeckSettings settings = {}) {
-  const exports::DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
-  settings.solver = exports::Solver::Abaqus;
-  settings.drive = {exports::DriveChoice::All, {}};
-  judge.read(exports::meshDeck(mesh, settings, origin));
-  for (const exports::DeckJob& job :
-       {exports::staticJob(mesh, settings, origin, "x_mesh.inp"),
-        exports::bucklingJob(mesh, settings, origin, "x_mesh.inp"),
-        exports::driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {poses, poses}})}) {
+void judgeAll(Judge& judge, const fea::ElementMesh& mesh, const Poses& poses,
+              fea::DeckSettings settings = {}) {
+  const fea::DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+  settings.solver = fea::Solver::Abaqus;
+  settings.drive = {fea::DriveChoice::All, {}};
+  judge.read(fea::meshDeck(mesh, settings, origin));
+  for (const fea::DeckJob& job :
+       {fea::staticJob(mesh, settings, origin, "x_mesh.inp"),
+        fea::bucklingJob(mesh, settings, origin, "x_mesh.inp"),
+        fea::driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {poses, poses}})}) {
     judge.read(job.sets);
     judge.read(job.text);
   }
 }
 
 /// Those of squares on hinges with these elements.
-void judge(Judge& judge, const exports::ElementRule& rule,
+void judge(Judge& judge, const fea::ElementRule& rule,
            model::JointFace face = model::JointFace::Both) {
   model::Model model = model::makeTessellation(test::squares(2, 2, 0.7));
   for (model::Joint& joint : model.joints) joint.face = face;
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
-  judgeAll(judge, exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule),
+  judgeAll(judge, fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule),
            layout.poses);
 }
 
@@ -169,46 +169,46 @@ TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
   Judge abaqus;
   const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
   const Poses poses = test::layoutOf(model.tiles, model.joints).poses;
-  for (const exports::ElementFamily family :
-       {exports::ElementFamily::Solid, exports::ElementFamily::Shell,
-        exports::ElementFamily::Plane}) {
+  for (const fea::ElementFamily family :
+       {fea::ElementFamily::Solid, fea::ElementFamily::Shell,
+        fea::ElementFamily::Plane}) {
     for (const bool isQuadratic : {true, false}) {
-      const exports::ElementRule rule{.perEdge = 2,
+      const fea::ElementRule rule{.perEdge = 2,
                                       .quadratic = isQuadratic,
-                                      .joints = exports::JointStyle::Neck,
+                                      .joints = fea::JointStyle::Neck,
                                       .family = family,
                                       .neck = {.width = 0.05, .length = 0.1}};
-      judgeAll(abaqus, exports::makeNeckMesh(model, 0.02, rule), poses);
+      judgeAll(abaqus, fea::makeNeckMesh(model, 0.02, rule), poses);
     }
   }
 }
 
 TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
   Judge abaqus;
-  for (const exports::JointStyle style :
-       {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
+  for (const fea::JointStyle style :
+       {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
     judge(abaqus, {.perEdge = 4, .joints = style});
     judge(abaqus, {.perEdge = 4, .quadratic = false, .joints = style});
   }
-  judge(abaqus, {.family = exports::ElementFamily::Shell});
-  judge(abaqus, {.quadratic = false, .family = exports::ElementFamily::Shell},
+  judge(abaqus, {.family = fea::ElementFamily::Shell});
+  judge(abaqus, {.quadratic = false, .family = fea::ElementFamily::Shell},
         model::JointFace::Top);
   const test::Layout layout = test::hingedSquares();
-  exports::ElementMesh patched =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses,
-                               {.perEdge = 4, .joints = exports::JointStyle::Patch});
+  fea::ElementMesh patched =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                               {.perEdge = 4, .joints = fea::JointStyle::Patch});
   patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1}};
   judgeAll(abaqus, patched, layout.poses);
-  const exports::ElementMesh shared =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
-  exports::DeckSettings settings;
+  const fea::ElementMesh shared =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
+  fea::DeckSettings settings;
   settings.contactFriction = 0.3;
   settings.periodic = true;
   judgeAll(abaqus, shared, layout.poses, settings);
-  settings.solver = exports::Solver::Abaqus;
-  const exports::DeckOrigin origin;
-  abaqus.read(exports::periodicJob(shared, settings, origin, "x_mesh.inp").text);
-  abaqus.read(exports::stateMapJob(shared, shared, settings, origin, "x_mesh.inp").text);
+  settings.solver = fea::Solver::Abaqus;
+  const fea::DeckOrigin origin;
+  abaqus.read(fea::periodicJob(shared, settings, origin, "x_mesh.inp").text);
+  abaqus.read(fea::stateMapJob(shared, shared, settings, origin, "x_mesh.inp").text);
   // Nothing stands in the table that no deck has.
   EXPECT_EQ(abaqus.unused(), std::vector<std::string>());
 }

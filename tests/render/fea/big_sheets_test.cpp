@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
-#include "render/export/job.h"
+#include "render/fea/deck.h"
+#include "render/fea/job.h"
 #include "sim/base/files.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/files.h"
@@ -31,15 +31,15 @@ double cpuSeconds(const std::filesystem::path& folder, const std::string& comman
   return least;
 }
 
-exports::ElementMesh sheetOf(const exports::ElementRule& rule) {
+fea::ElementMesh sheetOf(const fea::ElementRule& rule) {
   const model::Model model = model::makeTessellation(test::squares(100, 100, 0.3));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
-  return exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+  return fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
 }
 
 /// The same elements as if they were of one tile without faces.
-exports::ElementMesh inOneGroup(exports::ElementMesh mesh) {
-  exports::TileElements all;
+fea::ElementMesh inOneGroup(fea::ElementMesh mesh) {
+  fea::TileElements all;
   all.elementCount = static_cast<int>(mesh.elements.size());
   all.nodes.resize(mesh.nodes.size());
   std::iota(all.nodes.begin(), all.nodes.end(), 0);
@@ -50,10 +50,10 @@ exports::ElementMesh inOneGroup(exports::ElementMesh mesh) {
 
 TEST(BigSheets, AreReadByGmshAsFastAsOneGroup) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
-  const exports::ElementMesh mesh = sheetOf({});
+  const fea::ElementMesh mesh = sheetOf({});
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "sheet.msh", exports::gmshMesh(mesh));
-  writeTextFile(folder / "one.msh", exports::gmshMesh(inOneGroup(mesh)));
+  writeTextFile(folder / "sheet.msh", fea::gmshMesh(mesh));
+  writeTextFile(folder / "one.msh", fea::gmshMesh(inOneGroup(mesh)));
   const double own = cpuSeconds(folder.path(), "gmsh sheet.msh -parse_and_exit");
   const double one = cpuSeconds(folder.path(), "gmsh one.msh -parse_and_exit");
   EXPECT_THAT(test::bytesOf(folder / "log"), testing::HasSubstr("Done reading"));
@@ -79,9 +79,9 @@ std::string withoutSets(const std::string& deck) {
 
 TEST(BigSheets, AreReadByCalculixAsFastAsWithoutSets) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  const exports::ElementMesh mesh = sheetOf({.perEdge = 1, .through = 1, .quadratic = false});
-  const exports::DeckJob job = exports::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
-  const std::string deck = exports::meshDeck(mesh, {}, kOrigin) + job.sets;
+  const fea::ElementMesh mesh = sheetOf({.perEdge = 1, .through = 1, .quadratic = false});
+  const fea::DeckJob job = fea::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
+  const std::string deck = fea::meshDeck(mesh, {}, kOrigin) + job.sets;
   const test::TemporaryFolder folder;
   writeTextFile(folder / "job.inp", job.text);
   writeTextFile(folder / "x_mesh.inp", deck);

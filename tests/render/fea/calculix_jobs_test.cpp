@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
-#include "render/export/job.h"
+#include "render/fea/deck.h"
+#include "render/fea/job.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
@@ -37,13 +37,13 @@ model::Tile square(double x, double y) {
 
 std::string setOf(const std::string& name, const std::vector<int>& nodes) {
   std::string text;
-  exports::appendNodeSet(text, name, nodes);
+  fea::appendNodeSet(text, name, nodes);
   return text;
 }
 
 /// The nodes that follow no others, all of them or those of a tile.
-std::vector<int> leaders(const exports::ElementMesh& mesh, int tile = -1) {
-  const std::vector<bool> follows = exports::followers(mesh);
+std::vector<int> leaders(const fea::ElementMesh& mesh, int tile = -1) {
+  const std::vector<bool> follows = fea::followers(mesh);
   std::vector<int> nodes;
   for (int k = 0; k < static_cast<int>(mesh.nodes.size()); ++k) {
     const bool isMeant = tile < 0 || std::ranges::binary_search(mesh.tiles[tile].nodes, k);
@@ -60,8 +60,8 @@ class SpringHinge {
   explicit SpringHinge(double rest)
       : layout_(test::layoutOf({square(0, 0), square(1, 1)},
                                {{{0, 2}, {1, 0}, model::JointFace::Both}})),
-        mesh_(exports::makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
-                                       {.perEdge = 4, .joints = exports::JointStyle::Patch})) {
+        mesh_(fea::makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
+                                       {.perEdge = 4, .joints = fea::JointStyle::Patch})) {
     const model::Hinge hinge =
         model::findHinges(layout_.bricks, model::makePivots(layout_.joints, layout_.bricks), true)
             .hinges.at(0);
@@ -69,7 +69,7 @@ class SpringHinge {
     const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.z();
     const double start = model::hingeAngle(hinge, layout_.poses);
     const std::vector<model::HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
-    EXPECT_EQ(exports::addHingeSprings(mesh_, springs, layout_.poses), 0);
+    EXPECT_EQ(fea::addHingeSprings(mesh_, springs, layout_.poses), 0);
   }
 
   /// The corner at (2, 1), through the thickness.
@@ -78,8 +78,8 @@ class SpringHinge {
   /// A job with these loads besides the spring's.
   JobEnd run(const std::string& step, const std::string& load) const {
     std::string moments = "*CLOAD\n";
-    exports::PatchDeck(mesh_, exports::Solver::Calculix)
-        .appendMoments(moments, exports::DeckUnit::Model);
+    fea::PatchDeck(mesh_, fea::Solver::Calculix)
+        .appendMoments(moments, fea::DeckUnit::Model);
     if (moments == "*CLOAD\n") moments.clear();
     std::string job = test::ownJob(
         setOf("HELD", leaders(mesh_, 0)) + setOf("FLAT", leaders(mesh_)) +
@@ -88,14 +88,14 @@ class SpringHinge {
         "DRIVEN, FREQUENCY=1000, TOTALS=ONLY\nRF\n*NODE PRINT, FREQUENCY=1000, NSET=DRIVEN");
     const std::string plain = "*STEP\n*STATIC\n";
     job.replace(job.find(plain), plain.size(), step);
-    const JobEnd end = test::run(exports::meshDeck(mesh_, {}, kOrigin), job);
+    const JobEnd end = test::run(fea::meshDeck(mesh_, {}, kOrigin), job);
     EXPECT_THAT(end.log, HasSubstr("Job finished"));
     return end;
   }
 
  private:
   Layout layout_;
-  exports::ElementMesh mesh_;
+  fea::ElementMesh mesh_;
 };
 
 TEST_F(CalculixJobs, SpringsTurnTilesByMomentOverStiffness) {
@@ -142,14 +142,14 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   // Side by side, joined at (1, 0): 100 N on (2, 1) press the right square on the left one.
   const Layout layout =
       test::layoutOf({square(0, 0), square(1, 0)}, {{{0, 1}, {1, 0}, model::JointFace::Both}});
-  const exports::ElementMesh mesh = exports::makeElementMesh(
+  const fea::ElementMesh mesh = fea::makeElementMesh(
       layout.bricks, layout.joints, layout.poses, {.perEdge = 8, .through = 1});
-  const std::vector<exports::ContactPair> pairs = exports::contactPairs(mesh);
+  const std::vector<fea::ContactPair> pairs = fea::contactPairs(mesh);
   ASSERT_EQ(pairs.size(), 2U);
-  exports::DeckSettings settings;
+  fea::DeckSettings settings;
   settings.contactFriction = 0;
   std::string cards;
-  exports::appendContactCards(cards, pairs.size(), settings, 0.02);
+  fea::appendContactCards(cards, pairs.size(), settings, 0.02);
   const std::vector<int>& loaded = mesh.tiles[1].edges[2];
   std::string load = "*CLOAD\n";
   for (const int node : loaded) {
@@ -161,7 +161,7 @@ TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
   std::string job =
       test::ownJob(setOf("FLAT", leaders(mesh)), "XMIN, 1, 3\nFLAT, 3, 3\n", load, "XMAX");
   job.insert(job.find("*BOUNDARY"), cards);
-  const JobEnd end = test::run(exports::meshDeck(mesh, settings, kOrigin), job);
+  const JobEnd end = test::run(fea::meshDeck(mesh, settings, kOrigin), job);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const auto [force, moment] = contactForces(end.data);
   // About (1, 0): 100 N times 1 m, whatever the pressure's distribution.
@@ -175,11 +175,11 @@ struct Strained {
   double energy = 0;  ///< joules
 };
 
-Strained runPeriodic(const exports::ElementMesh& mesh) {
-  exports::DeckSettings settings;
+Strained runPeriodic(const fea::ElementMesh& mesh) {
+  fea::DeckSettings settings;
   settings.periodic = true;
-  const exports::DeckJob job = exports::periodicJob(mesh, settings, kOrigin, "x_mesh.inp");
-  const JobEnd end = test::run(exports::meshDeck(mesh, settings, kOrigin), job.text);
+  const fea::DeckJob job = fea::periodicJob(mesh, settings, kOrigin, "x_mesh.inp");
+  const JobEnd end = test::run(fea::meshDeck(mesh, settings, kOrigin), job.text);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const std::size_t energy = end.data.find("total internal energy");
   if (energy == std::string::npos) return {};
@@ -189,7 +189,7 @@ Strained runPeriodic(const exports::ElementMesh& mesh) {
 
 TEST_F(CalculixJobs, APeriodicSheetIsStrainedUniformly) {
   const Layout layout = test::layoutOf({square(0, 0)}, {});
-  const Strained found = runPeriodic(exports::makeElementMesh(layout.bricks, {}, layout.poses, {}));
+  const Strained found = runPeriodic(fea::makeElementMesh(layout.bricks, {}, layout.poses, {}));
   ASSERT_EQ(found.moved.size(), 2U);
   // Strained by 1e-3: E times that on a side of 1 m x 0.02 m; it narrows by Poisson's ratio.
   EXPECT_NEAR(found.moved[0].x(), 1e-3, 1e-12);
@@ -201,7 +201,7 @@ TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
   // Poisson's ratio is -1: as many squares across as along widen by what they lengthen.
   const model::Model model = model::makeTessellation(test::squares(4, 4, 0.7));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
-  const Strained found = runPeriodic(exports::makeElementMesh(
+  const Strained found = runPeriodic(fea::makeElementMesh(
       layout.bricks, layout.joints, layout.poses, {.perEdge = 2, .through = 1}));
   ASSERT_EQ(found.moved.size(), 2U);
   EXPECT_GT(found.moved[0].x(), 1e-3);
@@ -219,16 +219,16 @@ TEST_F(CalculixJobs, StateMapsLeadToTheLaterStateWithoutStress) {
     poses[t].rotation = rotationFromVector({0, 0, isEven ? -0.4 : 0.4});
     poses[t].position = model::tileCentroid(opened[t]) + Vector3(0, 0, 0.01);
   }
-  for (const exports::JointStyle style :
-       {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
-    const exports::ElementRule rule{.perEdge = 4, .through = 1, .joints = style};
-    const exports::ElementMesh mesh =
-        exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
-    const exports::ElementMesh later =
-        exports::makeElementMesh(layout.bricks, layout.joints, poses, rule);
-    exports::DeckJob job = exports::stateMapJob(mesh, later, {}, kOrigin, "x_mesh.inp");
+  for (const fea::JointStyle style :
+       {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
+    const fea::ElementRule rule{.perEdge = 4, .through = 1, .joints = style};
+    const fea::ElementMesh mesh =
+        fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+    const fea::ElementMesh later =
+        fea::makeElementMesh(layout.bricks, layout.joints, poses, rule);
+    fea::DeckJob job = fea::stateMapJob(mesh, later, {}, kOrigin, "x_mesh.inp");
     job.text.insert(job.text.find("*END STEP"), "*EL PRINT, ELSET=EALL\nS\n");
-    const JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job.text);
+    const JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job.text);
     EXPECT_THAT(end.log, HasSubstr("Job finished"));
     const std::vector<Vector3> moved = displacements(end.data.substr(0, end.data.find("stresses")));
     ASSERT_GE(moved.size(), mesh.nodes.size());

@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
-#include "render/export/element_mesh.h"
-#include "render/export/job.h"
+#include "render/fea/deck.h"
+#include "render/fea/element_mesh.h"
+#include "render/fea/job.h"
 #include "sim/base/files.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/render/fea/run_deck.h"
@@ -38,18 +38,18 @@ std::string printing(std::string job) {
   return job.insert(job.find("*NODE PRINT"), "*NODE PRINT, NSET=NALL\nU\n");
 }
 
-class JobTemplate : public testing::TestWithParam<exports::ElementRule> {
+class JobTemplate : public testing::TestWithParam<fea::ElementRule> {
  protected:
   void SetUp() override {
     if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   }
 };
 
-void expectToRun(const Layout& layout, const exports::ElementRule& rule) {
-  const exports::ElementMesh mesh =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
-  const exports::DeckJob job = exports::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
-  const JobEnd end = run(exports::meshDeck(mesh, {}, kOrigin) + job.sets, printing(job.text));
+void expectToRun(const Layout& layout, const fea::ElementRule& rule) {
+  const fea::ElementMesh mesh =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+  const fea::DeckJob job = fea::staticJob(mesh, {}, kOrigin, "x_mesh.inp");
+  const JobEnd end = run(fea::meshDeck(mesh, {}, kOrigin) + job.sets, printing(job.text));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   EXPECT_THAT(end.log, Not(HasSubstr("WARNING")));
   EXPECT_THAT(end.log, Not(HasSubstr("ERROR")));
@@ -76,13 +76,13 @@ TEST_P(JobTemplate, RunsAsItIs) {
 
 INSTANTIATE_TEST_SUITE_P(
     Deck, JobTemplate,
-    testing::Values(exports::ElementRule{2, 1}, exports::ElementRule{4, 1, false},
-                    exports::ElementRule{.family = exports::ElementFamily::Shell},
-                    exports::ElementRule{.quadratic = false,
-                                         .family = exports::ElementFamily::Shell},
-                    exports::ElementRule{2, 1, true, exports::JointStyle::Equation},
-                    exports::ElementRule{4, 1, false, exports::JointStyle::Patch, 0.26},
-                    exports::ElementRule{4, 1, true, exports::JointStyle::Patch}));
+    testing::Values(fea::ElementRule{2, 1}, fea::ElementRule{4, 1, false},
+                    fea::ElementRule{.family = fea::ElementFamily::Shell},
+                    fea::ElementRule{.quadratic = false,
+                                         .family = fea::ElementFamily::Shell},
+                    fea::ElementRule{2, 1, true, fea::JointStyle::Equation},
+                    fea::ElementRule{4, 1, false, fea::JointStyle::Patch, 0.26},
+                    fea::ElementRule{4, 1, true, fea::JointStyle::Patch}));
 
 /// A tile of the given length and width, 0.02 or as thick as said.
 Layout strip(double length, double width, double thickness) {
@@ -92,13 +92,13 @@ Layout strip(double length, double width, double thickness) {
 
 /// The deflection of a cantilever 10 x 1 x 0.5 with 1 kN spread over its end, as a part of that of
 /// a beam, F l^3 / (3 E I).
-double cantilever(const exports::ElementRule& rule) {
+double cantilever(const fea::ElementRule& rule) {
   const Layout layout = strip(10, 1, 0.5);
-  const exports::ElementMesh mesh = exports::makeElementMesh(layout.bricks, {}, layout.poses, rule);
+  const fea::ElementMesh mesh = fea::makeElementMesh(layout.bricks, {}, layout.poses, rule);
   std::size_t atEnd = 0;
   for (const Vector3& node : mesh.nodes) atEnd += node.x() > 10 - 1e-9 ? 1 : 0;
   const JobEnd end = run(
-      exports::meshDeck(mesh, {}, kOrigin),
+      fea::meshDeck(mesh, {}, kOrigin),
       ownJob("", "XMIN, 1, 3\n", fmt::format("*CLOAD\nXMAX, 3, {}\n", -1000.0 / atEnd), "XMAX"));
   const double beam = 1000 * 1000 / (3 * 1e9 * 1 * 0.125 / 12);
   return -displacements(end.data).at(0).z() / beam;
@@ -118,21 +118,21 @@ TEST(Bending, OfACantileverIsThatOfABeam) {
 /// as a part of c q a^4 / D. `isHeld` tells which nodes are held by which axes.
 double plate(double coefficient, const std::string& held) {
   const Layout layout = strip(1, 1, 0.02);
-  const exports::ElementMesh mesh = exports::makeElementMesh(layout.bricks, {}, layout.poses, {});
+  const fea::ElementMesh mesh = fea::makeElementMesh(layout.bricks, {}, layout.poses, {});
   std::vector<int> corners;
   for (const auto& edge : mesh.tiles[0].edges) corners.push_back(edge.front());
   std::string sets;
-  exports::appendNodeSet(sets, "CORNER", corners);
+  fea::appendNodeSet(sets, "CORNER", corners);
   for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
     const Vector3 offset = mesh.nodes[k] - Vector3(0.5, 0.5, 0);
-    if (offset.norm() < 1e-9) exports::appendNodeSet(sets, "MIDDLE", {static_cast<int>(k)});
+    if (offset.norm() < 1e-9) fea::appendNodeSet(sets, "MIDDLE", {static_cast<int>(k)});
   }
   std::string boundary = held;
   if (held == "CORNER, 3, 3\n") {
     boundary += fmt::format("{}, 1, 2\n{}, 2, 2\n", corners[0] + 1, corners[1] + 1);
   }
   const JobEnd end =
-      run(exports::meshDeck(mesh, {}, kOrigin),
+      run(fea::meshDeck(mesh, {}, kOrigin),
           ownJob(sets, boundary, "*DLOAD\nEALL, GRAV, 9.81, 0., 0., -1.\n", "MIDDLE"));
   const double stiffness = 1e9 * 8e-6 / (12 * (1 - 0.09));
   return -displacements(end.data).at(0).z() / (coefficient * 1000 * 9.81 * 0.02 / stiffness);
@@ -148,13 +148,13 @@ TEST(Bending, OfPlatesIsThatOfKirchhoff) {
 }
 
 /// A job on shells of 0.02 m.
-JobEnd runShells(const exports::ElementMesh& mesh, const std::string& sets,
+JobEnd runShells(const fea::ElementMesh& mesh, const std::string& sets,
                  const std::string& boundary, const std::string& load, const std::string& printed,
                  double thickness = 0.02) {
   std::string job = ownJob(sets, boundary, load, printed);
   const std::string section = "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n";
   std::string shells;
-  for (const exports::ShellOffset& own : exports::shellOffsets(mesh)) {
+  for (const fea::ShellOffset& own : fea::shellOffsets(mesh)) {
     shells += fmt::format("*SHELL SECTION, ELSET={}, MATERIAL=SHEET, OFFSET={}\n{}\n", own.set,
                           own.offset, thickness);
   }
@@ -162,11 +162,11 @@ JobEnd runShells(const exports::ElementMesh& mesh, const std::string& sets,
     shells = fmt::format("*SHELL SECTION, ELSET=EALL, MATERIAL=SHEET\n{}\n", thickness);
   }
   job.replace(job.find(section), section.size(), shells);
-  return run(exports::meshDeck(mesh, {}, kOrigin), job);
+  return run(fea::meshDeck(mesh, {}, kOrigin), job);
 }
 
 /// The same of shells: the largest deflection is that of the middle.
-double shellPlate(const exports::ElementMesh& mesh, double coefficient, bool isClamped) {
+double shellPlate(const fea::ElementMesh& mesh, double coefficient, bool isClamped) {
   std::string boundary = "XMIN, 1, 6\nXMAX, 1, 6\nYMIN, 1, 6\nYMAX, 1, 6\n";
   if (!isClamped) {
     boundary.clear();
@@ -189,8 +189,8 @@ double shellPlate(const exports::ElementMesh& mesh, double coefficient, bool isC
 TEST(Bending, OfShellsIsThatOfKirchhoff) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   const Layout layout = strip(1, 1, 0.02);
-  const exports::ElementMesh mesh = exports::makeElementMesh(
-      layout.bricks, {}, layout.poses, {.family = exports::ElementFamily::Shell});
+  const fea::ElementMesh mesh = fea::makeElementMesh(
+      layout.bricks, {}, layout.poses, {.family = fea::ElementFamily::Shell});
   EXPECT_NEAR(shellPlate(mesh, 0.0255, false), 1, 0.02);  // measured: 1.013
   // CalculiX clamps the edges of its expanded shells too stiffly along one element, which is why
   // these are shorter there: 0.954 with elements of one size. Measured: 0.987.
@@ -203,9 +203,9 @@ TEST(Bending, OfShellsByGmshIsThatOfKirchhoff) {
   }
   model::Model model;
   model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
-  const exports::ElementMesh mesh = exports::makeNeckMesh(model, 0.02,
-                                                          {.joints = exports::JointStyle::Neck,
-                                                           .family = exports::ElementFamily::Shell,
+  const fea::ElementMesh mesh = fea::makeNeckMesh(model, 0.02,
+                                                          {.joints = fea::JointStyle::Neck,
+                                                           .family = fea::ElementFamily::Shell,
                                                            .neck = {.width = 0.1}});
   EXPECT_NEAR(shellPlate(mesh, 0.0255, false), 1, 0.02);   // measured: 1.012
   EXPECT_NEAR(shellPlate(mesh, 0.001265, true), 1, 0.02);  // measured: 0.992, by one size 0.959
@@ -214,8 +214,8 @@ TEST(Bending, OfShellsByGmshIsThatOfKirchhoff) {
 TEST(Bending, OfACantileverOfShellsIsThatOfABeam) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   const Layout layout = strip(10, 1, 0.5);
-  const exports::ElementMesh mesh = exports::makeElementMesh(
-      layout.bricks, {}, layout.poses, {.family = exports::ElementFamily::Shell});
+  const fea::ElementMesh mesh = fea::makeElementMesh(
+      layout.bricks, {}, layout.poses, {.family = fea::ElementFamily::Shell});
   std::size_t atEnd = 0;
   for (const Vector3& node : mesh.nodes) atEnd += node.x() > 10 - 1e-9 ? 1 : 0;
   const JobEnd end = runShells(mesh, "", "XMIN, 1, 6\n",
@@ -231,15 +231,15 @@ TEST(Shells, OnOneFaceCarryWhatAThreeHingedArchDoes) {
       {model::Tile{{{0, 0, 0}, {1, 0, 1}, {1, 1, 1}, {0, 1, 0}}},
        model::Tile{{{1, 0, 1}, {2, 0, 0}, {2, 1, 0}, {1, 1, 1}}}},
       {{{0, 1}, {1, 0}, model::JointFace::Bottom}, {{0, 2}, {1, 3}, model::JointFace::Bottom}});
-  const exports::ElementMesh mesh = exports::makeElementMesh(
-      layout.bricks, layout.joints, layout.poses, {.family = exports::ElementFamily::Shell});
+  const fea::ElementMesh mesh = fea::makeElementMesh(
+      layout.bricks, layout.joints, layout.poses, {.family = fea::ElementFamily::Shell});
   ASSERT_EQ(mesh.clusters.size(), 2U);
-  ASSERT_EQ(exports::shellOffsets(mesh).size(), 1U);
-  EXPECT_EQ(exports::shellOffsets(mesh)[0].offset, -0.5);
+  ASSERT_EQ(fea::shellOffsets(mesh).size(), 1U);
+  EXPECT_EQ(fea::shellOffsets(mesh)[0].offset, -0.5);
   std::string sets;
   const auto corner = [&](int tile, int vertex) { return mesh.tiles[tile].edges[vertex].front(); };
-  exports::appendNodeSet(sets, "FEET", {corner(0, 0), corner(0, 3), corner(1, 1), corner(1, 2)});
-  exports::appendNodeSet(sets, "FOOT", {corner(0, 0), corner(0, 3)});
+  fea::appendNodeSet(sets, "FEET", {corner(0, 0), corner(0, 3), corner(1, 1), corner(1, 2)});
+  fea::appendNodeSet(sets, "FOOT", {corner(0, 0), corner(0, 3)});
   const JobEnd end = runShells(
       mesh, sets, "FEET, 1, 3\n",
       fmt::format("*CLOAD\n{}, 3, -50.\n{}, 3, -50.\n", corner(0, 1) + 1, corner(0, 2) + 1),
@@ -269,21 +269,21 @@ std::string drivenJob(int node, double y) {
       "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n*BOUNDARY\nTILE_00000_N, 1, 3\n"
       "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1.\n*BOUNDARY\n{}, 2, 2, {}\n"
       "*NODE PRINT, NSET=TILE_00003_BOT\nU\n*END STEP\n",
-      node, exports::deckNumber(y));
+      node, fea::deckNumber(y));
 }
 
-class HingeMechanism : public testing::TestWithParam<exports::JointStyle> {};
+class HingeMechanism : public testing::TestWithParam<fea::JointStyle> {};
 
 TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   const double start = 0.7;
   const Layout layout = test::hingedSquares(start);
-  const exports::ElementMesh mesh = exports::makeElementMesh(
+  const fea::ElementMesh mesh = fea::makeElementMesh(
       layout.bricks, layout.joints, layout.poses, {2, 1, false, GetParam()});
   const Vector3 wanted = linkage(start, 1.1);
   // A node of tile 3 that follows no other: the middle of its bottom.
   const int driven = mesh.tiles[3].bottom[4] + 1;
-  const JobEnd end = run(exports::meshDeck(mesh, {}, kOrigin), drivenJob(driven, wanted.y()));
+  const JobEnd end = run(fea::meshDeck(mesh, {}, kOrigin), drivenJob(driven, wanted.y()));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const std::vector<Vector3> moved = displacements(end.data);
   ASSERT_GE(moved.size(), 9U);
@@ -294,8 +294,8 @@ TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
 }
 
 /// How squares in rows of so many turn from one opening angle by 0.4 rad, in a second.
-exports::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
-  exports::TileHistory history;
+fea::TileHistory openingOf(int rowLength, const Layout& layout, double start) {
+  fea::TileHistory history;
   for (int k = 0; k <= 20; ++k) {
     const double turn = 0.02 * k;
     const std::vector<model::Tile> tiles =
@@ -319,15 +319,15 @@ TEST(Drive, EndsWhereTheLinkageDoes) {
   for (const int rowLength : {2, 4}) {
     const model::Model model = model::makeTessellation(test::squares(rowLength, rowLength, start));
     const Layout layout = test::layoutOf(model.tiles, model.joints);
-    const exports::ElementMesh mesh =
-        exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
-    const exports::TileHistory history = openingOf(rowLength, layout, start);
-    exports::DeckSettings settings;
-    settings.drive = {exports::DriveChoice::Some, {0, rowLength * rowLength - 1}};
-    exports::DeckJob job = exports::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
+    const fea::ElementMesh mesh =
+        fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+    const fea::TileHistory history = openingOf(rowLength, layout, start);
+    fea::DeckSettings settings;
+    settings.drive = {fea::DriveChoice::Some, {0, rowLength * rowLength - 1}};
+    fea::DeckJob job = fea::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
     job.text.insert(job.text.find("*END STEP"),
                     "*NODE PRINT, NSET=TILE_00001_BOT, FREQUENCY=10000\nU\n");
-    const JobEnd end = run(exports::meshDeck(mesh, settings, kOrigin) + job.sets, job.text);
+    const JobEnd end = run(fea::meshDeck(mesh, settings, kOrigin) + job.sets, job.text);
     EXPECT_THAT(end.log, HasSubstr("Job finished"));
     const std::vector<Vector3> moved =
         displacements(end.data.substr(end.data.rfind("for set TILE_00001_BOT")));
@@ -345,13 +345,13 @@ TEST(Drive, FindsDisplacementsThatHoldTilesInEveryTurn) {
   // A tile that turns by a right angle about an axis in its plane leaves the direction in which
   // three of its nodes were held at first.
   const Layout layout = test::hingedSquares();
-  const exports::ElementMesh mesh =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+  const fea::ElementMesh mesh =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
   std::vector<Quaternion> turns;
   for (int k = 0; k <= 90; ++k) {
     turns.push_back(rotationFromVector({k * std::numbers::pi / 180, 0, 0}));
   }
-  for (const auto& own : exports::tileDisplacements(mesh, {0, 1, 2, 3}, std::vector(4, turns))) {
+  for (const auto& own : fea::tileDisplacements(mesh, {0, 1, 2, 3}, std::vector(4, turns))) {
     double least = 1;
     for (const Quaternion& turn : turns) {
       Eigen::MatrixXd rows(own.size(), 6);
@@ -372,19 +372,19 @@ TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
   // Four squares on necks ten times as long as wide open by 0.26 rad, 15 degrees.
   const model::Model model = model::makeTessellation(test::squares(2, 2, 0));
   const Layout layout = test::layoutOf(model.tiles, model.joints);
-  const exports::ElementRule rule{.perEdge = 1,
-                                  .joints = exports::JointStyle::Neck,
-                                  .family = exports::ElementFamily::Plane,
+  const fea::ElementRule rule{.perEdge = 1,
+                                  .joints = fea::JointStyle::Neck,
+                                  .family = fea::ElementFamily::Plane,
                                   .neck = {.width = 0.02, .length = 0.2}};
-  const exports::ElementMesh mesh = exports::makeNeckMesh(model, 0.02, rule);
-  exports::TileHistory history = openingOf(2, layout, 0);
+  const fea::ElementMesh mesh = fea::makeNeckMesh(model, 0.02, rule);
+  fea::TileHistory history = openingOf(2, layout, 0);
   history.times.resize(14);
   history.poses.resize(14);
-  exports::DeckSettings settings;
-  settings.drive = {exports::DriveChoice::Edge, {}};
+  fea::DeckSettings settings;
+  settings.drive = {fea::DriveChoice::Edge, {}};
   const test::TemporaryFolder folder;
-  const exports::DeckJob job = exports::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
-  writeTextFile(folder / "x_mesh.inp", exports::meshDeck(mesh, settings, kOrigin) + job.sets);
+  const fea::DeckJob job = fea::driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
+  writeTextFile(folder / "x_mesh.inp", fea::meshDeck(mesh, settings, kOrigin) + job.sets);
   writeTextFile(folder / "x_drive.inp", job.text);
   const std::string curve = test::outputOf(fmt::format(
       "cd '{}' && OMP_NUM_THREADS=1 ccx -i x_drive > log && '{}/scripts/force-curve' x_drive",
@@ -399,8 +399,8 @@ TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Deck, HingeMechanism,
-                         testing::Values(exports::JointStyle::Shared,
-                                         exports::JointStyle::Equation));
+                         testing::Values(fea::JointStyle::Shared,
+                                         fea::JointStyle::Equation));
 
 }  // namespace
 }  // namespace kirireel

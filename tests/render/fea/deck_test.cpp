@@ -1,4 +1,4 @@
-#include "render/export/deck.h"
+#include "render/fea/deck.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/job.h"
+#include "render/fea/job.h"
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
 #include "sim/trajectory/sheet.h"
@@ -31,30 +31,30 @@ Layout turned(Layout layout) {
   return layout;
 }
 
-exports::ElementMesh meshOf(const Layout& layout, const exports::ElementRule& rule = {}) {
-  return exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+fea::ElementMesh meshOf(const Layout& layout, const fea::ElementRule& rule = {}) {
+  return fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
 }
 
-const exports::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+const fea::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
 
-std::string textOf(const exports::ElementMesh& mesh, const exports::DeckSettings& settings = {}) {
-  return exports::meshDeck(mesh, settings, kOrigin);
+std::string textOf(const fea::ElementMesh& mesh, const fea::DeckSettings& settings = {}) {
+  return fea::meshDeck(mesh, settings, kOrigin);
 }
 
-Deck deckOf(const Layout& layout, const exports::ElementRule& rule = {},
-            const exports::DeckSettings& settings = {}) {
+Deck deckOf(const Layout& layout, const fea::ElementRule& rule = {},
+            const fea::DeckSettings& settings = {}) {
   return test::readDeck(textOf(meshOf(layout, rule), settings));
 }
 
 TEST(Deck, NumbersFitAndReadBack) {
   for (const double value : {1.0, -0.1, 1.0 / 3, -2.0 / 3e5, 123456.789, -9.87654321e-15}) {
-    const std::string text = exports::deckNumber(value);
+    const std::string text = fea::deckNumber(value);
     EXPECT_LE(text.size(), 20U);
     // Measured: 3.6e-15; numbers with an exponent lose up to three digits.
     EXPECT_NEAR(std::strtod(text.c_str(), nullptr) / value, 1, 1e-13) << text;
   }
-  EXPECT_EQ(exports::deckNumber(0.1 + 0.2), "0.30000000000000004");
-  EXPECT_EQ(exports::deckNumber(-1e-300), "0.");
+  EXPECT_EQ(fea::deckNumber(0.1 + 0.2), "0.30000000000000004");
+  EXPECT_EQ(fea::deckNumber(-1e-300), "0.");
 }
 
 TEST(Deck, KeepsTheLimitsOfItsReaders) {
@@ -68,8 +68,8 @@ TEST(Deck, KeepsTheLimitsOfItsReaders) {
 
 TEST(Deck, HasTheVolumeOfEveryBrick) {
   for (const Layout& layout : {turned(test::hingedSquares()), turned(test::polygons())}) {
-    for (const exports::ElementRule& rule :
-         {exports::ElementRule{1, 1}, {2, 1, false}, {3, 2}, {4, 3, false}}) {
+    for (const fea::ElementRule& rule :
+         {fea::ElementRule{1, 1}, {2, 1, false}, {3, 2}, {4, 3, false}}) {
       const Deck deck = deckOf(layout, rule);
       for (std::size_t t = 0; t < layout.bricks.size(); ++t) {
         const std::string name = "TILE_0000" + std::to_string(t);
@@ -147,7 +147,7 @@ TEST(Deck, SaysHowFarCornersWereApart) {
   EXPECT_THAT(textOf(meshOf(layout)), HasSubstr("holds together: 0.00"));
   EXPECT_NEAR(meshOf(layout).largestGap, 0.001, 1e-15);  // measured: 8.7e-19
   // Equations keep corners where they are.
-  const Deck tied = deckOf(layout, {2, 1, false, exports::JointStyle::Equation});
+  const Deck tied = deckOf(layout, {2, 1, false, fea::JointStyle::Equation});
   EXPECT_EQ(tied.nodes.size(), 4U * 18U);
   EXPECT_EQ(tied.equations.size(), 4U * 2U * 3U);
   for (const std::vector<double>& row : tied.equations) {
@@ -169,14 +169,14 @@ TEST(Deck, LetsOneNodeLeadACluster) {
     tiles[t].vertices.emplace_back(0, 0, 0);
   }
   const Layout layout = test::layoutOf(tiles, {{{2, 2}, {1, 2}}, {{1, 2}, {0, 2}}});
-  const exports::ElementMesh mesh = meshOf(layout, {2, 1, false, exports::JointStyle::Equation});
+  const fea::ElementMesh mesh = meshOf(layout, {2, 1, false, fea::JointStyle::Equation});
   ASSERT_EQ(mesh.clusters.size(), 1U);
   EXPECT_EQ(mesh.clusters[0].nodes.size(), 3U);
   EXPECT_EQ(mesh.clusters[0].nodes[0], mesh.tiles[0].edges[2][0]);
   EXPECT_EQ(test::readDeck(textOf(mesh)).equations.size(), 6U);
 }
 
-constexpr exports::ElementRule kPatches{4, 1, false, exports::JointStyle::Patch, 0.26};
+constexpr fea::ElementRule kPatches{4, 1, false, fea::JointStyle::Patch, 0.26};
 
 TEST(Deck, TiesPatchesToReferenceNodes) {
   const Deck deck = deckOf(test::hingedSquares(), kPatches);
@@ -192,8 +192,8 @@ TEST(Deck, TiesPatchesToReferenceNodes) {
 }
 
 TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
-  const exports::ElementMesh mesh = meshOf(test::hingedSquares(), kPatches);
-  const std::string text = textOf(mesh, {.solver = exports::Solver::Abaqus});
+  const fea::ElementMesh mesh = meshOf(test::hingedSquares(), kPatches);
+  const std::string text = textOf(mesh, {.solver = fea::Solver::Abaqus});
   const Deck deck = test::readDeck(text);
   std::map<int, int> uses;
   for (const auto& [set, node] : deck.rigidBodies) ++uses[node];
@@ -205,26 +205,26 @@ TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
 }
 
 TEST(Deck, FindsRadiusAndElementsOfPatchesByItself) {
-  const exports::ElementMesh mesh =
-      meshOf(test::hingedSquares(), {.joints = exports::JointStyle::Patch});
+  const fea::ElementMesh mesh =
+      meshOf(test::hingedSquares(), {.joints = fea::JointStyle::Patch});
   EXPECT_DOUBLE_EQ(mesh.rule.patchRadius, 0.25);  // of edges 1 m long
-  for (const exports::NodeCluster& cluster : mesh.clusters) {
+  for (const fea::NodeCluster& cluster : mesh.clusters) {
     for (const auto& patch : cluster.patches) EXPECT_GE(patch.size(), 3U);
   }
   // A radius of a hundredth of an edge needs 50 quadratic elements along it.
-  const exports::ElementMesh small =
+  const fea::ElementMesh small =
       meshOf(test::hingedSquares(),
-             {.through = 1, .joints = exports::JointStyle::Patch, .patchRadius = 0.01});
+             {.through = 1, .joints = fea::JointStyle::Patch, .patchRadius = 0.01});
   EXPECT_EQ(small.tiles[0].layerCount, 50 * 50);
 }
 
 TEST(Deck, LeavesOutSetsThatAreNotWanted) {
   const Layout layout = test::hingedSquares();
-  const Deck none = deckOf(layout, {}, {.sets = exports::SetChoice::None});
+  const Deck none = deckOf(layout, {}, {.sets = fea::SetChoice::None});
   EXPECT_THAT(none.elementSets, testing::SizeIs(1));
   EXPECT_FALSE(none.nodeSets.contains("JOINT_00000_A"));
   EXPECT_TRUE(none.nodeSets.contains("XMIN"));
-  const Deck joints = deckOf(layout, {}, {.sets = exports::SetChoice::Joints});
+  const Deck joints = deckOf(layout, {}, {.sets = fea::SetChoice::Joints});
   EXPECT_TRUE(joints.nodeSets.contains("JOINT_00000_A"));
   EXPECT_TRUE(joints.surfaces.empty());
 }
@@ -247,12 +247,12 @@ TEST(Deck, NamesTheEndsOfTheSheet) {
 
 TEST(Deck, WritesMillimetresToo) {
   const Layout layout = test::hingedSquares();
-  const exports::ElementMesh mesh = meshOf(layout);
-  const exports::DeckSettings settings{.material = {2e9, 0.3, 1200},
-                                       .unit = exports::DeckUnit::MillimetresNewtons};
+  const fea::ElementMesh mesh = meshOf(layout);
+  const fea::DeckSettings settings{.material = {2e9, 0.3, 1200},
+                                       .unit = fea::DeckUnit::MillimetresNewtons};
   const Deck deck = test::readDeck(textOf(mesh, settings));
   EXPECT_LT((deck.nodes.at(1) - 1000 * mesh.nodes[0]).norm(), 1e-9);
-  const exports::DeckJob parts = exports::staticJob(mesh, settings, kOrigin, "a_mesh.inp");
+  const fea::DeckJob parts = fea::staticJob(mesh, settings, kOrigin, "a_mesh.inp");
   const std::string job = parts.sets + parts.text;
   EXPECT_THAT(job, HasSubstr("*ELASTIC\n2000, 0.3\n*DENSITY\n1.2e-09\n"));
   EXPECT_THAT(job, HasSubstr("mm, N, t, s, MPa"));
@@ -295,27 +295,27 @@ TEST(Deck, NamesTheSidesOfTilesByTheirEdges) {
 }
 
 TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
-  const exports::ElementMesh mesh = meshOf(test::hingedSquares());
+  const fea::ElementMesh mesh = meshOf(test::hingedSquares());
   EXPECT_THAT(textOf(mesh), HasSubstr("** Model squares, state final, at 0.5 s.\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("bricks 0.02 m thick.\n** Run: a run\n"));
   EXPECT_THAT(textOf(mesh), HasSubstr("overlap of two bricks in this state: 0. m.\n"));
   EXPECT_THAT(textOf(mesh), Not(HasSubstr("WARNING: bricks overlap")));
-  exports::DeckOrigin overlapping = kOrigin;
+  fea::DeckOrigin overlapping = kOrigin;
   overlapping.overlap = 0.01;
-  EXPECT_THAT(exports::meshDeck(mesh, {}, overlapping),
+  EXPECT_THAT(fea::meshDeck(mesh, {}, overlapping),
               HasSubstr("WARNING: bricks overlap by 0.5 of their thickness"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: joints are ideal hinges"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: forces through a single node"));
-  const std::string job = exports::staticJob(mesh, {}, kOrigin, "a_mesh.inp").text;
+  const std::string job = fea::staticJob(mesh, {}, kOrigin, "a_mesh.inp").text;
   EXPECT_THAT(job, testing::StartsWith("*HEADING\nsquares, state final, pulled at both ends"));
   EXPECT_THAT(job, HasSubstr("*INCLUDE, INPUT=a_mesh.inp\n"));
   EXPECT_THAT(job, Not(HasSubstr("*EQUATION")));
   EXPECT_THAT(job, HasSubstr("*NODE FILE\nU, RF\n*EL FILE\nS, E\n"));
-  EXPECT_THAT(exports::staticJob(mesh, {.solver = exports::Solver::Abaqus}, kOrigin, "").text,
+  EXPECT_THAT(fea::staticJob(mesh, {.solver = fea::Solver::Abaqus}, kOrigin, "").text,
               HasSubstr("*ELEMENT OUTPUT\nS, E, MISES\n"));
-  const exports::ElementMesh tied =
-      meshOf(test::hingedSquares(), {.joints = exports::JointStyle::Equation});
-  EXPECT_THAT(exports::staticJob(tied, {}, kOrigin, "").text,
+  const fea::ElementMesh tied =
+      meshOf(test::hingedSquares(), {.joints = fea::JointStyle::Equation});
+  EXPECT_THAT(fea::staticJob(tied, {}, kOrigin, "").text,
               HasSubstr("WARNING: nodes that follow in *EQUATION"));
 }
 
@@ -335,16 +335,16 @@ TEST(Supports, AreSixAndOneForEachMechanism) {
   for (const model::JointFace face : {model::JointFace::Both, model::JointFace::Bottom}) {
     Layout layout = test::hingedSquares();
     for (model::Joint& joint : layout.joints) joint.face = face;
-    for (const exports::JointStyle style :
-         {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
-      const exports::ElementMesh mesh = meshOf(layout, {.joints = style});
-      EXPECT_EQ(exports::leastSupports(mesh).size(), freeMotions(layout, 0.02));
-      const std::vector<bool> follows = exports::followers(mesh);
-      for (const exports::NodeDisplacement& held : exports::leastSupports(mesh))
+    for (const fea::JointStyle style :
+         {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
+      const fea::ElementMesh mesh = meshOf(layout, {.joints = style});
+      EXPECT_EQ(fea::leastSupports(mesh).size(), freeMotions(layout, 0.02));
+      const std::vector<bool> follows = fea::followers(mesh);
+      for (const fea::NodeDisplacement& held : fea::leastSupports(mesh))
         EXPECT_FALSE(follows[held.node]);
     }
   }
-  EXPECT_EQ(exports::leastSupports(meshOf(test::polygons())).size(),
+  EXPECT_EQ(fea::leastSupports(meshOf(test::polygons())).size(),
             3U * 6U);  // nothing joins them
 }
 
@@ -354,11 +354,11 @@ TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
       const model::Model model = model::makeTessellation(test::squares(rows, columns, 0.7));
       Layout layout = test::layoutOf(model.tiles, model.joints, thickness);
       const std::size_t known = freeMotions(layout, thickness);
-      const exports::ElementRule rule{
-          .perEdge = 2, .through = 1, .joints = exports::JointStyle::Equation};
+      const fea::ElementRule rule{
+          .perEdge = 2, .through = 1, .joints = fea::JointStyle::Equation};
       const auto supports = [&] {
-        return exports::leastSupports(
-            exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule));
+        return fea::leastSupports(
+            fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule));
       };
       EXPECT_EQ(supports().size(), known) << rows << 'x' << columns << ' ' << thickness;
       // Corners a millionth of a tile apart, each by a different step.
@@ -381,21 +381,21 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
     if (model.target) tried.push_back(*model.target);
     for (const std::vector<model::Tile>& tiles : tried) {
       const Layout layout = test::layoutOf(tiles, model.joints);
-      const exports::ElementMesh mesh =
-          meshOf(layout, {.perEdge = 2, .through = 1, .joints = exports::JointStyle::Equation});
+      const fea::ElementMesh mesh =
+          meshOf(layout, {.perEdge = 2, .through = 1, .joints = fea::JointStyle::Equation});
       if (mesh.largestGap > 1e-9) continue;  // torn: not a state of the sheet
       ++states;
-      EXPECT_EQ(exports::leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
+      EXPECT_EQ(fea::leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
     }
   }
   EXPECT_GE(states, 30);
 }
 
 TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
-  exports::ElementMesh mesh = meshOf(test::hingedSquares());
+  fea::ElementMesh mesh = meshOf(test::hingedSquares());
   const auto refusal = [&](const std::vector<int>& tiles) -> std::string {
     try {
-      exports::drivenTiles(mesh, {exports::DriveChoice::Some, tiles});
+      fea::drivenTiles(mesh, {fea::DriveChoice::Some, tiles});
     } catch (const InputError& error) {
       return error.what();
     }
@@ -405,7 +405,7 @@ TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
   EXPECT_EQ(refusal({4}), "error: --drive names tile 4, but the model has tiles 0 to 3");
   mesh.rule.countsFrom = 1;
   EXPECT_EQ(refusal({0}), "error: --drive names tile 0, but the model has tiles 1 to 4");
-  EXPECT_EQ(exports::drivenTiles(mesh, {exports::DriveChoice::Some, {4, 1}}),
+  EXPECT_EQ(fea::drivenTiles(mesh, {fea::DriveChoice::Some, {4, 1}}),
             (std::vector<int>{0, 3}));
   mesh.rule.countsFrom = 0;
   EXPECT_EQ(refusal({2, 0, 2}),
@@ -425,32 +425,32 @@ std::string refusalOf(const Work& work) {
 }
 
 TEST(Contact, PairsTheFlanksBesideEachJoint) {
-  const exports::ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
+  const fea::ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
   // Four joints with a gap on either side of each; the inner gap's flanks meet at two joints each.
-  const std::vector<exports::ContactPair> pairs = exports::contactPairs(mesh);
+  const std::vector<fea::ContactPair> pairs = fea::contactPairs(mesh);
   EXPECT_EQ(pairs.size(), 8U);
-  for (const exports::ContactPair& pair : pairs) {
+  for (const fea::ContactPair& pair : pairs) {
     EXPECT_GE(pair.a.size(), 2U);  // of four, those at joints left out
     EXPECT_LE(pair.a.size(), 3U);
   }
 }
 
 TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
-  const auto refusal = [](const exports::ElementRule& rule) {
-    return refusalOf([&] { exports::contactPairs(meshOf(test::hingedSquares(), rule)); });
+  const auto refusal = [](const fea::ElementRule& rule) {
+    return refusalOf([&] { fea::contactPairs(meshOf(test::hingedSquares(), rule)); });
   };
-  EXPECT_THAT(refusal({.family = exports::ElementFamily::Shell}),
+  EXPECT_THAT(refusal({.family = fea::ElementFamily::Shell}),
               HasSubstr("leave out --deck-contacts, or --shells and --joints neck"));
   EXPECT_THAT(refusal({.perEdge = 1, .through = 1, .quadratic = false}),
               HasSubstr("use at least 3 elements per edge"));
 }
 
 TEST(Periodic, SaysWhichSheetsRepeat) {
-  const auto refusal = [](const Layout& layout, const exports::ElementRule& rule) {
-    return refusalOf([&] { exports::periodicity(meshOf(layout, rule)); });
+  const auto refusal = [](const Layout& layout, const fea::ElementRule& rule) {
+    return refusalOf([&] { fea::periodicity(meshOf(layout, rule)); });
   };
   EXPECT_EQ(refusal(test::hingedSquares(), {}), "accepted");
-  EXPECT_THAT(refusal(test::hingedSquares(), {.family = exports::ElementFamily::Shell}),
+  EXPECT_THAT(refusal(test::hingedSquares(), {.family = fea::ElementFamily::Shell}),
               HasSubstr("leave out --shells"));
   const Layout triangle =
       test::layoutOf({model::Tile{{{0, 0, 0}, {1, 0.2, 0}, {0.3, 0.8, 0}}}}, {});
@@ -461,15 +461,15 @@ TEST(Periodic, SaysWhichSheetsRepeat) {
 TEST(Periodic, FollowsNoNodeThatFollows) {
   const Layout layout =
       test::layoutOf({model::Tile{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}}}, {});
-  const exports::ElementMesh mesh =
+  const fea::ElementMesh mesh =
       meshOf(layout, {.perEdge = 2, .through = 1, .quadratic = false});
-  const exports::Periodicity found = exports::periodicity(mesh);
+  const fea::Periodicity found = fea::periodicity(mesh);
   EXPECT_EQ(found.period, (std::array<double, 2>{2, 1}));
   // Two levels of five nodes of nine: three at XMAX and three at YMAX, one of them both.
   ASSERT_EQ(found.ties.size(), 10U);
   int both = 0;
-  for (const exports::PeriodicTie& tie : found.ties) {
-    for (const exports::PeriodicTie& other : found.ties) EXPECT_NE(tie.leader, other.node);
+  for (const fea::PeriodicTie& tie : found.ties) {
+    for (const fea::PeriodicTie& other : found.ties) EXPECT_NE(tie.leader, other.node);
     const Vector3 offset = mesh.nodes[tie.node] - mesh.nodes[tie.leader];
     EXPECT_LT((offset - Vector3(2 * tie.times[0], tie.times[1], 0)).norm(), 1e-12);
     both += tie.times[0] * tie.times[1];
@@ -478,9 +478,9 @@ TEST(Periodic, FollowsNoNodeThatFollows) {
 }
 
 TEST(StateMap, MovesSolids) {
-  const exports::ElementMesh mesh =
-      meshOf(test::hingedSquares(), {.family = exports::ElementFamily::Shell});
-  EXPECT_THAT(refusalOf([&] { exports::stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
+  const fea::ElementMesh mesh =
+      meshOf(test::hingedSquares(), {.family = fea::ElementFamily::Shell});
+  EXPECT_THAT(refusalOf([&] { fea::stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
               HasSubstr("--state-map moves solids"));
 }
 

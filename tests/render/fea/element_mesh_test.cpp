@@ -1,4 +1,4 @@
-#include "render/export/element_mesh.h"
+#include "render/fea/element_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@ namespace {
 
 using test::Layout;
 
-std::string refusal(const Layout& layout, const exports::ElementRule& rule = {}) {
+std::string refusal(const Layout& layout, const fea::ElementRule& rule = {}) {
   try {
-    exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+    fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -30,7 +30,7 @@ TEST(ElementMesh, CornersAreTheBricksToTheLastBit) {
   Layout layout = test::polygons();
   for (Pose& pose : layout.poses) pose.rotation = rotationFromVector({0.3, -0.8, 1.7});
   for (const bool quadratic : {false, true}) {
-    const exports::ElementMesh mesh = exports::makeElementMesh(
+    const fea::ElementMesh mesh = fea::makeElementMesh(
         layout.bricks, {}, layout.poses, {.perEdge = 3, .through = 3, .quadratic = quadratic});
     for (std::size_t t = 0; t < layout.bricks.size(); ++t) {
       for (std::size_t k = 0; k < layout.bricks[t].bottom.size(); ++k) {
@@ -52,8 +52,8 @@ TEST(ElementMesh, DividesConcaveTiles) {
 
 TEST(ElementMesh, FansFourCornersOfWhichOneIsStraight) {
   const Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}});
-  const exports::ElementMesh mesh =
-      exports::makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 2, .through = 1});
+  const fea::ElementMesh mesh =
+      fea::makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 2, .through = 1});
   EXPECT_EQ(mesh.elements.size(), 4U * 3U);
 }
 
@@ -80,16 +80,16 @@ TEST(ElementMesh, RefusesImpossibleRules) {
             "error: elements of 0 m and patches of radius -1 m are not possible; give positive "
             "lengths");
   EXPECT_EQ(
-      refusal(layout, {.family = exports::ElementFamily::Plane}),
+      refusal(layout, {.family = fea::ElementFamily::Plane}),
       "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
       "--neck-width, or leave --plane-stress out");
-  EXPECT_EQ(refusal(layout, {.joints = exports::JointStyle::Patch,
-                             .family = exports::ElementFamily::Shell}),
+  EXPECT_EQ(refusal(layout, {.joints = fea::JointStyle::Patch,
+                             .family = fea::ElementFamily::Shell}),
             "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
             "leave --joints out, or choose neck");
   test::Layout mixed = test::hingedSquares();
   mixed.joints[0].face = model::JointFace::Top;
-  EXPECT_EQ(refusal(mixed, {.family = exports::ElementFamily::Shell}),
+  EXPECT_EQ(refusal(mixed, {.family = fea::ElementFamily::Shell}),
             "error: tile 0 has joints on different faces, and a shell has nodes on one; leave "
             "--shells out");
 }
@@ -105,14 +105,14 @@ TEST(ElementMesh, RefusesMoreElementsThanFit) {
 TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   const Layout layout = test::hingedSquares();
   EXPECT_EQ(
-      refusal(layout, {.perEdge = 4, .joints = exports::JointStyle::Patch, .patchRadius = 0.1}),
+      refusal(layout, {.perEdge = 4, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
       "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
       "use 5 elements per edge or a larger radius");
   EXPECT_EQ(
-      refusal(layout, {.perEdge = 5, .joints = exports::JointStyle::Patch, .patchRadius = 0.1}),
+      refusal(layout, {.perEdge = 5, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
       "accepted");
   EXPECT_EQ(
-      refusal(layout, {.perEdge = 8, .joints = exports::JointStyle::Patch, .patchRadius = 0.8}),
+      refusal(layout, {.perEdge = 8, .joints = fea::JointStyle::Patch, .patchRadius = 0.8}),
       "error: joint patches of radius 0.8 m overlap on tile 0; choose one below 0.5 m, half "
       "the distance of its nearest corners");
 }

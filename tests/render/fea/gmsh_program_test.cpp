@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
-#include "render/export/element_mesh.h"
+#include "render/fea/deck.h"
+#include "render/fea/element_mesh.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "tests/render/fea/read_deck.h"
@@ -20,9 +20,9 @@ namespace kirireel {
 namespace {
 
 /// The mesh as a deck that Gmsh wrote.
-test::Deck throughGmsh(const exports::ElementMesh& mesh) {
+test::Deck throughGmsh(const fea::ElementMesh& mesh) {
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "x.msh", exports::gmshMesh(mesh, exports::SetChoice::All));
+  writeTextFile(folder / "x.msh", fea::gmshMesh(mesh, fea::SetChoice::All));
   test::outputOf("cd '" + folder.path().string() +
                  "' && gmsh x.msh -save -setnumber Mesh.SaveGroupsOfNodes 1 -o x.inp");
   return test::readDeck(test::bytesOf(folder / "x.inp"));
@@ -33,8 +33,8 @@ class GmshProgram : public testing::TestWithParam<bool> {};
 TEST_P(GmshProgram, KeepsSetsAndElements) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
   const test::Layout layout = test::hingedSquares();
-  const exports::ElementMesh mesh =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses,
+  const fea::ElementMesh mesh =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses,
                                {.perEdge = 2, .through = 1, .quadratic = GetParam()});
   const test::Deck deck = throughGmsh(mesh);
   EXPECT_EQ(deck.nodes.size(), mesh.nodes.size());
@@ -59,14 +59,14 @@ TEST_P(GmshProgram, KeepsSetsAndElements) {
 }
 
 /// What gmsh -check says of a mesh.
-std::string checked(const exports::ElementMesh& mesh) {
+std::string checked(const fea::ElementMesh& mesh) {
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "x.msh", exports::gmshMesh(mesh));
+  writeTextFile(folder / "x.msh", fea::gmshMesh(mesh));
   return test::outputOf("cd '" + folder.path().string() + "' && gmsh -check x.msh 2>&1; true");
 }
 
 /// That gmsh -check has nothing to say of a mesh.
-void expectCoherent(const exports::ElementMesh& mesh) {
+void expectCoherent(const fea::ElementMesh& mesh) {
   const std::string said = checked(mesh);
   EXPECT_THAT(said, testing::HasSubstr("Done checking mesh coherence"));
   EXPECT_THAT(said, testing::Not(testing::HasSubstr("Error"))) << said;
@@ -75,29 +75,29 @@ void expectCoherent(const exports::ElementMesh& mesh) {
 
 TEST(GmshProgram, FindsNothingTwice) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
-  for (const exports::JointStyle style :
-       {exports::JointStyle::Shared, exports::JointStyle::Equation, exports::JointStyle::Patch}) {
+  for (const fea::JointStyle style :
+       {fea::JointStyle::Shared, fea::JointStyle::Equation, fea::JointStyle::Patch}) {
     for (const double angle : {0.0, 1e-9, 0.7}) {
       const test::Layout layout = test::hingedSquares(angle);
       expectCoherent(
-          exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.joints = style}));
+          fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.joints = style}));
     }
   }
   const test::Layout shut = test::hingedSquares(0);
-  expectCoherent(exports::makeElementMesh(shut.bricks, shut.joints, shut.poses,
-                                          {.family = exports::ElementFamily::Shell}));
+  expectCoherent(fea::makeElementMesh(shut.bricks, shut.joints, shut.poses,
+                                          {.family = fea::ElementFamily::Shell}));
 }
 
 /// How many pieces the elements of a mesh make, by the nodes that they share.
-int piecesOf(const exports::ElementMesh& mesh) {
+int piecesOf(const fea::ElementMesh& mesh) {
   std::vector<int> parent(mesh.nodes.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int node) {
     while (parent[node] != node) node = parent[node] = parent[parent[node]];
     return node;
   };
-  for (const exports::Element& element : mesh.elements) {
-    for (int k = 1; k < exports::nodeCount(mesh.rule); ++k) {
+  for (const fea::Element& element : mesh.elements) {
+    for (int k = 1; k < fea::nodeCount(mesh.rule); ++k) {
       parent[root(element.nodes[k])] = root(element.nodes[0]);
     }
   }
@@ -106,17 +106,17 @@ int piecesOf(const exports::ElementMesh& mesh) {
   return pieces;
 }
 
-exports::ElementRule necks(const exports::NeckShape& shape,
-                           exports::ElementFamily family = exports::ElementFamily::Plane) {
-  exports::ElementRule rule{.joints = exports::JointStyle::Neck, .family = family, .neck = shape};
+fea::ElementRule necks(const writers::NeckShape& shape,
+                           fea::ElementFamily family = fea::ElementFamily::Plane) {
+  fea::ElementRule rule{.joints = fea::JointStyle::Neck, .family = family, .neck = shape};
   rule.perEdge = 4;
   return rule;
 }
 
 /// The area of the quadrilaterals of a plane mesh.
-double areaOf(const exports::ElementMesh& mesh) {
+double areaOf(const fea::ElementMesh& mesh) {
   double area = 0;
-  for (const exports::Element& element : mesh.elements) {
+  for (const fea::Element& element : mesh.elements) {
     const auto at = [&](int k) { return mesh.nodes[element.nodes[k]]; };
     area += 0.5 * (at(2) - at(0)).cross(at(3) - at(1)).z();
   }
@@ -126,7 +126,7 @@ double areaOf(const exports::ElementMesh& mesh) {
 TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
   const model::Model model = model::makeTessellation(test::squares(3, 3, 0));
-  const exports::ElementMesh shut = exports::makeNeckMesh(model, 0.02, necks({.width = 0.1}));
+  const fea::ElementMesh shut = fea::makeNeckMesh(model, 0.02, necks({.width = 0.1}));
   EXPECT_EQ(piecesOf(shut), 1);
   EXPECT_NEAR(areaOf(shut), 9, 1e-9);  // nine squares of 1 m; measured: exactly that
   // Tiles share nodes at necks alone: within the width of a neck from a corner.
@@ -147,8 +147,8 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
   // With a kerf each of the 36 edges loses half of it; slots and necks by hand: 12 of them, each
   // slot cuts (length - kerf) x width from its tiles, each neck adds length x width, less what its
   // tiles lose there.
-  const exports::NeckShape beam{.width = 0.05, .length = 0.2, .kerf = 0.01};
-  const exports::ElementMesh open = exports::makeNeckMesh(model, 0.02, necks(beam));
+  const writers::NeckShape beam{.width = 0.05, .length = 0.2, .kerf = 0.01};
+  const fea::ElementMesh open = fea::makeNeckMesh(model, 0.02, necks(beam));
   EXPECT_EQ(piecesOf(open), 1);
   const double tiles = 9 * 0.99 * 0.99;
   const double wanted = tiles + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05);
@@ -158,9 +158,9 @@ TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
 TEST(NeckMesh, SaysWhichNecksFit) {
   const model::Model shut = model::makeTessellation(test::squares(2, 2, 0));
   const auto refusal = [](const model::Model& model,
-                          const exports::NeckShape& shape) -> std::string {
+                          const writers::NeckShape& shape) -> std::string {
     try {
-      exports::neckOutline(model, shape);
+      writers::neckOutline(model, shape);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -188,17 +188,17 @@ TEST(NeckMesh, SaysWhichNecksFit) {
 TEST(NeckMesh, JoinsOpenTilesAndTilesOfManySides) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
   const model::Model open = model::makeTessellation(test::squares(2, 2, 0.7));
-  EXPECT_EQ(piecesOf(exports::makeNeckMesh(open, 0.02, necks({.width = 0.1}))), 1);
-  EXPECT_EQ(piecesOf(exports::makeNeckMesh(open, 0.02, necks({.width = 0.05, .length = 0.1}))), 1);
-  const exports::ElementMesh solid =
-      exports::makeNeckMesh(open, 0.02, necks({.width = 0.1}, exports::ElementFamily::Solid));
+  EXPECT_EQ(piecesOf(fea::makeNeckMesh(open, 0.02, necks({.width = 0.1}))), 1);
+  EXPECT_EQ(piecesOf(fea::makeNeckMesh(open, 0.02, necks({.width = 0.05, .length = 0.1}))), 1);
+  const fea::ElementMesh solid =
+      fea::makeNeckMesh(open, 0.02, necks({.width = 0.1}, fea::ElementFamily::Solid));
   EXPECT_EQ(piecesOf(solid), 1);
   expectCoherent(solid);
   // Elements at the ends of shut slits are small and upright.
   const model::Model shut = model::makeTessellation(test::squares(2, 2, 0));
-  for (const exports::ElementFamily family :
-       {exports::ElementFamily::Solid, exports::ElementFamily::Plane}) {
-    expectCoherent(exports::makeNeckMesh(shut, 0.02, necks({.width = 0.05}, family)));
+  for (const fea::ElementFamily family :
+       {fea::ElementFamily::Solid, fea::ElementFamily::Plane}) {
+    expectCoherent(fea::makeNeckMesh(shut, 0.02, necks({.width = 0.05}, family)));
   }
 }
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
+#include "render/fea/deck.h"
 #include "tests/support/layouts.h"
 
 namespace kirireel {
@@ -14,13 +14,13 @@ using ::testing::HasSubstr;
 TEST(Gmsh, NamesItsGroupsAndKeepsEveryDouble) {
   test::Layout layout = test::hingedSquares();
   for (Pose& pose : layout.poses) pose.position.x() += 1.0 / 3;
-  const exports::ElementMesh mesh =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {});
-  const std::string text = exports::gmshMesh(mesh);
+  const fea::ElementMesh mesh =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {});
+  const std::string text = fea::gmshMesh(mesh);
   EXPECT_THAT(text, HasSubstr("$MeshFormat\n4.1 0 8\n"));
   EXPECT_THAT(text, HasSubstr("$PhysicalNames\n4\n3 1 \"TILES\"\n2 1 \"BOTTOM\"\n2 2 \"TOP\"\n"
                               "0 1 \"JOINTS\"\n"));
-  EXPECT_THAT(exports::gmshMesh(mesh, exports::SetChoice::All), HasSubstr("3 5 \"TILE_00003\"\n"));
+  EXPECT_THAT(fea::gmshMesh(mesh, fea::SetChoice::All), HasSubstr("3 5 \"TILE_00003\"\n"));
   std::istringstream nodes(text.substr(text.find("$Nodes\n") + 7));
   std::size_t blocks = 0, count = 0, first = 0, last = 0;
   nodes >> blocks >> count >> first >> last;

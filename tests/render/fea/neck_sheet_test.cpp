@@ -13,8 +13,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
-#include "render/export/element_mesh.h"
+#include "render/fea/deck.h"
+#include "render/fea/element_mesh.h"
 #include "sim/base/files.h"
 #include "sim/model/lattice.h"
 #include "sim/model/neck_table.h"
@@ -38,10 +38,10 @@ class NeckSheet : public testing::Test {
   }
 };
 
-exports::ElementRule plane(const exports::NeckShape& neck, int perEdge = 0) {
+fea::ElementRule plane(const writers::NeckShape& neck, int perEdge = 0) {
   return {.perEdge = perEdge,
-          .joints = exports::JointStyle::Neck,
-          .family = exports::ElementFamily::Plane,
+          .joints = fea::JointStyle::Neck,
+          .family = fea::ElementFamily::Plane,
           .neck = neck};
 }
 
@@ -59,10 +59,10 @@ Judged judged(const std::string& words) {
   return found;
 }
 
-Judged judged(const char* what, const model::Model& model, const exports::ElementRule& rule) {
+Judged judged(const char* what, const model::Model& model, const fea::ElementRule& rule) {
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
-  writeTextFile(file, exports::meshDeck(exports::makeNeckMesh(model, 0.02, rule), {}, kOrigin));
+  writeTextFile(file, fea::meshDeck(fea::makeNeckMesh(model, 0.02, rule), {}, kOrigin));
   return judged(fmt::format("{} '{}'", what, file.string()));
 }
 
@@ -71,7 +71,7 @@ TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
   const test::TemporaryFolder folder;
   for (const double width : {0.05, 0.1, 0.2}) {
     const auto pattern = folder / "sheet.dxf";
-    writeTextFile(pattern, exports::patternDxf(exports::cutPattern(model, width)));
+    writeTextFile(pattern, writers::patternDxf(writers::cutPattern(model, width)));
     const Judged other = judged(fmt::format("pull '{}' {}", pattern.string(), width / 16));
     const Judged own = judged("pull", model, plane({.width = width}));
     EXPECT_EQ(other.pieces, 1);
@@ -105,23 +105,23 @@ model::Model twoSquares() {
 
 /// The neck's stiffness between tiles that do not give: one is held, the other turned by a small
 /// angle about the neck's middle, which is what pure bending does. From the strain energy.
-double betweenRigidTiles(const exports::NeckShape& neck, double thickness) {
+double betweenRigidTiles(const writers::NeckShape& neck, double thickness) {
   const double angle = 1e-3;
-  const exports::ElementMesh mesh = exports::makeNeckMesh(twoSquares(), thickness, plane(neck));
+  const fea::ElementMesh mesh = fea::makeNeckMesh(twoSquares(), thickness, plane(neck));
   std::string held, turned;
   for (const int node : mesh.tiles[0].nodes) held += fmt::format("{}, 1, 2\n", node + 1);
   for (const int node : mesh.tiles[1].nodes) {
     const Vector3 arm = mesh.nodes[node] - Vector3(1, neck.width / 2, 0);
     turned +=
         fmt::format("{0}, 1, 1, {1}\n{0}, 2, 2, {2}\n", node + 1,
-                    exports::deckNumber(-angle * arm.y()), exports::deckNumber(angle * arm.x()));
+                    fea::deckNumber(-angle * arm.y()), fea::deckNumber(angle * arm.x()));
   }
   std::string job = test::ownJob("", held, "*BOUNDARY\n" + turned,
                                  "XMAX\nU\n*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n*NODE "
                                  "PRINT, NSET=XMAX");
   const std::string section = "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n";
-  job.insert(job.find(section) + section.size(), exports::deckNumber(thickness) + "\n");
-  const test::JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job);
+  job.insert(job.find(section) + section.size(), fea::deckNumber(thickness) + "\n");
+  const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job);
   const std::size_t place = end.data.find("total internal energy");
   if (place == std::string::npos) return 0;
   return 2 * std::strtod(end.data.c_str() + end.data.find('\n', place), nullptr) / (angle * angle);
@@ -151,7 +151,7 @@ TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
 /// The width by which a neck of so many widths' length seems longer than it is, in widths.
 double endsByDeck(double lengthInWidths) {
   const double youngs = 1e9, thickness = 0.002, width = 0.02;
-  const exports::NeckShape neck{.width = width, .length = lengthInWidths * width};
+  const writers::NeckShape neck{.width = width, .length = lengthInWidths * width};
   const double stiffness = judged("turn", twoSquares(), plane(neck, 16)).stiffness;
   return youngs * thickness * width * width / (12 * stiffness) - lengthInWidths;
 }
@@ -232,12 +232,12 @@ NeckPair pairOf(const model::Tile& left, const model::Tile& right) {
 }
 
 /// What neck_compliance.py says of the neck between two tiles.
-std::vector<double> neckByDeck(const model::Model& model, const exports::NeckShape& neck,
+std::vector<double> neckByDeck(const model::Model& model, const writers::NeckShape& neck,
                                const std::string& moment = "") {
   const test::TemporaryFolder folder;
   const auto file = folder / "sheet.inp";
   writeTextFile(
-      file, exports::meshDeck(exports::makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
+      file, fea::meshDeck(fea::makeNeckMesh(model, 0.02, plane(neck, 16)), {}, kOrigin));
   std::istringstream said(test::outputOf(fmt::format(
       "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/neck_compliance.py' '{}' {} {}",
       file.string(), neck.width, moment)));
@@ -284,16 +284,16 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
 /// The numbers of N m/rad that a deck says of its necks.
 std::vector<double> saidStiffness(const std::vector<model::Tile>& tiles,
                                   const std::vector<model::Joint>& joints,
-                                  const exports::NeckShape& neck) {
+                                  const writers::NeckShape& neck) {
   model::Model model;
   model.tiles = tiles;
   model.joints = joints;
-  exports::DeckSettings settings;
+  fea::DeckSettings settings;
   settings.material.youngs = 1e9;
-  exports::DeckOrigin origin = kOrigin;
+  fea::DeckOrigin origin = kOrigin;
   origin.thickness = 0.002;
   const std::string deck =
-      exports::meshDeck(exports::makeNeckMesh(model, 0.002, plane(neck, 16)), settings, origin);
+      fea::meshDeck(fea::makeNeckMesh(model, 0.002, plane(neck, 16)), settings, origin);
   const std::string words = "is a rotational spring of ";
   std::istringstream said(deck.substr(deck.find(words) + words.size(), 40));
   std::vector<double> found(1);

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "render/export/deck.h"
+#include "render/fea/deck.h"
 #include "sim/base/geometry.h"
 
 namespace kirireel::test {
 
-inline const exports::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+inline const fea::DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
 
 /// What ccx said and what it left in job.dat.
 struct JobEnd {

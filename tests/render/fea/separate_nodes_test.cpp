@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
+#include "render/fea/deck.h"
 #include "tests/support/layouts.h"
 
 namespace kirireel {
@@ -18,16 +18,16 @@ double leastDistance(const std::vector<Vector3>& nodes) {
 }
 
 TEST(SeparatedNodes, MovesThoseInOnePlaceAlone) {
-  for (const exports::JointStyle style :
-       {exports::JointStyle::Shared, exports::JointStyle::Equation}) {
+  for (const fea::JointStyle style :
+       {fea::JointStyle::Shared, fea::JointStyle::Equation}) {
     const test::Layout layout = test::hingedSquares(0);
-    const exports::ElementMesh mesh = exports::makeElementMesh(
+    const fea::ElementMesh mesh = fea::makeElementMesh(
         layout.bricks, layout.joints, layout.poses, {.perEdge = 3, .through = 1, .joints = style});
     Eigen::AlignedBox3d box;
     for (const Vector3& node : mesh.nodes) box.extend(node);
     const double size = std::sqrt(8 + 0.02 * 0.02);  // 2 x 2 squares of 1 m
     EXPECT_LT(leastDistance(mesh.nodes), 1e-15);
-    const std::vector<Vector3> apart = exports::separatedNodes(mesh);
+    const std::vector<Vector3> apart = fea::separatedNodes(mesh);
     EXPECT_GT(leastDistance(apart), 1e-7 * size);  // 1.4e-7 at corners, 2e-7 at sides
     int moved = 0;
     for (std::size_t k = 0; k < apart.size(); ++k) {
@@ -43,9 +43,9 @@ TEST(SeparatedNodes, MovesThoseInOnePlaceAlone) {
 
 TEST(SeparatedNodes, LeavesOpenSheetsAsTheyAre) {
   const test::Layout layout = test::hingedSquares(0.7);
-  const exports::ElementMesh mesh =
-      exports::makeElementMesh(layout.bricks, layout.joints, layout.poses, {});
-  EXPECT_EQ(exports::separatedNodes(mesh), mesh.nodes);
+  const fea::ElementMesh mesh =
+      fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {});
+  EXPECT_EQ(fea::separatedNodes(mesh), mesh.nodes);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/deck.h"
+#include "render/fea/deck.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
@@ -21,7 +21,7 @@ using test::Layout;
 using ::testing::HasSubstr;
 
 struct Style {
-  exports::JointStyle joints = exports::JointStyle::Shared;
+  fea::JointStyle joints = fea::JointStyle::Shared;
   bool quadratic = true;
 };
 
@@ -31,9 +31,9 @@ class Statics : public testing::TestWithParam<Style> {
     if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   }
 
-  exports::ElementMesh meshOf(const Layout& layout, int perEdge = 4) const {
+  fea::ElementMesh meshOf(const Layout& layout, int perEdge = 4) const {
     const Style& style = GetParam();
-    return exports::makeElementMesh(
+    return fea::makeElementMesh(
         layout.bricks, layout.joints, layout.poses,
         {.perEdge = perEdge, .quadratic = style.quadratic, .joints = style.joints});
   }
@@ -44,14 +44,14 @@ model::Tile quad(const Vector3& a, const Vector3& b, const Vector3& c, const Vec
 }
 
 /// Those of these nodes that follow no others, so that a job may hold them.
-std::vector<int> leadersAmong(const exports::ElementMesh& mesh, const std::vector<int>& nodes) {
-  const std::vector<bool> follows = exports::followers(mesh);
+std::vector<int> leadersAmong(const fea::ElementMesh& mesh, const std::vector<int>& nodes) {
+  const std::vector<bool> follows = fea::followers(mesh);
   std::vector<int> leaders;
   std::ranges::copy_if(nodes, std::back_inserter(leaders), [&](int n) { return !follows[n]; });
   return leaders;
 }
 
-std::vector<int> allNodes(const exports::ElementMesh& mesh) {
+std::vector<int> allNodes(const fea::ElementMesh& mesh) {
   std::vector<int> nodes(mesh.nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) nodes[k] = static_cast<int>(k);
   return nodes;
@@ -59,7 +59,7 @@ std::vector<int> allNodes(const exports::ElementMesh& mesh) {
 
 std::string setOf(const std::string& name, const std::vector<int>& nodes) {
   std::string text;
-  exports::appendNodeSet(text, name, nodes);
+  fea::appendNodeSet(text, name, nodes);
   return text;
 }
 
@@ -70,14 +70,14 @@ TEST_P(Statics, ThreeHingedArchHasTheReactionsOfStatics) {
   const Layout layout = test::layoutOf(
       {quad(a, {0.6, 0.4, 0}, c, {0.4, 0.6, 0}), quad(b, {1.6, 0.6, 0}, c, {1.4, 0.4, 0})},
       {{{0, 2}, {1, 2}, model::JointFace::Both}});
-  const exports::ElementMesh mesh = meshOf(layout, 0);
+  const fea::ElementMesh mesh = meshOf(layout, 0);
   const int loaded = mesh.tiles[0].edges[3].front();
   const std::string job = test::ownJob(
       setOf("FOOTA", mesh.tiles[0].edges[0]) + setOf("FOOTB", mesh.tiles[1].edges[0]) +
           setOf("FLAT", leadersAmong(mesh, allNodes(mesh))),
       "FOOTA, 1, 2\nFOOTB, 1, 2\nFLAT, 3, 3\n", fmt::format("*CLOAD\n{}, 2, -100.\n", loaded + 1),
       "FOOTA, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=FOOTB, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=FOOTA");
-  const test::JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job);
+  const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job);
   const auto left = test::totalForces(end.data, "FOOTA");
   const auto right = test::totalForces(end.data, "FOOTB");
   ASSERT_FALSE(left.empty() || right.empty()) << end.log;
@@ -92,7 +92,7 @@ TEST_P(Statics, HingeTurnsWithoutMoment) {
   const Layout layout = test::layoutOf({quad({-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}),
                                         quad({0, 0, 0}, {0, -1, 0}, {1, -1, 0}, {1, 0, 0})},
                                        {{{0, 1}, {1, 0}, model::JointFace::Both}});
-  const exports::ElementMesh mesh = meshOf(layout);
+  const fea::ElementMesh mesh = meshOf(layout);
   const std::vector<int>& driven = mesh.tiles[1].edges[3];
   const double height = std::sqrt(0.75);
   std::string job =
@@ -106,7 +106,7 @@ TEST_P(Statics, HingeTurnsWithoutMoment) {
   job.replace(job.find(step), step.size(),
               "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1.\n"
               "*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n0.005, 0.01, 1., 1.\n");
-  const test::JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job);
+  const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job);
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   for (const Vector3& force : test::totalForces(end.data, "HELD")) {
     EXPECT_LT(force.norm(), 1e-3);  // measured: 2.3e-4
@@ -121,14 +121,14 @@ TEST_P(Statics, HingeTurnsWithoutMoment) {
 }
 
 /// A job that moves nodes by a linear field u = G x, and the nodes' rows.
-std::string fieldJob(const exports::ElementMesh& mesh, const std::vector<int>& moved,
+std::string fieldJob(const fea::ElementMesh& mesh, const std::vector<int>& moved,
                      const Matrix3& gradient) {
   std::string boundary;
   for (const int node : moved) {
     const Vector3 u = gradient * mesh.nodes[node];
     for (int axis = 0; axis < 3; ++axis) {
       boundary +=
-          fmt::format("{0}, {1}, {1}, {2}\n", node + 1, axis + 1, exports::deckNumber(u[axis]));
+          fmt::format("{0}, {1}, {1}, {2}\n", node + 1, axis + 1, fea::deckNumber(u[axis]));
     }
   }
   // Displacements other than zero are a step's.
@@ -142,17 +142,17 @@ TEST_P(Statics, PatchTestKeepsAUniformStrain) {
   Layout layout = test::layoutOf({quad({0, 0, 0}, {1.3, 0.1, 0}, {1, 1, 0}, {-0.1, 0.8, 0}),
                                   quad({1, 1, 0}, {2.1, 0.9, 0}, {2.3, 1.9, 0}, {0.8, 2.1, 0})},
                                  {{{0, 2}, {1, 0}, model::JointFace::Both}});
-  const exports::ElementMesh mesh = meshOf(layout, 0);
+  const fea::ElementMesh mesh = meshOf(layout, 0);
   Matrix3 gradient;
   gradient << 1e-3, 2e-4, -3e-4, 5e-4, -2e-3, 1e-4, 4e-4, 6e-4, 8e-4;
-  if (GetParam().joints == exports::JointStyle::Patch)
+  if (GetParam().joints == fea::JointStyle::Patch)
     gradient = 0.5 * (gradient - gradient.transpose().eval());
   std::vector<int> surface;
-  for (const exports::TileElements& tile : mesh.tiles) {
+  for (const fea::TileElements& tile : mesh.tiles) {
     for (const auto* face : {&tile.bottom, &tile.top}) {
       surface.insert(surface.end(), face->begin(), face->end());
     }
-    for (const exports::ElementFace& face : tile.sides) {
+    for (const fea::ElementFace& face : tile.sides) {
       const std::array<int, 20>& nodes = mesh.elements[face.element].nodes;
       const int next = (face.side + 1) % 4;
       for (const int corner : {face.side, next}) {
@@ -167,7 +167,7 @@ TEST_P(Statics, PatchTestKeepsAUniformStrain) {
   std::ranges::sort(surface);
   const auto repeated = std::ranges::unique(surface);
   surface.erase(repeated.begin(), repeated.end());
-  const test::JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin),
+  const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin),
                                      fieldJob(mesh, leadersAmong(mesh, surface), gradient));
   EXPECT_THAT(end.log, HasSubstr("Job finished"));
   const std::vector<Vector3> u = displacements(end.data.substr(end.data.rfind("displacements")));
@@ -179,12 +179,12 @@ TEST_P(Statics, PatchTestKeepsAUniformStrain) {
 
 TEST_P(Statics, VolumeIsThatOfTheBricks) {
   const Layout layout = test::hingedSquares();
-  const exports::ElementMesh mesh = meshOf(layout);
+  const fea::ElementMesh mesh = meshOf(layout);
   const std::vector<int> held = leadersAmong(mesh, allNodes(mesh));
   const std::string job =
       test::ownJob(setOf("HELD", held), "HELD, 1, 3\n", "",
                    "NALL\nU\n*EL PRINT, ELSET=EALL, TOTALS=ONLY\nEVOL\n*NODE PRINT, NSET=NALL");
-  const test::JobEnd end = test::run(exports::meshDeck(mesh, {}, kOrigin), job);
+  const test::JobEnd end = test::run(fea::meshDeck(mesh, {}, kOrigin), job);
   const std::size_t place = end.data.find("total volume");
   ASSERT_LT(place, end.data.size()) << end.log;
   const double volume = std::strtod(end.data.c_str() + end.data.find('\n', place), nullptr);
@@ -192,12 +192,12 @@ TEST_P(Statics, VolumeIsThatOfTheBricks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Joints, Statics,
-                         testing::Values(Style{exports::JointStyle::Shared, true},
-                                         Style{exports::JointStyle::Shared, false},
-                                         Style{exports::JointStyle::Equation, true},
-                                         Style{exports::JointStyle::Equation, false},
-                                         Style{exports::JointStyle::Patch, true},
-                                         Style{exports::JointStyle::Patch, false}));
+                         testing::Values(Style{fea::JointStyle::Shared, true},
+                                         Style{fea::JointStyle::Shared, false},
+                                         Style{fea::JointStyle::Equation, true},
+                                         Style{fea::JointStyle::Equation, false},
+                                         Style{fea::JointStyle::Patch, true},
+                                         Style{fea::JointStyle::Patch, false}));
 
 }  // namespace
 }  // namespace kirireel

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 
@@ -31,16 +31,16 @@ std::map<std::string, std::string> contentsOf(const fs::path& folder) {
 
 /// The record of these files as they stand in a folder.
 std::string recordOf(const fs::path& folder, const std::vector<std::string>& names) {
-  exports::FileList files;
-  for (const std::string& name : names) files[name] = exports::digestOf(folder, name);
-  return exports::contentsText(files);
+  output::FileList files;
+  for (const std::string& name : names) files[name] = output::digestOf(folder, name);
+  return output::contentsText(files);
 }
 
 class FileSetTest : public testing::Test {
  protected:
   /// Leaves a run of these files.
   void leaveRun(const std::map<std::string, std::string>& contents) const {
-    exports::FileSet files(folder_.path(), exports::output::kSummary);
+    output::FileSet files(folder_.path(), output::kSummary);
     std::vector<std::string> names;
     for (const auto& [name, text] : contents) {
       write(files.stage() / name, text);
@@ -52,7 +52,7 @@ class FileSetTest : public testing::Test {
   /// The same without its record.
   std::map<std::string, std::string> found() const {
     auto contents = contentsOf(folder_.path());
-    contents.erase(exports::output::kSummary);
+    contents.erase(output::kSummary);
     return contents;
   }
 
@@ -75,7 +75,7 @@ TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
   leaveRun({{"a.txt", "old"}});
   const auto before = contentsOf(folder_.path());
   {
-    exports::FileSet files(folder_.path(), exports::output::kSummary);
+    output::FileSet files(folder_.path(), output::kSummary);
     write(files.stage() / "a.txt", "half");
     write(files.stage() / "checkpoint/state.h5", "state");
     // As a killed program leaves it.
@@ -85,7 +85,7 @@ TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
   }
   EXPECT_EQ(test::bytesOf(folder_ / ".unfinished/checkpoint/state.h5"), "state");
   EXPECT_FALSE(fs::exists(folder_ / ".unfinished/a.txt"));
-  exports::FileSet(folder_.path(), exports::output::kSummary).dropCheckpoint();
+  output::FileSet(folder_.path(), output::kSummary).dropCheckpoint();
   EXPECT_EQ(contentsOf(folder_.path()), before);
   EXPECT_FALSE(fs::exists(folder_ / ".unfinished"));
 }
@@ -97,7 +97,7 @@ TEST_F(FileSetTest, OverwritesNothingOfOthers) {
   const auto before = contentsOf(folder_.path());
   const auto isWanted = [](const std::string& name) { return name.ends_with(".txt"); };
   {
-    const exports::FileSet files(folder_.path(), exports::output::kSummary);
+    const output::FileSet files(folder_.path(), output::kSummary);
     EXPECT_THAT([&] { files.requireFree(isWanted); },
                 ThrowsMessage<InputError>(StrEq(
                     folder_.path().string() +
@@ -113,7 +113,7 @@ TEST_F(FileSetTest, RefusesLinksAndFoldersUnderItsNames) {
   fs::create_directory(folder_ / "b.txt");
   fs::create_symlink(folder_ / "nowhere", folder_ / "c.txt");
   fs::create_directory_symlink(folder_ / "theirs", folder_ / "frames");
-  const exports::FileSet files(folder_.path(), exports::output::kSummary);
+  const output::FileSet files(folder_.path(), output::kSummary);
   const auto isWanted = [](const std::string& name) {
     return name.ends_with(".txt") || name == "frames/";
   };
@@ -128,7 +128,7 @@ TEST_F(FileSetTest, RefusesLinksAndFoldersUnderItsNames) {
 TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
   const auto leave = [this] { leaveRun({{"a.txt", "new"}, {"b.txt", "new"}}); };
   {
-    exports::FileSet files(folder_.path(), exports::output::kSummary);
+    output::FileSet files(folder_.path(), output::kSummary);
     write(files.stage() / "a.txt", "new");
     write(files.stage() / "b.txt", "new");
     write(folder_ / "b.txt", "theirs");
@@ -139,7 +139,7 @@ TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
   // The run is whole and waits for room.
   EXPECT_THROW(leave(), InputError);
   fs::remove(folder_ / "b.txt");
-  { const exports::FileSet files(folder_.path(), exports::output::kSummary); }
+  { const output::FileSet files(folder_.path(), output::kSummary); }
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
 }
 
@@ -153,7 +153,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
   write(stage / "kirireel.txt",
         "Kirireel works here. It moves whole files out of this folder and removes all others.\n");
   fs::rename(stage / "a.txt", folder_ / "a.txt");
-  { const exports::FileSet files(folder_.path(), exports::output::kSummary); }
+  { const output::FileSet files(folder_.path(), output::kSummary); }
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
 }
 
@@ -161,7 +161,7 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   leaveRun({{"a.obj", "run"}});
   write(folder_.path() / "sub", "a file of others where a folder is wanted");
   {
-    exports::FileSet files(folder_.path(), exports::output::kContents);
+    output::FileSet files(folder_.path(), output::kContents);
     write(files.stage() / "b.obj", "export");
     write(files.stage() / "sub" / "c.obj", "export");
     EXPECT_THROW(files.commit(std::vector<std::string>{"b.obj", "sub/c.obj"}), OutputError);
@@ -170,18 +170,18 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
   fs::remove(folder_.path() / "sub");
   // What was moved before the error is known as ours: the next export may replace it.
   {
-    exports::FileSet files(folder_.path(), exports::output::kContents);
+    output::FileSet files(folder_.path(), output::kContents);
     EXPECT_TRUE(fs::exists(folder_.path() / "sub" / "c.obj"));
     write(files.stage() / "b.obj", "again");
     files.commit(std::vector<std::string>{"b.obj"});
   }
   EXPECT_EQ(test::bytesOf(folder_.path() / "b.obj"), "again");
-  EXPECT_FALSE(fs::exists(folder_.path() / exports::output::kUnfinished));
+  EXPECT_FALSE(fs::exists(folder_.path() / output::kUnfinished));
 }
 
 TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
   write(folder_ / ".unfinished/notes.txt", "theirs");
-  EXPECT_THAT([this] { const exports::FileSet files(folder_.path(), exports::output::kSummary); },
+  EXPECT_THAT([this] { const output::FileSet files(folder_.path(), output::kSummary); },
               ThrowsMessage<InputError>(testing::HasSubstr(
                   "error: .unfinished would be overwritten, but no earlier run left it so")));
   EXPECT_EQ(found(), (Contents{{".unfinished/notes.txt", "theirs"}}));
@@ -190,13 +190,13 @@ TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
 TEST_F(FileSetTest, AddsToWhatARunLeft) {
   leaveRun({{"a.txt", "run"}});
   for (const char* text : {"first", "second"}) {
-    exports::FileSet files(folder_.path(), exports::output::kContents);
+    output::FileSet files(folder_.path(), output::kContents);
     write(files.stage() / "a.txt", text);
     write(files.stage() / (text + std::string(".obj")), text);
     files.commit(std::vector<std::string>{"a.txt", text + std::string(".obj")});
   }
   EXPECT_EQ(test::bytesOf(folder_ / "a.txt"), "second");
-  EXPECT_EQ(exports::listedFiles(folder_ / "contents.json").size(), 3U);
+  EXPECT_EQ(output::listedFiles(folder_ / "contents.json").size(), 3U);
   // The next run takes the place of both.
   leaveRun({{"b.txt", "new"}});
   EXPECT_EQ(found(), (Contents{{"b.txt", "new"}}));
@@ -205,7 +205,7 @@ TEST_F(FileSetTest, AddsToWhatARunLeft) {
 TEST_F(FileSetTest, SaysWhyAFolderCannotBeMade) {
   write(folder_ / "file", "");
   for (const fs::path& place : {folder_ / "file", folder_ / "file" / "in"}) {
-    EXPECT_THAT([&] { const exports::FileSet files(place, exports::output::kSummary); },
+    EXPECT_THAT([&] { const output::FileSet files(place, output::kSummary); },
                 ThrowsMessage<OutputError>(
                     StrEq(place.string() +
                           ": error: the folder cannot be made (Not a directory); choose another")));

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -19,15 +19,15 @@ class LeftFilesTest : public testing::Test {
     fs::create_directory(folder_ / "frames");
     write(folder_ / "final.obj", "ours");
     write(folder_ / "frames/frame_00000.png", "ours too");
-    exports::FileList files;
+    output::FileList files;
     for (const char* name : {"final.obj", "frames/frame_00000.png"}) {
-      files[name] = exports::digestOf(folder_.path(), name);
+      files[name] = output::digestOf(folder_.path(), name);
     }
-    write(folder_ / "summary.json", exports::contentsText(files));
+    write(folder_ / "summary.json", output::contentsText(files));
   }
 
   bool isForeign(const std::string& name) const {
-    return exports::LeftFiles(folder_.path()).isForeign(name);
+    return output::LeftFiles(folder_.path()).isForeign(name);
   }
 
   test::TemporaryFolder folder_;
@@ -38,8 +38,8 @@ TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("summary.json"));
   EXPECT_FALSE(isForeign("final.ply"));  // not there
-  EXPECT_TRUE(exports::LeftFiles(folder_.path()).stands("final.obj"));
-  EXPECT_FALSE(exports::LeftFiles(folder_.path()).stands("final.ply"));
+  EXPECT_TRUE(output::LeftFiles(folder_.path()).stands("final.obj"));
+  EXPECT_FALSE(output::LeftFiles(folder_.path()).stands("final.ply"));
 }
 
 TEST_F(LeftFilesTest, TakeNothingElseForOurs) {
@@ -74,9 +74,9 @@ TEST_F(LeftFilesTest, AreNotSoughtThroughLinksToFolders) {
 
 TEST_F(LeftFilesTest, CountAsTheNewestRecordHasThem) {
   write(folder_ / "final.obj", "exported again");
-  exports::FileList files;
-  files["final.obj"] = exports::digestOf(folder_.path(), "final.obj");
-  write(folder_ / "contents.json", exports::contentsText(files));
+  output::FileList files;
+  files["final.obj"] = output::digestOf(folder_.path(), "final.obj");
+  write(folder_ / "contents.json", output::contentsText(files));
   EXPECT_FALSE(isForeign("final.obj"));
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("contents.json"));

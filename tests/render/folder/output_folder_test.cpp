@@ -1,4 +1,4 @@
-#include "render/export/output_folder.h"
+#include "render/output/output_folder.h"
 
 #include <string>
 
@@ -12,29 +12,29 @@ namespace {
 
 TEST(FolderLock, IsHeldByOneAtATime) {
   const test::TemporaryFolder folder;
-  const auto hold = [&folder] { const exports::FolderLock lock(folder.path()); };
+  const auto hold = [&folder] { const output::FolderLock lock(folder.path()); };
   {
-    const exports::FolderLock lock(folder.path());
+    const output::FolderLock lock(folder.path());
     EXPECT_THROW(hold(), OutputError);
   }
   EXPECT_NO_THROW(hold());
 }
 
 TEST(NumberedNames, AreThoseThatSomeNumberGets) {
-  const auto frame = [](int number) { return exports::frameFile(number).string(); };
+  const auto frame = [](int number) { return output::frameFile(number).string(); };
   for (const char* name : {"frames/frame_00000.png", "frames/frame_123456.png"}) {
-    EXPECT_TRUE(exports::isNumbered(name, frame)) << name;
+    EXPECT_TRUE(output::isNumbered(name, frame)) << name;
   }
   for (const char* name : {"frames/frame_0.png", "frames/frame_00000.svg", "frame_00000.png",
                            "frames/frame_.png", "", "frames/frame_99999999999999999999.png"}) {
-    EXPECT_FALSE(exports::isNumbered(name, frame)) << name;
+    EXPECT_FALSE(output::isNumbered(name, frame)) << name;
   }
 }
 
 TEST(FrameFile, SortsByNumber) {
-  EXPECT_EQ(exports::frameFile(0), "frames/frame_00000.png");
-  EXPECT_LT(exports::frameFile(99).string(), exports::frameFile(100).string());
-  EXPECT_LT(exports::frameFile(9999).string(), exports::frameFile(10000).string());
+  EXPECT_EQ(output::frameFile(0), "frames/frame_00000.png");
+  EXPECT_LT(output::frameFile(99).string(), output::frameFile(100).string());
+  EXPECT_LT(output::frameFile(9999).string(), output::frameFile(10000).string());
 }
 
 }  // namespace

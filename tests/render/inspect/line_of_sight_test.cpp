@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/record/inspection.h"
+#include "render/report/inspection.h"
 
 namespace kirireel {
 namespace {
@@ -25,7 +25,7 @@ TEST(LineOfSight, SeesThreeFacesOfACube) {
       tiles.push_back(squareFacing(normal, normal));
     }
   }
-  const record::LineOfSight sight(tiles, Vector3(1, 1.5, 2).normalized());
+  const report::LineOfSight sight(tiles, Vector3(1, 1.5, 2).normalized());
   for (std::size_t k = 0; k < tiles.size(); ++k) {
     EXPECT_EQ(sight.isClear(model::tileCentroid(tiles[k]), k), k % 2 == 1) << k;
   }
@@ -36,14 +36,14 @@ TEST(LineOfSight, NothingHidesTilesOfAFlatSheet) {
   const std::vector<model::Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
                                           squareFacing({0, 0, 1}, {2, 0, 0})};
   for (const Vector3& eye : {Vector3(0, 0, 1), Vector3(0, 0.6, 0.8), Vector3(1, 0, 0)}) {
-    EXPECT_TRUE(record::LineOfSight(tiles, eye).isClear({0, 0, 0}, 0)) << eye.transpose();
+    EXPECT_TRUE(report::LineOfSight(tiles, eye).isClear({0, 0, 0}, 0)) << eye.transpose();
   }
 }
 
 TEST(LineOfSight, EndsAtTheBoundaryOfATile) {
   const std::vector<model::Tile> tiles = {squareFacing({0, 0, 1}, {0, 0, 0}),
                                           squareFacing({0, 0, -1}, {1, 0, 5})};
-  const record::LineOfSight sight(tiles, {0, 0, 1});
+  const report::LineOfSight sight(tiles, {0, 0, 1});
   EXPECT_TRUE(sight.isClear({-0.01, 0, 0}, 0));
   EXPECT_FALSE(sight.isClear({0.01, 0, 0}, 0));
   EXPECT_TRUE(sight.isClear({1, 0, 5}, 1));  // the other is behind

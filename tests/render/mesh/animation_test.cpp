@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/export/mesh.h"
+#include "render/writers/mesh.h"
 #include "sim/model/lattice.h"
 
 namespace kirireel {
@@ -26,8 +26,8 @@ struct Turning {
     start = model::startPoses(model.tiles, bricks);
   }
 
-  exports::AnimationKey at(std::size_t k) const {
-    exports::AnimationKey key{static_cast<double>(k) / 60, start};
+  writers::AnimationKey at(std::size_t k) const {
+    writers::AnimationKey key{static_cast<double>(k) / 60, start};
     for (std::size_t i = 0; i < start.size(); ++i) {
       const double angle = (i % 2 == 0 ? 0.07 : -0.07) * static_cast<double>(k);
       key.poses[i].rotation = rotationFromVector({0.2 * angle, 0, angle});
@@ -39,7 +39,7 @@ struct Turning {
   }
 
   std::string bytes(std::size_t keys) const {
-    return exports::animationBytes(bricks, keys, [this](std::size_t k) { return at(k); });
+    return writers::animationBytes(bricks, keys, [this](std::size_t k) { return at(k); });
   }
 };
 
@@ -87,7 +87,7 @@ TEST(Animation, HoldsTheTrajectoryToFloatPrecision) {
     const bool isMove = channel["target"]["path"] == "translation";
     const std::vector<float> values = glb.values(sampler["output"], isMove ? 3 : 4);
     for (std::size_t k = 0; k < keys; ++k) {
-      const exports::AnimationKey key = sheet.at(k);
+      const writers::AnimationKey key = sheet.at(k);
       EXPECT_FLOAT_EQ(times[k], static_cast<float>(key.time));
       if (isMove) {
         const Vector3 read(values[3 * k], values[3 * k + 1], values[3 * k + 2]);

@@ -1,4 +1,4 @@
-#include "render/export/mesh.h"
+#include "render/writers/mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -191,7 +191,7 @@ Layout polygons() {
 
 std::string written(const Layout& layout, const std::string& name) {
   const TemporaryFolder folder;
-  exports::writeMesh(folder / name, layout.bricks, layout.poses);
+  writers::writeMesh(folder / name, layout.bricks, layout.poses);
   return bytesOf(folder / name);
 }
 
@@ -338,7 +338,7 @@ TEST(Mesh, IsReadBackByAssimp) {
   const Layout layout = hingedSquares();
   const TemporaryFolder folder;
   for (const auto& [name, meshes] : {std::pair{"state.obj", 4U}, std::pair{"state.ply", 1U}}) {
-    exports::writeMesh(folder / name, layout.bricks, layout.poses);
+    writers::writeMesh(folder / name, layout.bricks, layout.poses);
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFile((folder / name).string(), 0);
     ASSERT_NE(scene, nullptr) << importer.GetErrorString();
@@ -401,7 +401,7 @@ TEST(Mesh, SaysWhichEndingsItKnows) {
        {std::pair{"state.step", ".step"}, std::pair{"state", ""}, std::pair{"state.OBJ", ".OBJ"}}) {
     const std::filesystem::path path = folder / name;
     try {
-      exports::writeMesh(path, layout.bricks, layout.poses);
+      writers::writeMesh(path, layout.bricks, layout.poses);
       ADD_FAILURE() << "nothing was thrown";
     } catch (const InputError& error) {
       EXPECT_EQ(error.what(), path.string() + ": error: \"" + ending +
@@ -417,7 +417,7 @@ TEST(Mesh, LeavesNothingWhereItCannotWrite) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "missing" / "state.obj";
   try {
-    exports::writeMesh(path, layout.bricks, layout.poses);
+    writers::writeMesh(path, layout.bricks, layout.poses);
     ADD_FAILURE() << "nothing was thrown";
   } catch (const OutputError& error) {
     EXPECT_THAT(error.what(), HasSubstr(path.parent_path().string() + ": error: "));
@@ -430,7 +430,7 @@ TEST(Mesh, SaysThatAssimpCannot) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "empty.ply";
   try {
-    exports::writeMesh(path, {}, {});
+    writers::writeMesh(path, {}, {});
     ADD_FAILURE() << "nothing was thrown";
   } catch (const OutputError& error) {
     EXPECT_EQ(error.what(), path.string() + ": error: assimp cannot make this mesh ()");

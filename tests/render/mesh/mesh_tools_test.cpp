@@ -1,7 +1,7 @@
 // Other people's programs as judges of meshes: skipped where they are not installed.
 #include <gtest/gtest.h>
 
-#include "render/export/mesh.h"
+#include "render/writers/mesh.h"
 #include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
@@ -20,7 +20,7 @@ int numberAfter(const std::string& output, const std::string& label) {
 std::string judgement(const std::string& command, const std::string& name) {
   const test::Layout layout = test::hingedSquares();
   const test::TemporaryFolder folder;
-  exports::writeMesh(folder / name, layout.bricks, layout.poses);
+  writers::writeMesh(folder / name, layout.bricks, layout.poses);
   return test::outputOf(command + " '" + (folder / name).string() + "'");
 }
 
@@ -51,8 +51,8 @@ TEST(MeshTools, GltfValidatorFindsNothingInTheAnimation) {
   const model::Model model = model::makeTessellation(test::squares(10, 10, 0.5));
   const test::Layout layout = test::layoutOf(model.tiles, model.joints);
   const test::TemporaryFolder folder;
-  const std::string bytes = exports::animationBytes(layout.bricks, 121, [&layout](std::size_t k) {
-    exports::AnimationKey key{static_cast<double>(k) / 60, layout.poses};
+  const std::string bytes = writers::animationBytes(layout.bricks, 121, [&layout](std::size_t k) {
+    writers::AnimationKey key{static_cast<double>(k) / 60, layout.poses};
     for (Pose& pose : key.poses) pose.rotation = rotationFromVector({0.1, 0, 0.05 * double(k)});
     return key;
   });

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
-#include "render/record/page.h"
+#include "render/page/page.h"
 
 namespace kirireel {
 namespace {
@@ -63,20 +63,19 @@ Poses stateOf(int k) {
 TEST(PackedArrays, ComeBackToTheLastBit) {
   std::vector<double> entries;
   for (int k = -500; k < 500; ++k) entries.push_back(std::exp(0.1 * k) * (k % 2 == 0 ? 1 : -1));
-  const Json packed = record::packedArray(std::span<const double>(entries));
+  const Json packed = page::packedArray(std::span<const double>(entries));
   EXPECT_EQ(packed.at("type"), "f64");
   EXPECT_EQ(unpacked<double>(packed), entries);
   const std::vector<std::uint8_t> bytes = {0, 255, 3};
-  EXPECT_EQ(unpacked<std::uint8_t>(record::packedArray(std::span<const std::uint8_t>(bytes))),
-            bytes);
-  EXPECT_EQ(unpacked<float>(record::packedArray(std::span<const float>())), std::vector<float>());
+  EXPECT_EQ(unpacked<std::uint8_t>(page::packedArray(std::span<const std::uint8_t>(bytes))), bytes);
+  EXPECT_EQ(unpacked<float>(page::packedArray(std::span<const float>())), std::vector<float>());
 }
 
 // The page's own arithmetic: sums of differences in 32 bits.
 TEST(PosePacker, MovesNoCornerBeyondItsSteps) {
   constexpr double kSize = 5, kRadius = 0.8;
-  const record::PoseSteps steps = record::finePoseSteps({0.1, 0.2, 0.3}, kSize, kRadius);
-  record::PosePacker packer(steps);
+  const page::PoseSteps steps = page::finePoseSteps({0.1, 0.2, 0.3}, kSize, kRadius);
+  page::PosePacker packer(steps);
   for (int k = 0; k < 40; ++k) packer.add(stateOf(k));
   const Json packed = packer.packed();
   EXPECT_FALSE(packed.at("exact"));
@@ -108,7 +107,7 @@ TEST(PosePacker, MovesNoCornerBeyondItsSteps) {
 }
 
 TEST(PosePacker, HasRoomForWhatFliesAway) {
-  record::PosePacker packer(record::finePoseSteps({0, 0, 0}, 1, 1));
+  page::PosePacker packer(page::finePoseSteps({0, 0, 0}, 1, 1));
   packer.add(stateOf(0));
   Poses away = stateOf(1);
   away[1].position.x() = 20;
@@ -117,7 +116,7 @@ TEST(PosePacker, HasRoomForWhatFliesAway) {
 }
 
 TEST(PosePacker, KeepsExactPosesToTheLastBit) {
-  record::PosePacker packer(std::nullopt);
+  page::PosePacker packer(std::nullopt);
   packer.add(stateOf(7));
   const Json packed = packer.packed();
   EXPECT_TRUE(packed.at("exact"));
@@ -132,7 +131,7 @@ TEST(PosePacker, KeepsExactPosesToTheLastBit) {
 
 TEST(PackedMagnitudes, AreWithinHalfAStep) {
   const std::vector<double> values = {0, 1e-13, 3e-13, 2e-9, 5e-4};
-  const Json packed = record::packedMagnitudes(values);
+  const Json packed = page::packedMagnitudes(values);
   const std::vector<std::uint8_t> codes = unpacked<std::uint8_t>(packed.at("codes"));
   EXPECT_EQ(codes[0], 0);
   EXPECT_EQ(codes[1], 1);
@@ -145,7 +144,7 @@ TEST(PackedMagnitudes, AreWithinHalfAStep) {
 }
 
 TEST(PackedMagnitudes, OfNothingButZerosAreZeros) {
-  const Json packed = record::packedMagnitudes(std::vector<double>{0, 0});
+  const Json packed = page::packedMagnitudes(std::vector<double>{0, 0});
   EXPECT_EQ(unpacked<std::uint8_t>(packed.at("codes")), (std::vector<std::uint8_t>{0, 0}));
 }
 

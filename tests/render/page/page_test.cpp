@@ -1,4 +1,4 @@
-#include "render/record/page.h"
+#include "render/page/page.h"
 
 #include <regex>
 
@@ -36,10 +36,10 @@ class WebPage : public testing::Test {
     settings_.states.samples = 5;
   }
   void SetUp() override {
-    if (!record::canMakePages()) GTEST_SKIP() << "built without three.js";
+    if (!page::canMakePages()) GTEST_SKIP() << "built without three.js";
   }
 
-  std::string text() const { return record::pageText({file_}, settings_); }
+  std::string text() const { return page::pageText({file_}, settings_); }
 
   /// The data within a page.
   static Json dataOf(const std::string& page) {
@@ -50,7 +50,7 @@ class WebPage : public testing::Test {
 
   TemporaryFolder folder_;
   std::filesystem::path file_ = folder_ / "trajectory.h5";
-  record::WebPageSettings settings_;
+  page::WebPageSettings settings_;
 };
 
 TEST_F(WebPage, AsksForNothingBesideItself) {
@@ -115,7 +115,7 @@ TEST_F(WebPage, HasTheSameBytesEachTime) {
 }
 
 TEST_F(WebPage, HoldsTwoRuns) {
-  const std::string page = record::pageText({file_, file_}, settings_);
+  const std::string page = page::pageText({file_, file_}, settings_);
   EXPECT_THAT(page, HasSubstr("data-count=\"2\""));
   EXPECT_EQ(dataOf(page)["runs"].size(), 2U);
 }
@@ -161,7 +161,7 @@ TEST_F(WebPage, HoldsFilesOfTheRun) {
 
 TEST_F(WebPage, IsListedInItsFolder) {
   settings_.folder = folder_ / "out";
-  record::writePage({file_}, settings_);
+  page::writePage({file_}, settings_);
   EXPECT_TRUE(std::filesystem::exists(settings_.folder / "page.html"));
   EXPECT_TRUE(std::filesystem::exists(settings_.folder / "contents.json"));
 }

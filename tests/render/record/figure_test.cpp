@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/record/record.h"
 #include "render/record/run_pictures.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "render/export/flat_sheet.h"
+#include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
 #include "sim/generate/families.h"
 #include "sim/model/read_model.h"
@@ -106,10 +106,10 @@ TEST_P(PatternOf, ReadsBackToTheSameModel) {
     const model::Model drawn = generate::generateModel(family, given);
     for (const double share : {0.02, 0.05, 0.1}) {
       const double width = share * leastEdge(drawn);
-      const std::vector<exports::PatternLine> lines = exports::cutPattern(drawn, width);
+      const std::vector<writers::PatternLine> lines = writers::cutPattern(drawn, width);
       const TemporaryFolder folder;
-      folder.write("sheet.svg", exports::patternSvg(lines));
-      folder.write("sheet.dxf", exports::patternDxf(lines));
+      folder.write("sheet.svg", writers::patternSvg(lines));
+      folder.write("sheet.dxf", writers::patternDxf(lines));
       for (const char* name : {"sheet.svg", "sheet.dxf"}) {
         std::vector<std::string> warnings;
         try {
@@ -179,7 +179,7 @@ TEST(Patterns, TellOfHolesInTiles) {
 }
 
 /// A pattern as an editor saves it: relative paths, groups with transforms, rounded.
-std::string resaved(const std::vector<exports::PatternLine>& lines, int digits, double size) {
+std::string resaved(const std::vector<writers::PatternLine>& lines, int digits, double size) {
   const char* names[] = {"cuts", "slits", "hinges"};
   std::string text = fmt::format(
       "<?xml version='1.0'?><svg width='{0}mm' height='{0}mm' viewBox='-{1} -{1} {2} {2}'>"
@@ -188,7 +188,7 @@ std::string resaved(const std::vector<exports::PatternLine>& lines, int digits, 
   for (int layer = 0; layer < 3; ++layer) {
     text += fmt::format("<g inkscape:groupmode='layer' id='layer{}' inkscape:label='{}'>", layer,
                         names[layer]);
-    for (const exports::PatternLine& line : lines) {
+    for (const writers::PatternLine& line : lines) {
       if (static_cast<int>(line.layer) != layer) continue;
       // Turned back by 90 degrees, twice as large, y downwards.
       const Eigen::Vector2d from(-2e3 * line.from.y(), -2e3 * line.from.x());
@@ -206,8 +206,8 @@ TEST(Patterns, ComeBackAfterAnEditor) {
   for (const char* name : {"tessellation", "fan", "heart", "hexagons", "triangles", "stars"}) {
     const model::Model drawn = generate::generateModel(generate::familyNamed(name), {});
     const double size = model::modelSize(drawn);
-    const std::vector<exports::PatternLine> lines =
-        exports::cutPattern(drawn, 0.05 * leastEdge(drawn));
+    const std::vector<writers::PatternLine> lines =
+        writers::cutPattern(drawn, 0.05 * leastEdge(drawn));
     for (const int digits : {2, 3, 9}) {
       const TemporaryFolder folder;
       folder.write("a.svg", resaved(lines, digits, size));

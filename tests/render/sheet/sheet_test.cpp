@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/export/flat_sheet.h"
+#include "render/writers/flat_sheet.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
 
@@ -59,7 +59,7 @@ TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
     for (model::Tile& tile : model.tiles) {
       for (Vector3& vertex : tile.vertices) vertex = rotationFromVector(turn) * vertex;
     }
-    const exports::FlatSheet sheet = exports::flatSheet(model);
+    const writers::FlatSheet sheet = writers::flatSheet(model);
     const Vector3 normal = sheet.turn * rotationFromVector(turn) * Vector3::UnitZ();
     // Measured: 1.4e-16; 5e-16 for the corners.
     EXPECT_LT((normal - Vector3::UnitZ()).norm(), 1e-14) << turn.transpose();
@@ -75,7 +75,7 @@ TEST(FlatSheet, FacesUpAndTurnsBackFromAnyPlane) {
 
 TEST(PlanarObj, IsReadBackToTheSameTarget) {
   const std::vector<model::Tile> tiles = model::tessellationTiles(shapeOf(3, 2, 0), 1.0 / 3);
-  const std::string text = exports::planarObjText(tiles);
+  const std::string text = writers::planarObjText(tiles);
   EXPECT_THAT(text, StartsWith("# 24 vertices 6 faces\nv "));
   EXPECT_THAT(text, testing::EndsWith("\n\nf 1 2 3 4\nf 5 6 7 8\nf 9 10 11 12\nf 13 14 15 16\n"
                                       "f 17 18 19 20\nf 21 22 23 24\n"));
@@ -84,21 +84,21 @@ TEST(PlanarObj, IsReadBackToTheSameTarget) {
   for (std::size_t t = 0; t < tiles.size(); ++t) EXPECT_EQ(read[t].vertices, tiles[t].vertices);
 }
 
-std::map<exports::PatternLayer, double> lengths(const std::vector<exports::PatternLine>& lines) {
-  std::map<exports::PatternLayer, double> sums;
-  for (const exports::PatternLine& line : lines) sums[line.layer] += (line.to - line.from).norm();
+std::map<writers::PatternLayer, double> lengths(const std::vector<writers::PatternLine>& lines) {
+  std::map<writers::PatternLayer, double> sums;
+  for (const writers::PatternLine& line : lines) sums[line.layer] += (line.to - line.from).norm();
   return sums;
 }
 
 TEST(CutPattern, KeepsANeckOfTheChosenWidthAtEachJoint) {
   // 2 x 2 closed unit squares: an outline of 8, four inner edges, four joints on them.
   const double width = 0.05;
-  const std::vector<exports::PatternLine> lines =
-      exports::cutPattern(model::makeTessellation(shapeOf(2, 2, 0)), width);
-  std::map<exports::PatternLayer, double> sums = lengths(lines);
-  EXPECT_NEAR(sums[exports::PatternLayer::Cuts], 8, 1e-12);
-  EXPECT_NEAR(sums[exports::PatternLayer::Slits], 4 - 4 * width, 1e-12);
-  EXPECT_NEAR(sums[exports::PatternLayer::Hinges], 4 * width, 1e-12);
+  const std::vector<writers::PatternLine> lines =
+      writers::cutPattern(model::makeTessellation(shapeOf(2, 2, 0)), width);
+  std::map<writers::PatternLayer, double> sums = lengths(lines);
+  EXPECT_NEAR(sums[writers::PatternLayer::Cuts], 8, 1e-12);
+  EXPECT_NEAR(sums[writers::PatternLayer::Slits], 4 - 4 * width, 1e-12);
+  EXPECT_NEAR(sums[writers::PatternLayer::Hinges], 4 * width, 1e-12);
 }
 
 TEST(CutPattern, ClosesOpenGapsWithALine) {
@@ -106,16 +106,16 @@ TEST(CutPattern, ClosesOpenGapsWithALine) {
   const double theta = 0.4;
   const double width = 0.05;
   const model::Model model = model::makeTessellation(shapeOf(2, 1, theta));
-  std::map<exports::PatternLayer, double> sums = lengths(exports::cutPattern(model, width));
-  EXPECT_EQ(sums.count(exports::PatternLayer::Slits), 0U);
-  EXPECT_NEAR(sums[exports::PatternLayer::Hinges], width, 1e-12);
+  std::map<writers::PatternLayer, double> sums = lengths(writers::cutPattern(model, width));
+  EXPECT_EQ(sums.count(writers::PatternLayer::Slits), 0U);
+  EXPECT_NEAR(sums[writers::PatternLayer::Hinges], width, 1e-12);
   const double cut = 8 - 2 * width / std::cos(theta / 2) + 2 * width * std::tan(theta / 2);
-  EXPECT_NEAR(sums[exports::PatternLayer::Cuts], cut, 1e-12);
+  EXPECT_NEAR(sums[writers::PatternLayer::Cuts], cut, 1e-12);
 }
 
 std::string refusal(const model::Model& model, double width) {
   try {
-    exports::cutPattern(model, width);
+    writers::cutPattern(model, width);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -169,16 +169,16 @@ TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
 }
 
 TEST(CutPattern, DrawsLayersInSvgAndDxf) {
-  const std::vector<exports::PatternLine> lines = {
-      {exports::PatternLayer::Cuts, {0, 0}, {0.1, 0}},
-      {exports::PatternLayer::Slits, {0, 0}, {0, 0.2}},
-      {exports::PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
-  const std::string svg = exports::patternSvg(lines);
+  const std::vector<writers::PatternLine> lines = {
+      {writers::PatternLayer::Cuts, {0, 0}, {0.1, 0}},
+      {writers::PatternLayer::Slits, {0, 0}, {0, 0.2}},
+      {writers::PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
+  const std::string svg = writers::patternSvg(lines);
   EXPECT_THAT(svg, HasSubstr("width=\"110mm\" height=\"260mm\" viewBox=\"0 0 110 260\""));
   EXPECT_THAT(svg, HasSubstr("<g id=\"cuts\" fill=\"none\" stroke-width=\"0.13\" "
                              "stroke=\"#d00000\">\n<path d=\"M 5 255 L 105 255\"/>\n</g>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"slits\""));
-  const std::string dxf = exports::patternDxf(lines);
+  const std::string dxf = writers::patternDxf(lines);
   EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nslits\n10\n0\n20\n0\n11\n0\n21\n200\n"));
   EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nhinges\n10\n0\n20\n200\n11\n0\n21\n250\n"));
   EXPECT_THAT(dxf, testing::EndsWith("0\nENDSEC\n0\nEOF\n"));

@@ -1,4 +1,4 @@
-#include "render/record/collect.h"
+#include "render/sweep/collect.h"
 
 #include <cmath>
 
@@ -17,14 +17,14 @@ using ::testing::ElementsAre;
 class CollectTest : public testing::Test {
  protected:
   void finish(const std::string& name, const std::string& summary, const std::string& reason = "") {
-    std::optional<record::RunClaim> claim = record::RunClaim::take(folder_.path(), name, false);
+    std::optional<sweep::RunClaim> claim = sweep::RunClaim::take(folder_.path(), name, false);
     if (!summary.empty()) std::ofstream(claim->folder() / "summary.json") << summary;
     claim->finish({!reason.empty(), reason, {}});
   }
 
   /// Runs a, b and c with k = 1, 2 and 3.
-  record::Gathered gatherThree() const {
-    return record::gather(
+  sweep::Gathered gatherThree() const {
+    return sweep::gather(
         {folder_.path(),
          3,
          {"k"},
@@ -43,7 +43,7 @@ constexpr const char* kSummary =
 TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
   finish("c", kSummary);
   finish("a", "", "no such \"sheet\", sorry");
-  const record::Gathered gathered = gatherThree();
+  const sweep::Gathered gathered = gatherThree();
   EXPECT_EQ(gathered.failed, 1U);
   EXPECT_EQ(gathered.missing, 1U);
   ASSERT_EQ(gathered.runs.size(), 2U);
@@ -51,12 +51,12 @@ TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
   EXPECT_EQ(gathered.runs[1].name, "c");
   EXPECT_THAT(gathered.runs[1].values, ElementsAre("3"));
   EXPECT_EQ(gathered.runs[1].thickness, 0.3);
-  EXPECT_EQ(record::csvText(gathered.results),
+  EXPECT_EQ(sweep::csvText(gathered.results),
             "run,k,status,reason,outcome,end_time,tile_count,joint_count,path_kind,joint_gap_max,"
             "rigid_bound,steps,halved_steps,unconverged_steps\n"
             "a,1,failed,\"no such \"\"sheet\"\", sorry\",,,,,,,,,,\n"
             "c,3,done,,settled,,,,,0.5,,7,,\n");
-  EXPECT_EQ(record::csvText(gathered.costs),
+  EXPECT_EQ(sweep::csvText(gathered.costs),
             "run,cpu_seconds_search,cpu_seconds_deploy,cpu_seconds_render,cpu_seconds_encode,"
             "wall_seconds,peak_memory_bytes\n"
             "c,,,,,1.5,\n");
@@ -64,15 +64,15 @@ TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
 
 TEST_F(CollectTest, TablesOfFailedRunsHaveNoMeasures) {
   finish("a", "", "no such sheet");
-  const record::Gathered gathered = gatherThree();
-  EXPECT_EQ(record::csvText(gathered.results), "run,k,status,reason\na,1,failed,no such sheet\n");
+  const sweep::Gathered gathered = gatherThree();
+  EXPECT_EQ(sweep::csvText(gathered.results), "run,k,status,reason\na,1,failed,no such sheet\n");
 }
 
 TEST_F(CollectTest, ArraysHoldNumbersAndTexts) {
   finish("a", "", "no such sheet");
   finish("c", kSummary);
   const std::filesystem::path file = folder_ / "table.h5";
-  record::writeTableArrays(gatherThree().results, file);
+  sweep::writeTableArrays(gatherThree().results, file);
   const trajectory::ArrayReader reader(file);
   EXPECT_THAT(reader.doubles("k"), ElementsAre(1, 3));
   EXPECT_THAT(reader.texts("status"), ElementsAre("failed", "done"));

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "render/picture/state_painter.h"
-#include "render/record/collect.h"
+#include "render/sweep/collect.h"
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
 #include "tests/support/files.h"
@@ -13,31 +13,31 @@ namespace {
 using ::testing::ElementsAre;
 
 TEST(ContactLayout, RowsEndWhereSeriesDo) {
-  EXPECT_EQ(record::layOutContacts(40, 20).shape, (picture::GridShape{8, 5}));
-  EXPECT_EQ(record::layOutContacts(21, 7).shape, (picture::GridShape{3, 7}));
-  EXPECT_EQ(record::layOutContacts(60, 2).shape, (picture::GridShape{8, 8}));
+  EXPECT_EQ(sweep::layOutContacts(40, 20).shape, (picture::GridShape{8, 5}));
+  EXPECT_EQ(sweep::layOutContacts(21, 7).shape, (picture::GridShape{3, 7}));
+  EXPECT_EQ(sweep::layOutContacts(60, 2).shape, (picture::GridShape{8, 8}));
   // Neither one nor thirteen columns of 26 make a page; one series is all alike.
-  EXPECT_EQ(record::layOutContacts(2 * 31, 31).shape, (picture::GridShape{8, 8}));
-  EXPECT_EQ(record::layOutContacts(13, 13).shape, (picture::GridShape{4, 4}));
-  EXPECT_EQ(record::layOutContacts(7, 1).shape, (picture::GridShape{3, 3}));
+  EXPECT_EQ(sweep::layOutContacts(2 * 31, 31).shape, (picture::GridShape{8, 8}));
+  EXPECT_EQ(sweep::layOutContacts(13, 13).shape, (picture::GridShape{4, 4}));
+  EXPECT_EQ(sweep::layOutContacts(7, 1).shape, (picture::GridShape{3, 3}));
 }
 
 TEST(ContactLayout, OfTooManyChoosesWholeSeries) {
-  const record::ContactLayout layout = record::layOutContacts(200, 10);
+  const sweep::ContactLayout layout = sweep::layOutContacts(200, 10);
   EXPECT_EQ(layout.shape, (picture::GridShape{10, 10}));
   ASSERT_EQ(layout.chosen.size(), 100U);
   for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(layout.chosen[i] % 10, i % 10);
   EXPECT_EQ(layout.chosen.front(), 0U);
   EXPECT_EQ(layout.chosen.back(), 199U);
-  EXPECT_EQ(record::layOutContacts(100'000, 1000).chosen.back(), 99'999U);
-  EXPECT_EQ(record::layOutContacts(101, 101).chosen.back(), 100U);
-  EXPECT_THAT(record::layOutContacts(3, 3).chosen, ElementsAre(0, 1, 2));
+  EXPECT_EQ(sweep::layOutContacts(100'000, 1000).chosen.back(), 99'999U);
+  EXPECT_EQ(sweep::layOutContacts(101, 101).chosen.back(), 100U);
+  EXPECT_THAT(sweep::layOutContacts(3, 3).chosen, ElementsAre(0, 1, 2));
 }
 
 class ContactSheet : public testing::Test {
  protected:
   /// A brick that stands on its edge, so that its thickness is in sight from above.
-  record::ContactPicture upright(double thickness, const std::string& value) const {
+  sweep::ContactPicture upright(double thickness, const std::string& value) const {
     std::ofstream(file()) << "0 0 0 1 0 0 1 0 1 0 0 1\n";
     return {file(), thickness, {value}};
   }
@@ -72,8 +72,8 @@ class ContactSheet : public testing::Test {
 
 TEST_F(ContactSheet, ShowsBricksAsThickAsTheyAre) {
   for (const double thickness : {0.1, 0.4}) {
-    const record::ContactPicture picture = upright(thickness, "1");
-    EXPECT_EQ(firstOf(record::composeContactSheet({"k"}, {picture})).pixels,
+    const sweep::ContactPicture picture = upright(thickness, "1");
+    EXPECT_EQ(firstOf(sweep::composeContactSheet({"k"}, {picture})).pixels,
               studioPicture(thickness).pixels);
   }
   EXPECT_NE(studioPicture(0.1).pixels, studioPicture(0.4).pixels);
@@ -81,16 +81,16 @@ TEST_F(ContactSheet, ShowsBricksAsThickAsTheyAre) {
 
 TEST_F(ContactSheet, LeavesRoomForFailedRuns) {
   const picture::Frame page =
-      record::composeContactSheet({"k"}, {{{}, 0, {"1"}}, upright(0.1, "2")});
+      sweep::composeContactSheet({"k"}, {{{}, 0, {"1"}}, upright(0.1, "2")});
   EXPECT_EQ(firstOf(page).pixels,
             picture::makeFrame({320, 240}, picture::Style().background).pixels);
-  EXPECT_NE(record::composeContactSheet({"k"}, {{{}, 0, {"1"}}}).pixels,
-            record::composeContactSheet({"k"}, {{{}, 0, {"2"}}}).pixels);
+  EXPECT_NE(sweep::composeContactSheet({"k"}, {{{}, 0, {"1"}}}).pixels,
+            sweep::composeContactSheet({"k"}, {{{}, 0, {"2"}}}).pixels);
 }
 
 TEST_F(ContactSheet, IsNotMadeOfNothing) {
   EXPECT_THAT(
-      [] { record::composeContactSheet({"k"}, {}); },
+      [] { sweep::composeContactSheet({"k"}, {}); },
       testing::ThrowsMessage<InputError>("error: no run is done, there is nothing to show"));
 }
 

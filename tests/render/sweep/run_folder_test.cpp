@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/record/collect.h"
+#include "render/sweep/collect.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 
@@ -10,8 +10,8 @@ namespace {
 
 class RunFolderTest : public testing::Test {
  protected:
-  std::optional<record::RunClaim> take(bool retryFailed = false) const {
-    return record::RunClaim::take(folder_.path(), "abc", retryFailed);
+  std::optional<sweep::RunClaim> take(bool retryFailed = false) const {
+    return sweep::RunClaim::take(folder_.path(), "abc", retryFailed);
   }
   std::filesystem::path finished() const { return folder_ / "abc"; }
 
@@ -19,12 +19,12 @@ class RunFolderTest : public testing::Test {
 };
 
 TEST_F(RunFolderTest, IsFinishedWhenItIsWhole) {
-  std::optional<record::RunClaim> claim = take();
+  std::optional<sweep::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   std::ofstream(claim->folder() / "summary.json") << "{}";
   EXPECT_FALSE(std::filesystem::exists(finished()));
   claim->finish({false, "", {{"columns", "4"}}});
-  const auto record = record::readRunRecord(finished());
+  const auto record = sweep::readRunRecord(finished());
   ASSERT_TRUE(record);
   EXPECT_FALSE(record->failed);
   EXPECT_EQ(record->inputs.at(0).second, "4");
@@ -34,38 +34,38 @@ TEST_F(RunFolderTest, IsFinishedWhenItIsWhole) {
 }
 
 TEST_F(RunFolderTest, BelongsToOneAtATime) {
-  const std::optional<record::RunClaim> claim = take();
+  const std::optional<sweep::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   EXPECT_FALSE(take());
 }
 
 TEST_F(RunFolderTest, LeftoversOfAKilledRunAreCleared) {
   {
-    const std::optional<record::RunClaim> killed = take();
+    const std::optional<sweep::RunClaim> killed = take();
     std::ofstream(killed->folder() / "half.txt") << "half";
   }
-  const std::optional<record::RunClaim> claim = take();
+  const std::optional<sweep::RunClaim> claim = take();
   ASSERT_TRUE(claim);
   EXPECT_FALSE(std::filesystem::exists(claim->folder() / "half.txt"));
 }
 
 TEST_F(RunFolderTest, ClearedRunLeavesItsRecordAlone) {
-  std::optional<record::RunClaim> claim = take();
+  std::optional<sweep::RunClaim> claim = take();
   std::ofstream(claim->folder() / "half.txt") << "half";
   claim->clear();
   claim->finish({true, "no room", {}});
   EXPECT_FALSE(std::filesystem::exists(finished() / "half.txt"));
-  EXPECT_EQ(record::readRunRecord(finished())->reason, "no room");
+  EXPECT_EQ(sweep::readRunRecord(finished())->reason, "no room");
 }
 
 TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
   take()->finish({true, "no such sheet", {}});
   EXPECT_FALSE(take());
-  std::optional<record::RunClaim> again = take(true);
+  std::optional<sweep::RunClaim> again = take(true);
   ASSERT_TRUE(again);
-  EXPECT_EQ(record::readRunRecord(finished())->reason, "no such sheet");
+  EXPECT_EQ(sweep::readRunRecord(finished())->reason, "no such sheet");
   again->finish({false, "", {}});
-  EXPECT_FALSE(record::readRunRecord(finished())->failed);
+  EXPECT_FALSE(sweep::readRunRecord(finished())->failed);
   EXPECT_FALSE(take(true));
 }
 

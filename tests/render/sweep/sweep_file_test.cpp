@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/record/sweep_plan.h"
+#include "render/sweep/sweep_plan.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -9,10 +9,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-record::Sweep read(const std::string& text) {
+sweep::Sweep read(const std::string& text) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "sweep.toml") << text;
-  return record::readSweepFile(folder / "sweep.toml");
+  return sweep::readSweepFile(folder / "sweep.toml");
 }
 
 void expectRefused(const std::string& text, const std::string& part) {
@@ -20,12 +20,12 @@ void expectRefused(const std::string& text, const std::string& part) {
 }
 
 TEST(SweepFile, ReadsBaseGridAndWhatIsKept) {
-  const record::Sweep sweep = read(
+  const sweep::Sweep sweep = read(
       "generate = \"fan\"\nkeep = \"pictures\"\n[base]\nduration = 2.5\nground = true\n"
       "[grid]\ncolumns = [4, 2]\ngravity = [[0, 0, -1], [0, 0, -9.81]]\n"
       "thickness = {from = 0.01, to = 0.1, count = 3}\n");
   EXPECT_EQ(sweep.family, "fan");
-  EXPECT_EQ(sweep.keep, record::SweepKeep::Pictures);
+  EXPECT_EQ(sweep.keep, sweep::SweepKeep::Pictures);
   ASSERT_EQ(sweep.settings.size(), 2U);
   EXPECT_EQ(sweep.settings[0].value.text, "2.5");
   EXPECT_TRUE(sweep.settings[1].value.isSwitch);
@@ -37,7 +37,7 @@ TEST(SweepFile, ReadsBaseGridAndWhatIsKept) {
 TEST(SweepFile, NamesOfFilesAreRelativeToIt) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "sweep.toml") << "model = \"fan\"\n[list]\ntarget = [\"a\", \"/b\"]\n";
-  const record::Sweep sweep = record::readSweepFile(folder / "sweep.toml");
+  const sweep::Sweep sweep = sweep::readSweepFile(folder / "sweep.toml");
   EXPECT_EQ(sweep.settings[0].value.text, (folder / "fan").string());
   EXPECT_EQ(sweep.plan.run(0)[0].text, "/b");
   EXPECT_EQ(sweep.plan.run(1)[0].text, (folder / "a").string());

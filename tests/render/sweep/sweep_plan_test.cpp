@@ -1,4 +1,4 @@
-#include "render/record/sweep_plan.h"
+#include "render/sweep/sweep_plan.h"
 
 #include <limits>
 #include <set>
@@ -11,21 +11,21 @@ namespace {
 
 using ::testing::ElementsAre;
 
-record::SweepAxis axis(const std::string& key, const std::vector<std::string>& texts) {
-  record::SweepAxis made{key, {}, {}};
+sweep::SweepAxis axis(const std::string& key, const std::vector<std::string>& texts) {
+  sweep::SweepAxis made{key, {}, {}};
   for (const std::string& text : texts) made.values.push_back({text, false, {}});
   return made;
 }
 
-std::vector<std::string> texts(const record::SweepPlan& plan, std::uint64_t run) {
+std::vector<std::string> texts(const sweep::SweepPlan& plan, std::uint64_t run) {
   std::vector<std::string> found;
-  for (const record::SweepValue& value : plan.run(run)) found.push_back(value.text);
+  for (const sweep::SweepValue& value : plan.run(run)) found.push_back(value.text);
   return found;
 }
 
 TEST(Grid, HasEveryCombinationSortedByNumbers) {
-  const record::SweepPlan plan =
-      record::SweepPlan::grid({axis("a", {"10", "9"}), axis("b", {"x", "1e1", "2"})});
+  const sweep::SweepPlan plan =
+      sweep::SweepPlan::grid({axis("a", {"10", "9"}), axis("b", {"x", "1e1", "2"})});
   ASSERT_EQ(plan.size(), 6U);
   EXPECT_THAT(plan.keys(), ElementsAre("a", "b"));
   EXPECT_THAT(texts(plan, 0), ElementsAre("9", "2"));
@@ -34,30 +34,30 @@ TEST(Grid, HasEveryCombinationSortedByNumbers) {
 }
 
 TEST(Grid, CountsRepeatedValuesOnce) {
-  EXPECT_EQ(record::SweepPlan::grid({axis("a", {"1", "2", "1"})}).size(), 2U);
+  EXPECT_EQ(sweep::SweepPlan::grid({axis("a", {"1", "2", "1"})}).size(), 2U);
 }
 
 TEST(Grid, ThatIsTooLargeToCountSaysSo) {
   const std::vector<std::string> ten = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
-  const std::vector<record::SweepAxis> axes(21, axis("a", ten));
-  const record::SweepPlan plan = record::SweepPlan::grid(axes);
+  const std::vector<sweep::SweepAxis> axes(21, axis("a", ten));
+  const sweep::SweepPlan plan = sweep::SweepPlan::grid(axes);
   EXPECT_EQ(plan.size(), std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(texts(plan, 12).back(), "2");
 }
 
 TEST(List, TakesValuesPlaceByPlace) {
-  const record::SweepPlan plan =
-      record::SweepPlan::list({axis("a", {"2", "1", "2"}), axis("b", {"5", "6", "5"})});
+  const sweep::SweepPlan plan =
+      sweep::SweepPlan::list({axis("a", {"2", "1", "2"}), axis("b", {"5", "6", "5"})});
   ASSERT_EQ(plan.size(), 2U);
   EXPECT_THAT(texts(plan, 0), ElementsAre("1", "6"));
   EXPECT_THAT(texts(plan, 1), ElementsAre("2", "5"));
 }
 
 TEST(LatinHypercube, HasOneValueInEachPartOfEachRange) {
-  const record::SweepRange linear{0, 50, false, false};
-  const record::SweepRange logarithmic{1, 1e5, true, false};
-  const record::SweepPlan plan =
-      record::SweepPlan::latinHypercube({{"a", {}, linear}, {"b", {}, logarithmic}}, 50, 7);
+  const sweep::SweepRange linear{0, 50, false, false};
+  const sweep::SweepRange logarithmic{1, 1e5, true, false};
+  const sweep::SweepPlan plan =
+      sweep::SweepPlan::latinHypercube({{"a", {}, linear}, {"b", {}, logarithmic}}, 50, 7);
   ASSERT_EQ(plan.size(), 50U);
   std::set<int> partsOfA;
   std::set<int> partsOfB;
@@ -71,15 +71,15 @@ TEST(LatinHypercube, HasOneValueInEachPartOfEachRange) {
 
 TEST(LatinHypercube, DependsOnItsSeedAlone) {
   const auto first = [](std::uint64_t seed) {
-    return texts(record::SweepPlan::latinHypercube({{"a", {}, {0, 1, false, false}}}, 3, seed), 0);
+    return texts(sweep::SweepPlan::latinHypercube({{"a", {}, {0, 1, false, false}}}, 3, seed), 0);
   };
   EXPECT_EQ(first(1), first(1));
   EXPECT_NE(first(1), first(2));
 }
 
 TEST(Range, RoundsToWholeNumbersOnRequest) {
-  EXPECT_EQ((record::SweepRange{0, 10, false, true}.at(0.26)), "3");
-  EXPECT_EQ((record::SweepRange{1, 100, true, false}.at(0.5)), "10");
+  EXPECT_EQ((sweep::SweepRange{0, 10, false, true}.at(0.26)), "3");
+  EXPECT_EQ((sweep::SweepRange{1, 100, true, false}.at(0.5)), "10");
 }
 
 }  // namespace

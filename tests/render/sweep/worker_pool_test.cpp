@@ -1,4 +1,4 @@
-#include "render/record/worker_pool.h"
+#include "render/sweep/worker_pool.h"
 
 #include <csignal>
 #include <map>
@@ -21,25 +21,25 @@ using ::testing::Pair;
 /// Runs jobs 0 to count - 1 and keeps what was heard of them.
 struct PoolRun {
   std::map<std::uint64_t, std::string> lost;
-  std::map<record::Verdict, int> verdicts;
+  std::map<sweep::Verdict, int> verdicts;
   std::uint64_t nextJob = 0;
 
-  bool run(std::uint64_t count, const std::function<record::Verdict(std::uint64_t)>& work,
-           const record::WorkerLimits& limits = {2}) {
-    return record::runInWorkers({[&]() -> std::optional<std::uint64_t> {
-                                   if (nextJob == count) return std::nullopt;
-                                   return nextJob++;
-                                 },
-                                 work,
-                                 [&](std::uint64_t job, const std::string& reason) {
-                                   lost[job] = reason;
-                                   return record::Verdict::Failed;
-                                 },
-                                 [&](std::optional<record::Verdict> verdict) {
-                                   if (verdict) ++verdicts[*verdict];
-                                   return true;
-                                 }},
-                                limits);
+  bool run(std::uint64_t count, const std::function<sweep::Verdict(std::uint64_t)>& work,
+           const sweep::WorkerLimits& limits = {2}) {
+    return sweep::runInWorkers({[&]() -> std::optional<std::uint64_t> {
+                                  if (nextJob == count) return std::nullopt;
+                                  return nextJob++;
+                                },
+                                work,
+                                [&](std::uint64_t job, const std::string& reason) {
+                                  lost[job] = reason;
+                                  return sweep::Verdict::Failed;
+                                },
+                                [&](std::optional<sweep::Verdict> verdict) {
+                                  if (verdict) ++verdicts[*verdict];
+                                  return true;
+                                }},
+                               limits);
   }
 };
 
@@ -48,9 +48,9 @@ TEST(WorkerPool, DoesEveryJobOnce) {
   PoolRun pool;
   EXPECT_TRUE(pool.run(100, [&](std::uint64_t job) {
     const bool isNew = std::filesystem::create_directory(folder / std::to_string(job));
-    return isNew ? record::Verdict::Done : record::Verdict::Failed;
+    return isNew ? sweep::Verdict::Done : sweep::Verdict::Failed;
   }));
-  EXPECT_THAT(pool.verdicts, ElementsAre(Pair(record::Verdict::Done, 100)));
+  EXPECT_THAT(pool.verdicts, ElementsAre(Pair(sweep::Verdict::Done, 100)));
 }
 
 TEST(WorkerPool, CrashLosesItsOwnJobAlone) {
@@ -58,17 +58,17 @@ TEST(WorkerPool, CrashLosesItsOwnJobAlone) {
   EXPECT_TRUE(pool.run(20, [](std::uint64_t job) {
     if (job == 3) ::_exit(7);
     if (job == 4) ::raise(SIGTRAP);
-    return record::Verdict::Done;
+    return sweep::Verdict::Done;
   }));
   EXPECT_THAT(pool.lost, ElementsAre(Pair(3, "ended with exit code 7"),
                                      Pair(4, "ended by signal 5 (Trace/breakpoint trap)")));
-  EXPECT_EQ(pool.verdicts[record::Verdict::Done], 18);
+  EXPECT_EQ(pool.verdicts[sweep::Verdict::Done], 18);
 }
 
 TEST(WorkerPool, ErrorEndsItsWorkerThoughNobodyCanBeTold) {
   PoolRun pool;
   EXPECT_TRUE(pool.run(2, [](std::uint64_t job) {
-    if (job == 1) return record::Verdict::Done;
+    if (job == 1) return sweep::Verdict::Done;
     std::freopen("/dev/full", "w", stderr);
     throw OutputError("no room");
   }));
@@ -79,7 +79,7 @@ TEST(WorkerPool, HungJobIsEnded) {
   PoolRun pool;
   const auto work = [](std::uint64_t job) {
     while (job == 1) ::pause();
-    return record::Verdict::Done;
+    return sweep::Verdict::Done;
   };
   EXPECT_TRUE(pool.run(3, work, {1, 0.05}));
   EXPECT_THAT(pool.lost, ElementsAre(Pair(1, "took longer than 0.05 s")));
@@ -93,13 +93,13 @@ TEST(WorkerPool, MemoryIsBounded) {
   const auto work = [](std::uint64_t) {
     try {
       const std::vector<char> large(1 << 30);
-      return record::Verdict::Done;
+      return sweep::Verdict::Done;
     } catch (const std::bad_alloc&) {
-      return record::Verdict::Failed;
+      return sweep::Verdict::Failed;
     }
   };
   EXPECT_TRUE(pool.run(1, work, {1, 3600, 512 << 20}));
-  EXPECT_THAT(pool.verdicts, ElementsAre(Pair(record::Verdict::Failed, 1)));
+  EXPECT_THAT(pool.verdicts, ElementsAre(Pair(sweep::Verdict::Failed, 1)));
 }
 
 TEST(WorkerPool, KilledJobIsTriedOnceMore) {
@@ -108,20 +108,20 @@ TEST(WorkerPool, KilledJobIsTriedOnceMore) {
   EXPECT_TRUE(pool.run(5, [&](std::uint64_t job) {
     const bool isFirst = std::filesystem::create_directory(folder / std::to_string(job));
     if (job == 4 || (job == 2 && isFirst)) ::raise(SIGKILL);
-    return record::Verdict::Done;
+    return sweep::Verdict::Done;
   }));
   EXPECT_THAT(pool.lost, ElementsAre(Pair(4, "ended by signal 9 (Killed)")));
-  EXPECT_EQ(pool.verdicts[record::Verdict::Done], 4);
+  EXPECT_EQ(pool.verdicts[sweep::Verdict::Done], 4);
 }
 
 TEST(WorkerPool, EndsAllWhenTheWatcherSaysSo) {
   const auto begin = [next = 0]() mutable { return std::optional<std::uint64_t>(next++); };
   const auto hang = [](std::uint64_t) {
     while (true) ::pause();
-    return record::Verdict::Done;
+    return sweep::Verdict::Done;
   };
-  const auto lose = [](std::uint64_t, const std::string&) { return record::Verdict::Failed; };
-  EXPECT_FALSE(record::runInWorkers({begin, hang, lose, [](auto) { return false; }}, {2}));
+  const auto lose = [](std::uint64_t, const std::string&) { return sweep::Verdict::Failed; };
+  EXPECT_FALSE(sweep::runInWorkers({begin, hang, lose, [](auto) { return false; }}, {2}));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "render/export/vtk.h"
+#include "render/writers/vtk.h"
 
 #include <numbers>
 #include <sstream>
@@ -42,7 +42,7 @@ struct State {
     sample.poses[1].rotation = rotationFromVector({0, 0, 0.5});
   }
 
-  std::string text() const { return exports::vtuText(subject, start, sample); }
+  std::string text() const { return writers::vtuText(subject, start, sample); }
 };
 
 /// The numbers of an array, unpacked by Python's own library where they are compressed.
@@ -149,7 +149,7 @@ TEST(Vtu, IsReadByVtk) {
 }
 
 TEST(Pvd, ListsFilesByTime) {
-  EXPECT_THAT(exports::pvdText({{0, "state_0000.vtu"}, {0.5, "state_0030.vtu"}}),
+  EXPECT_THAT(writers::pvdText({{0, "state_0000.vtu"}, {0.5, "state_0030.vtu"}}),
               HasSubstr("<DataSet timestep=\"0\" part=\"0\" file=\"state_0000.vtu\"/>\n"
                         "<DataSet timestep=\"0.5\" part=\"0\" file=\"state_0030.vtu\"/>\n"));
 }

@@ -1,0 +1,967 @@
+// Writes a sheet as an input deck: cards that begin with `*`, lines of data, comments that begin
+// with `**`. In this order:
+//
+//     **                       where it comes from, its units, warnings
+//     *NODE, NSET=NALL         number, x, y, z; number from 1
+//     *ELEMENT, TYPE=, ELSET=  number and nodes, a block for each tile and neck
+//     *ELSET, ELSET=EALL       all elements
+//     *NSET, *SURFACE          by tile, by joint, the boundary, reference and control nodes
+//     *EQUATION                what ties corners that meet, three a node that follows
+//     *RIGID BODY, *MPC        patches and their pins, in meshes that have them
+//     *ELEMENT, *SPRING        springs between patches
+//
+// Where the keywords of CalculiX and Abaqus differ, settings.solver decides (CalculiX User's Manual
+// and Abaqus Keywords Reference Guide, the cards by name). Limits that both share are kept: 16
+// numbers a line, 20 characters a number, 256 a line.
+//
+// Nodes in a hexahedron: 1 to 4 round the bottom, anticlockwise seen from the top, 5 to 8 above
+// them, 9 to 12 in the middles of the bottom edges, 13 to 16 of the top edges, 17 to 20 of the
+// upright ones. That is the order in which element_mesh.h has them already. Faces: S1 bottom, S2
+// top, S3 to S6 from corner 1-2 on.
+//
+// Elements by choice: C3D20R bends without shear locking and costs 8 integration points. Its
+// weakness are modes that cost no energy, which a row of elements does not suppress; such tiles
+// take C3D20 with 27 points. Linear elements have incompatible modes (C3D8I), without which thin
+// plates would lock.
+#include "render/fea/deck.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+
+#include "sim/base/error.h"
+#include "sim/base/interruption.h"
+#include "sim/model/stiffness.h"
+
+namespace kirireel::fea {
+namespace {
+
+/// Above this number of tiles, sets are left out unless they are asked for. A tile has at least
+/// nine sets, and readers look through all names for each name, so that reading them costs the
+/// square of their number.
+constexpr std::size_t kMostTilesWithSets = 1000;
+
+const char* jointWord(const ElementMesh& mesh) {
+  switch (mesh.rule.joints) {
+    case JointStyle::Shared:
+      if (hasEquations(mesh)) return "*EQUATION of displacements where they lie on one face";
+      return "shared nodes, each at the mean of its corners";
+    case JointStyle::Equation:
+      return "*EQUATION, the lowest node leads; corners keep their gaps";
+    case JointStyle::Neck:
+      return "necks of material";
+    case JointStyle::Patch:
+      break;
+  }
+  return "rigid patches that turn about shared reference nodes";
+}
+
+/// What hinges' springs would be in place of necks, so that a user can check the order of
+/// magnitude: E (Pa), t thickness, w width and L length of the necks (m), see
+/// sim/model/stiffness.h.
+void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                         double thickness) {
+  const writers::NeckShape& neck = mesh.rule.neck;
+  const double length = std::max(neck.length, neck.kerf);
+  std::vector<double> found;
+  for (const std::array<model::NeckCorner, 2>& tiles : mesh.neckCorners) {
+    found.push_back(
+        model::neckStiffness(settings.material.youngs, thickness, neck.width, length, tiles));
+  }
+  if (found.empty()) return;
+  const auto [least, most] = std::ranges::minmax(found);
+  const std::string stiffest = most > 1.0001 * least ? fmt::format(" to {:.4g}", most) : "";
+  appendText(
+      text,
+      "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g}{} N "
+      "m/rad\n** with E = {} Pa: {}.\n",
+      least, stiffest, deckNumber(settings.material.youngs),
+      length > 0 ? "a beam's E t w^3 / (12 L), less what its two tiles give at its ends"
+                 : "what its two tiles give, as their corners' angles are");
+}
+
+/// The header says what cannot be seen in the numbers: units, what joints are, and the two mistakes
+/// that programs do not report (mechanisms, and forces through single nodes).
+void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                  const DeckOrigin& origin) {
+  text += "** A sheet of tiles as finite elements. No material and no step.\n";
+  appendOrigin(text, origin, settings.unit);
+  appendText(text,
+             "** {} tiles, {} nodes, {} elements, {}.\n"
+             "** Keywords of {}. Joints: {}.\n",
+             mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
+             mesh.rule.quadratic ? "quadratic" : "linear",
+             settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh));
+  if (mesh.rule.countsFrom != 0) {
+    appendText(text, "** Sets count from 0: TILE_00000 is tile {} of the model's file.\n",
+               mesh.rule.countsFrom);
+  }
+  text +=
+      "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
+      "nodes.\n";
+  if (mesh.rule.joints == JointStyle::Neck) {
+    // Sheets with necks have no ideal hinges, so the warnings below do not concern them.
+    const writers::NeckShape& neck = mesh.rule.neck;
+    appendText(
+        text,
+        "** The flat start as it is cut, in one piece: necks {} m wide and {} m long, fillets of "
+        "{} m,\n** kerf {} m.\n",
+        deckNumber(neck.width), deckNumber(std::max(neck.length, neck.kerf)),
+        deckNumber(neck.radius), deckNumber(neck.kerf));
+    appendNeckStiffness(text, mesh, settings, origin.thickness);
+    return;
+  }
+  appendText(
+      text,
+      "** Largest gap between corners that a joint holds together: {} m.\n"
+      "** WARNING: joints are ideal hinges, so the sheet is a mechanism. A linear static step "
+      "that\n"
+      "** holds too little of it ends without a warning and with meaningless displacements.\n",
+      deckNumber(mesh.largestGap));
+  if (mesh.rule.joints == JointStyle::Patch) {
+    appendText(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
+    if (mesh.springs.empty()) return;
+    appendText(
+        text,
+        "** {} torsional springs stand between patches. They rest in this state; jobs add the "
+        "moments\n** that the run's springs have in it.\n",
+        mesh.springs.size());
+    return;
+  }
+  text +=
+      "** WARNING: forces through a single node depend on the mesh: finer elements make a softer\n"
+      "** joint, without limit. Use rigid patches of a fixed radius where its stiffness matters.\n";
+}
+
+/// All nodes in one block, those of rigid patches last: some readers know one block alone.
+void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit unit) {
+  const double scale = unitScale(unit).length;
+  text += "*NODE, NSET=NALL\n";
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Vector3 at = scale * nodes[k];
+    appendText(text, "{}, {}, {}, {}\n", k + 1, deckNumber(at.x()), deckNumber(at.y()),
+               deckNumber(at.z()));
+  }
+}
+
+/// The numbers of one element; a row too long for one line goes on in the next.
+void appendElement(std::string& text, const ElementMesh& mesh, int number) {
+  constexpr std::size_t kNumbersInLine = 16;
+  // The element's own number, then up to 20 nodes, all from 0; appendNumbers adds the 1.
+  std::array<int, 21> row{number};
+  std::ranges::copy(mesh.elements[number].nodes, row.begin() + 1);
+  const std::size_t count = nodeCount(mesh.rule) + 1;
+  if (count <= kNumbersInLine) return appendNumbers(text, row.data(), count);
+  appendNumbers(text, row.data(), kNumbersInLine);
+  // A line of data that ends in a comma continues; the line break behind it is written anew.
+  text.back() = ',';
+  text += '\n';
+  appendNumbers(text, row.data() + kNumbersInLine, count - kNumbersInLine);
+}
+
+/// The tiles, then the necks between them, by name.
+std::vector<std::pair<std::string, const TileElements*>> partsOf(const ElementMesh& mesh) {
+  std::vector<std::pair<std::string, const TileElements*>> parts;
+  for (const auto& [word, tiles] : {std::pair{"TILE", &mesh.tiles}, {"NECK", &mesh.necks}}) {
+    for (std::size_t k = 0; k < tiles->size(); ++k) {
+      parts.emplace_back(fmt::format("{}_{:05}", word, k), &(*tiles)[k]);
+    }
+  }
+  return parts;
+}
+
+void appendPart(std::string& text, const ElementMesh& mesh, const std::string& name,
+                const TileElements& tile) {
+  checkInterruption();
+  appendText(text, "*ELEMENT, TYPE={}, ELSET={}\n", elementType(tile, mesh.rule), name);
+  for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
+}
+
+/// One set for each offset that occurs: *SHELL SECTION takes a set, and OFFSET belongs to the
+/// section.
+void appendOffsetSets(std::string& text, const ElementMesh& mesh) {
+  for (const ShellOffset& shells : shellOffsets(mesh)) {
+    appendText(text, "*ELSET, ELSET={}\n", shells.set);
+    std::vector<int> elements;
+    for (const int tile : shells.tiles) {
+      const TileElements& own = mesh.tiles[tile];
+      for (int k = 0; k < own.elementCount; ++k) elements.push_back(own.firstElement + k);
+    }
+    appendNumbers(text, elements.data(), elements.size());
+  }
+}
+
+/// All elements of one type in one block without a set of their own.
+void appendAllElements(std::string& text, const ElementMesh& mesh) {
+  std::string last;
+  for (const auto& [name, tile] : partsOf(mesh)) {
+    const std::string type = elementType(*tile, mesh.rule);
+    if (type != last) appendText(text, "*ELEMENT, TYPE={}\n", type);
+    last = type;
+    for (int k = 0; k < tile->elementCount; ++k) appendElement(text, mesh, tile->firstElement + k);
+  }
+}
+
+/// Faces 1 and 2 of a prism are its bottom and its top, 3 to 6 its sides.
+void appendSurfaces(std::string& text, const TileElements& tile, const std::string& name) {
+  appendText(text, "*SURFACE, NAME={}_SBOT, TYPE=ELEMENT\n", name);
+  for (int k = 0; k < tile.layerCount; ++k) appendText(text, "{}, S1\n", tile.firstElement + k + 1);
+  appendText(text, "*SURFACE, NAME={}_STOP, TYPE=ELEMENT\n", name);
+  // Elements of a tile are numbered layer by layer, the bottom layer first.
+  const int lastLayer = tile.firstElement + tile.elementCount - tile.layerCount;
+  for (int k = 0; k < tile.layerCount; ++k) appendText(text, "{}, S2\n", lastLayer + k + 1);
+  appendText(text, "*SURFACE, NAME={}_SIDE, TYPE=ELEMENT\n", name);
+  for (const ElementFace& face : tile.sides) {
+    appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
+  }
+  // Sides come sorted by tile edge, so a new surface begins where the edge changes. Necks have no
+  // edges (-1) and take part in _SIDE alone.
+  int edge = -1;
+  for (const ElementFace& face : tile.sides) {
+    if (face.tileEdge < 0) continue;
+    if (face.tileEdge != edge) {
+      appendText(text, "*SURFACE, NAME={}_S{}, TYPE=ELEMENT\n", name, face.tileEdge);
+    }
+    edge = face.tileEdge;
+    appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
+  }
+}
+
+/// Shells and plane elements have one face; BOT, TOP and surfaces would say nothing.
+void appendTileSets(std::string& text, const ElementMesh& mesh) {
+  for (const auto& [name, tile] : partsOf(mesh)) {
+    appendNodeSet(text, name + "_N", tile->nodes);
+    if (mesh.rule.family != ElementFamily::Solid) continue;
+    appendNodeSet(text, name + "_BOT", tile->bottom);
+    appendNodeSet(text, name + "_TOP", tile->top);
+    appendSurfaces(text, *tile, name);
+  }
+}
+
+void appendJointSets(std::string& text, const ElementMesh& mesh) {
+  for (std::size_t j = 0; j < mesh.joints.size(); ++j) {
+    appendNodeSet(text, fmt::format("JOINT_{:05}_A", j), mesh.joints[j].a);
+    appendNodeSet(text, fmt::format("JOINT_{:05}_B", j), mesh.joints[j].b);
+  }
+}
+
+/// Each once and rising; a node that several joints share would be named as often.
+std::vector<int> allJointNodes(const ElementMesh& mesh) {
+  std::vector<int> nodes;
+  for (const JointNodes& joint : mesh.joints) {
+    std::ranges::copy(joint.a, std::back_inserter(nodes));
+    std::ranges::copy(joint.b, std::back_inserter(nodes));
+  }
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+/// u_k - u_0 = 0 for x, y and z (1, 2, 3). The first term is the dependent one, in both programs;
+/// it must not be dependent twice, so all nodes of a cluster follow its lowest.
+void appendEquations(std::string& text, const ElementMesh& mesh) {
+  for (const NodeCluster& cluster : mesh.clusters) {
+    for (std::size_t k = 1; k < cluster.nodes.size(); ++k) {
+      for (int axis = 1; axis <= 3; ++axis) {
+        appendText(text, "*EQUATION\n2\n{0}, {2}, 1., {1}, {2}, -1.\n", cluster.nodes[k] + 1,
+                   cluster.nodes[0] + 1, axis);
+      }
+    }
+  }
+}
+
+std::vector<int> countedFrom(std::size_t first, std::size_t count) {
+  std::vector<int> numbers;
+  for (std::size_t k = 0; k < count; ++k) numbers.push_back(static_cast<int>(first + k));
+  return numbers;
+}
+
+SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
+  if (choice != SetChoice::Usual) return choice;
+  return tiles <= kMostTilesWithSets ? SetChoice::All : SetChoice::None;
+}
+
+}  // namespace
+
+std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh) {
+  std::vector<ShellOffset> groups;
+  // Levels are exactly 0, 0.5 or 1: shellLevels in element_mesh.cpp chooses among these.
+  for (const auto& [level, set] :
+       {std::pair{0.0, "SHELLS_BOTTOM"}, {0.5, "SHELLS_MIDDLE"}, {1.0, "SHELLS_TOP"}}) {
+    ShellOffset group{set, level - 0.5, {}};
+    for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+      if (mesh.tiles[t].level == level) group.tiles.push_back(static_cast<int>(t));
+    }
+    if (!group.tiles.empty()) groups.push_back(std::move(group));
+  }
+  // OFFSET=0 is the default: then one section for EALL does.
+  const bool isAlone = groups.size() == 1 && groups[0].offset == 0;
+  return isAlone ? std::vector<ShellOffset>() : groups;
+}
+
+const char* elementType(const TileElements& tile, const ElementRule& rule) {
+  if (rule.family == ElementFamily::Shell) return rule.quadratic ? "S8R" : "S4";
+  if (rule.family == ElementFamily::Plane) return rule.quadratic ? "CPS8R" : "CPS4";
+  if (!rule.quadratic) return "C3D8I";
+  // A row of elements with reduced integration bends at no cost.
+  return tile.isRow ? "C3D20" : "C3D20R";
+}
+
+std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
+                     const DeckOrigin& origin) {
+  // Numbers: the mesh's nodes, then those of patches, then control nodes. Sets below rely on it.
+  const PatchDeck patches(mesh, settings.solver);
+  std::vector<Vector3> nodes = mesh.nodes;
+  nodes.insert(nodes.end(), patches.nodes().begin(), patches.nodes().end());
+  const std::size_t firstControl = nodes.size();
+  if (settings.periodic)
+    std::ranges::copy(controlPositions(periodicity(mesh), mesh), std::back_inserter(nodes));
+  const SetChoice sets = chosenSets(settings.sets, mesh.tiles.size());
+
+  std::string text;
+  appendHeader(text, mesh, settings, origin);
+  appendNodes(text, nodes, settings.unit);
+  if (sets == SetChoice::None) {
+    appendAllElements(text, mesh);
+  } else {
+    for (const auto& [name, tile] : partsOf(mesh)) appendPart(text, mesh, name, *tile);
+  }
+  appendText(text, "*ELSET, ELSET=EALL, GENERATE\n1, {}, 1\n", mesh.elements.size());
+  if (sets == SetChoice::All) appendTileSets(text, mesh);
+  if (sets != SetChoice::None) appendJointSets(text, mesh);
+  appendNodeSet(text, "NJOINT", allJointNodes(mesh));
+  for (const NamedNodes& set : boundarySets(mesh)) appendNodeSet(text, set.name, set.nodes);
+  appendNodeSet(text, "NREFERENCE", countedFrom(mesh.nodes.size(), patches.placedCount()));
+  appendNodeSet(text, "NCONTROL", countedFrom(firstControl, nodes.size() - firstControl));
+  if (mesh.rule.family == ElementFamily::Shell) appendOffsetSets(text, mesh);
+  if (settings.contactFriction) appendContactSurfaces(text, contactPairs(mesh));
+  if (hasEquations(mesh)) appendEquations(text, mesh);
+  patches.appendBodies(text);
+  patches.appendSprings(text, settings.unit);
+  return text;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Formats what all decks share: numbers, lists, and the lines that say where a deck comes from.
+//
+// Numbers. CalculiX reads 20 characters of a field and drops the rest without a word, so that
+// 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
+// to the same double (fmt's "{}") usually fits; 14 digits with sign, point and exponent always do:
+// 1 + 1 + 1 + 13 + 4 = 20. Exponents of three digits would need 21, so magnitudes below 1e-90 are
+// written as zero.
+//
+// Units. A deck has no units; consistent ones are the user's task. With lengths in mm and forces in
+// N, stress is N/mm^2 = MPa (1 Pa = 1e-6 MPa) and mass is the tonne, because 1 N = 1 t mm/s^2; so 1
+// kg/m^3 = 1e-3 t / 1e9 mm^3 = 1e-12 t/mm^3.
+
+namespace {
+
+constexpr std::size_t kLongestNumber = 20;  ///< characters that CalculiX reads of a number
+constexpr std::size_t kLongestLine = 200;   ///< Abaqus and CalculiX read 256 characters
+/// Abaqus keeps the first 80 characters of a heading.
+constexpr std::size_t kLongestHeading = 80;
+constexpr int kNumbersInLine = 16;  ///< that CalculiX and Abaqus read of a line
+/// Smaller coordinates are rounding; their exponents would take a third digit.
+constexpr double kSmallest = 1e-90;
+/// Of the thickness: less is what contacts tolerate.
+constexpr double kOverlapToTell = 1e-4;
+
+/// One line of printable characters, whatever a name holds. Control characters, line breaks above
+/// all, would end the comment and begin a card.
+std::string oneLine(std::string text, std::size_t longest) {
+  for (char& letter : text) {
+    if (static_cast<unsigned char>(letter) < ' ') letter = ' ';
+  }
+  if (text.size() > longest) text.resize(longest);
+  return text;
+}
+
+}  // namespace
+
+UnitScale unitScale(DeckUnit unit) {
+  if (unit == DeckUnit::Model) return {};
+  return {1e3, 1e-6, 1e-12, "mm, N, t, s, MPa"};
+}
+
+bool isOverlapToTell(double overlap, double thickness) {
+  return overlap > kOverlapToTell * thickness;
+}
+
+std::string deckNumber(double value) {
+  // CalculiX wants a real number, so the point stays.
+  if (std::abs(value) < kSmallest) return "0.";
+  const std::string exact = fmt::format("{}", value);
+  return exact.size() <= kLongestNumber ? exact : fmt::format("{:.14g}", value);
+}
+
+void appendNumbers(std::string& text, const int* numbers, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const bool endsLine = (k + 1) % kNumbersInLine == 0 || k + 1 == count;
+    // Decks count from 1, meshes here from 0.
+    appendText(text, "{}{}", numbers[k] + 1, endsLine ? "\n" : ", ");
+  }
+}
+
+void appendNodeSet(std::string& text, const std::string& name, const std::vector<int>& nodes) {
+  if (nodes.empty()) return;
+  appendText(text, "*NSET, NSET={}\n", name);
+  appendNumbers(text, nodes.data(), nodes.size());
+}
+
+void appendOrigin(std::string& text, const DeckOrigin& origin, DeckUnit unit) {
+  appendText(
+      text, "** {}\n",
+      oneLine(fmt::format("Model {}, state {}, at {} s.", origin.model, origin.state, origin.time),
+              kLongestLine));
+  appendText(text, "** Written by {}. Units: {}; bricks {} m thick.\n", origin.writer,
+             unitScale(unit).words, deckNumber(origin.thickness));
+  appendText(text, "** {}\n", oneLine("Run: " + origin.run, kLongestLine));
+  appendText(text, "** Deepest overlap of two bricks in this state: {} m.\n",
+             deckNumber(origin.overlap));
+  if (!isOverlapToTell(origin.overlap, origin.thickness)) return;
+  appendText(
+      text,
+      "** WARNING: bricks overlap by {:.2g} of their thickness: with contact between tiles,\n"
+      "** an analysis starts overclosed. A run with --contacts keeps bricks apart.\n",
+      origin.overlap / origin.thickness);
+}
+
+std::string heading(const DeckOrigin& origin, const std::string& subject) {
+  const std::string line =
+      fmt::format("{}, state {}, {}, {}", origin.model, origin.state, subject, origin.writer);
+  return "*HEADING\n" + oneLine(line, kLongestHeading) + "\n";
+}
+
+// ------------------------------------------------------------------------------------------------
+// The same mechanics in two dialects. Let a cluster have the patches 0 to m - 1, each a set of
+// nodes that moves as a rigid body, u = u_ref + R (x - x_ref) - (x - x_ref).
+//
+// CalculiX: *RIGID BODY, NSET=, REF NODE=, ROT NODE=. Patches that name the same REF NODE share its
+// displacement, and have rotations of their own. Where something acts on a rotation (springs,
+// moments), a ROT NODE is named, whose displacements 1 to 3 are the rotation about x, y and z in
+// radians.
+//
+// Abaqus: *RIGID BODY, PIN NSET=, REF NODE=. A reference node has the displacements 1 to 3 and the
+// rotations 4 to 6 of its one body. *MPC PIN makes the displacements of the first and the second
+// node equal, so that bodies share a point and turn freely.
+//
+// A spring is SPRING2 between two nodes and one degree of freedom each: 3 of ROT NODEs in CalculiX,
+// 6 of reference nodes in Abaqus, both the turn about z. The deck's moment is force times length: N
+// m is 1e3 N mm.
+
+PatchDeck::PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solver_(solver) {
+  if (mesh.rule.joints != JointStyle::Patch) return;
+  // The shared nodes come first, one a cluster, which is what referenceNode() counts on.
+  for (std::size_t c = 0; c < mesh.clusters.size(); ++c) addNode(c);
+  for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
+    own_.emplace_back(mesh.clusters[c].patches.size(), -1);
+    if (solver == Solver::Calculix) continue;
+    // In Abaqus the shared node is the first patch's own.
+    own_[c][0] = referenceNode(mesh, c);
+    for (std::size_t k = 1; k < own_[c].size(); ++k) own_[c][k] = addNode(c);
+  }
+  // ROT NODEs come after all that have a place: users may hold those before.
+  placed_ = nodes_.size();
+  if (solver == Solver::Abaqus) return;
+  for (const PatchSpring& spring : mesh.springs) {
+    for (const int patch : {spring.patchA, spring.patchB}) {
+      int& own = own_[spring.cluster][patch];
+      // Only patches with springs need one.
+      if (own < 0) own = addNode(spring.cluster);
+    }
+  }
+}
+
+int PatchDeck::addNode(std::size_t cluster) {
+  nodes_.push_back(referencePosition(mesh_, cluster));
+  return static_cast<int>(mesh_.nodes.size() + nodes_.size()) - 1;
+}
+
+int PatchDeck::turningNode(int cluster, int patch) const {
+  return own_[cluster][patch];
+}
+
+void PatchDeck::appendBodies(std::string& text) const {
+  std::string pins;
+  for (std::size_t c = 0; c < own_.size(); ++c) {
+    const int shared = referenceNode(mesh_, c) + 1;
+    for (std::size_t k = 0; k < own_[c].size(); ++k) {
+      const std::string name = fmt::format("PATCH_{:05}_{}", c, k);
+      appendNodeSet(text, name, mesh_.clusters[c].patches[k]);
+      const int own = own_[c][k] + 1;
+      if (solver_ == Solver::Abaqus) {
+        appendText(text, "*RIGID BODY, PIN NSET={}, REF NODE={}\n", name, own);
+        // The first node of PIN is the dependent one, so what is held is the shared node.
+        if (own != shared) appendText(pins, "PIN, {}, {}\n", own, shared);
+      } else {
+        appendText(text, "*RIGID BODY, NSET={}, REF NODE={}", name, shared);
+        own > 0 ? appendText(text, ", ROT NODE={}\n", own) : appendText(text, "\n");
+      }
+    }
+  }
+  if (!pins.empty()) text += "*MPC\n" + pins;
+}
+
+void PatchDeck::appendSprings(std::string& text, DeckUnit unit) const {
+  const UnitScale scale = unitScale(unit);
+  // Stress times volume is a moment: 1e-6 * 1e9 = 1e3 N mm by N m.
+  const double moment = scale.stress * scale.length * scale.length * scale.length;
+  // Springs are elements too and count on after those of the mesh.
+  std::size_t number = mesh_.elements.size();
+  for (std::size_t k = 0; k < mesh_.springs.size(); ++k) {
+    const PatchSpring& spring = mesh_.springs[k];
+    appendText(text,
+               "*ELEMENT, TYPE=SPRING2, ELSET=SPRING_{0:05}\n{1}, {2}, {3}\n"
+               "*SPRING, ELSET=SPRING_{0:05}\n{4}, {4}\n{5}\n",
+               k, ++number, turningNode(spring.cluster, spring.patchA) + 1,
+               turningNode(spring.cluster, spring.patchB) + 1, axis(),
+               deckNumber(moment * spring.stiffness));
+  }
+}
+
+void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
+  const UnitScale scale = unitScale(unit);
+  const double unitMoment = scale.stress * scale.length * scale.length * scale.length;
+  for (const PatchSpring& spring : mesh_.springs) {
+    // Equal and opposite on the two patches.
+    if (spring.moment == 0) continue;
+    for (const auto& [patch, moment] :
+         {std::pair{spring.patchA, -spring.moment}, {spring.patchB, spring.moment}}) {
+      appendText(text, "{}, {}, {}\n", turningNode(spring.cluster, patch) + 1, axis(),
+                 deckNumber(unitMoment * moment));
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// Rigid patches have rotations, elements have none: a spring joins the rotations about z of the
+// patches of two tiles. It is linear in the angle from the mesh's state on, whatever the angle, and
+// the moment that it has in that state is a load besides:
+//
+//     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
+//
+// k is the stiffness (N m/rad), "rest" the angle at which the spring pulls with nothing and "angle"
+// that of the hinge in the run (rad). The first term is a constant moment (*CLOAD), the second is
+// the spring element of the deck, which rests in the mesh's state. So both programs need no
+// pre-stressed spring.
+//
+// A hinge through the thickness has a patch on the bottom and one on the top at each of its tiles.
+// The stiffness is shared evenly among them.
+
+namespace {
+
+/// The patch of a cluster that lies on a tile, or -1.
+int patchOn(const ElementMesh& mesh, const NodeCluster& cluster, int tile) {
+  for (std::size_t k = 0; k < cluster.patches.size(); ++k) {
+    if (std::ranges::binary_search(mesh.tiles[tile].nodes, cluster.nodes[k])) {
+      return static_cast<int>(k);
+    }
+  }
+  return -1;
+}
+
+/// The places of a spring between two tiles, without its stiffness. Looks through all clusters for
+/// each spring: their number times that of springs.
+std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int tileB) {
+  std::vector<PatchSpring> places;
+  for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
+    const int patchA = patchOn(mesh, mesh.clusters[c], tileA);
+    const int patchB = patchOn(mesh, mesh.clusters[c], tileB);
+    if (patchA >= 0 && patchB >= 0) places.push_back({static_cast<int>(c), patchA, patchB});
+  }
+  return places;
+}
+
+}  // namespace
+
+int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
+                    const Poses& poses) {
+  // A sine: the deck's springs turn about z alone, and a hinge within a micrometre a metre of
+  // upright is meant to be.
+  constexpr double kUpright = 1e-6;
+  const std::vector<double> moments = model::hingeMoments(springs, poses);
+  int left = 0;
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const model::HingeSpring& spring = springs[k];
+    if (spring.stiffness == 0) continue;
+    const Vector3 axis = poses[spring.hinge.brickA].rotation * spring.hinge.axis;
+    std::vector<PatchSpring> places;
+    if (std::hypot(axis.x(), axis.y()) <= kUpright) {
+      places = placesBetween(mesh, spring.hinge.brickA, spring.hinge.brickB);
+    }
+    // The caller warns of those that are left out.
+    if (places.empty()) ++left;
+    const double share = 1.0 / static_cast<double>(std::max<std::size_t>(places.size(), 1));
+    for (PatchSpring& place : places) {
+      place.stiffness = share * spring.stiffness;
+      // A hinge whose axis points down counts its angle the other way round.
+      place.moment = share * std::copysign(1, axis.z()) * moments[k];
+      mesh.springs.push_back(place);
+    }
+  }
+  return left;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Finds the nodes that a user is likely to hold or to load: those in the six planes of the box
+// round the sheet.
+//
+// The box is that of all nodes, followers too. With lo and hi its corners, s its diagonal (all
+// metres) and x a node's coordinate along an axis, the node lies
+//
+//     in MIN where x - lo <= 1e-6 s,    in MAX where hi - x <= 1e-6 s.
+//
+// A node that follows others (by *EQUATION, a rigid patch or a tie) is left out: CalculiX and
+// Abaqus refuse a displacement that is prescribed at a dependent node. Reference nodes of patches
+// stand in for the nodes that they lead.
+//
+// Planes of the box, and not the outline of the sheet, are what is named, since a load on a plane
+// can be described to a reader in one word; a round sheet has few nodes there, which jobs allow
+// for.
+
+namespace {
+
+/// It lies between the rounding of poses and the length of the shortest elements.
+constexpr double kSamePlane = 1e-6;    ///< of the sheet's size
+constexpr double kFlatOfSheet = 1e-3;  ///< of the size: a sheet whose tiles lie side by side
+/// By axis, then MIN before MAX: plane k is across axis k / 2.
+constexpr const char* kPlanes[] = {"XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"};
+
+/// Empty (its minimum above its maximum) where there are no nodes.
+Eigen::AlignedBox3d boxOf(const std::vector<Vector3>& nodes) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : nodes) box.extend(node);
+  return box;
+}
+
+/// Whether all bottoms lie in one plane across the axis.
+bool isFlatAcross(const ElementMesh& mesh, int axis, double size) {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -least;
+  for (const TileElements& tile : mesh.tiles) {
+    for (const int node : tile.bottom) {
+      least = std::min(least, mesh.nodes[node][axis]);
+      most = std::max(most, mesh.nodes[node][axis]);
+    }
+  }
+  return most - least <= kFlatOfSheet * size;
+}
+
+/// The nodes that a boundary condition may hold, with their positions.
+std::vector<std::pair<int, Vector3>> freeNodes(const ElementMesh& mesh) {
+  // Numbers of reference nodes are beyond mesh.nodes, so their positions come along here.
+  const std::vector<bool> follows = followers(mesh);
+  std::vector<std::pair<int, Vector3>> nodes;
+  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+    if (!follows[k]) nodes.emplace_back(static_cast<int>(k), mesh.nodes[k]);
+  }
+  if (mesh.rule.joints == JointStyle::Patch) {
+    for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
+      nodes.emplace_back(referenceNode(mesh, c), referencePosition(mesh, c));
+    }
+  }
+  return nodes;
+}
+
+}  // namespace
+
+std::vector<NamedNodes> boundarySets(const ElementMesh& mesh) {
+  const Eigen::AlignedBox3d box = boxOf(mesh.nodes);
+  const double size = box.sizes().norm();
+  // In a flat sheet ZMIN and ZMAX would hold every node of the two faces. They name nothing there.
+  const bool isFlat = isFlatAcross(mesh, 2, size);
+  const int axes = isFlat ? 2 : 3;
+  std::vector<NamedNodes> sets(2 * axes + 1);
+  for (int k = 0; k < 2 * axes; ++k) sets[k].name = kPlanes[k];
+  sets.back().name = "BOXCORNERS";
+  for (const auto& [node, position] : freeNodes(mesh)) {
+    int across = 0;
+    for (int axis = 0; axis < axes; ++axis) {
+      const bool isLeast = position[axis] - box.min()[axis] <= kSamePlane * size;
+      const bool isMost = box.max()[axis] - position[axis] <= kSamePlane * size;
+      if (isLeast) sets[2 * axis].nodes.push_back(node);
+      if (isMost) sets[2 * axis + 1].nodes.push_back(node);
+      across += isLeast || isMost ? 1 : 0;
+    }
+    // A corner of the box lies in a plane across each axis.
+    if (across == axes) sets.back().nodes.push_back(node);
+  }
+  return sets;
+}
+
+int longestAxis(const ElementMesh& mesh) {
+  const Eigen::AlignedBox3d box = boxOf(mesh.nodes);
+  const int axes = isFlatAcross(mesh, 2, box.sizes().norm()) ? 2 : 3;
+  int axis = 0;
+  // Of equal extents the first counts, so that squares are pulled along x.
+  box.sizes().head(axes).maxCoeff(&axis);
+  return axis;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A node b at XMAX follows its partner a at XMIN and the control node of x, u_b = u_a + u_cx. Nodes
+// at a corner of the sheet follow one node and both control nodes, so that no node that follows is
+// followed, which programs refuse: u_b = u_a + i u_cx + j u_cy with i and j of 0 or 1. The sheet's
+// mean displacement gradient times the period is what a control node is moved by, and the reaction
+// there is the force on that side (compare S. Li, A. Wongsto, Unit cells for micromechanical
+// analyses of particle-reinforced composites, Mech. Mater. 36, 2004).
+
+namespace {
+
+/// Below it corners that a run leaves apart still count as partners.
+constexpr double kSameNodePlace = 1e-5;  ///< of the sheet's size, what a run leaves of symmetry
+
+Eigen::AlignedBox3d boxAround(const ElementMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : mesh.nodes) box.extend(node);
+  return box;
+}
+
+/// For each node at one end the partner at the other; nothing where some have none. Compares each
+/// node at one end with those at the other: the product of their numbers, which are small.
+std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh, int axis,
+                                                         const std::vector<int>& low,
+                                                         const std::vector<int>& high) {
+  const double tolerance = kSameNodePlace * boxAround(mesh).sizes().norm();
+  if (low.empty() || low.size() != high.size()) return std::nullopt;
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<bool> isTaken(high.size());
+  for (const int node : low) {
+    std::size_t found = 0;
+    for (; found < high.size(); ++found) {
+      Vector3 offset = mesh.nodes[high[found]] - mesh.nodes[node];
+      // Only across the axis: along it the nodes lie a period apart.
+      offset[axis] = 0;
+      if (!isTaken[found] && offset.norm() <= tolerance) break;
+    }
+    if (found == high.size()) return std::nullopt;
+    isTaken[found] = true;
+    pairs.emplace_back(node, high[found]);
+  }
+  return pairs;
+}
+
+/// The mesh's own nodes of a set: reference nodes of patches are no part of its ends.
+std::vector<int> ownNodes(const ElementMesh& mesh, const NamedNodes& set) {
+  std::vector<int> nodes;
+  std::ranges::copy_if(set.nodes, std::back_inserter(nodes),
+                       [&](int node) { return node < static_cast<int>(mesh.nodes.size()); });
+  return nodes;
+}
+
+}  // namespace
+
+Periodicity periodicity(const ElementMesh& mesh) {
+  if (mesh.rule.family == ElementFamily::Shell) {
+    throw InputError(
+        "error: --periodic ties the displacements of solids and plane elements; leave out "
+        "--shells");
+  }
+  const std::vector<NamedNodes> ends = boundarySets(mesh);
+  const Eigen::AlignedBox3d box = boxAround(mesh);
+  Periodicity periodic;
+  std::map<int, PeriodicTie> ties;
+  for (const int axis : {0, 1}) {
+    const auto pairs =
+        partners(mesh, axis, ownNodes(mesh, ends[2 * axis]), ownNodes(mesh, ends[2 * axis + 1]));
+    if (!pairs) continue;
+    periodic.axes[axis] = true;
+    periodic.period[axis] = box.sizes()[axis];
+    for (const auto& [low, high] : *pairs) {
+      // A node that follows along x already will follow its leader's leader, see below.
+      if (ties.contains(high)) continue;
+      PeriodicTie tie{high, low, {}};
+      tie.times[axis] = 1;
+      ties[high] = tie;
+    }
+  }
+  for (auto& [node, tie] : ties) {
+    // A leader must not follow: chains are walked to their end and the control nodes added up. They
+    // end, since each tie leads to a smaller x or y.
+    while (ties.contains(tie.leader)) {
+      const PeriodicTie& next = ties.at(tie.leader);
+      for (const int axis : {0, 1}) tie.times[axis] += next.times[axis];
+      tie.leader = next.leader;
+    }
+  }
+  for (const auto& [node, tie] : ties) periodic.ties.push_back(tie);
+  if (!periodic.ties.empty()) return periodic;
+  throw InputError(
+      "error: --periodic ties opposite ends of a sheet, but in this state XMIN has other nodes "
+      "than "
+      "XMAX, and YMIN than YMAX; choose a state or a number of tiles in which the sheet repeats");
+}
+
+void appendTies(std::string& text, const Periodicity& periodic, const ElementMesh& mesh,
+                int firstControl) {
+  const std::array<int, 2> controls = {firstControl, firstControl + (periodic.axes[0] ? 1 : 0)};
+  const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
+  for (const PeriodicTie& tie : periodic.ties) {
+    for (int direction = 1; direction <= directions; ++direction) {
+      // u_node - u_leader - i u_cx - j u_cy = 0, the dependent node first.
+      appendText(text, "*EQUATION\n{}\n{}, {}, 1., {}, {}, -1.", 2 + tie.times[0] + tie.times[1],
+                 tie.node + 1, direction, tie.leader + 1, direction);
+      for (const int axis : {0, 1}) {
+        if (tie.times[axis] == 0) continue;
+        appendText(text, ", {}, {}, -1.", controls[axis] + 1, direction);
+      }
+      text += '\n';
+    }
+  }
+}
+
+std::vector<Vector3> controlPositions(const Periodicity& periodic, const ElementMesh& mesh) {
+  const Eigen::AlignedBox3d box = boxAround(mesh);
+  std::vector<Vector3> positions;
+  for (const int axis : {0, 1}) {
+    if (!periodic.axes[axis]) continue;
+    Vector3 position = box.center();
+    // A tenth of the period outside, so that viewers show it apart from the sheet. Its place enters
+    // no equation.
+    position[axis] = box.max()[axis] + 0.1 * periodic.period[axis];
+    if (mesh.rule.family == ElementFamily::Plane) position.z() = 0;
+    positions.push_back(position);
+  }
+  return positions;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Round a corner where tile A is joined to tile B, anticlockwise, lie A's outgoing edge, A, its
+// incoming edge, a gap, B's outgoing edge, B, its incoming edge, a gap. So A's incoming flank faces
+// B's outgoing one, and B's incoming flank A's outgoing one.
+//
+// Only these pairs are declared. General contact of all flanks would find others too, but CalculiX
+// has pairs alone. Contact between tiles that no joint connects is left to the user of the deck.
+//
+// Pressure follows from the depth of penetration c (metres). In CalculiX it is linear, p = k c with
+// k = E / t: E is Young's modulus (Pa), t the thickness (m). So tiles that overlap by a share e of
+// their thickness press by e E, as much as the tile itself would at that strain, and contact is
+// about as stiff as the tile behind it. A stiffer k converges worse, a softer one lets tiles sink
+// in. Friction sticks along a slope of 0.01 k until it slides at mu p (CalculiX manual, *SURFACE
+// BEHAVIOR and *FRICTION). Abaqus has "hard" contact without a stiffness to choose.
+
+namespace {
+
+/// A tile's edge, from its corner `edge` to the next.
+using TileEdge = std::pair<int, int>;
+
+/// The corner of a tile that a node belongs to. `edges` has one list a corner. The number of
+/// corners where none holds the node.
+int cornerOf(const TileElements& tile, int node) {
+  const auto holds = [node](const std::vector<int>& edge) {
+    return std::ranges::find(edge, node) != edge.end();
+  };
+  return static_cast<int>(std::ranges::find_if(tile.edges, holds) - tile.edges.begin());
+}
+
+/// The pairs of edges that face each other across a gap, each once and sorted, so that decks do not
+/// depend on the order of joints: the two joints of a fold or two joints on both faces of one
+/// corner name the same gap.
+std::set<std::pair<TileEdge, TileEdge>> facingEdges(const ElementMesh& mesh) {
+  std::set<std::pair<TileEdge, TileEdge>> pairs;
+  for (const JointNodes& joint : mesh.joints) {
+    const TileElements &a = mesh.tiles[joint.tileA], &b = mesh.tiles[joint.tileB];
+    const int cornerA = cornerOf(a, joint.a[0]), cornerB = cornerOf(b, joint.b[0]);
+    const int countA = static_cast<int>(a.edges.size()), countB = static_cast<int>(b.edges.size());
+    // Edge k leads from corner k to the next, so the incoming edge of corner c is c - 1.
+    const TileEdge intoA(joint.tileA, (cornerA + countA - 1) % countA),
+        outOfA(joint.tileA, cornerA);
+    const TileEdge intoB(joint.tileB, (cornerB + countB - 1) % countB),
+        outOfB(joint.tileB, cornerB);
+    pairs.insert(std::minmax(intoA, outOfB));
+    pairs.insert(std::minmax(intoB, outOfA));
+  }
+  return pairs;
+}
+
+/// Nodes whose displacements joints determine.
+std::vector<bool> nodesOfJoints(const ElementMesh& mesh) {
+  std::vector<bool> isTaken = followers(mesh);
+  for (const JointNodes& joint : mesh.joints) {
+    for (const auto* nodes : {&joint.a, &joint.b}) {
+      for (const int node : *nodes) isTaken[node] = true;
+    }
+  }
+  return isTaken;
+}
+
+/// The faces along a tile's edge none of whose four corners a joint takes: a contact constraint at
+/// a node that *EQUATION or a rigid body determines already would ask for too much of it.
+std::vector<ElementFace> freeFaces(const ElementMesh& mesh, const TileEdge& edge,
+                                   const std::vector<bool>& isTaken) {
+  std::vector<ElementFace> faces;
+  for (const ElementFace& face : mesh.tiles[edge.first].sides) {
+    const std::array<int, 20>& nodes = mesh.elements[face.element].nodes;
+    const int next = (face.side + 1) % 4;
+    const bool touchesJoint = isTaken[nodes[face.side]] || isTaken[nodes[next]] ||
+                              isTaken[nodes[face.side + 4]] || isTaken[nodes[next + 4]];
+    if (face.tileEdge == edge.second && !touchesJoint) faces.push_back(face);
+  }
+  return faces;
+}
+
+}  // namespace
+
+std::vector<ContactPair> contactPairs(const ElementMesh& mesh) {
+  if (mesh.rule.family != ElementFamily::Solid || mesh.rule.joints == JointStyle::Neck) {
+    throw InputError(
+        "error: contact is between the flanks of solid tiles; leave out --deck-contacts, or "
+        "--shells and --joints neck");
+  }
+  const std::vector<bool> isTaken = nodesOfJoints(mesh);
+  std::vector<ContactPair> pairs;
+  for (const auto& [first, second] : facingEdges(mesh)) {
+    ContactPair pair{freeFaces(mesh, first, isTaken), freeFaces(mesh, second, isTaken)};
+    if (!pair.a.empty() && !pair.b.empty()) pairs.push_back(std::move(pair));
+  }
+  // An edge of one or two elements has a joint's node on each of them.
+  if (pairs.empty() && !mesh.joints.empty()) {
+    throw InputError(
+        "error: all faces of the tiles' flanks touch a joint, so none is left for contact; use at "
+        "least 3 elements per edge");
+  }
+  return pairs;
+}
+
+void appendContactSurfaces(std::string& text, const std::vector<ContactPair>& pairs) {
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    for (const auto& [faces, ending] : {std::pair{&pairs[k].a, "A"}, {&pairs[k].b, "B"}}) {
+      appendText(text, "*SURFACE, NAME=CONTACT_{:05}_{}, TYPE=ELEMENT\n", k, ending);
+      for (const ElementFace& face : *faces) {
+        // Faces 1 and 2 of a hexahedron are its bottom and top; 3 to 6 follow its bottom corners.
+        appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
+      }
+    }
+  }
+}
+
+void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings& settings,
+                        double thickness) {
+  const UnitScale scale = unitScale(settings.unit);
+  // k = E / t in the deck's units, pressure by length.
+  const double slope = scale.stress * settings.material.youngs / (scale.length * thickness);
+  const double friction = settings.contactFriction.value_or(0);
+  text += "*SURFACE INTERACTION, NAME=FLANKS\n";
+  if (settings.solver == Solver::Calculix) {
+    appendText(text, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}\n", deckNumber(slope));
+    if (friction > 0) {
+      appendText(text, "*FRICTION\n{}, {}\n", deckNumber(friction), deckNumber(0.01 * slope));
+    }
+  } else {
+    text += "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n";
+    if (friction > 0) appendText(text, "*FRICTION\n{}\n", deckNumber(friction));
+  }
+  for (std::size_t k = 0; k < pairs; ++k) {
+    appendText(text,
+               "*CONTACT PAIR, INTERACTION=FLANKS, TYPE=SURFACE TO SURFACE\n"
+               "CONTACT_{0:05}_A, CONTACT_{0:05}_B\n",
+               k);
+  }
+}
+
+}  // namespace kirireel::fea

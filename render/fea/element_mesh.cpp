@@ -1,0 +1,990 @@
+// How a mesh of hinged tiles comes about:
+//
+// - 1. How many elements lie along the edges is chosen (usualPerEdge, divisionOf).
+// - 2. Each tile is divided into quadrilaterals once for all tiles of its kind (element_mesh.h), in
+//   shares of its vertices, so that the positions follow from the brick and its pose.
+// - 3. Prisms are laid on these, layer by layer (element_mesh.h).
+// - 4. The corners that joints hold together are found; they are merged, left for equations, or
+//   given patches (element_mesh.h).
+// - 5. Solids are checked: no prism may fold over, none may be 500 times as long as high.
+//
+// Tiles are meshed one by one and never match along their edges, because only corners are joined; a
+// mesher of general domains would glue what merely touches. Quadrilaterals, not triangles, since
+// wedges (C3D15, C3D6) bend far more stiffly at the same number of nodes.
+//
+// Check of a corner: with a its position, n and p the next and previous corner of its face and u
+// the corner above (or below, with the sign turned),
+//
+//     V = (n - a) x (p - a) . (u - a) > 0,
+//
+// six times the volume of the corner's tetrahedron, m^3. A hexahedron whose eight corners have V >
+// 0 is not turned inside out there. It is the Jacobian determinant at the corners of the linear
+// element; midside nodes lie halfway, so that quadratic elements have the same.
+#include "render/fea/element_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel::fea {
+namespace {
+
+/// A single quadratic element cannot show a moment that varies along a tile.
+constexpr int kLeastUsualPerEdge = 2;
+/// Also the range in the command line's help. It bounds an edge and the thickness.
+constexpr int kMostElements = 64;
+/// More would fill memory, and no program reads them.
+constexpr std::size_t kMostElementsInAll = 4'000'000;
+
+/// What nobody chose stays below this: half a million nodes at most, which a direct solver can
+/// still factorise on a workstation.
+constexpr std::size_t kUsualElementsInAll = 60'000;
+/// Elements this many times longer than thick are useless in any program.
+constexpr double kMostAspect = 500;
+
+/// The lengths of a tile's edges, metres.
+std::vector<double> edgeLengths(const model::Brick& brick) {
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+    lengths.push_back((brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm());
+  }
+  return lengths;
+}
+
+/// A quarter of the least distance between two corners of a tile: patches at both stay apart. Half
+/// the least distance would be the limit at which patches touch.
+double usualPatchRadius(const std::vector<model::Brick>& bricks) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const model::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
+  return 0.25 * least;
+}
+
+/// How many elements along an edge of this length put its first node into the patch at its end.
+/// Nodes lie l / (m n) apart on an edge of length l, with n elements and m = 2 intervals an element
+/// when quadratic, else 1. The first is within the radius r when n >= l / (m r). The 1e-9 keeps an
+/// exact quotient from being rounded up.
+int perEdgeForPatch(double length, const ElementRule& rule) {
+  const int nodesAnElement = rule.quadratic ? 2 : 1;
+  return static_cast<int>(std::ceil(length / (nodesAnElement * rule.patchRadius) - 1e-9));
+}
+
+/// How many elements lie along an edge; `usual` where the rule does not say. A length in metres
+/// decides first, then the count per edge.
+int elementsAlong(double length, const ElementRule& rule, int usual) {
+  if (rule.size > 0) return std::max(1, static_cast<int>(std::ceil(length / rule.size - 1e-9)));
+  if (rule.perEdge > 0) return rule.perEdge;
+  return rule.joints == JointStyle::Patch ? std::max(usual, perEdgeForPatch(length, rule)) : usual;
+}
+
+/// How a tile is divided, so that tiles divided alike share one footprint. It is the key of a map.
+struct Division {
+  int sides = 0;
+  int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
+  int second = 0;  ///< cells along edge 1 of a grid; 0 of a fan
+  std::vector<std::array<int, 3>> triangles = {};  ///< of a concave tile, in place of a fan
+
+  auto operator<=>(const Division&) const = default;
+
+  std::size_t cells() const {
+    // Three quadrilaterals a triangle, each of first x first cells.
+    if (!triangles.empty()) return 3 * triangles.size() * first * first;
+    // A triangle alone: 3 grids of first^2 cells. A fan: as many for each side.
+    const auto square = static_cast<std::size_t>(first) * (second > 0 ? second : 3 * first);
+    return second > 0 || sides == 3 ? square : sides * square;
+  }
+};
+
+/// Concave tiles follow their triangulation, four-sided ones become a grid, all others a fan.
+/// Opposite edges of a grid have the same count, that of the longer; a fan has one count, even and
+/// by the longest edge.
+Division divisionOf(const model::Brick& brick, const ElementRule& rule, int usual) {
+  const std::vector<double> lengths = edgeLengths(brick);
+  const int sides = static_cast<int>(lengths.size());
+  const int half = (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2;
+  // `parts` are the convex pieces of a concave brick; a fan round its centre could fold over.
+  if (!brick.parts.empty()) return {sides, half, 0, model::trianglesOf(brick.bottom, brick.normal)};
+  if (takesGrid(brick.bottom, brick.normal)) {
+    return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
+            elementsAlong(std::max(lengths[1], lengths[3]), rule, usual)};
+  }
+  return {sides, half, 0};
+}
+
+std::vector<Division> divisionsOf(const std::vector<model::Brick>& bricks, const ElementRule& rule,
+                                  int usual) {
+  std::vector<Division> divisions;
+  for (const model::Brick& brick : bricks) divisions.push_back(divisionOf(brick, rule, usual));
+  return divisions;
+}
+
+/// Counted without making any, which decides how fine the mesh may be.
+std::size_t elementsIn(const std::vector<Division>& divisions, const ElementRule& rule) {
+  std::size_t count = 0;
+  for (const Division& division : divisions) count += rule.through * division.cells();
+  return count;
+}
+
+void requireReasonableCount(const std::vector<Division>& divisions, const ElementRule& rule) {
+  const std::size_t count = elementsIn(divisions, rule);
+  if (count <= kMostElementsInAll) return;
+  throw InputError(
+      fmt::format("error: {} elements would be made, at most {} are allowed; use fewer "
+                  "per edge or through the thickness",
+                  count, kMostElementsInAll));
+}
+
+Footprint footprintOf(const Division& division, const ElementRule& rule) {
+  if (!division.triangles.empty()) {
+    return triangleFootprint(division.triangles, division.sides, division.first);
+  }
+  const bool isGraded = rule.family == ElementFamily::Shell;
+  return division.second > 0 ? gridFootprint(division.first, division.second, isGraded)
+                             : fanFootprint(division.sides, division.first);
+}
+
+/// The points of a brick's footprint at each level, in world axes; a single level lies at this
+/// share of the thickness.
+std::vector<std::vector<Vector3>> levelsOf(const model::Brick& brick, const Pose& pose,
+                                           const Footprint& footprint, int count, double single) {
+  std::vector<Vector3> bases = brick.bottom;
+  // The centre of mass is the origin of brick axes, the bottom's half a thickness below it.
+  bases.emplace_back(-0.5 * brick.thickness * brick.normal);
+  std::vector<std::vector<Vector3>> levels(count);
+  for (int level = 0; level < count; ++level) {
+    const double share = count > 1 ? static_cast<double>(level) / (count - 1) : single;
+    const Vector3 up = share * brick.thickness * brick.normal;
+    for (const FootprintPoint& point : footprint.points) {
+      levels[level].push_back(pose.apply(point.at(bases) + up));
+    }
+  }
+  return levels;
+}
+
+/// `level` is the share of the thickness at which shells lie; solids take no note of it.
+void appendBrick(ElementMesh& mesh, const model::Brick& brick, const Pose& pose,
+                 const Footprint& footprint, double level) {
+  const int count = PrismLayers::levelCount(mesh.rule);
+  PrismLayers layers(mesh, footprint.cells, levelsOf(brick, pose, footprint, count, level));
+  TileElements tile = layers.append(0, footprint.cells.size(), footprint.sides);
+  tile.isRow = footprint.isRow;
+  tile.level = level;
+  for (const int corner : footprint.corners) tile.edges.push_back(layers.nodesAt(corner));
+  mesh.tiles.push_back(std::move(tile));
+}
+
+/// Six times the volume of the tetrahedron that a corner and its three neighbours span. `corner` is
+/// 0 to 7; base is the first corner of its face, 0 of the bottom or 4 of the top.
+double cornerVolume(const ElementMesh& mesh, const Element& element, int corner) {
+  const int base = corner < 4 ? 0 : 4;
+  const auto at = [&](int k) { return mesh.nodes[element.nodes[k]]; };
+  const Vector3 origin = at(corner);
+  const Vector3 next = at(base + (corner - base + 1) % 4) - origin;
+  const Vector3 previous = at(base + (corner - base + 3) % 4) - origin;
+  const Vector3 up = base == 0 ? at(corner + 4) - origin : origin - at(corner - 4);
+  return next.cross(previous).dot(up);
+}
+
+/// Of the bottom face; the top is its copy, a thickness higher.
+double longestEdge(const ElementMesh& mesh, const Element& element) {
+  double longest = 0;
+  for (int k = 0; k < 4; ++k) {
+    const Vector3& a = mesh.nodes[element.nodes[k]];
+    const Vector3& b = mesh.nodes[element.nodes[(k + 1) % 4]];
+    longest = std::max(longest, (b - a).norm());
+  }
+  return longest;
+}
+
+void checkAspect(const ElementMesh& mesh, const Element& element, int tile, double thickness) {
+  const double length = longestEdge(mesh, element);
+  const double height = thickness / mesh.rule.through;
+  if (length <= kMostAspect * height) return;
+  throw InputError(fmt::format(
+      "error: tile {} is too thin for its elements, {:.3g} m long and {:.3g} m high; at most {} "
+      "times as long as high are allowed: use more elements per edge, fewer through the thickness, "
+      "or thicker bricks",
+      tile, length, height, kMostAspect));
+}
+
+/// Merged corners have moved to their mean, so a joint with a large gap can fold an element too.
+void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
+  for (int k = 0; k < 8; ++k) {
+    if (cornerVolume(mesh, element, k) > 0) continue;
+    throw InputError(
+        fmt::format("error: tile {} cannot be divided into elements: they would fold "
+                    "over; give it corners that its centre of area sees, joints that "
+                    "close, or split it into convex tiles",
+                    tile));
+  }
+}
+
+void checkElements(const ElementMesh& mesh, const std::vector<model::Brick>& bricks) {
+  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+    const TileElements& tile = mesh.tiles[t];
+    const int number = static_cast<int>(t) + mesh.rule.countsFrom;
+    for (int k = 0; k < tile.elementCount; ++k) {
+      const Element& element = mesh.elements[tile.firstElement + k];
+      checkAspect(mesh, element, number, bricks[t].thickness);
+      checkCorners(mesh, element, number);
+    }
+  }
+}
+
+/// Where in the thickness the shells of each tile lie: where its joints do. 0 bottom, 0.5 middle, 1
+/// top; 0.5 also for tiles without joints. An offset shell carries its nodes where the hinge is,
+/// which keeps the lever of half a thickness between them.
+std::vector<double> shellLevels(std::size_t tiles, const std::vector<model::Joint>& joints,
+                                const ElementRule& rule) {
+  std::vector<std::optional<model::JointFace>> faces(tiles);
+  for (const model::Joint& joint : joints) {
+    for (const int tile : {joint.a.tile, joint.b.tile}) {
+      if (faces[tile].value_or(joint.face) != joint.face) {
+        throw InputError(
+            fmt::format("error: tile {} has joints on different faces, and a shell has nodes on "
+                        "one; leave --shells out",
+                        tile + rule.countsFrom));
+      }
+      faces[tile] = joint.face;
+    }
+  }
+  std::vector<double> levels;
+  for (const auto& face : faces) {
+    const model::JointFace own = face.value_or(model::JointFace::Both);
+    levels.push_back(own == model::JointFace::Both ? 0.5 : own == model::JointFace::Top ? 1 : 0);
+  }
+  return levels;
+}
+
+/// Divides every brick by itself; the rule's patch radius is known.
+void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<model::Joint>& joints,
+                  const Poses& poses, ElementMesh& mesh) {
+  std::vector<double> levels(bricks.size(), 0.5);
+  if (mesh.rule.family == ElementFamily::Shell) {
+    levels = shellLevels(bricks.size(), joints, mesh.rule);
+  }
+  const std::vector<Division> divisions =
+      divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
+  requireReasonableCount(divisions, mesh.rule);
+  // Sheets have thousands of tiles and few divisions: a footprint is made once for each.
+  std::map<Division, Footprint> footprints;
+  for (std::size_t t = 0; t < bricks.size(); ++t) {
+    const auto [place, isNew] = footprints.try_emplace(divisions[t]);
+    if (isNew) place->second = footprintOf(divisions[t], mesh.rule);
+    appendBrick(mesh, bricks[t], poses[t], place->second, levels[t]);
+  }
+}
+
+/// Throws InputError for elements that hinged tiles cannot have.
+void requireBuildable(const ElementRule& rule) {
+  if (rule.family == ElementFamily::Plane || rule.joints == JointStyle::Neck) {
+    throw InputError(
+        "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
+        "--neck-width, or leave --plane-stress out");
+  }
+  if (rule.family == ElementFamily::Shell && rule.joints != JointStyle::Shared) {
+    throw InputError(
+        "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
+        "leave "
+        "--joints out, or choose neck");
+  }
+}
+
+/// The least number of elements per edge whose nodes fill every patch. For a message that says how
+/// to mend too coarse a mesh.
+int leastPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+  int least = 1;
+  for (const model::Brick& brick : bricks) {
+    least = std::max(least, perEdgeForPatch(std::ranges::max(edgeLengths(brick)), rule));
+  }
+  return least;
+}
+
+}  // namespace
+
+ElementRule coarsest(ElementRule rule) {
+  rule.perEdge = 1;
+  rule.through = 1;
+  rule.quadratic = false;
+  rule.size = 0;
+  return rule;
+}
+
+int nodeCount(const ElementRule& rule) {
+  if (rule.family != ElementFamily::Solid) return rule.quadratic ? 8 : 4;
+  return rule.quadratic ? 20 : 8;
+}
+
+void requireValidRule(const ElementRule& rule) {
+  const auto require = [](int found, int least, const char* what) {
+    if (found >= least && found <= kMostElements) return;
+    throw InputError(fmt::format("error: {} elements {} are not possible; choose 1 to {}", found,
+                                 what, kMostElements));
+  };
+  require(rule.perEdge, 0, "per edge");
+  require(rule.through, 1, "through the thickness");
+  if (rule.perEdge > 0 && rule.size > 0) {
+    throw InputError(
+        fmt::format("error: {} elements per edge and elements of {} m contradict each "
+                    "other; give one of the two",
+                    rule.perEdge, rule.size));
+  }
+  if (!(rule.size >= 0) || !(rule.patchRadius >= 0)) {
+    throw InputError(
+        fmt::format("error: elements of {} m and patches of radius {} m are not "
+                    "possible; give positive lengths",
+                    rule.size, rule.patchRadius));
+  }
+}
+
+int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+  int usual = kUsualPerEdge;
+  // The count falls with the square of `usual`, so a few rounds do.
+  while (usual > kLeastUsualPerEdge &&
+         elementsIn(divisionsOf(bricks, rule, usual), rule) > kUsualElementsInAll) {
+    --usual;
+  }
+  return usual;
+}
+
+bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+  return rule.perEdge == 0 && rule.size == 0 && usualPerEdge(bricks, rule) < kUsualPerEdge;
+}
+
+ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
+                            const std::vector<model::Joint>& joints, const Poses& poses,
+                            const ElementRule& rule) {
+  requireValidRule(rule);
+  requireBuildable(rule);
+  ElementMesh mesh;
+  mesh.rule = rule;
+  if (rule.patchRadius == 0) mesh.rule.patchRadius = usualPatchRadius(bricks);
+  divideBricks(bricks, joints, poses, mesh);
+  mesh.joints = jointNodes(joints, mesh.tiles, mesh.rule.countsFrom);
+  mesh.clusters = findClusters(mesh);
+  for (const NodeCluster& cluster : mesh.clusters) {
+    mesh.largestGap = std::max(mesh.largestGap, cluster.gap);
+  }
+  // Gaps are measured before corners are merged, since the mean closes them.
+  if (rule.joints == JointStyle::Shared) mergeClusters(mesh);
+  if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
+  if (rule.family == ElementFamily::Solid) checkElements(mesh, bricks);
+  return mesh;
+}
+
+bool hasEquations(const ElementMesh& mesh) {
+  return mesh.rule.joints != JointStyle::Patch && !mesh.clusters.empty();
+}
+
+std::vector<bool> followers(const ElementMesh& mesh) {
+  std::vector<bool> follows(mesh.nodes.size());
+  for (const NodeCluster& cluster : mesh.clusters) {
+    if (hasEquations(mesh)) {
+      for (std::size_t k = 1; k < cluster.nodes.size(); ++k) follows[cluster.nodes[k]] = true;
+    }
+    for (const std::vector<int>& patch : cluster.patches) {
+      for (const int node : patch) follows[node] = true;
+    }
+  }
+  for (const PeriodicTie& tie : mesh.ties) follows[tie.node] = true;
+  return follows;
+}
+
+int referenceNode(const ElementMesh& mesh, std::size_t cluster) {
+  return static_cast<int>(mesh.nodes.size() + cluster);
+}
+
+Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster) {
+  Vector3 sum = Vector3::Zero();
+  for (const int node : mesh.clusters[cluster].nodes) sum += mesh.nodes[node];
+  return sum / static_cast<double>(mesh.clusters[cluster].nodes.size());
+}
+
+// ------------------------------------------------------------------------------------------------
+// Levels are numbered from the bottom. A linear mesh has one level a layer and one more: 0, 1, 2. A
+// quadratic mesh has two a layer: even levels hold corners and the middles of edges, odd levels,
+// halfway up, hold the middles of upright edges alone:
+//
+//     level 2   o---x---o     o corner, x middle of an edge
+//               |       |
+//     level 1   x       x     nothing in the middle of a face or of the element: 20 nodes
+//               |       |
+//     level 0   o---x---o
+//
+// Nodes are made once a point and level, so elements that meet share them without any search by
+// place.
+
+namespace {
+
+std::vector<int> sortedOnce(std::vector<int> nodes) {
+  std::ranges::sort(nodes);
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+}  // namespace
+
+int PrismLayers::levelCount(const ElementRule& rule) {
+  if (rule.family != ElementFamily::Solid) return 1;
+  return rule.through * (rule.quadratic ? 2 : 1) + 1;
+}
+
+PrismLayers::PrismLayers(ElementMesh& mesh, std::vector<std::array<int, 4>> cells,
+                         const std::vector<std::vector<Vector3>>& levels)
+    : mesh_(mesh), cells_(std::move(cells)), edges_(edgesOf(cells_)) {
+  const auto addNode = [this](const Vector3& position) {
+    mesh_.nodes.push_back(position);
+    return static_cast<int>(mesh_.nodes.size()) - 1;
+  };
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    std::vector<int>& atPoints = pointNode_.emplace_back();
+    std::vector<int>& atEdges = edgeNode_.emplace_back();
+    for (const Vector3& point : levels[level]) atPoints.push_back(addNode(point));
+    if (!mesh_.rule.quadratic || level % 2 == 1) continue;
+    // In the middle of a straight edge, also where a merged corner moves later.
+    for (const auto& [a, b] : edges_) {
+      atEdges.push_back(addNode(0.5 * (levels[level][a] + levels[level][b])));
+    }
+  }
+}
+
+TileElements PrismLayers::append(std::size_t firstCell, std::size_t cellCount,
+                                 const std::vector<FootprintSide>& sides) {
+  const bool isSolid = mesh_.rule.family == ElementFamily::Solid;
+  const int layers = isSolid ? mesh_.rule.through : 1;
+  TileElements tile;
+  tile.firstElement = static_cast<int>(mesh_.elements.size());
+  tile.layerCount = static_cast<int>(cellCount);
+  tile.elementCount = layers * tile.layerCount;
+  const int last = static_cast<int>(pointNode_.size()) - 1;
+  // Elements of a layer follow each other, layer on layer: surfaces of top and bottom rely on it.
+  for (int layer = 0; layer < layers; ++layer) {
+    for (std::size_t k = firstCell; k < firstCell + cellCount; ++k) {
+      mesh_.elements.push_back(elementOn(cells_[k], layer * step()));
+      const Element& element = mesh_.elements.back();
+      tile.nodes.insert(tile.nodes.end(), element.nodes.begin(),
+                        element.nodes.begin() + nodeCount(mesh_.rule));
+    }
+  }
+  const auto onFace = [&](int level) {
+    std::vector<int> nodes;
+    for (std::size_t k = firstCell; k < firstCell + cellCount; ++k) {
+      for (int c = 0; c < 4; ++c) {
+        nodes.push_back(pointNode_[level][cells_[k][c]]);
+        if (!mesh_.rule.quadratic) continue;
+        nodes.push_back(edgeNode_[level][edgeNumber(cells_[k][c], cells_[k][(c + 1) % 4])]);
+      }
+    }
+    return sortedOnce(std::move(nodes));
+  };
+  tile.nodes = sortedOnce(std::move(tile.nodes));
+  tile.bottom = onFace(0);
+  tile.top = onFace(last);
+  for (const FootprintSide& side : sides) {
+    for (int layer = 0; layer < layers; ++layer) {
+      const int element = tile.firstElement + layer * tile.layerCount + side.cell;
+      tile.sides.push_back({element, side.side, side.tileEdge});
+    }
+  }
+  return tile;
+}
+
+std::vector<int> PrismLayers::nodesAt(int point) const {
+  std::vector<int> nodes;
+  for (const std::vector<int>& level : pointNode_) nodes.push_back(level[point]);
+  return nodes;
+}
+
+/// `edges_` is sorted; the edge must be among them.
+std::size_t PrismLayers::edgeNumber(int a, int b) const {
+  const std::array<int, 2> edge = {std::min(a, b), std::max(a, b)};
+  return std::ranges::lower_bound(edges_, edge) - edges_.begin();
+}
+
+/// The order of nodes is Abaqus's, see Element.
+Element PrismLayers::elementOn(const std::array<int, 4>& cell, int level) const {
+  Element element;
+  int count = 0;
+  const auto appendCorners = [&](int at) {
+    for (const int point : cell) element.nodes[count++] = pointNode_[at][point];
+  };
+  const auto appendMiddles = [&](int at) {
+    for (int k = 0; k < 4; ++k) {
+      element.nodes[count++] = edgeNode_[at][edgeNumber(cell[k], cell[(k + 1) % 4])];
+    }
+  };
+  const bool isSolid = mesh_.rule.family == ElementFamily::Solid;
+  appendCorners(level);
+  if (isSolid) appendCorners(level + step());
+  if (!mesh_.rule.quadratic) return element;
+  appendMiddles(level);
+  if (!isSolid) return element;
+  appendMiddles(level + 2);
+  appendCorners(level + 1);
+  return element;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Divides a polygon with n vertices into quadrilaterals, as shares of its vertices and its centre.
+// Nothing here knows positions: the same footprint serves all tiles with n vertices and the same
+// counts, at the bottom and at the top.
+//
+// A grid has bilinear points (u, v in 0 to 1 along edges 0 and 1):
+//
+//     p = (1-u)(1-v) v0 + u (1-v) v1 + u v v2 + (1-u) v v3.
+//
+// Graded, u = (1 - cos(pi k / n)) / 2: shells bend most near clamped and hinged edges, where these
+// Chebyshev points are dense.
+//
+// Any other polygon is fanned round its centre into triangles, and each triangle is cut into three
+// quadrilaterals at its centroid and the middles of its sides, which fit together at every side of
+// every triangle because both halves of a side have equal cells. A paving mesher would give better
+// shapes and other meshes for each tile; this one is exact, symmetric, and the same for equal
+// tiles.
+//
+// Points are found by whole numbers (shares of 6 m^2 with m cells along half an edge), never by
+// distance: equal points are equal keys, however small a tile is.
+
+namespace {
+
+/// Below this sine of its angle, a corner of a quadrilateral counts as straight. About 3 degrees:
+/// beyond, a quadrilateral has nearly lost a corner, and its map is singular there.
+constexpr double kStraightSine = 0.05;
+
+/// Grid points that quadrilaterals share, found by their whole-numbered shares of the bases.
+class SharedPoints {
+ public:
+  /// All shares of one point add up to `whole`.
+  SharedPoints(Footprint& footprint, int whole) : footprint_(footprint), whole_(whole) {}
+
+  /// The point with these shares of three bases.
+  int find(const std::array<int, 3>& bases, const std::array<int, 3>& shares) {
+    // A base with share 0 is left out, so that a point on a side has one key from both triangles.
+    std::vector<std::pair<int, int>> key;
+    for (int k = 0; k < 3; ++k) {
+      if (shares[k] > 0) key.emplace_back(bases[k], shares[k]);
+    }
+    std::ranges::sort(key);
+    const auto [place, isNew] = numbers_.try_emplace(key, footprint_.points.size());
+    if (isNew) footprint_.points.push_back(pointOf(key));
+    return place->second;
+  }
+
+ private:
+  FootprintPoint pointOf(const std::vector<std::pair<int, int>>& key) const {
+    FootprintPoint point;
+    for (std::size_t k = 0; k < key.size(); ++k) {
+      point.bases[k] = key[k].first;
+      point.weights[k] = static_cast<double>(key[k].second) / whole_;
+    }
+    return point;
+  }
+
+  Footprint& footprint_;
+  int whole_;
+  std::map<std::vector<std::pair<int, int>>, int> numbers_;
+};
+
+/// Cuts a triangle into three quadrilaterals of n x n cells each. The one at corner c reaches from
+/// there to the middles of the two sides and to the centre; its point (i, j) lies i / n of the way
+/// along the side to the next corner and j / n along the other. In shares of 6 n^2 all points are
+/// whole numbers: a corner counts 6, a middle 3 + 3, the centre 2 + 2 + 2.
+/// `onEdge` tells the tile's edge on the side from corner c to the next, or -1.
+void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& onEdge, int n,
+                    SharedPoints& points, Footprint& footprint) {
+  for (int c = 0; c < 3; ++c) {
+    const int next = (c + 1) % 3;
+    const int previous = (c + 2) % 3;
+    const auto point = [&](int i, int j) {
+      std::array<int, 3> shares{};
+      shares[c] = 6 * (n - i) * (n - j) + 3 * i * (n - j) + 3 * (n - i) * j + 2 * i * j;
+      shares[next] = 3 * i * (n - j) + 2 * i * j;
+      shares[previous] = 3 * (n - i) * j + 2 * i * j;
+      return points.find(bases, shares);
+    };
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const int cell = static_cast<int>(footprint.cells.size());
+        footprint.cells.push_back(
+            {point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)});
+        if (j == 0 && onEdge[c] >= 0) footprint.sides.push_back({cell, 0, onEdge[c]});
+        if (i == 0 && onEdge[previous] >= 0) footprint.sides.push_back({cell, 3, onEdge[previous]});
+      }
+    }
+  }
+}
+
+/// Sides are sorted by edge, stable, so that along an edge they stay in the order of cells.
+void finish(Footprint& footprint) {
+  footprint.edges = edgesOf(footprint.cells);
+  std::ranges::stable_sort(footprint.sides, {}, &FootprintSide::tileEdge);
+}
+
+}  // namespace
+
+Vector3 FootprintPoint::at(const std::vector<Vector3>& verticesAndCentre) const {
+  // A corner has one weight of 1 and no other term, so it is the vertex to the last bit.
+  Vector3 sum = weights[0] * verticesAndCentre[bases[0]];
+  for (std::size_t k = 1; k < weights.size(); ++k) {
+    if (weights[k] != 0) sum += weights[k] * verticesAndCentre[bases[k]];
+  }
+  return sum;
+}
+
+Footprint gridFootprint(int first, int second, bool isGraded) {
+  Footprint footprint;
+  const auto share = [isGraded](int k, int count) {
+    const double even = static_cast<double>(k) / count;
+    return isGraded ? 0.5 * (1 - std::cos(std::numbers::pi * even)) : even;
+  };
+  const auto point = [&](int i, int j) { return j * (first + 1) + i; };
+  for (int j = 0; j <= second; ++j) {
+    for (int i = 0; i <= first; ++i) {
+      const double u = share(i, first);
+      const double v = share(j, second);
+      footprint.points.push_back(
+          {{0, 1, 2, 3}, {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v}});
+      if (i == first || j == second) continue;
+      const int cell = static_cast<int>(footprint.cells.size());
+      footprint.cells.push_back(
+          {point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)});
+      if (j == 0) footprint.sides.push_back({cell, 0, 0});
+      if (i + 1 == first) footprint.sides.push_back({cell, 1, 1});
+      if (j + 1 == second) footprint.sides.push_back({cell, 2, 2});
+      if (i == 0) footprint.sides.push_back({cell, 3, 3});
+    }
+  }
+  footprint.corners = {point(0, 0), point(first, 0), point(first, second), point(0, second)};
+  footprint.isRow = std::min(first, second) == 1;
+  finish(footprint);
+  return footprint;
+}
+
+Footprint fanFootprint(int sides, int halfPerEdge) {
+  const int whole = 6 * halfPerEdge * halfPerEdge;
+  Footprint footprint;
+  SharedPoints points(footprint, whole);
+  // A triangle needs no centre: its own three sides are the tile's edges.
+  if (sides == 3) {
+    appendTriangle({0, 1, 2}, {0, 1, 2}, halfPerEdge, points, footprint);
+  } else {
+    for (int k = 0; k < sides; ++k) {
+      // Base number `sides` is the centre. Only the side from vertex k to the next is an edge.
+      appendTriangle({sides, k, (k + 1) % sides}, {-1, k, -1}, halfPerEdge, points, footprint);
+    }
+  }
+  for (int k = 0; k < sides; ++k) {
+    footprint.corners.push_back(points.find({k, k, k}, {whole, 0, 0}));
+  }
+  finish(footprint);
+  return footprint;
+}
+
+Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
+                            int halfPerEdge) {
+  const int whole = 6 * halfPerEdge * halfPerEdge;
+  Footprint footprint;
+  SharedPoints points(footprint, whole);
+  for (const std::array<int, 3>& triangle : triangles) {
+    std::array<int, 3> onEdge{};
+    for (int k = 0; k < 3; ++k) {
+      // Triangles are of vertices alone; a side is an edge where it leads to the next vertex, else
+      // a diagonal within the tile.
+      const bool isEdge = triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
+      onEdge[k] = isEdge ? triangle[k] : -1;
+    }
+    appendTriangle(triangle, onEdge, halfPerEdge, points, footprint);
+  }
+  for (int k = 0; k < sides; ++k) {
+    footprint.corners.push_back(points.find({k, k, k}, {whole, 0, 0}));
+  }
+  finish(footprint);
+  return footprint;
+}
+
+std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& cells) {
+  std::vector<std::array<int, 2>> edges;
+  for (const std::array<int, 4>& cell : cells) {
+    for (int k = 0; k < 4; ++k) {
+      const auto [low, high] = std::minmax(cell[k], cell[(k + 1) % 4]);
+      edges.push_back({low, high});
+    }
+  }
+  std::ranges::sort(edges);
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
+  if (vertices.size() != 4) return false;
+  for (std::size_t k = 0; k < 4; ++k) {
+    // The sine of the turn at vertex k; negative where the tile is concave.
+    const Vector3 before = (vertices[k] - vertices[(k + 3) % 4]).normalized();
+    const Vector3 after = (vertices[(k + 1) % 4] - vertices[k]).normalized();
+    if (before.cross(after).dot(normal) < kStraightSine) return false;
+  }
+  return true;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Corners that joints hold together are found by joint, never by place: corners of tiles that
+// merely touch stay apart, and corners that the simulation left a gap between are joined all the
+// same.
+//
+// 1. Each joint names pairs of nodes (jointNodes): one on the bottom, one on the top, or all
+// through the thickness. 2. Pairs that share a node grow together to clusters (union-find with path
+// halving, R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union algorithms, J. ACM 31,
+// 1984). Three tiles round one corner make a cluster of three. 3. A cluster is merged (shared
+// nodes), left as it is (equations) or given patches.
+//
+// A merged corner lies at the mean of its corners, m = sum x_i / n, so none of its tiles is
+// preferred. The gap, the largest |x_i - x_j|, is reported.
+//
+// A patch holds the nodes on the corner's face of the tile within the radius r of the corner. Its
+// three or more nodes make it a rigid body that can turn. Forces through a single node would depend
+// on the size of elements without limit; forces through a patch of fixed radius converge.
+
+namespace {
+
+/// Sets of nodes that grow together; each is known by its lowest node.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  /// The lowest number stays the root, so that clusters and their order depend on the mesh alone
+  /// and not on the order of joints.
+  int lowest(int node) {
+    while (parent_[node] != node) {
+      parent_[node] = parent_[parent_[node]];
+      node = parent_[node];
+    }
+    return node;
+  }
+
+  void join(int a, int b) {
+    const auto [low, high] = std::minmax({lowest(a), lowest(b)});
+    parent_[high] = low;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// Edges run from the bottom to the top; a shell has one node there.
+std::vector<int> nodesAt(const std::vector<int>& edge, model::JointFace face) {
+  if (face == model::JointFace::Bottom) return {edge.front()};
+  if (face == model::JointFace::Top) return {edge.back()};
+  return edge;
+}
+
+void joinAll(const JointNodes& joint, JointStyle style, DisjointSets& sets) {
+  for (std::size_t k = 0; k < joint.a.size(); ++k) {
+    // Patches lie on the two faces; nothing in between is held.
+    const bool isInside = k > 0 && k + 1 < joint.a.size();
+    if (style == JointStyle::Patch && isInside) continue;
+    sets.join(joint.a[k], joint.b[k]);
+  }
+}
+
+/// The tile of each node; nodes are not merged yet.
+std::vector<int> tilesOfNodes(const ElementMesh& mesh) {
+  std::vector<int> owner(mesh.nodes.size());
+  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+    for (const int node : mesh.tiles[t].nodes) owner[node] = static_cast<int>(t);
+  }
+  return owner;
+}
+
+/// Of all pairs: clusters have few nodes.
+double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
+  double largest = 0;
+  for (const int a : nodes) {
+    for (const int b : nodes) largest = std::max(largest, (positions[a] - positions[b]).norm());
+  }
+  return largest;
+}
+
+/// Merging two corners of one tile would fold it.
+void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& owner,
+                           int countsFrom) {
+  std::vector<int> tiles;
+  for (const int node : cluster.nodes) tiles.push_back(owner[node]);
+  std::ranges::sort(tiles);
+  const auto twice = std::ranges::adjacent_find(tiles);
+  if (twice == tiles.end()) return;
+  throw InputError(
+      fmt::format("error: the joints tie two corners of tile {} together, {:.3g} m apart; a mesh "
+                  "can hold only different tiles together: remove one of these joints",
+                  *twice + countsFrom, cluster.gap));
+}
+
+void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
+  for (int& node : nodes) node = numbers[node];
+}
+
+/// Only what exists when clusters are merged: patches and springs come later.
+void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
+  for (Element& element : mesh.elements) {
+    const int count = nodeCount(mesh.rule);
+    for (int k = 0; k < count; ++k) element.nodes[k] = numbers[element.nodes[k]];
+  }
+  for (TileElements& tile : mesh.tiles) {
+    for (std::vector<int>* nodes : {&tile.nodes, &tile.bottom, &tile.top}) {
+      renumber(*nodes, numbers);
+      std::ranges::sort(*nodes);
+    }
+    for (std::vector<int>& edge : tile.edges) renumber(edge, numbers);
+  }
+  for (JointNodes& joint : mesh.joints) {
+    renumber(joint.a, numbers);
+    renumber(joint.b, numbers);
+  }
+  for (NodeCluster& cluster : mesh.clusters) renumber(cluster.nodes, numbers);
+}
+
+Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
+  Vector3 sum = Vector3::Zero();
+  for (const int node : nodes) sum += positions[node];
+  return sum / static_cast<double>(nodes.size());
+}
+
+/// A node at the radius itself belongs to the patch, whatever the rounding.
+constexpr double kRoundedUp = 1 + 1e-9;
+
+/// A corner node on the bottom takes nodes of the bottom alone; a patch through the thickness would
+/// stiffen the tile.
+std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, int corner) {
+  const bool isBottom = std::ranges::binary_search(tile.bottom, corner);
+  std::vector<int> patch;
+  for (const int node : isBottom ? tile.bottom : tile.top) {
+    const double distance = (mesh.nodes[node] - mesh.nodes[corner]).norm();
+    if (distance <= kRoundedUp * mesh.rule.patchRadius) patch.push_back(node);
+  }
+  return patch;
+}
+
+void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
+                   int leastPerEdge) {
+  if (patch.size() >= 3) return;
+  throw InputError(
+      fmt::format("error: a joint patch of radius {:.4g} m holds {} nodes of tile {}, at least 3 "
+                  "are needed; use {} elements per edge or a larger radius",
+                  mesh.rule.patchRadius, patch.size(), tile + mesh.rule.countsFrom, leastPerEdge));
+}
+
+/// A node can belong to one rigid body only. `isTaken` collects those of all tiles so far.
+void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
+                  std::vector<bool>& isTaken) {
+  for (const int node : patch) {
+    if (isTaken[node]) {
+      std::vector<Vector3> corners;
+      for (const auto& edge : mesh.tiles[tile].edges) corners.push_back(mesh.nodes[edge.front()]);
+      throw InputError(fmt::format(
+          "error: joint patches of radius {:.4g} m overlap on tile {}; choose one "
+          "below {:.4g} m, half the distance of its nearest corners",
+          mesh.rule.patchRadius, tile + mesh.rule.countsFrom, 0.5 * leastDistance(corners)));
+    }
+    isTaken[node] = true;
+  }
+}
+
+}  // namespace
+
+double leastDistance(const std::vector<Vector3>& points) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < points.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) least = std::min(least, (points[a] - points[b]).norm());
+  }
+  return least;
+}
+
+std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
+                                   const std::vector<TileElements>& tiles, int countsFrom) {
+  std::vector<JointNodes> nodes;
+  for (const model::Joint& joint : joints) {
+    if (joint.kind != model::JointKind::Pivot) {
+      throw InputError(
+          fmt::format("error: joint {} does not hold two corners together; a mesh can "
+                      "hold pivots alone",
+                      nodes.size() + static_cast<std::size_t>(countsFrom)));
+    }
+    nodes.push_back({joint.a.tile, joint.b.tile, joint.face == model::JointFace::Both,
+                     nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
+                     nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
+  }
+  return nodes;
+}
+
+std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
+  DisjointSets sets(mesh.nodes.size());
+  for (const JointNodes& joint : mesh.joints) joinAll(joint, mesh.rule.joints, sets);
+  std::vector<int> place(mesh.nodes.size(), -1);
+  std::vector<NodeCluster> clusters;
+  for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
+    const int lowest = sets.lowest(node);
+    // The lowest itself enters with the first node that is joined to it; single nodes make no
+    // cluster.
+    if (lowest == node) continue;
+    if (place[lowest] < 0) {
+      place[lowest] = static_cast<int>(clusters.size());
+      clusters.push_back({{lowest}, {}, 0});
+    }
+    clusters[place[lowest]].nodes.push_back(node);
+  }
+  std::ranges::sort(clusters, {}, [](const NodeCluster& cluster) { return cluster.nodes[0]; });
+  const std::vector<int> owner = tilesOfNodes(mesh);
+  for (NodeCluster& cluster : clusters) {
+    cluster.gap = largestDistance(cluster.nodes, mesh.nodes);
+    requireDifferentTiles(cluster, owner, mesh.rule.countsFrom);
+  }
+  return clusters;
+}
+
+void mergeClusters(ElementMesh& mesh) {
+  std::vector<int> lowest(mesh.nodes.size());
+  std::iota(lowest.begin(), lowest.end(), 0);
+  const std::vector<int> owner = tilesOfNodes(mesh);
+  // Clusters of shells in the middle come first and are merged; those of shells on a face stay.
+  const auto kept = std::stable_partition(
+      mesh.clusters.begin(), mesh.clusters.end(),
+      [&](const NodeCluster& cluster) { return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5; });
+  for (auto cluster = mesh.clusters.begin(); cluster != kept; ++cluster) {
+    for (const int node : cluster->nodes) lowest[node] = cluster->nodes[0];
+    mesh.nodes[cluster->nodes[0]] = meanOf(cluster->nodes, mesh.nodes);
+  }
+  mesh.clusters.erase(mesh.clusters.begin(), kept);
+  // A follower's lowest node is before it, so its new number is known already.
+  std::vector<int> numbers(mesh.nodes.size());
+  std::vector<Vector3> positions;
+  for (std::size_t node = 0; node < lowest.size(); ++node) {
+    const bool isLowest = lowest[node] == static_cast<int>(node);
+    numbers[node] = isLowest ? static_cast<int>(positions.size()) : numbers[lowest[node]];
+    if (isLowest) positions.push_back(mesh.nodes[node]);
+  }
+  mesh.nodes = std::move(positions);
+  renumberAll(mesh, numbers);
+}
+
+void spreadPatches(ElementMesh& mesh, int leastPerEdge) {
+  const std::vector<int> owner = tilesOfNodes(mesh);
+  std::vector<bool> isTaken(mesh.nodes.size());
+  for (NodeCluster& cluster : mesh.clusters) {
+    for (const int corner : cluster.nodes) {
+      const int tile = owner[corner];
+      cluster.patches.push_back(patchAround(mesh, mesh.tiles[tile], corner));
+      requireEnough(cluster.patches.back(), tile, mesh, leastPerEdge);
+      requireApart(cluster.patches.back(), tile, mesh, isTaken);
+    }
+  }
+}
+
+}  // namespace kirireel::fea

@@ -1,0 +1,384 @@
+// Writes the ASCII format MSH 4.1 (Gmsh reference manual, "MSH file format"). Sections in this
+// order:
+//
+//     $MeshFormat      4.1 0 8: version, 0 for ASCII, 8 bytes a real
+//     $PhysicalNames   count; then dimension, number, "name" of each group
+//     $Entities        counts of points, curves, surfaces, volumes; then each with its place or
+//                      box, its groups, and the entities that bound it (none are named here)
+//     $Nodes           blocks, nodes, least and largest number; by block: dimension, entity, 0,
+//                      count, then the numbers, then the positions
+//     $Elements        blocks, elements, least and largest number; by block: dimension, entity,
+//                      kind, count, then number and nodes of each
+//
+// An element belongs to an entity and an entity to groups, so that an element need not stand in the
+// file once for each of its groups, as in the older format 2.2. A node stands in one block only:
+// the first that has it, points of joints before parts.
+//
+// Groups are few by default, because Gmsh reads thousands of them slowly.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "render/fea/deck.h"
+
+namespace kirireel::fea {
+namespace {
+
+// Gmsh's numbers for kinds of elements.
+constexpr int kPoint = 15;
+/// Numbers 3 and 16 have 4 and 8 nodes, 5 and 17 have 8 and 20.
+constexpr int kQuadrilateral[] = {3, 16};  ///< linear, quadratic
+constexpr int kHexahedron[] = {5, 17};
+
+/// The places of Gmsh's edge nodes of a hexahedron in Abaqus's order. Gmsh counts edges by their
+/// lower corner: 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7. Abaqus has those of
+/// the bottom (8 to 11), of the top (12 to 15), the upright (16 to 19).
+constexpr std::array<int, 12> kHexahedronEdges = {8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14};
+
+/// An element's nodes in Gmsh's order.
+std::vector<int> solid(const Element& element, bool quadratic) {
+  std::vector<int> nodes(element.nodes.begin(), element.nodes.begin() + 8);
+  if (!quadratic) return nodes;
+  for (const int place : kHexahedronEdges) nodes.push_back(element.nodes[place]);
+  return nodes;
+}
+
+/// The nodes of a face, seen from outside: corners, then the middles of its edges. Eight-node
+/// quadrilaterals have the same order in both programs.
+std::vector<int> face(const Element& element, const std::array<int, 8>& places, bool quadratic) {
+  std::vector<int> nodes;
+  for (int k = 0; k < (quadratic ? 8 : 4); ++k) nodes.push_back(element.nodes[places[k]]);
+  return nodes;
+}
+
+constexpr std::array<int, 8> kBottomFace = {0, 3, 2, 1, 11, 10, 9, 8};
+constexpr std::array<int, 8> kTopFace = {4, 5, 6, 7, 12, 13, 14, 15};
+
+/// `side` is 0 to 3. Of the middles: bottom edge, upright edge of the next corner, top edge,
+/// upright edge of this corner.
+std::array<int, 8> sideFace(int side) {
+  const int next = (side + 1) % 4;
+  return {side, next, next + 4, side + 4, 8 + side, 16 + next, 12 + side, 16 + side};
+}
+
+/// Elements of one kind that belong to one entity.
+struct Block {
+  int dimension = 0;
+  int entity = 0;
+  int kind = 0;
+  std::vector<std::vector<int>> elements;  ///< their nodes, from 0
+};
+
+/// A named group and its number, which counts by dimension.
+struct Group {
+  int dimension = 0;
+  int number = 0;
+  std::string name;
+};
+
+/// Collects groups, entities and elements, and writes them section by section.
+class GmshText {
+ public:
+  GmshText(const ElementMesh& mesh, SetChoice sets, const LengthUnit& unit)
+      : mesh_(mesh), sets_(sets), unit_(unit), positions_(separatedNodes(mesh)) {
+    for (Vector3& position : positions_) position = inUnit(position, unit);
+    // Entities count through tiles and necks, so necks follow the last tile.
+    for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
+    for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
+    addGroup(bodyDimension(), "TILES");
+    if (!mesh.necks.empty()) addGroup(bodyDimension(), "NECKS");
+    if (isSolid()) {
+      for (const char* name : {"BOTTOM", "TOP"}) addGroup(2, name);
+      if (sets == SetChoice::All) addGroup(2, "SIDES");
+    }
+    const bool areNamed = sets == SetChoice::All || sets == SetChoice::Joints;
+    if (!mesh.joints.empty() && (areNamed || mesh.rule.joints == JointStyle::Shared)) {
+      addGroup(0, "JOINTS");
+      addJoints();
+    }
+    for (std::size_t k = 0; k < parts_.size(); ++k) addPart(k);
+  }
+
+  std::string text() const {
+    std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+    appendText(text, "$Comments\nunit {}\n$EndComments\n", unit_.name);
+    appendText(text, "$PhysicalNames\n{}\n", groups_.size());
+    for (const Group& group : groups_) {
+      appendText(text, "{} {} \"{}\"\n", group.dimension, group.number, group.name);
+    }
+    text += "$EndPhysicalNames\n";
+    appendEntities(text);
+    appendNodes(text);
+    appendElements(text);
+    return text;
+  }
+
+ private:
+  int addGroup(int dimension, const std::string& name) {
+    groups_.push_back({dimension, ++groupsOf_[dimension], name});
+    return groups_.back().number;
+  }
+
+  /// One entity for each node of a joint, whatever the number of joints that share it.
+  void addJoints() {
+    for (std::size_t j = 0; j < mesh_.joints.size(); ++j) {
+      for (const auto& [nodes, ending] :
+           {std::pair{&mesh_.joints[j].a, "A"}, {&mesh_.joints[j].b, "B"}}) {
+        const bool isNamed = sets_ == SetChoice::All || sets_ == SetChoice::Joints;
+        const int group = isNamed ? addGroup(0, fmt::format("JOINT_{:05}_{}", j, ending)) : 0;
+        for (const int node : *nodes) {
+          std::vector<int>& groups = pointGroups_[node];
+          // Group 1 of dimension 0 is JOINTS, the first that was added.
+          if (groups.empty()) groups.push_back(1);
+          if (isNamed) groups.push_back(group);
+        }
+      }
+    }
+    int entity = 0;
+    for (const auto& [node, groups] : pointGroups_) {
+      blocks_.push_back({0, ++entity, kPoint, {{node}}});
+    }
+  }
+
+  bool isSolid() const { return mesh_.rule.family == ElementFamily::Solid; }
+  int bodyDimension() const { return isSolid() ? 3 : 2; }
+
+  /// Bodies of solids are volumes, those of shells and plane elements surfaces.
+  void addPart(std::size_t number) {
+    const TileElements& part = *parts_[number];
+    const bool quadratic = mesh_.rule.quadratic;
+    const int k = static_cast<int>(number);
+    Block body{bodyDimension(), k + 1, (isSolid() ? kHexahedron : kQuadrilateral)[quadratic], {}};
+    for (int e = part.firstElement; e < part.firstElement + part.elementCount; ++e) {
+      const std::array<int, 20>& nodes = mesh_.elements[e].nodes;
+      body.elements.push_back(
+          isSolid() ? solid(mesh_.elements[e], quadratic)
+                    : std::vector<int>(nodes.begin(), nodes.begin() + nodeCount(mesh_.rule)));
+    }
+    if (isSolid()) addFaces(part, k);
+    blocks_.push_back(std::move(body));
+    namePart(number);
+  }
+
+  /// Surfaces 3 k + 1, 3 k + 2 and 3 k + 3 are the bottom, top and sides of part k.
+  void addFaces(const TileElements& part, int number) {
+    const bool quadratic = mesh_.rule.quadratic;
+    Block faces[3];
+    for (int k = 0; k < 3; ++k) faces[k] = {2, 3 * number + k + 1, kQuadrilateral[quadratic], {}};
+    const int lastLayer = part.firstElement + part.elementCount - part.layerCount;
+    for (int k = 0; k < part.layerCount; ++k) {
+      faces[0].elements.push_back(
+          face(mesh_.elements[part.firstElement + k], kBottomFace, quadratic));
+      faces[1].elements.push_back(face(mesh_.elements[lastLayer + k], kTopFace, quadratic));
+    }
+    for (const ElementFace& side : part.sides) {
+      faces[2].elements.push_back(
+          face(mesh_.elements[side.element], sideFace(side.side), quadratic));
+    }
+    for (Block& block : faces) {
+      // A surface without elements would be an entity that no program can show.
+      const bool isSide = &block == &faces[2];
+      if (isSide && (sets_ != SetChoice::All || block.elements.empty())) continue;
+      blocks_.push_back(std::move(block));
+    }
+  }
+
+  void namePart(std::size_t number) {
+    if (sets_ != SetChoice::All) return;
+    const std::size_t tiles = mesh_.tiles.size();
+    const std::string name = number < tiles ? fmt::format("TILE_{:05}", number)
+                                            : fmt::format("NECK_{:05}", number - tiles);
+    bodyGroups_.push_back(addGroup(bodyDimension(), name));
+    if (!isSolid()) return;
+    for (const char* ending : {"_SBOT", "_STOP", "_SIDE"}) {
+      surfaceGroups_.push_back(addGroup(2, name + ending));
+    }
+  }
+
+  /// Points have a position, all others the box round their part. Curves: none.
+  void appendEntities(std::string& text) const {
+    const int parts = static_cast<int>(parts_.size());
+    appendText(text, "$Entities\n{} 0 {} {}\n", pointGroups_.size(), isSolid() ? 3 * parts : parts,
+               isSolid() ? parts : 0);
+    int entity = 0;
+    for (const auto& [node, groups] : pointGroups_) {
+      const Vector3& at = positions_[node];
+      appendText(text, "{} {} {} {} {}", ++entity, at.x(), at.y(), at.z(), groups.size());
+      for (const int group : groups) appendText(text, " {}", group);
+      text += '\n';
+    }
+    // The group of kind 1 + k % 3: BOTTOM, TOP, SIDES.
+    if (isSolid()) {
+      for (int k = 0; k < 3 * parts; ++k) appendEntity(text, k, k / 3, 1 + k % 3, surfaceGroups_);
+    }
+    const int tiles = static_cast<int>(mesh_.tiles.size());
+    for (int k = 0; k < parts; ++k) appendEntity(text, k, k, k < tiles ? 1 : 2, bodyGroups_);
+    text += "$EndEntities\n";
+  }
+
+  /// One entity with its box, its kind's group and, if it has one, a group of its own.
+  void appendEntity(std::string& text, int number, int part, int kind,
+                    const std::vector<int>& own) const {
+    Eigen::AlignedBox3d box;
+    for (const int node : parts_[part]->nodes) box.extend(positions_[node]);
+    appendText(text, "{} {} {} {} {} {} {} ", number + 1, box.min().x(), box.min().y(),
+               box.min().z(), box.max().x(), box.max().y(), box.max().z());
+    own.empty() ? appendText(text, "1 {} 0\n", kind)
+                : appendText(text, "2 {} {} 0\n", kind, own[number]);
+  }
+
+  void appendNodes(std::string& text) const {
+    std::vector<bool> isWritten(mesh_.nodes.size());
+    // Nodes keep the numbers of the mesh, from 1, in whichever block they stand.
+    appendText(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
+               mesh_.nodes.size());
+    const auto appendBlock = [&](int dimension, int entity, const std::vector<int>& nodes) {
+      appendText(text, "{} {} 0 {}\n", dimension, entity, nodes.size());
+      for (const int node : nodes) appendText(text, "{}\n", node + 1);
+      for (const int node : nodes) {
+        const Vector3& at = positions_[node];
+        appendText(text, "{} {} {}\n", at.x(), at.y(), at.z());
+        isWritten[node] = true;
+      }
+    };
+    int entity = 0;
+    for (const auto& [node, groups] : pointGroups_) appendBlock(0, ++entity, {node});
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      std::vector<int> own;
+      std::ranges::copy_if(parts_[k]->nodes, std::back_inserter(own),
+                           [&](int node) { return !isWritten[node]; });
+      appendBlock(bodyDimension(), static_cast<int>(k) + 1, own);
+    }
+    text += "$EndNodes\n";
+  }
+
+  void appendElements(std::string& text) const {
+    std::size_t count = 0;
+    for (const Block& block : blocks_) count += block.elements.size();
+    appendText(text, "$Elements\n{0} {1} 1 {1}\n", blocks_.size(), count);
+    std::size_t number = 0;
+    for (const Block& block : blocks_) {
+      appendText(text, "{} {} {} {}\n", block.dimension, block.entity, block.kind,
+                 block.elements.size());
+      for (const std::vector<int>& nodes : block.elements) {
+        appendText(text, "{}", ++number);
+        for (const int node : nodes) appendText(text, " {}", node + 1);
+        text += '\n';
+      }
+    }
+    text += "$EndElements\n";
+  }
+
+  const ElementMesh& mesh_;
+  SetChoice sets_;
+  LengthUnit unit_;
+  std::vector<Vector3> positions_;          ///< of the nodes
+  std::vector<const TileElements*> parts_;  ///< tiles, then necks
+  std::vector<Group> groups_;
+  std::array<int, 4> groupsOf_{};                ///< by dimension
+  std::map<int, std::vector<int>> pointGroups_;  ///< by node
+  std::vector<int> surfaceGroups_;               ///< of single faces, in order of entities
+  std::vector<int> bodyGroups_;                  ///< of single tiles and necks
+  std::vector<Block> blocks_;
+};
+
+}  // namespace
+
+std::string gmshMesh(const ElementMesh& mesh, SetChoice sets, const LengthUnit& unit) {
+  return GmshText(mesh, sets, unit).text();
+}
+
+// ------------------------------------------------------------------------------------------------
+// Nodes are sorted by their places along a direction that no grid has, so that only neighbours in
+// that order need to be compared. Where tiles overlap, both nodes may move alike: then one of them
+// moves on.
+//
+// Let s be the diagonal of the box round the nodes. Two nodes are in one place when they are less
+// than 4e-8 s apart. Such a node moves by 1e-7 s towards the mean of its elements' middles, within
+// the plane of its tile, so that it stays on the tile's face; one bank of a slit moves one way, the
+// other bank the other way.
+//
+// The projections along the direction (1, sqrt 2, sqrt 3) / sqrt 6 of nodes that are d apart differ
+// by d at most, so a node is compared with those whose projections are within 4e-8 s. In a grid,
+// nodes of one row or column have different projections, and such a list is short: n log n in all.
+
+namespace {
+
+constexpr double kMove = 1e-7;      ///< of the sheet's size
+constexpr double kOnePlace = 4e-8;  ///< of the size; less than two moves, or some would collide
+
+double sizeOf(const std::vector<Vector3>& nodes) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : nodes) box.extend(node);
+  return nodes.empty() ? 0 : box.sizes().norm();
+}
+
+/// For each node whether another lies in its place; `laterAlone`: another one before it.
+std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolerance,
+                                bool laterAlone) {
+  const Vector3 direction = Vector3(1, std::sqrt(2.0), std::sqrt(3.0)) / std::sqrt(6.0);
+  std::vector<double> along(nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k) along[k] = direction.dot(nodes[k]);
+  std::vector<int> order(nodes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](int node) { return std::pair(along[node], node); });
+  std::vector<bool> found(nodes.size());
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    for (std::size_t b = a + 1; b < order.size(); ++b) {
+      if (along[order[b]] - along[order[a]] > tolerance) break;
+      if ((nodes[order[a]] - nodes[order[b]]).norm() > tolerance) continue;
+      found[std::max(order[a], order[b])] = true;
+      if (!laterAlone) found[std::min(order[a], order[b])] = true;
+    }
+  }
+  return found;
+}
+
+/// The middle of four corners of an element.
+Vector3 middleOf(const ElementMesh& mesh, const Element& element, int first) {
+  Vector3 sum = Vector3::Zero();
+  for (int k = first; k < first + 4; ++k) sum += mesh.nodes[element.nodes[k]];
+  return sum / 4;
+}
+
+/// The direction from a node into an element, in the plane of its tile.
+Vector3 inwards(const ElementMesh& mesh, const Element& element, int node) {
+  const Vector3 bottom = middleOf(mesh, element, 0);
+  Vector3 way = bottom - mesh.nodes[node];
+  if (mesh.rule.family == ElementFamily::Solid) {
+    // The part of the way along the thickness is taken out.
+    const Vector3 up = (middleOf(mesh, element, 4) - bottom).normalized();
+    way -= up.dot(way) * up;
+  }
+  return way.normalized();
+}
+
+}  // namespace
+
+std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
+  constexpr int kPasses = 4;
+  const double size = sizeOf(mesh.nodes);
+  std::vector<Vector3> nodes = mesh.nodes;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    // From the second pass on only the later of two nodes moves, since both together would meet
+    // again.
+    const std::vector<bool> moves = isAmongOthers(nodes, kOnePlace * size, pass > 0);
+    if (std::ranges::find(moves, true) == moves.end()) break;
+    std::vector<Vector3> ways(nodes.size(), Vector3::Zero());
+    for (const Element& element : mesh.elements) {
+      for (int k = 0; k < nodeCount(mesh.rule); ++k) {
+        const int node = element.nodes[k];
+        if (moves[node]) ways[node] += inwards(mesh, element, node);
+      }
+    }
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (moves[k]) nodes[k] += kMove * size * ways[k].normalized();
+    }
+  }
+  return nodes;
+}
+
+}  // namespace kirireel::fea

@@ -1,0 +1,1046 @@
+// Writes jobs: a heading, the mesh by *INCLUDE, material and section, supports, one step. Every job
+// runs as it is.
+//
+//     *HEADING           one line
+//     **                 origin, what the job does, what to replace
+//     *INCLUDE           the mesh deck
+//     *MATERIAL          E (Pa or MPa), Poisson's ratio, density; *SOLID or *SHELL SECTION
+//     *BOUNDARY          node, first axis, last axis (1 to 3): displacements held at zero
+//     *STEP              *STATIC, *BUCKLE, loads, what is printed
+//     *END STEP
+//
+// Supports. A sheet of tiles on ideal hinges is a mechanism; a program that factorises its
+// stiffness finds it singular, or worse, nearly so, and ends without a warning with displacements
+// of 1e9 m. leastSupports (job.h) holds six motions of the whole and one displacement for each
+// mechanism, which is the least that makes the problem have one solution, and what is held carries
+// no load but what equilibrium asks for.
+//
+// Driven jobs. Tile t has the pose (R(s), x(s)) at the time s (seconds) and (R(0), x(0)) in the
+// mesh. A node at p moves by
+//
+//     u(s) = R(s) R(0)^T (p - x(0)) + x(s) - p,
+//
+// and components of u at six displacements of a tile, by *AMPLITUDE, move it as the trajectory did
+// (NLGEOM). Amplitudes are linear between samples. Prescribed rotations (*RIGID BODY of whole
+// tiles) would be shorter to write but make tiles rigid, whose strain is what is asked for.
+//
+// Periodic jobs. Control nodes carry the displacement of one end against the other; see
+// deck.cpp.
+#include "render/fea/job.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Dense>
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "render/fea/deck.h"
+#include "sim/base/error.h"
+#include "sim/mechanics/block_cholesky.h"
+
+namespace kirireel::fea {
+namespace {
+
+/// Shells with an offset have a section for each set; all others one for EALL. Plane elements give
+/// their thickness in the section's line of data, solids give none.
+void appendSection(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                   double thickness) {
+  const UnitScale scale = unitScale(settings.unit);
+  appendText(text, "*MATERIAL, NAME=SHEET\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n",
+             deckNumber(scale.stress * settings.material.youngs),
+             deckNumber(settings.material.poisson),
+             deckNumber(scale.density * settings.material.density));
+  const bool isShell = mesh.rule.family == ElementFamily::Shell;
+  const std::vector<ShellOffset> offsets =
+      isShell ? shellOffsets(mesh) : std::vector<ShellOffset>();
+  for (const ShellOffset& shells : offsets) {
+    appendText(text, "*SHELL SECTION, ELSET={}, MATERIAL=SHEET, OFFSET={}\n{}\n", shells.set,
+               deckNumber(shells.offset), deckNumber(scale.length * thickness));
+  }
+  if (!offsets.empty()) return;
+  appendText(text, "*{} SECTION, ELSET=EALL, MATERIAL=SHEET\n", isShell ? "SHELL" : "SOLID");
+  if (mesh.rule.family == ElementFamily::Solid) return;
+  appendText(text, "{}\n", deckNumber(scale.length * thickness));
+}
+
+/// A row for each displacement: node, axis, axis.
+void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supports) {
+  text += "*BOUNDARY\n";
+  for (const NodeDisplacement& held : supports) {
+    appendText(text, "{0}, {1}, {1}\n", held.node + 1, held.axis + 1);
+  }
+}
+
+/// Rising and each once, because supports are sorted by node.
+std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
+  std::vector<int> nodes;
+  for (const NodeDisplacement& held : supports) {
+    if (nodes.empty() || nodes.back() != held.node) nodes.push_back(held.node);
+  }
+  return nodes;
+}
+
+/// The nodes farthest along an axis (`sign` 1) or against it (-1) that are neither held nor follow
+/// others.
+std::vector<int> outermost(const ElementMesh& mesh, const std::vector<int>& held, int axis,
+                           double sign) {
+  const std::vector<bool> follows = followers(mesh);
+  std::vector<std::pair<double, int>> free;
+  for (int k = 0; k < static_cast<int>(mesh.nodes.size()); ++k) {
+    const bool isFree = !follows[k] && !std::ranges::binary_search(held, k);
+    if (isFree) free.emplace_back(-sign * mesh.nodes[k][axis], k);
+  }
+  // The farthest first. Only those with exactly the coordinate of the first are taken.
+  std::ranges::sort(free);
+  std::vector<int> nodes;
+  for (const auto& [place, node] : free) {
+    if (place == free.front().first) nodes.push_back(node);
+  }
+  return nodes;
+}
+
+/// GRIP_XMIN and GRIP_XMAX, or of another axis: the nodes at the sheet's two ends that are not
+/// held, or where all are, those next to them. Programs would count what is applied at held nodes
+/// among the reactions.
+std::vector<NamedNodes> gripSets(const ElementMesh& mesh, const std::vector<int>& held) {
+  const std::vector<NamedNodes> ends = boundarySets(mesh);
+  std::vector<NamedNodes> grips;
+  for (const int end : {0, 1}) {
+    const std::size_t place = 2 * longestAxis(mesh) + end;
+    NamedNodes& grip = grips.emplace_back();
+    grip.name = "GRIP_" + ends[place].name;
+    // Both lists rise.
+    std::ranges::set_difference(ends[place].nodes, held, std::back_inserter(grip.nodes));
+    if (grip.nodes.empty()) {
+      grip.nodes = outermost(mesh, held, longestAxis(mesh), end == 0 ? -1 : 1);
+    }
+  }
+  return grips;
+}
+
+/// Equal forces on the nodes of both grips, 1 N in sum at each: apart with sign 1, together with
+/// -1.
+void appendGripForces(std::string& text, const std::vector<NamedNodes>& grips, int axis,
+                      double sign) {
+  text += "*CLOAD\n";
+  for (const NamedNodes& grip : grips) {
+    // The first grip is the MIN end, so sign 1 pulls it in the negative direction.
+    sign = -sign;
+    appendText(text, "{}, {}, {}\n", grip.name, axis + 1,
+               deckNumber(sign / static_cast<double>(grip.nodes.size())));
+  }
+}
+
+/// Displacements, reactions, stresses and strains in the program's own result file, and what is
+/// said of the held or driven nodes, with the sum of their reactions, in NAME.dat. `set` names
+/// nodes in the mesh deck, `printed` is U, RF or both.
+void appendRequests(std::string& text, Solver solver, const char* set, const char* printed) {
+  if (solver == Solver::Calculix) {
+    text +=
+        "*NODE FILE\nU, RF\n"
+        "*EL FILE\nS, E\n"
+        "** Viewers of .frd files compute the von Mises stress from S.\n";
+  } else {
+    text +=
+        "*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF\n"
+        "*ELEMENT OUTPUT\nS, E, MISES\n";
+  }
+  appendText(text, "*NODE PRINT, NSET={}, TOTALS=YES\n{}\n", set, printed);
+}
+
+void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
+  if (hasEquations(mesh)) {
+    text +=
+        "** WARNING: nodes that follow in *EQUATION cannot be held, and CalculiX leaves the forces "
+        "of\n"
+        "** equations out of RF: hold nodes that no joint touches, as here.\n";
+  }
+  if (mesh.rule.joints == JointStyle::Patch) {
+    text += "** WARNING: nodes of rigid patches cannot be held; hold their reference nodes.\n";
+  }
+}
+
+/// The mesh and the material.
+void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                 const DeckOrigin& origin, const std::string& meshFile) {
+  // The path is as given: both programs look for it in the folder that they were started in.
+  appendText(text, "*INCLUDE, INPUT={}\n", meshFile);
+  appendSection(text, mesh, settings, origin.thickness);
+  if (!settings.contactFriction) return;
+  appendContactCards(text, contactPairs(mesh).size(), settings, origin.thickness);
+}
+
+/// Moments of springs that are not at rest.
+void appendSpringMoments(std::string& text, const ElementMesh& mesh, const DeckSettings& settings) {
+  std::string moments;
+  PatchDeck(mesh, settings.solver).appendMoments(moments, settings.unit);
+  if (!moments.empty())
+    text += "** What springs pull with in the state of the mesh.\n*CLOAD\n" + moments;
+}
+
+/// What a sheet is held and gripped by.
+struct HeldSheet {
+  std::vector<NodeDisplacement> supports;
+  std::vector<NamedNodes> grips;
+  std::string sets;  ///< NHOLD and those of the grips
+};
+
+HeldSheet heldSheet(const ElementMesh& mesh) {
+  HeldSheet held{leastSupports(mesh), {}, {}};
+  held.grips = gripSets(mesh, nodesOf(held.supports));
+  held.sets = "** What the job holds and grips.\n";
+  appendNodeSet(held.sets, "NHOLD", nodesOf(held.supports));
+  for (const NamedNodes& grip : held.grips) appendNodeSet(held.sets, grip.name, grip.nodes);
+  return held;
+}
+
+/// Displacements from the mesh's state on, at each time, of the point that a node is of its tile.
+/// In metres, along the driven axis, an entry a sample; the first is 0 up to rounding.
+std::vector<double> displacementsOf(const NodeDisplacement& driven, const ElementMesh& mesh,
+                                    const TileHistory& history) {
+  const Vector3& start = mesh.nodes[driven.node];
+  const Pose& first = history.poses[0][driven.tile];
+  const Vector3 inTile = first.rotation.conjugate() * (start - first.position);
+  std::vector<double> displacements;
+  for (const Poses& poses : history.poses) {
+    displacements.push_back((poses[driven.tile].apply(inTile) - start)[driven.axis]);
+  }
+  return displacements;
+}
+
+/// Every so many samples, the first and the last among them, so that amplitudes stay readable:
+/// CalculiX 2.20 crashes on decks with 300,000 pairs in them; it reads 220,000.
+TileHistory thinned(const TileHistory& history, std::size_t driven) {
+  constexpr std::size_t kMostPairs = 200'000;
+  const std::size_t count = history.times.size();
+  // The last sample is added in any case, for the end state is what is looked at.
+  const std::size_t step = driven * count / kMostPairs + 1;
+  TileHistory kept;
+  for (std::size_t k = 0; k + 1 < count; k += step) {
+    kept.times.push_back(history.times[k]);
+    kept.poses.push_back(history.poses[k]);
+  }
+  kept.times.push_back(history.times.back());
+  kept.poses.push_back(history.poses.back());
+  return kept;
+}
+
+/// *AMPLITUDE, four pairs of time and value a line. Values are multiplied by `scale`; times are
+/// seconds in all units.
+void appendAmplitude(std::string& text, const std::string& name, const std::vector<double>& times,
+                     const std::vector<double>& values, double scale) {
+  appendText(text, "*AMPLITUDE, NAME={}\n", name);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const bool endsLine = k % 4 == 3 || k + 1 == times.size();
+    appendText(text, "{}, {}{}", deckNumber(times[k]), deckNumber(scale * values[k]),
+               endsLine ? "\n" : ", ");
+  }
+}
+
+/// How each of these tiles turns from the mesh's state on.
+std::vector<std::vector<Quaternion>> turnsOf(const std::vector<int>& tiles,
+                                             const TileHistory& history) {
+  std::vector<std::vector<Quaternion>> turns;
+  for (const int tile : tiles) {
+    std::vector<Quaternion>& own = turns.emplace_back();
+    const Quaternion back = history.poses[0][tile].rotation.conjugate();
+    for (const Poses& poses : history.poses) own.push_back(poses[tile].rotation * back);
+  }
+  return turns;
+}
+
+/// What residual forces are compared with. Tiles on ideal hinges move without any force, so that
+/// programs, which compare with the mean force, would wait for rounding to vanish. The numbers are
+/// those of *CONTROLS in both programs: R_n = 0.005, the share of the mean force below which
+/// residuals have converged, C_n = 0.01 for corrections, q_0 and q_u, the mean force at the start
+/// and throughout, here E t^2 / 10^6 (N), R_P = 0.02, and the share below which forces count as
+/// zero.
+void appendForceMeasure(std::string& text, const DeckSettings& settings, double thickness) {
+  const UnitScale scale = unitScale(settings.unit);
+  const double force = 1e-6 * settings.material.youngs * thickness * thickness * scale.stress *
+                       scale.length * scale.length;
+  appendText(
+      text,
+      "** Residual forces count from a millionth of E t^2 on: ideal hinges move without "
+      "any.\n"
+      "*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n0.005, 0.01, {0}, {0}, 0.02, 0.005\n",
+      deckNumber(force));
+}
+
+/// A<node>_<axis>, both from 1, which is unique in a deck.
+std::string amplitudeName(const NodeDisplacement& driven) {
+  return fmt::format("A{}_{}", driven.node + 1, driven.axis + 1);
+}
+
+/// The tiles with nodes at either end of the longest axis.
+std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
+  const std::vector<NamedNodes> sets = boundarySets(mesh);
+  std::vector<bool> isAtEnd(mesh.nodes.size());
+  for (const int end : {0, 1}) {
+    const std::size_t place = 2 * longestAxis(mesh) + end;
+    for (const int node : sets[place].nodes) {
+      // Reference nodes of patches count on after the mesh's own and belong to no tile.
+      if (static_cast<std::size_t>(node) < isAtEnd.size()) isAtEnd[node] = true;
+    }
+  }
+  std::vector<int> tiles;
+  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+    const std::vector<int>& nodes = mesh.tiles[t].nodes;
+    if (std::ranges::any_of(nodes, [&](int node) { return isAtEnd[node]; })) {
+      tiles.push_back(static_cast<int>(t));
+    }
+  }
+  return tiles;
+}
+
+void requireMappable(const ElementRule& rule) {
+  if (rule.family == ElementFamily::Solid) return;
+  throw InputError(
+      "error: --state-map moves solids; shells and plane elements have turns that it does not "
+      "know: "
+      "leave out --shells");
+}
+
+/// The model with what is held before its step.
+void appendHeldModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                     const DeckOrigin& origin, const std::string& meshFile, const HeldSheet& held) {
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile);
+  appendSupports(text, held.supports);
+}
+
+}  // namespace
+
+DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                  const std::string& meshFile) {
+  const HeldSheet held = heldSheet(mesh);
+  std::string text = heading(origin, "pulled at both ends");
+  appendOrigin(text, origin, settings.unit);
+  // Supports in the plane: two displacements and a turn.
+  const std::size_t rigid = mesh.rule.family == ElementFamily::Plane ? 3 : 6;
+  appendText(
+      text,
+      "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
+      "joints.\n"
+      "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
+      "by\n"
+      "** one displacement, so that nothing else is strained. Holding less leaves a mechanism, "
+      "on\n"
+      "** which a linear static step gives huge displacements and no warning: look at the "
+      "largest |U|.\n"
+      "** Replace material, supports and loads by yours. Its weight would be\n"
+      "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
+      held.supports.size(), rigid, held.supports.size() - rigid,
+      deckNumber(9.81 * unitScale(settings.unit).length));
+  appendHeldModel(text, mesh, settings, origin, meshFile, held);
+  text += "*STEP\n*STATIC\n";
+  appendGripForces(text, held.grips, longestAxis(mesh), 1);
+  appendSpringMoments(text, mesh, settings);
+  appendRequests(text, settings.solver, "NHOLD", "RF");
+  return {held.sets, text + "*END STEP\n"};
+}
+
+DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                    const std::string& meshFile) {
+  const HeldSheet held = heldSheet(mesh);
+  std::string text = heading(origin, "buckling");
+  appendOrigin(text, origin, settings.unit);
+  text +=
+      "** Both ends are pushed together by 1 N each; the buckling factors are forces in N. The "
+      "supports\n"
+      "** hold mechanisms of ideal hinges too: replace them by those of your test.\n";
+  appendHeldModel(text, mesh, settings, origin, meshFile, held);
+  // Five factors, the smallest first.
+  text += "*STEP\n*BUCKLE\n5\n";
+  appendGripForces(text, held.grips, longestAxis(mesh), -1);
+  text +=
+      settings.solver == Solver::Calculix ? "*NODE FILE\nU\n" : "*OUTPUT, FIELD\n*NODE OUTPUT\nU\n";
+  return {held.sets, text + "*END STEP\n"};
+}
+
+void requireDrivable(const DriveChoice& choice, std::size_t tiles, int countsFrom) {
+  std::vector<int> named = choice.tiles;
+  std::ranges::sort(named);
+  // Sorted numbers put what is named twice side by side.
+  for (std::size_t k = 0; k < named.size(); ++k) {
+    const int last = static_cast<int>(tiles) - 1 + countsFrom;
+    if (named[k] < countsFrom || named[k] > last) {
+      throw InputError(fmt::format("error: --drive names tile {}, but the model has tiles {} to {}",
+                                   named[k], countsFrom, last));
+    }
+    if (k > 0 && named[k] == named[k - 1]) {
+      throw InputError(
+          fmt::format("error: --drive names tile {} twice, which would prescribe its displacements "
+                      "twice; leave one out",
+                      named[k]));
+    }
+  }
+}
+
+std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice) {
+  requireDrivable(choice, mesh.tiles.size(), mesh.rule.countsFrom);
+  if (choice.kind == DriveChoice::Edge) return tilesAtEnds(mesh);
+  std::vector<int> tiles = choice.tiles;
+  for (int& tile : tiles) tile -= mesh.rule.countsFrom;
+  if (choice.kind == DriveChoice::All) {
+    tiles.resize(mesh.tiles.size());
+    std::iota(tiles.begin(), tiles.end(), 0);
+  }
+  std::ranges::sort(tiles);
+  return tiles;
+}
+
+DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                 const std::string& meshFile, const TileHistory& allSamples) {
+  const std::vector<int> tiles = drivenTiles(mesh, settings.drive);
+  // Six displacements a tile, nine at worst, each with an amplitude of its own.
+  const TileHistory history = thinned(allSamples, 6 * tiles.size());
+  std::vector<NodeDisplacement> driven;
+  const std::vector<std::vector<Quaternion>> turns = turnsOf(tiles, history);
+  for (const auto& own : tileDisplacements(mesh, tiles, turns)) {
+    driven.insert(driven.end(), own.begin(), own.end());
+  }
+  // What the driven tiles leave free moves as the trajectory had it, too: held at rest it would
+  // block the mechanism.
+  const std::vector<NodeDisplacement> rest = leastSupports(mesh, tiles);
+  driven.insert(driven.end(), rest.begin(), rest.end());
+  std::ranges::sort(driven);
+
+  std::string text = heading(origin, "driven");
+  appendOrigin(text, origin, settings.unit);
+  appendText(
+      text,
+      "** {} tiles are moved as in the trajectory, each by displacements of its nodes; so "
+      "are {}\n"
+      "** displacements more, which the joints' mechanisms would leave free. Between samples the "
+      "path of\n"
+      "** a node is a straight line. Time is that of the deployment.\n",
+      tiles.size(), rest.size());
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile);
+  const double scale = unitScale(settings.unit).length;
+  for (const NodeDisplacement& one : driven) {
+    appendAmplitude(text, amplitudeName(one), history.times, displacementsOf(one, mesh, history),
+                    scale);
+  }
+  // A twentieth of the time an increment at first and at most, a millionth at least: linear paths
+  // between samples are followed closely enough, and CalculiX cuts increments where it must.
+  const double end = history.times.back();
+  appendText(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
+             deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
+  if (mesh.rule.joints != JointStyle::Neck) appendForceMeasure(text, settings, origin.thickness);
+  appendSpringMoments(text, mesh, settings);
+  for (const NodeDisplacement& one : driven) {
+    appendText(text, "*BOUNDARY, AMPLITUDE={0}\n{1}, {2}, {2}, 1.\n", amplitudeName(one),
+               one.node + 1, one.axis + 1);
+  }
+  appendRequests(text, settings.solver, "NDRIVE", "U, RF");
+  if (settings.solver == Solver::Calculix) text += "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
+  std::string sets = "** What the drive moves.\n";
+  appendNodeSet(sets, "NDRIVE", nodesOf(driven));
+  return {sets, text + "*END STEP\n"};
+}
+
+DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const DeckSettings& settings,
+                    const DeckOrigin& origin, const std::string& meshFile) {
+  requireMappable(mesh.rule);
+  std::string text = heading(origin, "mapped");
+  appendOrigin(text, origin, settings.unit);
+  text +=
+      "** The mesh of an earlier state is moved to this one: the displacements are the map between "
+      "them,\n"
+      "** and stresses are counted from the earlier state, in which the tiles are free of them. "
+      "Add steps\n"
+      "** that follow, with *BOUNDARY, OP=NEW, to load this state.\n";
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile);
+  text += "*STEP, NLGEOM, INC=1000\n*STATIC\n1., 1., 1e-6, 1.\n";
+  appendForceMeasure(text, settings, origin.thickness);
+  text += "*BOUNDARY\n";
+  // Followers cannot be prescribed; they go where their leaders do.
+  const std::vector<bool> follows = followers(mesh);
+  const double scale = unitScale(settings.unit).length;
+  const auto appendMove = [&](int node, const Vector3& move) {
+    for (int axis = 0; axis < 3; ++axis) {
+      appendText(text, "{0}, {1}, {1}, {2}\n", node + 1, axis + 1, deckNumber(scale * move[axis]));
+    }
+  };
+  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+    if (!follows[k]) appendMove(static_cast<int>(k), later.nodes[k] - mesh.nodes[k]);
+  }
+  for (std::size_t c = 0; c < mesh.clusters.size() && !hasEquations(mesh); ++c) {
+    appendMove(referenceNode(mesh, c), referencePosition(later, c) - referencePosition(mesh, c));
+  }
+  appendRequests(text, settings.solver, "NALL", "U");
+  return {{}, text + "*END STEP\n"};
+}
+
+DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                    const std::string& meshFile) {
+  // Small enough that a linear step is right, large against rounding of coordinates.
+  constexpr double kStrain = 1e-3;
+  const Periodicity periodic = periodicity(mesh);
+  // The supports must know of ties, or they would hold motions that these stop already.
+  ElementMesh tied = mesh;
+  tied.ties = periodic.ties;
+  const std::vector<NodeDisplacement> supports = leastSupports(tied);
+  // As meshDeck numbers them: after the mesh's nodes and those of patches.
+  const int control =
+      static_cast<int>(mesh.nodes.size() + PatchDeck(mesh, settings.solver).nodes().size());
+  const int axis = periodic.axes[0] ? 0 : 1;
+  std::string text = heading(origin, "periodic");
+  appendOrigin(text, origin, settings.unit);
+  appendText(
+      text,
+      "** Opposite ends move alike but for the control nodes NCONTROL, whose displacements are "
+      "those of\n"
+      "** one end against the other and whose reactions are the forces on it. Here the sheet is "
+      "strained\n"
+      "** by {} along {}, and free to widen across. Held besides are {} displacements: what "
+      "moves while\n"
+      "** the control nodes rest.\n",
+      kStrain, axis == 0 ? "x" : "y", supports.size());
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile);
+  appendTies(text, periodic, mesh, control);
+  appendSupports(text, supports);
+  const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
+  const bool hasBoth = periodic.axes[0] && periodic.axes[1];
+  for (int direction = 0; direction < directions; ++direction) {
+    // Shear of the sheet is held: the control nodes move along their own axes alone.
+    if (direction != axis) appendText(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
+    if (hasBoth && direction != 1) appendText(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
+  }
+  appendText(text, "*STEP\n*STATIC\n*BOUNDARY\n{0}, {1}, {1}, {2}\n", control + 1, axis + 1,
+             deckNumber(kStrain * periodic.period[axis] * unitScale(settings.unit).length));
+  appendSpringMoments(text, mesh, settings);
+  appendRequests(text, settings.solver, "NCONTROL", "U, RF");
+  if (settings.solver == Solver::Calculix) {
+    text +=
+        "** CalculiX leaves the forces of equations out of RF: the force is twice the energy by "
+        "the displacement.\n"
+        "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
+  }
+  return {{}, text + "*END STEP\n"};
+}
+
+// ------------------------------------------------------------------------------------------------
+// Let the unknowns be six displacements u_t of nodes of each tile t, which fix it as a rigid body.
+// A point p of the tile then moves by R(p) B_t^-1 u_t, where R(p) = [1, -[p - c]x] maps velocity
+// and spin to the point and B_t holds the rows of R that belong to u_t. A joint asks that two tiles
+// move alike at its middle and, where it goes through the thickness along d, that they turn its
+// line alike, s w x d with a length s of the tiles' size: J u = 0. (Two points a thickness apart
+// would ask the same, but of thin bricks so softly that what they hold looks free.)
+//
+// What J leaves free is the first-order motions of rigid tiles. job.h finds as many
+// unknowns as there are of them, and holding these leaves none (compare C. Farhat, M. Geradin, On
+// the general solution by a direct method of a large-scale singular system of linear equations,
+// Int. J. Numer. Meth. Engng. 41, 1998).
+//
+// Elimination leaves of a column |J u| for a motion u with this unknown at 1. For a motion that
+// strains nothing that is rounding times |u|; where corners that meet are g apart, J is wrong by
+// g / s, and it is up to g / s |u|. |u| is about the root of the number of unknowns n. Free is
+// hence what lies below root(n) (1e-8 + g / s), but never above 1e-3: a motion that opens joints by
+// more than a thousandth of what it moves is none of a mechanism, whatever g.
+
+namespace {
+
+/// How a tile's points follow its six displacements. Spins are multiplied by `size`, so that all
+/// six unknowns are lengths and rows compare.
+struct TileMotion {
+  std::vector<NodeDisplacement> displacements;
+  Vector3 centre;
+  double size = 1;  ///< metres, by which spins are scaled
+  Matrix6 fromDisplacements;
+
+  /// The rows of velocity and spin that make the motion of a point.
+  Eigen::Matrix<double, 3, 6> motionOf(const Vector3& point) const {
+    Eigen::Matrix<double, 3, 6> rows;
+    rows << Matrix3::Identity(), -crossMatrix(point - centre) / size;
+    return rows;
+  }
+};
+
+/// The nodes of joints, and those that tiles share with necks or each other. A node that a second
+/// part uses is one of these.
+std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
+  std::vector<bool> isJoint(mesh.nodes.size());
+  std::vector<bool> isUsed(mesh.nodes.size());
+  for (const auto* parts : {&mesh.tiles, &mesh.necks}) {
+    for (const TileElements& part : *parts) {
+      for (const int node : part.nodes) {
+        if (isUsed[node]) isJoint[node] = true;
+        isUsed[node] = true;
+      }
+    }
+  }
+  for (const JointNodes& joint : mesh.joints) {
+    for (const int node : joint.a) isJoint[node] = true;
+    for (const int node : joint.b) isJoint[node] = true;
+  }
+  return isJoint;
+}
+
+/// Whether six displacements fix a tile whatever its turn: their equations' least singular value,
+/// with spins scaled by the tile's size. What falls below is driven by nine.
+constexpr double kLeastGrip = 0.1;
+/// So many of a tile's turns are looked at.
+constexpr std::size_t kTurnsLookedAt = 24;
+
+/// Evenly spread, the first and the last among them.
+std::vector<Matrix3> someOf(const std::vector<Quaternion>& turns) {
+  std::vector<Matrix3> some;
+  const std::size_t step = turns.size() / kTurnsLookedAt + 1;
+  for (std::size_t k = 0; k < turns.size(); k += step) some.push_back(turns[k].toRotationMatrix());
+  if (!turns.empty()) some.push_back(turns.back().toRotationMatrix());
+  return some;
+}
+
+/// Finds the displacements of tiles one by one.
+class MotionFinder {
+ public:
+  explicit MotionFinder(const ElementMesh& mesh)
+      : mesh_(mesh), isJoint_(jointNodesOf(mesh)), follows_(followers(mesh)) {}
+
+  /// Tries, in this order, nodes of the bottom that no joint touches, all of the bottom that lead,
+  /// and all of the tile: displacements at joints would act on the neighbours at first hand.
+  TileMotion of(int tile, const std::vector<Quaternion>& turns = {}) const {
+    const TileElements& elements = mesh_.tiles[tile];
+    std::vector<int> apart;
+    std::vector<int> leading;
+    for (const int node : elements.bottom) {
+      if (!follows_[node]) leading.push_back(node);
+      if (!follows_[node] && !isJoint_[node]) apart.push_back(node);
+    }
+    for (const std::vector<int>& nodes : {apart, leading, leadingNodes(elements)}) {
+      TileMotion motion;
+      if (!choose(nodes, Matrix3::Identity(), motion)) continue;
+      if (!turns.empty()) keepGrip(nodes, someOf(turns), motion);
+      for (NodeDisplacement& displacement : motion.displacements) displacement.tile = tile;
+      return motion;
+    }
+    throw InputError(
+        fmt::format("error: all nodes of tile {} follow joints, so nothing can hold or drive it; "
+                    "use more elements per edge",
+                    tile + mesh_.rule.countsFrom));
+  }
+
+ private:
+  std::vector<int> leadingNodes(const TileElements& elements) const {
+    std::vector<int> nodes;
+    std::ranges::copy_if(elements.nodes, std::back_inserter(nodes),
+                         [this](int node) { return !follows_[node]; });
+    return nodes;
+  }
+
+  bool isPlane() const { return mesh_.rule.family == ElementFamily::Plane; }
+
+  /// Whether displacements of these nodes fix the tile when it is turned so: those that a pivoted
+  /// QR factorisation of all their rows takes first. Column k of the 6 x 3n matrix is what one
+  /// displacement of one node sees of the tile's six motions. The first six pivots are the
+  /// best-conditioned that a greedy choice finds.
+  bool choose(const std::vector<int>& nodes, const Matrix3& turn, TileMotion& motion) const {
+    if (nodes.size() < 3) return false;
+    Eigen::AlignedBox3d box;
+    for (const int node : nodes) box.extend(mesh_.nodes[node]);
+    motion.centre = box.center();
+    motion.size = 0.5 * box.sizes().norm();
+    Eigen::Matrix<double, 6, Eigen::Dynamic> rows(6, 3 * nodes.size());
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      auto own = rows.middleCols<3>(static_cast<Eigen::Index>(3 * k));
+      own = motion.motionOf(turned(nodes[k], turn, motion)).transpose();
+      // Plane elements have no displacement along z.
+      if (isPlane()) own.col(2).setZero();
+    }
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(rows);
+    // Relative to the largest pivot: nodes in one line give rank 5.
+    factors.setThreshold(1e-6);
+    const int count = isPlane() ? 3 : 6;
+    if (factors.rank() < count) return false;
+    motion.displacements.clear();
+    for (int k = 0; k < count; ++k) {
+      const int column = static_cast<int>(factors.colsPermutation().indices()[k]);
+      motion.displacements.push_back({nodes[column / 3], column % 3});
+    }
+    if (!isPlane()) motion.fromDisplacements = rowsOf(motion, turn).inverse();
+    return true;
+  }
+
+  /// Where a node is when the tile is turned about its centre.
+  Vector3 turned(int node, const Matrix3& turn, const TileMotion& motion) const {
+    return motion.centre + turn * (mesh_.nodes[node] - motion.centre);
+  }
+
+  /// The rows of a motion's displacements.
+  Eigen::MatrixXd rowsOf(const TileMotion& motion, const Matrix3& turn) const {
+    Eigen::MatrixXd rows(motion.displacements.size(), 6);
+    for (std::size_t k = 0; k < motion.displacements.size(); ++k) {
+      const NodeDisplacement& one = motion.displacements[k];
+      rows.row(static_cast<Eigen::Index>(k)) =
+          motion.motionOf(turned(one.node, turn, motion)).row(one.axis);
+    }
+    return rows;
+  }
+
+  /// How well displacements fix the tile in the worst of its turns. The least singular value of the
+  /// rows. 1 would be six displacements as good as velocity and spin themselves; 0 is a motion that
+  /// none of them sees.
+  double gripOf(const TileMotion& motion, const std::vector<Matrix3>& turns) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Matrix3& turn : turns) {
+      const Eigen::VectorXd values = singularValuesOf(rowsOf(motion, turn));
+      least = std::min(least, values[isPlane() ? 2 : 5]);
+    }
+    return least;
+  }
+
+  /// Replaces displacements that a turn makes useless (all in one line with what they should stop)
+  /// by those that suit another turn and all others, or else by all of three nodes. Tries the best
+  /// choice for each turn in turn and keeps the one that is best in its worst.
+  void keepGrip(const std::vector<int>& nodes, const std::vector<Matrix3>& turns,
+                TileMotion& motion) const {
+    double best = gripOf(motion, turns);
+    for (const Matrix3& turn : turns) {
+      if (best >= kLeastGrip) return;
+      TileMotion other;
+      if (!choose(nodes, turn, other)) continue;
+      const double grip = gripOf(other, turns);
+      if (grip > best) motion = other;
+      best = std::max(best, grip);
+    }
+    if (best < kLeastGrip) motion.displacements = allOfThree(nodes);
+  }
+
+  /// All displacements of a node, the one farthest from it, and the one farthest from their line.
+  std::vector<NodeDisplacement> allOfThree(const std::vector<int>& nodes) const {
+    const auto farthest = [&](const auto& distance) {
+      return *std::ranges::max_element(nodes, {},
+                                       [&](int node) { return distance(mesh_.nodes[node]); });
+    };
+    const Vector3& start = mesh_.nodes[nodes[0]];
+    const int first = farthest([&](const Vector3& at) { return (at - start).norm(); });
+    const Vector3& from = mesh_.nodes[first];
+    const int second = farthest([&](const Vector3& at) { return (at - from).norm(); });
+    const Vector3 along = mesh_.nodes[second] - from;
+    const int third = farthest([&](const Vector3& at) { return (at - from).cross(along).norm(); });
+    std::vector<NodeDisplacement> all;
+    for (const int node : {first, second, third}) {
+      for (int axis = 0; axis < (isPlane() ? 2 : 3); ++axis) all.push_back({node, axis});
+    }
+    return all;
+  }
+
+  const ElementMesh& mesh_;
+  std::vector<bool> isJoint_;
+  std::vector<bool> follows_;
+};
+
+/// The normal of a tile's bottom, by its first element.
+Vector3 normalOf(const ElementMesh& mesh, const TileElements& tile) {
+  const auto at = [&](int k) { return mesh.nodes[mesh.elements[tile.firstElement].nodes[k]]; };
+  return (at(2) - at(0)).cross(at(3) - at(1)).normalized();
+}
+
+/// What a joint asks of two tiles.
+PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
+                          const std::vector<TileMotion>& motions) {
+  // The middle between both tiles' nodes: where a gap is left the joint is thought halfway.
+  const auto at = [&](std::size_t k) {
+    return Vector3(0.5 * (mesh.nodes[joint.a[k]] + mesh.nodes[joint.b[k]]));
+  };
+  const Vector3 bottom = at(0);
+  const Vector3 top = at(joint.a.size() - 1);
+  // A shell's joint has one node; its line is the tile's normal.
+  const Vector3 line = joint.a.size() > 1 ? Vector3((top - bottom).normalized())
+                                          : normalOf(mesh, mesh.tiles[joint.tileA]);
+  const double size = 0.5 * (motions[joint.tileA].size + motions[joint.tileB].size);
+  const auto rowsOf = [&](const TileMotion& motion, double sign) {
+    PairEquations::Rows rows = PairEquations::Rows::Zero(joint.isHinge ? 6 : 3, 6);
+    rows.topRows<3>() = motion.motionOf(0.5 * (bottom + top));
+    if (joint.isHinge) {
+      // s (w x d): a turn about d itself drops out, so that these three rows have rank 2.
+      rows.bottomRightCorner<3, 3>() = -size / motion.size * crossMatrix(line);
+    }
+    return PairEquations::Rows(sign * rows * motion.fromDisplacements);
+  };
+  return {joint.tileA, joint.tileB, rowsOf(motions[joint.tileA], 1),
+          rowsOf(motions[joint.tileB], -1)};
+}
+
+/// What ties ask of tiles while control nodes rest; one body alone where `motions` has one. u_node
+/// = u_leader, since the control nodes stand still.
+std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
+                                        const std::vector<TileMotion>& motions) {
+  std::vector<int> owner(mesh.nodes.size());
+  for (std::size_t t = 0; t < mesh.tiles.size() && motions.size() > 1; ++t) {
+    for (const int node : mesh.tiles[t].nodes) owner[node] = static_cast<int>(t);
+  }
+  std::vector<PairEquations> equations;
+  for (const PeriodicTie& tie : mesh.ties) {
+    const auto rowsOf = [&](int node, double sign) {
+      const TileMotion& motion = motions[owner[node]];
+      return PairEquations::Rows(sign * motion.motionOf(mesh.nodes[node]) *
+                                 motion.fromDisplacements);
+    };
+    equations.push_back(
+        {owner[tie.node], owner[tie.leader], rowsOf(tie.node, 1), rowsOf(tie.leader, -1)});
+  }
+  return equations;
+}
+
+/// Whether springs stand wherever tiles turn against each other, so that no mechanism is left.
+bool hasSpringsEverywhere(const ElementMesh& mesh) {
+  std::vector<bool> hasSpring(mesh.clusters.size());
+  for (const PatchSpring& spring : mesh.springs) hasSpring[spring.cluster] = true;
+  return !mesh.springs.empty() && std::ranges::find(hasSpring, false) == hasSpring.end();
+}
+
+/// How short the columns are that have nothing left. As said at the head of the file: min(1e-3,
+/// sqrt(n) (1e-8 + g / s)).
+double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
+  constexpr double kColumnRounding = 1e-8;
+  constexpr double kShortestColumn = 1e-3;
+  const double least = std::ranges::min(motions, {}, &TileMotion::size).size;
+  const auto unknowns = static_cast<double>(6 * motions.size());
+  return std::min(kShortestColumn,
+                  std::sqrt(unknowns) * (kColumnRounding + mesh.largestGap / least));
+}
+
+}  // namespace
+
+std::vector<std::vector<NodeDisplacement>> tileDisplacements(
+    const ElementMesh& mesh, const std::vector<int>& tiles,
+    const std::vector<std::vector<Quaternion>>& turns) {
+  const MotionFinder finder(mesh);
+  std::vector<std::vector<NodeDisplacement>> displacements;
+  for (std::size_t k = 0; k < tiles.size(); ++k) {
+    displacements.push_back(
+        (turns.empty() ? finder.of(tiles[k]) : finder.of(tiles[k], turns[k])).displacements);
+  }
+  return displacements;
+}
+
+std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
+                                            const std::vector<int>& fixedTiles) {
+  const MotionFinder finder(mesh);
+  const bool isOneBody = mesh.rule.joints == JointStyle::Neck || hasSpringsEverywhere(mesh);
+  // One body that a fixed tile holds already needs no more.
+  if (isOneBody && !fixedTiles.empty()) return {};
+  std::vector<NodeDisplacement> held;
+  if (isOneBody && mesh.ties.empty()) {
+    // Six displacements of any one tile hold a body.
+    held = finder.of(0).displacements;
+    std::ranges::sort(held);
+    return held;
+  }
+  // A plane sheet whose ends are tied cannot turn: two displacements are left.
+  if (mesh.rule.family == ElementFamily::Plane) {
+    const NodeDisplacement first = finder.of(0).displacements[0];
+    return {{first.node, 0, 0}, {first.node, 1, 0}};
+  }
+  std::vector<TileMotion> motions;
+  for (std::size_t t = 0; t < (isOneBody ? 1 : mesh.tiles.size()); ++t) {
+    motions.push_back(finder.of(static_cast<int>(t)));
+  }
+  std::vector<PairEquations> equations = tieEquations(mesh, motions);
+  for (const JointNodes& joint : mesh.joints) {
+    if (!isOneBody) equations.push_back(equationsOf(mesh, joint, motions));
+  }
+  std::vector<bool> isFixed(motions.size());
+  for (const int tile : fixedTiles) isFixed[tile] = true;
+  for (const FreeColumn& column : freeColumns(static_cast<int>(motions.size()), equations, isFixed,
+                                              nothingLeft(mesh, motions))) {
+    held.push_back(motions[column.tile].displacements[column.unknown]);
+  }
+  std::ranges::sort(held);
+  return held;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A multifrontal QR factorisation of J with column pivoting within each tile (T. A. Davis,
+// Algorithm 915, SuiteSparseQR: multifrontal multithreaded rank-revealing sparse QR factorization,
+// ACM Trans. Math. Softw. 38, 2011; the test of rank is Heath's, section 2.6 there). Tiles are
+// eliminated in the order and the fronts of sim/mechanics/block_cholesky.h, which holds for QR too:
+// J^T J has the graph of the tiles.
+//
+// A front holds the equations that touch its own tiles F and what its children left over.
+// Householder reflections make F upper trapezoidal, for each tile its longest remaining column
+// first:
+//
+//     [ F | G ]  ->  [ R  S ]     R: eliminated columns, done with
+//                    [ 0  L ]     L: left over, for the parent; never more rows than columns
+//
+// Where the columns that remain of a tile are shorter than the tolerance, they depend on those
+// before: their unknowns are free, and the columns are left out, which is to hold them at zero. J
+// is never squared, so that a column that strains nothing is left with rounding, 1e-16 times the
+// length of the motion that it belongs to, and not with the root of that.
+
+namespace {
+
+constexpr Eigen::Index kUnknowns = 6;
+
+class FrontalElimination {
+ public:
+  FrontalElimination(int tileCount, const std::vector<PairEquations>& equations,
+                     const std::vector<bool>& isFixed, double tolerance)
+      : equations_(equations), isFixed_(isFixed), tolerance_(tolerance), tileAt_(tileCount) {
+    std::vector<std::pair<int, int>> edges;
+    // The graph has a vertex a tile and an edge a pair that equations connect. Its fill is that of
+    // a Cholesky factorisation of J^T J.
+    for (const PairEquations& pair : equations) {
+      if (pair.firstTile != pair.secondTile) edges.emplace_back(pair.firstTile, pair.secondTile);
+    }
+    plan_ = mechanics::planElimination(tileCount, edges);
+    for (int tile = 0; tile < tileCount; ++tile) tileAt_[plan_.place[tile]] = tile;
+    // An equation enters with the first of its tiles that is eliminated.
+    equationsAt_.resize(tileCount);
+    for (std::size_t k = 0; k < equations.size(); ++k) {
+      equationsAt_[std::min(place(equations[k].firstTile), place(equations[k].secondTile))]
+          .push_back(k);
+    }
+    leftOver_.resize(plan_.supernodes.size());
+  }
+
+  std::vector<FreeColumn> run() {
+    for (std::size_t s = 0; s < plan_.supernodes.size(); ++s) eliminate(s);
+    return std::move(free_);
+  }
+
+ private:
+  int place(int tile) const { return plan_.place[tile]; }
+
+  /// The equations of a front: those of its own tiles, and what its children left over. Columns are
+  /// the front's own tiles first, then those of `node.rows`, six each. A child's rest has the
+  /// columns of its own `rows`, whose places here `childPlaces` names.
+  Eigen::MatrixXd assemble(const mechanics::Supernode& node) {
+    Eigen::Index rows = 0;
+    for (const int child : node.children) rows += leftOver_[child].rows();
+    for (int c = 0; c < node.columnCount; ++c) {
+      for (const std::size_t k : equationsAt_[node.firstColumn + c]) {
+        rows += equations_[k].first.rows();
+      }
+    }
+    const auto tiles = node.columnCount + static_cast<Eigen::Index>(node.rows.size());
+    Eigen::MatrixXd front = Eigen::MatrixXd::Zero(rows, kUnknowns * tiles);
+    Eigen::Index row = 0;
+    for (std::size_t c = 0; c < node.children.size(); ++c) {
+      Eigen::MatrixXd& part = leftOver_[node.children[c]];
+      const std::vector<int>& places = node.childPlaces[c];
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        front.block(row, kUnknowns * places[k], part.rows(), kUnknowns) =
+            part.middleCols<kUnknowns>(kUnknowns * static_cast<Eigen::Index>(k));
+      }
+      row += part.rows();
+      // Memory is given back as fronts are done: no more than one path's rests are kept at a time.
+      part.resize(0, 0);
+    }
+    for (int c = 0; c < node.columnCount; ++c) {
+      for (const std::size_t k : equationsAt_[node.firstColumn + c]) {
+        const PairEquations& pair = equations_[k];
+        place(front, row, node, pair.firstTile, pair.first);
+        place(front, row, node, pair.secondTile, pair.second);
+        row += pair.first.rows();
+      }
+    }
+    return front;
+  }
+
+  /// Adds one tile's side of an equation.
+  void place(Eigen::MatrixXd& front, Eigen::Index row, const mechanics::Supernode& node, int tile,
+             const PairEquations::Rows& block) const {
+    if (isFixed_[tile]) return;
+    // Own tiles follow each other by place; the others are found in the sorted list of rows.
+    int column = place(tile) - node.firstColumn;
+    if (column >= node.columnCount) {
+      const auto found = std::ranges::lower_bound(node.rows, place(tile));
+      column = node.columnCount + static_cast<int>(found - node.rows.begin());
+    }
+    front.block(row, kUnknowns * column, block.rows(), kUnknowns) += block;
+  }
+
+  /// Fronts come in an order in which children precede their parents.
+  void eliminate(std::size_t number) {
+    const mechanics::Supernode& node = plan_.supernodes[number];
+    Eigen::MatrixXd front = assemble(node);
+    Eigen::Index row = 0;
+    for (int c = 0; c < node.columnCount; ++c) {
+      row = eliminateTile(front, row, kUnknowns * c, tileAt_[node.firstColumn + c]);
+    }
+    const auto own = kUnknowns * static_cast<Eigen::Index>(node.columnCount);
+    Eigen::MatrixXd rest = front.bottomRightCorner(front.rows() - row, front.cols() - own);
+    // More rows than columns carry no further information: R of their QR has the same J^T J.
+    if (rest.rows() > rest.cols()) {
+      for (Eigen::Index k = 0; k < rest.cols(); ++k) {
+        rest(k, k) = reflect(rest, k, k);
+        rest.col(k).tail(rest.rows() - k - 1).setZero();
+      }
+      rest.conservativeResize(rest.cols(), Eigen::NoChange);
+    }
+    leftOver_[number] = std::move(rest);
+  }
+
+  /// Reflects the columns of one tile, from this row and column on. Returns the row after them. The
+  /// invariant: the first `row` rows are done, and no later column of this tile reaches above them.
+  Eigen::Index eliminateTile(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column,
+                             int tile) {
+    std::array<int, kUnknowns> unknowns = {0, 1, 2, 3, 4, 5};
+    for (Eigen::Index k = 0; k < kUnknowns; ++k) {
+      const Eigen::Index rows = front.rows() - row;
+      Eigen::Index longest = 0;
+      double square = 0;
+      if (rows > 0) {
+        square = front.block(row, column + k, rows, kUnknowns - k)
+                     .colwise()
+                     .squaredNorm()
+                     .maxCoeff(&longest);
+      }
+      // The longest column is too short, so all that remain are.
+      if (square <= tolerance_ * tolerance_) {
+        for (; k < kUnknowns && !isFixed_[tile]; ++k) free_.push_back({tile, unknowns[k]});
+        break;
+      }
+      // Pivoting stays within the tile, or the plan of fronts would no longer hold.
+      front.col(column + k).swap(front.col(column + k + longest));
+      std::swap(unknowns[k], unknowns[k + longest]);
+      reflect(front, row++, column + k);
+    }
+    return row;
+  }
+
+  /// Makes one column zero below this row, and what is right of it as that changes it. Returns what
+  /// the column has in the row then; it itself is left as it was reflected by.
+  double reflect(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column) {
+    auto below = front.col(column).tail(front.rows() - row);
+    double factor = 0;
+    double length = 0;
+    below.makeHouseholderInPlace(factor, length);
+    const Eigen::VectorXd essential = below.tail(below.size() - 1);
+    work_.resize(front.cols());
+    front.bottomRightCorner(front.rows() - row, front.cols() - column - 1)
+        .applyHouseholderOnTheLeft(essential, factor, work_.data());
+    return length;
+  }
+
+  const std::vector<PairEquations>& equations_;
+  const std::vector<bool>& isFixed_;
+  double tolerance_;
+  mechanics::Elimination plan_;
+  std::vector<int> tileAt_;                            ///< by place
+  std::vector<std::vector<std::size_t>> equationsAt_;  ///< by place
+  std::vector<Eigen::MatrixXd> leftOver_;              ///< by supernode, until its parent takes it
+  Eigen::VectorXd work_;
+  std::vector<FreeColumn> free_;
+};
+
+}  // namespace
+
+std::vector<FreeColumn> freeColumns(int tileCount, const std::vector<PairEquations>& equations,
+                                    const std::vector<bool>& isFixed, double tolerance) {
+  return FrontalElimination(tileCount, equations, isFixed, tolerance).run();
+}
+
+}  // namespace kirireel::fea

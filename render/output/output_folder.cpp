@@ -1,0 +1,426 @@
+// A record seals itself: its last key is the SHA-256 (FIPS 180-4) of the text without that key.
+//
+//     {                                   {
+//       "a": 1            sealed()          "a": 1,
+//     }                    ---->            "sha256": "<hash of the text on the left>"
+//                                         }
+//
+// So a reader can tell whether anybody has changed a byte. It is no signature: whoever changes the
+// text on purpose can compute the hash again.
+#include "render/output/output_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+
+namespace kirireel::output {
+namespace {
+
+constexpr const char* kEnd = "\n}\n";
+
+/// Always of one length, which isSealed() relies on.
+std::string sealOf(const std::string& json) {
+  return fmt::format(",\n  \"sha256\": \"{}\"{}", sha256(json), kEnd);
+}
+
+}  // namespace
+
+FileDigest digestOf(const std::filesystem::path& folder, const std::string& name) {
+  std::ifstream file = openInputFile(folder / name);
+  FileDigest digest{name, 0, ""};
+  Sha256 hash;
+  std::array<char, 1 << 16> bytes{};
+  // Piece by piece, since videos and trajectories may be larger than memory. The last piece sets
+  // eof.
+  while (file.read(bytes.data(), bytes.size()), file.gcount() > 0) {
+    hash.add({bytes.data(), static_cast<std::size_t>(file.gcount())});
+    digest.bytes += static_cast<std::uintmax_t>(file.gcount());
+  }
+  if (!file.eof() || file.bad()) {
+    throw InputError(
+        fmt::format("{}: error: the file cannot be read; check that it is there and its rights",
+                    (folder / name).string()));
+  }
+  digest.sha256 = hash.finish();
+  return digest;
+}
+
+std::string sealed(const std::string& json) {
+  return json.substr(0, json.size() - std::string(kEnd).size()) + sealOf(json);
+}
+
+bool isSealed(const std::string& text) {
+  // Takes the seal off, makes it anew and compares.
+  const std::size_t sealSize = sealOf("").size();
+  if (text.size() < sealSize) return false;
+  const std::string json = text.substr(0, text.size() - sealSize) + kEnd;
+  return text == sealed(json);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Names of files in one place, so that a run, the check of what stands in the way, and the programs
+// that read a run's folder agree. Numbers in names have leading zeros, so that a listing by name is
+// in order.
+
+namespace fs = std::filesystem;
+
+fs::path frameFile(int number) {
+  return fs::path(kFrames) / fmt::format("frame_{:05}.png", number);
+}
+
+fs::path snapshotDrawing(int number) {
+  return fmt::format("snapshot_{:02}.svg", number);
+}
+
+std::string momentFile(const char* name, int number, const char* ending) {
+  return fmt::format("{}_{:04}{}", name, number, ending);
+}
+
+FolderLock::FolderLock(const fs::path& folder)
+    : file_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  // flock(2) on the folder itself: the kernel lets go when the process ends. Errors other than a
+  // held lock mean that the file system has none.
+  if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(file_);
+  throw OutputError(
+      fmt::format("{}: error: another run is writing into this folder; wait for its end, or choose "
+                  "another with --out",
+                  folder.string()));
+}
+
+FolderLock::~FolderLock() {
+  if (file_ >= 0) ::close(file_);
+}
+
+bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf) {
+  // The first run of digits is taken for the number; writing the name of that number again tells
+  // whether the rest fits, leading zeros too.
+  const std::size_t digits = std::min(name.find_first_of("0123456789"), name.size());
+  int number = 0;
+  const auto [end, error] =
+      std::from_chars(name.data() + digits, name.data() + name.size(), number);
+  return error == std::errc() && nameOf(number) == name;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A record (summary.json, contents.json) lists files as
+//
+//     "contents": { "NAME": { "bytes": SIZE, "sha256": "64 digits" }, ... }
+//
+// with names relative to its folder. A file counts as ours when its size and hash are those of a
+// sealed record; the size is compared first, since it costs no reading. Names that lead out of the
+// folder are ignored, so that a forged record cannot make us remove files elsewhere.
+
+namespace {
+
+namespace fs = std::filesystem;
+/// The text of a record; "" when it cannot be read.
+std::string sealedText(const fs::path& record) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(record, ignored)) return "";
+  try {
+    const std::string text = readTextFile(record, "");
+    return isSealed(text) ? text : "";
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+/// Also a link that leads nowhere, which exists() denies.
+bool isThere(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(fs::symlink_status(path, ignored));
+}
+
+/// Whether a folder between the two is a link: what is beyond it is not ours to touch.
+bool leadsThroughLink(const fs::path& folder, const fs::path& name) {
+  std::error_code ignored;
+  fs::path place = folder;
+  for (const fs::path& part : name.parent_path()) {
+    place /= part;
+    if (fs::is_symlink(place, ignored)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+FileList listedFiles(const fs::path& record) {
+  FileList files;
+  const Json json = parseJsonOrDiscard(sealedText(record));
+  try {
+    if (!json.is_object()) return {};
+    for (const auto& [name, noted] : json.at("contents").items()) {
+      if (!staysInside(name)) continue;
+      files[name] = {name, noted.at("bytes").get<std::uintmax_t>(),
+                     noted.at("sha256").get<std::string>()};
+    }
+  } catch (const Json::exception&) {
+    return {};  // sealed, but no record of ours
+  }
+  return files;
+}
+
+std::string contentsText(const FileList& files) {
+  Json contents = Json::object();
+  for (const auto& [name, file] : files) {
+    contents[name] = {{"bytes", file.bytes}, {"sha256", file.sha256}};
+  }
+  return sealed(jsonText(Json{{"contents", contents}}, 2) + "\n");
+}
+
+LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {
+  // merge() keeps what is there already, so contents.json counts more.
+  for (const char* record : {kContents, kSummary}) {
+    const std::string text = sealedText(folder_ / record);
+    if (text.empty()) continue;
+    files_.merge(listedFiles(folder_ / record));
+    // The records themselves are ours, too.
+    files_[record] = {record, text.size(), sha256(text)};
+  }
+}
+
+bool LeftFiles::isForeign(const std::string& name) const {
+  return isThere(folder_ / name) && !stands(name);
+}
+
+bool LeftFiles::stands(const std::string& name) const {
+  const auto noted = files_.find(name);
+  return noted != files_.end() && !leadsThroughLink(folder_, name) &&
+         difference(folder_, noted->second).empty();
+}
+
+bool staysInside(const fs::path& name) {
+  return !name.empty() && name.is_relative() &&
+         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+}
+
+std::string difference(const fs::path& folder, const FileDigest& noted) {
+  if (!staysInside(noted.name)) return "this is no name of a file in the folder";
+  std::error_code ignored;
+  if (!fs::is_regular_file(folder / noted.name, ignored)) return "the file is missing";
+  const std::uintmax_t bytes = fs::file_size(folder / noted.name, ignored);
+  if (bytes != noted.bytes)
+    return fmt::format("{} bytes where the run left {}", bytes, noted.bytes);
+  try {
+    if (digestOf(folder, noted.name).sha256 == noted.sha256) return "";
+  } catch (const InputError&) {
+    return "the file cannot be read";
+  }
+  return "other bytes than the run left";
+}
+
+// ------------------------------------------------------------------------------------------------
+// How files come into a folder all at once, on a file system that can rename one file atomically
+// but not several (rename(2)):
+//
+// - 1. The folder is locked. `.unfinished` is made within it, marked by a text of ours, so that a
+//   folder of that name which somebody else has made is never emptied.
+// - 2. If a whole record lies there, a program was killed while it moved files: the moves are
+//   finished.
+// - 3. New files are written into `.unfinished`.
+// - 4. The record (summary.json or contents.json) is written there, sealed. This is the moment at
+//   which the new files count.
+// - 5. Each listed file is renamed into place, stale files are removed, the record is renamed last.
+//
+// A kill before 4 leaves the old run whole. A kill after it leaves a record in `.unfinished`, which
+// still names all files: those that have been moved are no longer there, and moveAll() skips them.
+//
+// Files of others are never touched: what stands in a place and is not, to the byte, what an
+// earlier record lists (output_folder.h), is refused before anything moves.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Tells our hidden folder from anybody else's of that name.
+constexpr const char* kMark = "kirireel.txt";
+constexpr const char* kMarkText =
+    "Kirireel works here. It moves whole files out of this folder and removes all others.\n";
+
+/// So many files are named in a message.
+constexpr std::size_t kMostNamed = 3;
+
+[[noreturn]] void refuse(const fs::path& folder, const std::vector<std::string>& foreign) {
+  const std::size_t named = std::min(kMostNamed, foreign.size());
+  const std::vector<std::string> names(foreign.begin(),
+                                       foreign.begin() + static_cast<std::ptrdiff_t>(named));
+  const std::size_t others = foreign.size() - named;
+  throw InputError(fmt::format(
+      "{}: error: {}{} would be overwritten, but no earlier run left {} so; move {} away, or "
+      "choose another folder with --out",
+      folder.string(), fmt::join(names, ", "),
+      others == 0 ? "" : fmt::format(" and {} more", others), foreign.size() == 1 ? "it" : "them",
+      foreign.size() == 1 ? "it" : "them"));
+}
+
+/// Within one file system, since the stage lies within the folder.
+void moveFile(const fs::path& from, const fs::path& to) {
+  if (to.has_parent_path()) makeFolder(to.parent_path());
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (!error) return;
+  throw OutputError(
+      fmt::format("{}: error: cannot be put in place ({})", to.string(), error.message()));
+}
+
+bool isMarked(const fs::path& stage) {
+  std::error_code ignored;
+  return fs::is_regular_file(fs::symlink_status(stage / kMark, ignored)) &&
+         readTextFile(stage / kMark, "") == kMarkText;
+}
+
+/// A real folder and no link to one; empty, or with our mark.
+bool isOurs(const fs::path& stage) {
+  std::error_code ignored;
+  return fs::is_directory(fs::symlink_status(stage, ignored)) &&
+         (fs::is_empty(stage, ignored) || isMarked(stage));
+}
+
+/// Where the mark cannot be written (a full disk), no empty folder stays behind.
+void makeStage(const fs::path& folder, const fs::path& stage) {
+  std::error_code ignored;
+  if (fs::exists(fs::symlink_status(stage, ignored)) && !isOurs(stage)) {
+    refuse(folder, {kUnfinished});
+  }
+  makeFolder(stage);
+  try {
+    if (!isMarked(stage)) writeTextFile(stage / kMark, kMarkText);
+  } catch (const OutputError&) {
+    fs::remove(stage, ignored);
+    throw;
+  }
+}
+
+/// Removes a folder and those above it up to `folder` as far as they are empty.
+void removeEmpty(const fs::path& folder, const fs::path& name) {
+  std::error_code ignored;
+  for (fs::path part = name; !part.empty(); part = part.parent_path()) {
+    if (!fs::remove(folder / part, ignored)) return;
+  }
+}
+
+/// Keeps the checkpoint, which knows itself whose it is. Errors are ignored: it runs in a
+/// destructor, and the next set tries again.
+void clearStage(const fs::path& stage) {
+  std::error_code ignored;
+  if (!isOurs(stage)) return;
+  for (const fs::directory_entry& entry : fs::directory_iterator(stage, ignored)) {
+    const fs::path name = entry.path().filename();
+    if (name != kCheckpoint && name != kMark) fs::remove_all(entry.path(), ignored);
+  }
+  if (fs::exists(stage / kCheckpoint)) return;
+  fs::remove(stage / kMark, ignored);
+  fs::remove(stage, ignored);
+}
+
+/// What earlier runs left and the new one does not list.
+void removeStale(const fs::path& folder, const LeftFiles& left, const FileList& files) {
+  for (const auto& [name, digest] : left.files()) {
+    if (files.contains(name) || name == kSummary || !left.stands(name)) continue;
+    std::error_code error;
+    fs::remove(folder / name, error);
+    if (error) {
+      throw OutputError(fmt::format("{}: error: an earlier run's file cannot be removed ({})",
+                                    (folder / name).string(), error.message()));
+    }
+    removeEmpty(folder, fs::path(name).parent_path());
+  }
+}
+
+/// Moves what a whole record in the stage lists, and the record last.
+void moveAll(const fs::path& folder, const fs::path& stage, const char* record) {
+  const LeftFiles left(folder);
+  const FileList files = listedFiles(stage / record);
+  std::vector<std::string> foreign;
+  if (left.isForeign(record)) foreign.emplace_back(record);
+  for (const auto& [name, digest] : files) {
+    if (fs::exists(stage / name) && left.isForeign(name)) foreign.push_back(name);
+  }
+  if (!foreign.empty()) refuse(folder, foreign);
+  for (const auto& [name, digest] : files) {
+    if (fs::exists(stage / name)) moveFile(stage / name, folder / name);
+  }
+  // Only a run takes the place of all before it; exports add to what is there.
+  if (record == std::string(kSummary)) removeStale(folder, left, files);
+  moveFile(stage / record, folder / record);
+}
+
+}  // namespace
+
+FileSet::FileSet(fs::path folder, const char* record)
+    : folder_(folder.empty() ? fs::path(".") : std::move(folder)),
+      stage_(folder_ / kUnfinished),
+      record_(record),
+      lock_((makeFolder(folder_), folder_)) {
+  requireWritableFolder(folder_);
+  makeStage(folder_, stage_);
+  for (const char* whole : {kSummary, kContents}) {
+    if (!listedFiles(stage_ / whole).empty()) moveAll(folder_, stage_, whole);
+  }
+  clearStage(stage_);
+  makeStage(folder_, stage_);
+}
+
+FileSet::~FileSet() {
+  // A whole set that could not be moved stays for another attempt: some of it may have been moved.
+  const bool isWhole = !listedFiles(stage_ / record_).empty();
+  if (!isWhole) clearStage(stage_);
+}
+
+void FileSet::dropCheckpoint() const {
+  std::error_code ignored;
+  fs::remove_all(stage_ / kCheckpoint, ignored);
+}
+
+void FileSet::requireFree(const std::function<bool(const std::string&)>& isWanted) const {
+  const LeftFiles left(folder_);
+  std::vector<std::string> foreign;
+  const auto look = [&](const std::string& name, bool isFolder) {
+    const bool isTaken = isWanted(name) && left.isForeign(name);
+    if (isTaken || (isWanted(name + '/') && !isFolder)) foreign.push_back(name);
+  };
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const bool isFolder = !entry.is_symlink(ignored) && entry.is_directory(ignored);
+    // Links count as files: what they lead to is not ours.
+    look(name, isFolder);
+    if (!isFolder || name == kUnfinished) continue;
+    for (const fs::directory_entry& inner : fs::directory_iterator(entry.path(), ignored)) {
+      look(name + '/' + inner.path().filename().string(), false);
+    }
+  }
+  std::sort(foreign.begin(), foreign.end());
+  if (!foreign.empty()) refuse(folder_, foreign);
+}
+
+void FileSet::commit(const std::string& recordText) {
+  writeTextFile(stage_ / record_, recordText);
+  moveAll(folder_, stage_, record_);
+}
+
+void FileSet::commit(const std::vector<std::string>& names) {
+  FileList files;
+  const LeftFiles left(folder_);
+  // What earlier exports have left and nobody has changed stays on the list.
+  for (const auto& [name, digest] : listedFiles(folder_ / record_)) {
+    if (left.stands(name)) files[name] = digest;
+  }
+  for (const std::string& name : names) files[name] = digestOf(stage_, name);
+  commit(contentsText(files));
+}
+
+}  // namespace kirireel::output

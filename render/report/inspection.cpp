@@ -1,0 +1,481 @@
+// Tells what a model is without running it. For each state (start, target): the largest gap of
+// joints, how uneven tiles are, whether they are convex, which overlap, and how many ways the
+// linkage can move (sim/trajectory/sheet.h: the nullity of the joint equations, by singular
+// values). For a target: how much lengths within tiles change, the bound below which no rigid tiles
+// can come, and the least error with closed joints that a search of ten seconds finds.
+//
+// The same facts are printed as text for people and as JSON for programs. In the text tiles count
+// as in the model's file; in JSON from 0, and "file_counts_from" tells the difference.
+#include "render/report/inspection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "render/picture/grid.h"
+#include "render/picture/label.h"
+#include "render/picture/painter.h"
+#include "render/record/summary.h"
+#include "sim/deploy/assembled_state.h"
+#include "sim/model/convex_parts.h"
+#include "sim/model/model_checks.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::report {
+namespace {
+
+// Overlap that is told, as a part of a tile.
+constexpr double kOverlap = 1e-6;
+// Flat states are flat to this part of the model's size.
+constexpr double kFlatOfModel = 1e-9;
+// What looking for the state nearest to the target may cost, seconds of a reference core.
+constexpr double kSearchTime = 10;
+
+/// A pivot is told by the face that it lies on.
+std::string kindOf(const model::Joint& joint) {
+  if (joint.kind == model::JointKind::Link) return "link";
+  if (joint.kind == model::JointKind::Fixed) return "fixed";
+  if (joint.face == model::JointFace::Both) return "both";
+  return joint.face == model::JointFace::Top ? "top" : "bottom";
+}
+
+/// `tiles` are the start or the target, in the model's order.
+StateInspection inspectState(const scene::Scene& scene, const std::vector<model::Tile>& tiles) {
+  const model::Model& model = scene.model;
+  StateInspection state;
+  state.jointGap = trajectory::largestJointGap(model.joints, tiles);
+  state.unevenness = trajectory::largestUnevenness(tiles);
+  state.leastCornerSine = trajectory::leastCornerSine(tiles);
+  // Overlaps below a millionth of a tile are rounding of coordinates.
+  state.overlaps = trajectory::tileOverlaps(tiles, kOverlap * model::tileSize(model));
+  state.seesAllPairs =
+      static_cast<long>(state.overlaps.size()) < trajectory::mostPairs(tiles.size());
+  // Freedoms in the plane mean something for flat states alone.
+  if (model::liesFlat(tiles, kFlatOfModel * model::modelSize(model))) {
+    state.inPlane =
+        trajectory::mobility(model, tiles, trajectory::Freedom::Plane, scene.brick.thickness);
+  }
+  state.inSpace =
+      trajectory::mobility(model, tiles, trajectory::Freedom::Space, scene.brick.thickness);
+  return state;
+}
+
+/// The two singular values beside the gap between them let a reader judge the count: it is sure
+/// where they differ by orders of magnitude.
+std::string mobilityText(const char* where, const trajectory::Mobility& mobility) {
+  if (!mobility.isCounted) {
+    return fmt::format("  {}: degrees of freedom not counted, {} unknowns are too many\n", where,
+                       mobility.unknowns);
+  }
+  return fmt::format(
+      "  {}: {} degree{} of freedom beyond rigid motion; {} of {} joint equations are redundant "
+      "({}: least kept {}{:.2g}, largest dropped {}{:.2g})\n",
+      where, mobility.freedoms, mobility.freedoms == 1 ? "" : "s", mobility.redundant,
+      mobility.equations, mobility.areBounds ? "bounds of singular values" : "singular values",
+      mobility.areBounds ? ">= " : "", mobility.leastKept, mobility.areBounds ? "<= " : "",
+      mobility.largestDropped);
+}
+
+/// One line for the state, then its overlaps and its freedoms, indented.
+std::string stateText(const char* name, const StateInspection& state, int countsFrom,
+                      const LengthUnit& unit) {
+  std::string text =
+      fmt::format("{}: joints open by {} at most, tiles flat to {}, {}, {}{} overlapping pairs\n",
+                  name, lengthText(state.jointGap, unit), lengthText(state.unevenness, unit),
+                  state.leastCornerSine > 0 ? "convex" : "not convex",
+                  state.seesAllPairs ? "" : "at least ", state.overlaps.size());
+  // The five deepest; there may be thousands.
+  for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
+    const trajectory::TileOverlap& overlap = state.overlaps[k];
+    text += fmt::format("  tiles {} and {} overlap by {}\n", countsFrom + overlap.tileA,
+                        countsFrom + overlap.tileB, lengthText(overlap.depth, unit));
+  }
+  if (state.inPlane) text += mobilityText("in the plane", *state.inPlane);
+  return text + mobilityText("in space", state.inSpace);
+}
+
+/// Null degrees of freedom where the unknowns are too many to count them.
+Json mobilityJson(const trajectory::Mobility& mobility) {
+  if (!mobility.isCounted) {
+    return {{"degrees_of_freedom", nullptr},
+            {"unknowns", mobility.unknowns},
+            {"equations", mobility.equations}};
+  }
+  return {{"degrees_of_freedom", mobility.freedoms},
+          {"unknowns", mobility.unknowns},
+          {"equations", mobility.equations},
+          {"rank", mobility.rank},
+          {"redundant", mobility.redundant},
+          {"least_singular_value_kept", mobility.leastKept},
+          {"largest_singular_value_dropped", mobility.largestDropped},
+          {"singular_values_are_bounds", mobility.areBounds}};
+}
+
+/// "plane" is null for states that are not flat.
+Json stateJson(const StateInspection& state) {
+  Json overlaps = Json::array();
+  for (const trajectory::TileOverlap& overlap : state.overlaps) {
+    overlaps.push_back({{"tiles", {overlap.tileA, overlap.tileB}}, {"depth", overlap.depth}});
+  }
+  Json json = {{"joint_gap_max", state.jointGap},
+               {"unevenness_max", state.unevenness},
+               {"corner_sine_min", state.leastCornerSine},
+               {"overlaps", overlaps}};
+  json["mobility"]["plane"] = state.inPlane ? mobilityJson(*state.inPlane) : Json();
+  json["mobility"]["space"] = mobilityJson(state.inSpace);
+  return json;
+}
+
+std::string needText(const char* name, const scene::Need& need) {
+  return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
+}
+
+/// "0-3,7" of rising numbers from 0, as --tile-colour takes them.
+std::string tilesText(const std::vector<int>& tiles, int countsFrom) {
+  std::string text;
+  for (std::size_t k = 0, end = 0; k < tiles.size(); k = end) {
+    for (end = k + 1; end < tiles.size() && tiles[end] == tiles[end - 1] + 1;) ++end;
+    if (k > 0) text += ',';
+    text += fmt::format("{}", countsFrom + tiles[k]);
+    if (end > k + 1) text += fmt::format("-{}", countsFrom + tiles[end - 1]);
+  }
+  return text;
+}
+
+/// "12 with 3 vertices, 4 with 4".
+template <typename Map>
+/// `pattern` has a place for the count and one for the key.
+std::string countsText(const Map& counts, const char* pattern) {
+  std::string text;
+  for (const auto& [key, count] : counts) {
+    if (!text.empty()) text += ", ";
+    text += fmt::format(fmt::runtime(pattern), count, key);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell) {
+  const auto lookAt = [&tell](const char* what) {
+    if (tell) tell(what);
+  };
+  const model::Model& model = scene.model;
+  Inspection inspection;
+  inspection.name = model.name;
+  inspection.unit = model.unit;
+  for (const model::Tile& tile : model.tiles) {
+    ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
+  }
+  for (const model::Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
+  for (std::size_t tile = 0; tile < model.tileNames.size(); ++tile) {
+    const std::string& name = model.tileNames[tile];
+    if (!name.empty()) inspection.tilesByName[name].push_back(static_cast<int>(tile));
+  }
+  inspection.size = model::modelSize(model);
+  inspection.tileSize = model::tileSize(model);
+  inspection.suggestedThickness = model::kUsualThickness * inspection.tileSize;
+  inspection.countsFrom = model.fileOrder.countsFrom;
+  inspection.rounding = model.rounding;
+  inspection.zeroSingularValue = trajectory::zeroSingularValue(model);
+  for (const model::Mend& mend : model.mends) inspection.mends.push_back(model::toString(mend));
+  lookAt("looking at the start");
+  inspection.start = inspectState(scene, model.tiles);
+  inspection.needs = scene::sceneNeeds(scene);
+  if (!model.target) return inspection;
+  lookAt("looking at the target");
+  inspection.target = inspectState(scene, *model.target);
+  inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
+  inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
+  lookAt("looking for the state nearest to the target");
+  // The search is bounded in work and not in time, so that the result does not depend on the
+  // machine.
+  deploy::SearchBudget budget(kSearchTime);
+  inspection.assembledError = deploy::assembleAtTarget(scene, budget).error;
+  return inspection;
+}
+
+std::string inspectionText(const Inspection& inspection) {
+  const LengthUnit& unit = inspection.unit;
+  std::string text = fmt::format(
+      "{}\ntiles: {}\njoints: {}\nsize: {}, tiles {}; suggested thickness {}\n", inspection.name,
+      countsText(inspection.tilesByVertices, "{} with {} vertices"),
+      countsText(inspection.jointsByKind, "{} {}"), lengthText(inspection.size, unit, 4),
+      lengthText(inspection.tileSize, unit, 4), lengthText(inspection.suggestedThickness, unit, 2));
+  if (inspection.rounding > 0) {
+    text += fmt::format("coordinates are rounded to {}: singular values below {:.2g} are zero\n",
+                        lengthText(inspection.rounding, unit, 6), inspection.zeroSingularValue);
+  }
+  for (const auto& [name, tiles] : inspection.tilesByName) {
+    text += fmt::format("name {}: tiles {}\n", shown(name, 60),
+                        tilesText(tiles, inspection.countsFrom));
+  }
+  for (const std::string& mend : inspection.mends) text += mend + "\n";
+  text += stateText("start", inspection.start, inspection.countsFrom, unit);
+  if (inspection.target) {
+    text += stateText("target", *inspection.target, inspection.countsFrom, unit);
+    text += fmt::format(
+        "congruence: lengths change by {} at most; rigid bound {}, assembled error {}\n",
+        lengthText(*inspection.shapeChange, unit), lengthText(*inspection.rigidBound, unit),
+        lengthText(*inspection.assembledError, unit));
+  } else {
+    text += "target: none\n";
+  }
+  return text + fmt::format("a run: {}; {}; {}\n", needText("planar", inspection.needs.planar),
+                            needText("contacts", inspection.needs.contacts),
+                            needText("ground", inspection.needs.ground));
+}
+
+std::string inspectionJson(const Inspection& inspection) {
+  Json json;
+  json["name"] = inspection.name;
+  for (const auto& [vertices, count] : inspection.tilesByVertices) {
+    json["tiles"][fmt::format("{}", vertices)] = count;
+  }
+  json["joints"] = Json(inspection.jointsByKind);
+  json["names"] = Json(inspection.tilesByName);
+  json["size"] = inspection.size;
+  json["tile_size"] = inspection.tileSize;
+  json["suggested_thickness"] = inspection.suggestedThickness;
+  json["rounding"] = inspection.rounding;
+  json["file_counts_from"] = inspection.countsFrom;
+  json["mended"] = inspection.mends;
+  json["start"] = stateJson(inspection.start);
+  json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
+  json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();
+  json["rigid_bound"] = inspection.rigidBound ? Json(*inspection.rigidBound) : Json();
+  json["assembled_error"] = inspection.assembledError ? Json(*inspection.assembledError) : Json();
+  json["needs"] = {{"planar", fieldsJson<Json>(inspection.needs.planar)},
+                   {"contacts", fieldsJson<Json>(inspection.needs.contacts)},
+                   {"ground", fieldsJson<Json>(inspection.needs.ground)}};
+  return jsonText(json, 2) + "\n";
+}
+
+// ------------------------------------------------------------------------------------------------
+// The bricks are painted first by the usual painter, then numbers are drawn over the pixels at the
+// places where the camera shows the middles and corners. A number is left out where another tile
+// hides its place. Its size follows the tile's: with s the side of a square of as many pixels,
+// tiles' numbers are 0.28 s high (7 to 40 pixels), corners' 0.14 s (6 to 20), and corners of tiles
+// below 40 pixels have none.
+//
+// A corner's number stands at 22% of the way from it into its tile, so that the numbers of tiles
+// that meet in a corner stand apart.
+
+namespace {
+
+constexpr picture::Colour kTileNumber = {20, 30, 44};
+constexpr picture::Colour kVertexNumber = {150, 30, 30};
+
+std::vector<Vector3> allVertices(const std::vector<model::Tile>& tiles) {
+  std::vector<Vector3> points;
+  for (const model::Tile& tile : tiles) {
+    points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
+  }
+  return points;
+}
+
+/// A place within the tile for its number: the centroid, or that of the largest part of a concave
+/// tile, whose own may lie outside.
+Vector3 middleOf(const model::Tile& tile) {
+  model::Tile largest;
+  for (const model::PolygonPart& part :
+       model::convexParts(tile.vertices, model::tileNormal(tile))) {
+    model::Tile piece;
+    for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
+    if (largest.vertices.empty() || model::tileArea(piece) > model::tileArea(largest))
+      largest = piece;
+  }
+  return model::tileCentroid(largest);
+}
+
+/// The middle of a convex part that has this vertex: towards it the way leads into the tile.
+Vector3 middleBy(const model::Tile& tile, int vertex) {
+  for (const model::PolygonPart& part :
+       model::convexParts(tile.vertices, model::tileNormal(tile))) {
+    if (std::find(part.begin(), part.end(), vertex) == part.end()) continue;
+    model::Tile piece;
+    for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
+    return model::tileCentroid(piece);
+  }
+  return model::tileCentroid(tile);
+}
+
+/// One state: picture and numbers from one camera.
+class StatePicture {
+ public:
+  StatePicture(const std::vector<model::Tile>& tiles, const model::Model& model,
+               const model::BrickRule& rule, picture::FrameSize size)
+      : tiles_(tiles), order_(model.fileOrder), size_(size) {
+    const std::vector<Vector3> points = allVertices(tiles);
+    picture::CameraFit fit;
+    fit.view = picture::defaultView(points);
+    fit.aspect = size.aspect();
+    // Parallel, so that equal tiles have numbers of equal size.
+    fit.orthographic = true;
+    camera_ = picture::fitCamera(points, fit);
+    const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
+    picture::PictureItems items;
+    items.poses = model::startPoses(tiles, bricks);
+    for (const model::Mend& mend : model.mends) {
+      for (const model::Corner& corner : mend.corners) {
+        items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
+      }
+    }
+    frame_ = picture::Painter(size, bricks, picture::Style{}).paint(items, camera_);
+  }
+
+  /// To be called once: it gives the frame away.
+  picture::Frame numbered() {
+    const Vector3 towardsEye = (camera_.eye - camera_.centre).normalized();
+    const LineOfSight sight(tiles_, towardsEye);
+    for (std::size_t i = 0; i < tiles_.size(); ++i) {
+      const Vector3 middle = middleOf(tiles_[i]);
+      const double pixels = apparentSize(tiles_[i], towardsEye);
+      if (sight.isClear(middle, i)) {
+        write(fmt::format("{}", order_.countsFrom + i), middle,
+              std::clamp(0.28 * pixels, 7.0, 40.0), kTileNumber);
+      }
+      if (pixels < 40) continue;  // vertices' numbers could not be read
+      for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
+        const Vector3& vertex = tiles_[i].vertices[k];
+        const Vector3 inside = vertex + 0.22 * (middleBy(tiles_[i], static_cast<int>(k)) - vertex);
+        if (!sight.isClear(inside, i)) continue;
+        // The reader may have turned a tile's order round; the number is the file's.
+        const int inFile = order_.across({static_cast<int>(i), static_cast<int>(k)}, tiles_).vertex;
+        write(fmt::format("{}", order_.countsFrom + inFile), inside,
+              std::clamp(0.14 * pixels, 6.0, 20.0), kVertexNumber);
+      }
+    }
+    return std::move(frame_);
+  }
+
+ private:
+  /// The side of a square that fills as many pixels as the tile. Pixels: the area as the camera
+  /// sees it, |n . e| times the true one.
+  double apparentSize(const model::Tile& tile, const Vector3& towardsEye) const {
+    const double area = model::tileArea(tile) * std::abs(model::tileNormal(tile).dot(towardsEye));
+    return size_.height / picture::heightAtCentre(camera_) * std::sqrt(area);
+  }
+
+  void write(const std::string& text, const Vector3& place, double pixels, picture::Colour colour) {
+    const int em = static_cast<int>(pixels);
+    // Writers load a font, so there is one for each size.
+    const picture::LabelWriter& writer = writers_.try_emplace(em, em).first->second;
+    const Eigen::Vector4d clip =
+        picture::clipFromWorld(camera_, size_.aspect()) * place.homogeneous();
+    // From clip coordinates, -1 to 1 with y up, to pixels with y down.
+    const double x = 0.5 * (1 + clip.x() / clip.w()) * size_.width;
+    const double y = 0.5 * (1 - clip.y() / clip.w()) * size_.height;
+    const int width = writer.width(text);
+    // Digits are about 0.7 of the em high, and 0.6 wide.
+    const double height = 1.2 * width / static_cast<double>(text.size());
+    writer.draw(frame_, text, static_cast<int>(std::lround(x - 0.5 * width)),
+                static_cast<int>(std::lround(y + 0.5 * height)), colour);
+  }
+
+  const std::vector<model::Tile>& tiles_;
+  const model::FileOrder& order_;  ///< numbers are the file's
+  picture::FrameSize size_;
+  picture::Camera camera_;
+  picture::Frame frame_;
+  std::map<int, picture::LabelWriter> writers_;  ///< by their size, pixels
+};
+
+}  // namespace
+
+picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize) {
+  std::vector<picture::GridPicture> pictures;
+  pictures.push_back(
+      {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize).numbered(), "start"});
+  if (scene.model.target) {
+    pictures.push_back(
+        {StatePicture(*scene.model.target, scene.model, scene.brick, stateSize).numbered(),
+         "target"});
+  }
+  return picture::composeGrid(pictures, {1, static_cast<int>(pictures.size())});
+}
+
+picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
+                               picture::FrameSize size) {
+  picture::CameraFit fit;
+  fit.view = picture::defaultView(tile.vertices);
+  fit.aspect = size.aspect();
+  fit.orthographic = true;
+  picture::Style style;
+  style.markSize = 0.03;
+  picture::PictureItems items;
+  items.overlay = {tile};
+  items.marks = {place};
+  return picture::Painter(size, {}, style).paint(items, picture::fitCamera(tile.vertices, fit));
+}
+
+// ------------------------------------------------------------------------------------------------
+// A ray from the point p towards the eye, in the direction e (a unit vector; the eye is infinitely
+// far), meets the plane of a tile with normal n and middle m at
+//
+//     p + t e,    t = n . (m - p) / (n . e).
+//
+// The tile hides p when t > 0 and that place lies within one of the tile's convex parts. Tiles
+// farther from the ray than their radius are left out first: |(m - p) x e| is the distance of m
+// from the ray.
+//
+// Each question looks at all tiles, so that a picture of n tiles costs n^2 of them.
+
+namespace {
+
+// Tiles nearer than this, of their own radius, touch the point rather than hide it.
+constexpr double kTouch = 1e-3;
+
+/// Whether a point of the plane is left of every edge.
+bool isWithin(const std::vector<Vector3>& corners, const Vector3& normal, const Vector3& point) {
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vector3& from = corners[k];
+    const Vector3& to = corners[(k + 1) % corners.size()];
+    if ((to - from).cross(point - from).dot(normal) < 0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+LineOfSight::LineOfSight(const std::vector<model::Tile>& tiles, const Vector3& towardsEye)
+    : towardsEye_(towardsEye) {
+  for (const model::Tile& tile : tiles) {
+    Screen& screen = screens_.emplace_back();
+    screen.normal = model::tileNormal(tile);
+    for (const model::PolygonPart& part : model::convexParts(tile.vertices, screen.normal)) {
+      std::vector<Vector3>& corners = screen.parts.emplace_back();
+      for (const int corner : part) corners.push_back(tile.vertices[corner]);
+    }
+    screen.middle = model::tileCentroid(tile);
+    for (const Vector3& vertex : tile.vertices) {
+      screen.radius = std::max(screen.radius, (vertex - screen.middle).norm());
+    }
+  }
+}
+
+bool LineOfSight::isClear(const Vector3& point, std::size_t tile) const {
+  for (std::size_t k = 0; k < screens_.size(); ++k) {
+    if (k != tile && hides(screens_[k], point)) return false;
+  }
+  return true;
+}
+
+bool LineOfSight::hides(const Screen& screen, const Vector3& point) const {
+  const Vector3 offset = screen.middle - point;
+  if (offset.cross(towardsEye_).squaredNorm() > screen.radius * screen.radius) return false;
+  const double slope = screen.normal.dot(towardsEye_);
+  // Seen edge-on a tile hides nothing.
+  if (slope == 0) return false;
+  const double distance = screen.normal.dot(offset) / slope;
+  // Behind the point, or so near that it touches it, as joined tiles do.
+  if (distance < kTouch * screen.radius) return false;
+  const Vector3 meeting = point + distance * towardsEye_;
+  return std::any_of(screen.parts.begin(), screen.parts.end(),
+                     [&](const auto& part) { return isWithin(part, screen.normal, meeting); });
+}
+
+}  // namespace kirireel::report

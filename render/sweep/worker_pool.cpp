@@ -1,0 +1,287 @@
+// One parent, `count` children. Each child is forked once and does jobs until none is left:
+//
+//     parent                         child
+//     next() gives a number
+//     send number (8 bytes)   ->     recv
+//                                    work(number)
+//     poll, recv verdict      <-     send verdict (1 byte)
+//     watch(verdict)
+//
+// The channel is a pair of SOCK_SEQPACKET sockets (unix(7)): messages keep their bounds, and the
+// end of the process closes it, which the parent sees as an empty message. A worker that dies is
+// replaced by a new one; its job is lost, or tried once more where SIGKILL ended it, because the
+// kernel's choice under memory pressure may have hit a run that was not to blame.
+//
+// Processes and not threads: a crash of one run, memory that it ate, or a loop that never ends
+// cannot be mended within a process. fork without exec keeps libraries loaded and tables warm.
+//
+// Memory is bounded by RLIMIT_DATA (setrlimit(2)), beyond which allocations fail with
+// std::bad_alloc, so that most runs that need too much end with a reason. Time is wall time from
+// the moment when the job was given.
+#include "render/sweep/worker_pool.h"
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <deque>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel::sweep {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// How often `watch` is called at least. It bounds how late Ctrl-C and the time limit are noticed.
+constexpr int kWatchMilliseconds = 200;
+
+// What a sanitizer keeps of each byte would count too, and be far beyond any limit.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kLimitsMemory = false;
+#else
+constexpr bool kLimitsMemory = true;
+#endif
+
+void limitMemory(std::int64_t bytes) {
+  if (bytes <= 0 || !kLimitsMemory) return;
+  const auto most = static_cast<rlim_t>(bytes);
+  const rlimit limit = {most, most};
+  ::setrlimit(RLIMIT_DATA, &limit);
+}
+
+/// The life of a worker: jobs come in as numbers, verdicts go out. The caller's end is not told
+/// apart from the caller's death.
+[[noreturn]] void workUntilTheEnd(int channel, const WorkerJobs& jobs) {
+  std::uint64_t job = 0;
+  while (::recv(channel, &job, sizeof job, 0) == sizeof job) {
+    Verdict verdict = Verdict::Failed;
+    try {
+      verdict = jobs.work(job);
+    } catch (const std::exception& error) {
+      // Not fmt::print, which throws when there is no room on the disk that stderr goes to.
+      std::fputs(fmt::format("kirireel: {}\n", error.what()).c_str(), stderr);
+      std::fflush(nullptr);
+      ::_exit(1);
+    }
+    // MSG_NOSIGNAL: a parent that is gone gives an error and not SIGPIPE.
+    if (::send(channel, &verdict, sizeof verdict, MSG_NOSIGNAL) != sizeof verdict) break;
+  }
+  std::fflush(nullptr);
+  // Not exit(): what the caller has set up is the caller's to take down.
+  ::_exit(0);
+}
+
+/// One child process, seen from its parent.
+class Worker {
+ public:
+  /// `siblings` are what the child must not keep open.
+  Worker(const WorkerJobs& jobs, const WorkerLimits& limits, const std::vector<int>& siblings) {
+    std::array<int, 2> ends = {};
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) fail();
+    std::fflush(nullptr);
+    const pid_t parent = ::getpid();
+    process_ = ::fork();
+    if (process_ < 0) fail();
+    if (process_ == 0) {
+      // The kernel ends the child with its parent (prctl(2)).
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      // The parent may have died before that.
+      if (::getppid() != parent) ::_exit(1);
+      // Ctrl-C reaches the whole process group; the parent decides what ends.
+      std::signal(SIGINT, SIG_IGN);
+      std::signal(SIGTERM, SIG_IGN);
+      // An end that a sibling keeps open would hide that the parent has closed it.
+      for (const int sibling : siblings) ::close(sibling);
+      ::close(ends[0]);
+      limitMemory(limits.memoryBytes);
+      workUntilTheEnd(ends[1], jobs);
+    }
+    channel_ = ends[0];
+    ::close(ends[1]);
+  }
+
+  /// Kills the process if it still runs, and waits, so that no zombie stays.
+  ~Worker() {
+    ::kill(process_, SIGKILL);
+    waitForEnd();
+    ::close(channel_);
+  }
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  void give(std::uint64_t job) {
+    job_ = job;
+    since_ = Clock::now();
+    // A worker that is gone is noticed by its silence.
+    ::send(channel_, &job, sizeof job, MSG_NOSIGNAL);
+  }
+
+  /// The verdict on its job; nothing when the process has ended.
+  std::optional<Verdict> take() {
+    Verdict verdict = Verdict::Failed;
+    // An ended process gives 0 bytes.
+    return ::recv(channel_, &verdict, sizeof verdict, 0) == sizeof verdict ? std::optional(verdict)
+                                                                           : std::nullopt;
+  }
+
+  /// Waits for the process, and says how it ended. The status of waitpid(2); further calls return
+  /// the same.
+  int waitForEnd() {
+    while (!ended_ && ::waitpid(process_, &status_, 0) < 0 && errno == EINTR) {
+    }
+    ended_ = true;
+    return status_;
+  }
+
+  void kill() const { ::kill(process_, SIGKILL); }
+
+  int channel() const { return channel_; }
+  std::uint64_t job() const { return job_; }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - since_).count(); }
+
+ private:
+  [[noreturn]] static void fail() {
+    throw RunError(fmt::format("error: no process can be started ({}); give fewer with --jobs",
+                               std::strerror(errno)));
+  }
+
+  pid_t process_ = -1;
+  int channel_ = -1;
+  std::uint64_t job_ = 0;
+  Clock::time_point since_;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+std::string describeEnd(int status) {
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    return fmt::format("ended by signal {} ({})", signal, strsignal(signal));
+  }
+  return fmt::format("ended with exit code {}", WEXITSTATUS(status));
+}
+
+bool wasKilled(int status) {
+  return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+}
+
+/// All workers, each at one job.
+class Pool {
+ public:
+  Pool(const WorkerJobs& jobs, const WorkerLimits& limits) : jobs_(jobs), limits_(limits) {}
+
+  bool run() {
+    // No more workers than there are jobs.
+    for (int i = 0; i < limits_.count; ++i) {
+      const std::optional<std::uint64_t> job = next();
+      if (!job) break;
+      hire(*job);
+    }
+    while (!workers_.empty()) {
+      if (!jobs_.watch(std::nullopt)) return false;
+      // Backwards, because workers leave the list and join its end.
+      const std::vector<bool> spoke = listen();
+      for (std::size_t i = spoke.size(); i-- > 0;) {
+        if (spoke[i] && !hear(i)) return false;
+        if (!spoke[i] && workers_[i]->seconds() > limits_.seconds && !stopHung(i)) return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  std::optional<std::uint64_t> next() {
+    if (again_.empty()) return jobs_.next();
+    const std::uint64_t job = again_.front();
+    again_.pop_front();
+    return job;
+  }
+
+  void hire(std::uint64_t job) {
+    std::vector<int> channels;
+    for (const auto& worker : workers_) channels.push_back(worker->channel());
+    workers_.push_back(std::make_unique<Worker>(jobs_, limits_, channels));
+    workers_.back()->give(job);
+  }
+
+  /// Which workers have something to say, after a short while at most.
+  std::vector<bool> listen() const {
+    std::vector<pollfd> channels;
+    for (const auto& worker : workers_) channels.push_back({worker->channel(), POLLIN, 0});
+    // Interrupted by a signal: nobody is heard in this round, and watch() asks for the signal in
+    // the next.
+    if (::poll(channels.data(), channels.size(), kWatchMilliseconds) < 0) channels.clear();
+    std::vector<bool> spoke;
+    for (const pollfd& channel : channels) spoke.push_back(channel.revents != 0);
+    return spoke;
+  }
+
+  /// Takes the verdict of worker i and gives it the next job; false when `watch` ends all.
+  bool hear(std::size_t i) {
+    const std::optional<Verdict> verdict = workers_[i]->take();
+    if (!verdict) return replace(i);
+    if (!jobs_.watch(verdict)) return false;
+    if (const auto job = next()) {
+      workers_[i]->give(*job);
+    } else {
+      workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    return true;
+  }
+
+  /// A worker that has ended by itself.
+  bool replace(std::size_t i) {
+    const std::uint64_t job = workers_[i]->job();
+    const int status = workers_[i]->waitForEnd();
+    // insert() tells whether the job is tried again for the first time.
+    if (wasKilled(status) && triedAgain_.insert(job).second) {
+      again_.push_back(job);
+      return dismiss(i);
+    }
+    return lose(i, describeEnd(status));
+  }
+
+  bool stopHung(std::size_t i) {
+    workers_[i]->kill();
+    workers_[i]->waitForEnd();
+    return lose(i, fmt::format("took longer than {:g} s", limits_.seconds));
+  }
+
+  bool lose(std::size_t i, const std::string& reason) {
+    return jobs_.watch(jobs_.lost(workers_[i]->job(), reason)) && dismiss(i);
+  }
+
+  /// Puts a new worker, if there is work, in the place of one that has ended.
+  bool dismiss(std::size_t i) {
+    workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(i));
+    if (const auto job = next()) hire(*job);
+    return true;
+  }
+
+  const WorkerJobs& jobs_;
+  const WorkerLimits& limits_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+  std::deque<std::uint64_t> again_;
+  std::set<std::uint64_t> triedAgain_;
+};
+
+}  // namespace
+
+bool runInWorkers(const WorkerJobs& jobs, const WorkerLimits& limits) {
+  return Pool(jobs, limits).run();
+}
+
+}  // namespace kirireel::sweep

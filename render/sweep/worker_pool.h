@@ -1,0 +1,47 @@
+/// Many short jobs in a few child processes, so that a job that crashes, hangs or eats memory takes
+/// nothing along but itself.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace kirireel::sweep {
+
+/// How a job ended.
+enum class Verdict : char {
+  Done,     ///< its process ended with the exit code 0
+  Failed,   ///< it ended in any other way
+  Skipped,  ///< there was nothing to do
+};
+
+/// What workers may use.
+struct WorkerLimits {
+  int count = 1;                 ///< of processes, at least 1
+  double seconds = 3600;         ///< of wall time for each job, positive
+  std::int64_t memoryBytes = 0;  ///< of data for each process; 0 for no limit
+};
+
+/// The jobs of a pool. Numbers name jobs.
+struct WorkerJobs {
+  std::function<std::optional<std::uint64_t>()> next;  ///< the next job; nothing when there is none
+  std::function<Verdict(std::uint64_t)> work;          ///< does a job; called in a worker
+  /// Called when a job's process has ended before its job, or was ended at the time limit, with one
+  /// line that says why.
+  std::function<Verdict(std::uint64_t, const std::string& reason)> lost;
+  /// Called after each job and a few times a second in between, then without a job; return false
+  /// to end all workers at once, and with them the jobs that they are at.
+  std::function<bool(std::optional<Verdict>)> watch;
+};
+
+/// Does all jobs. Workers are forked from the caller, which must not have more than one thread, and
+/// do one job after the other, because starting the program anew takes longer than a short run.
+/// They end with the caller, however that ends, and leave SIGINT and SIGTERM to it. A job whose
+/// process was killed from outside (SIGKILL, as when memory runs out) is tried once more. Returns
+/// false when `watch` ended it. Throws RunError when processes cannot be made, and what `lost`
+/// throws. `next`, `lost` and `watch` are called in the caller, one at a time. Linux only: it
+/// relies on prctl(2).
+bool runInWorkers(const WorkerJobs& jobs, const WorkerLimits& limits);
+
+}  // namespace kirireel::sweep

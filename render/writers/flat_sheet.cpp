@@ -1,0 +1,766 @@
+// A planar start is turned so that its tiles face +z, q n = z with n the normal of tile 0, and z is
+// dropped. All heights may differ by 1e-6 of the model's size at most.
+//
+// A gap at a corner is the turn from the edge of one tile that arrives there, looked back along, to
+// the edge of the other that leaves, anticlockwise, 0 to 2 pi. The other gap of the joint is found
+// with the tiles exchanged.
+#include "render/writers/flat_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+
+namespace kirireel::writers {
+namespace {
+
+constexpr double kPlanarStart = 1e-6;  ///< of the model size, that vertices may be off the plane
+
+/// Looks at every vertex.
+void requireFlat(const model::Model& model, const Vector3& normal) {
+  const Vector3& origin = model.tiles[0].vertices[0];
+  const double allowed = kPlanarStart * model::modelSize(model);
+  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
+  for (std::size_t t = 0; t < model.tiles.size(); ++t) {
+    if (model::tileNormal(model.tiles[t]).dot(normal) < 0) {
+      throw InputError(
+          fmt::format("error: tile {} faces the other way than tile {}; a cut pattern "
+                      "needs all tiles on one side: reverse its vertices",
+                      first + t, first));
+    }
+    for (const Vector3& vertex : model.tiles[t].vertices) {
+      const double height = std::abs((vertex - origin).dot(normal));
+      if (height <= allowed) continue;
+      throw InputError(
+          fmt::format("error: the start is not flat: tile {} reaches {:.3g} m out of "
+                      "the plane of tile {}; only planar models have a cut pattern",
+                      first + t, height, first));
+    }
+  }
+}
+
+/// A gap that is closed but for rounding may come out as slightly less than 0; it counts as 0 and
+/// not as a full turn.
+CornerGap gapBetween(const std::vector<FlatTile>& tiles, const model::Corner& a,
+                     const model::Corner& b) {
+  const int sides = static_cast<int>(tiles[a.tile].size());
+  CornerGap gap;
+  gap.first = {a.tile, (a.vertex + sides - 1) % sides, false};
+  gap.second = {b.tile, b.vertex, true};
+  const Vector2 from = directionFrom(tiles, gap.first);
+  const Vector2 to = directionFrom(tiles, gap.second);
+  gap.angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+  if (gap.angle < -kClosedAngle) gap.angle += 2 * std::numbers::pi;
+  gap.angle = std::max(gap.angle, 0.0);
+  return gap;
+}
+
+/// The shortest turn of a unit normal onto z. A sheet that faces down is turned over about x.
+Quaternion turnUp(const Vector3& normal) {
+  const Vector3 axis = normal.cross(Vector3::UnitZ());
+  const double sine = axis.norm();
+  const double angle = std::atan2(sine, normal.z());
+  return rotationFromVector(sine > 0 ? Vector3(angle / sine * axis)
+                                     : Vector3(angle * Vector3::UnitX()));
+}
+
+}  // namespace
+
+FlatSheet flatSheet(const model::Model& model) {
+  const Vector3 normal = model::tileNormal(model.tiles[0]);
+  requireFlat(model, normal);
+  FlatSheet sheet;
+  sheet.turn = turnUp(normal);
+  sheet.height = (sheet.turn * model.tiles[0].vertices[0]).z();
+  for (const model::Tile& tile : model.tiles) {
+    FlatTile& flat = sheet.tiles.emplace_back();
+    for (const Vector3& vertex : tile.vertices) flat.push_back((sheet.turn * vertex).head<2>());
+  }
+  return sheet;
+}
+
+void requirePivot(const model::Joint& joint, std::size_t number) {
+  if (joint.kind == model::JointKind::Pivot) return;
+  throw InputError(
+      fmt::format("error: joint {} does not hold two corners together; a cut "
+                  "pattern knows hinges at corners alone",
+                  number));
+}
+
+CornerGap narrowGap(const std::vector<FlatTile>& tiles, const model::Joint& joint) {
+  const CornerGap ahead = gapBetween(tiles, joint.a, joint.b);
+  const CornerGap behind = gapBetween(tiles, joint.b, joint.a);
+  return ahead.angle <= behind.angle ? ahead : behind;
+}
+
+Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
+  const FlatTile& tile = tiles[end.tile];
+  const Vector2 along = (tile[(end.edge + 1) % tile.size()] - tile[end.edge]).normalized();
+  return end.atStart ? along : Vector2(-along);
+}
+
+// ------------------------------------------------------------------------------------------------
+// From a planar start to lines for a cutter:
+//
+// - 1. At each joint a hinge of material stays. The narrower gap between the two tiles has the
+//   angle g; the cut along its edges ends at t = w / cos(g / 2) before the joint, so that the neck
+//   across the gap's bisector is w long (w: hinge width, metres). An open gap gets a cut across its
+//   end.
+// - 2. Each edge is shortened by the largest t of the joints at its ends.
+// - 3. Edges of two tiles that coincide are one slit, drawn once; they are found by their middles
+//   in a grid of cells as wide as the tolerance (1e-4 of the tile size), of which 3 x 3 are looked
+//   at.
+//
+// SVG is in millimetres with y down; DXF is ASCII R12 (AC1009; Autodesk, DXF Reference): pairs of
+// lines, a group code and a value: 0 begins an entity, 8 names its layer, 10/20 and 11/21 are its
+// ends, 62 a colour, $INSUNITS the unit. R12 needs no tables of handles.
+
+namespace {
+
+constexpr double kSameEdge = 1e-4;  ///< of the tile size, within which edges coincide
+
+/// How much shorter edges are at their ends than in the model, metres.
+using Trims = std::map<EdgeEnd, double>;
+
+/// 0 at ends without a joint.
+double trimAt(const Trims& trims, const EdgeEnd& end) {
+  const auto found = trims.find(end);
+  return found == trims.end() ? 0 : found->second;
+}
+
+/// Works in the sheet's plane; all lengths in metres.
+class PatternMaker {
+ public:
+  PatternMaker(const model::Model& model, double hingeWidth)
+      : tiles_(flatSheet(model).tiles),
+        first_(model.fileOrder.countsFrom),
+        width_(hingeWidth),
+        same_(kSameEdge * model::tileSize(model)) {
+    for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
+    addEdges();
+  }
+
+  std::vector<PatternLine> take() { return std::move(lines_); }
+
+ private:
+  int sides(int tile) const { return static_cast<int>(tiles_[tile].size()); }
+  int after(int tile, int k) const { return (k + 1) % sides(tile); }
+
+  const Vector2& corner(const model::Corner& c) const { return tiles_[c.tile][c.vertex]; }
+
+  void addHinge(const model::Joint& joint, std::size_t number) {
+    requirePivot(joint, static_cast<std::size_t>(first_) + number);
+    const CornerGap gap = narrowGap(tiles_, joint);
+    const double trim = width_ / std::cos(gap.angle / 2);
+    const Vector2 middle = 0.5 * (corner(joint.a) + corner(joint.b));
+    const Vector2 ends[] = {middle + trim * directionFrom(tiles_, gap.first),
+                            middle + trim * directionFrom(tiles_, gap.second)};
+    for (const EdgeEnd& end : {gap.first, gap.second}) {
+      double& kept = trims_[end];
+      kept = std::max(kept, trim);
+    }
+    lines_.push_back({PatternLayer::Hinges, middle, 0.5 * (ends[0] + ends[1])});
+    if (gap.angle > kClosedAngle) lines_.push_back({PatternLayer::Cuts, ends[0], ends[1]});
+  }
+
+  /// The same edge of another tile, which runs the other way; found by its middle.
+  std::optional<std::pair<int, int>> twinOf(int tile, int edge) const {
+    const Vector2 from = tiles_[tile][edge];
+    const Vector2 to = tiles_[tile][after(tile, edge)];
+    const auto [column, row] = cellOf(0.5 * (from + to));
+    for (long x = column - 1; x <= column + 1; ++x) {
+      for (long y = row - 1; y <= row + 1; ++y) {
+        const auto [first, last] = edges_.equal_range({x, y});
+        for (auto found = first; found != last; ++found) {
+          const auto [t, e] = found->second;
+          if (t == tile) continue;
+          const bool isSame =
+              (tiles_[t][e] - to).norm() < same_ && (tiles_[t][after(t, e)] - from).norm() < same_;
+          if (isSame) return found->second;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::pair<long, long> cellOf(const Vector2& point) const {
+    return {std::lround(point.x() / same_), std::lround(point.y() / same_)};
+  }
+
+  void addEdges() {
+    const int count = static_cast<int>(tiles_.size());
+    for (int t = 0; t < count; ++t) {
+      for (int e = 0; e < sides(t); ++e) {
+        const Vector2 middle = 0.5 * (tiles_[t][e] + tiles_[t][after(t, e)]);
+        edges_.emplace(cellOf(middle), std::pair{t, e});
+      }
+    }
+    for (int t = 0; t < count; ++t) {
+      for (int e = 0; e < sides(t); ++e) addEdge(t, e);
+    }
+  }
+
+  void addEdge(int tile, int edge) {
+    const auto twin = twinOf(tile, edge);
+    if (twin && twin->first < tile) return;  // drawn with its twin
+    double atStart = trimAt(trims_, {tile, edge, true});
+    double atEnd = trimAt(trims_, {tile, edge, false});
+    if (twin) {
+      atStart = std::max(atStart, trimAt(trims_, {twin->first, twin->second, false}));
+      atEnd = std::max(atEnd, trimAt(trims_, {twin->first, twin->second, true}));
+    }
+    const Vector2 from = tiles_[tile][edge];
+    const Vector2 to = tiles_[tile][after(tile, edge)];
+    const double length = (to - from).norm();
+    if (atStart + atEnd >= length) {
+      throw InputError(
+          fmt::format("error: hinges {} m wide leave nothing to cut of edge {} of tile "
+                      "{}, {:.3g} m long; choose a smaller --hinge-width",
+                      width_, first_ + edge, first_ + tile, length));
+    }
+    const Vector2 along = (to - from) / length;
+    lines_.push_back({twin ? PatternLayer::Slits : PatternLayer::Cuts, from + atStart * along,
+                      to - atEnd * along});
+  }
+
+  std::vector<FlatTile> tiles_;
+  int first_;  ///< number of tiles, edges and joints in messages
+  double width_;
+  double same_;  ///< metres within which points coincide
+  Trims trims_;
+  std::multimap<std::pair<long, long>, std::pair<int, int>> edges_;  ///< by their middles
+  std::vector<PatternLine> lines_;
+};
+
+/// How a layer looks.
+struct LayerLook {
+  PatternLayer layer;
+  const char* name;
+  const char* svgStyle;
+  int dxfColour;
+};
+
+constexpr LayerLook kLooks[] = {
+    {PatternLayer::Cuts, "cuts", "stroke=\"#d00000\"", 1},
+    {PatternLayer::Slits, "slits", "stroke=\"#0000d0\"", 5},
+    {PatternLayer::Hinges, "hinges", "stroke=\"#008000\"", 3},
+};
+
+}  // namespace
+
+std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth) {
+  if (!(hingeWidth > 0)) {
+    throw InputError(
+        fmt::format("error: hinges cannot be {} m wide; give a positive --hinge-width, "
+                    "or the sheet falls apart",
+                    hingeWidth));
+  }
+  return PatternMaker(model, hingeWidth).take();
+}
+
+std::string patternSvg(const std::vector<PatternLine>& lines) {
+  constexpr double kMillimetres = 1000;
+  constexpr double kMargin = 5;
+  constexpr double kStrokesAcross = 2000;
+  Eigen::AlignedBox2d box;
+  for (const PatternLine& line : lines) box.extend(line.from).extend(line.to);
+  const Vector2 size = kMillimetres * box.sizes() + Vector2::Constant(2 * kMargin);
+  // Hairlines once the sheet is scaled to fit a cutter, and still to be seen before.
+  const double stroke = size.maxCoeff() / kStrokesAcross;
+  std::string text = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}mm\" height=\"{1}mm\" "
+      "viewBox=\"0 0 {0} {1}\">\n",
+      size.x(), size.y());
+  // SVG's y runs down.
+  const auto x = [&](const Vector2& p) { return kMargin + kMillimetres * (p.x() - box.min().x()); };
+  const auto y = [&](const Vector2& p) { return kMargin + kMillimetres * (box.max().y() - p.y()); };
+  for (const LayerLook& look : kLooks) {
+    text += fmt::format("<g id=\"{}\" fill=\"none\" stroke-width=\"{}\" {}>\n", look.name, stroke,
+                        look.svgStyle);
+    for (const PatternLine& line : lines) {
+      if (line.layer != look.layer) continue;
+      text += fmt::format("<path d=\"M {} {} L {} {}\"/>\n", x(line.from), y(line.from), x(line.to),
+                          y(line.to));
+    }
+    text += "</g>\n";
+  }
+  return text + "</svg>\n";
+}
+
+std::string patternDxf(const std::vector<PatternLine>& lines, const LengthUnit& unit) {
+  std::string text = fmt::format(
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n"
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n",
+      unit.dxfNumber);
+  for (const LayerLook& look : kLooks) {
+    text +=
+        fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", look.name, look.dxfColour);
+  }
+  text += "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  for (const PatternLine& line : lines) {
+    const LayerLook& look = kLooks[static_cast<int>(line.layer)];
+    text += fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", look.name,
+                        inUnit(line.from.x(), unit), inUnit(line.from.y(), unit),
+                        inUnit(line.to.x(), unit), inUnit(line.to.y(), unit));
+  }
+  return text + "0\nENDSEC\n0\nEOF\n";
+}
+
+// ------------------------------------------------------------------------------------------------
+// OBJ as PyKirigami writes it: "v x y z" for every corner of every tile, an empty line, "f 1 2 3 4"
+// for every tile, numbers from 1.
+
+std::string planarObjText(const std::vector<model::Tile>& tiles) {
+  std::size_t vertices = 0;
+  for (const model::Tile& tile : tiles) vertices += tile.vertices.size();
+  std::string text = fmt::format("# {} vertices {} faces\n", vertices, tiles.size());
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& v : tile.vertices) appendText(text, "v {} {} {}\n", v.x(), v.y(), v.z());
+  }
+  text += "\n";
+  std::size_t next = 1;
+  for (const model::Tile& tile : tiles) {
+    text += "f";
+    for (std::size_t k = 0; k < tile.vertices.size(); ++k) appendText(text, " {}", next++);
+    text += "\n";
+  }
+  return text;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Each joint is seen in its own axes: the joint at the origin, the bisector of the narrower gap up
+// (y), one tile right (x > 0) and the other left, mirrored. With half the gap's angle h, the lower
+// edge of the tile at the angle b from the bisector and half the kerf i, the tile's edges are lines
+//
+//     upper: x cos h - y sin h = i,    lower: y sin b - x cos b = i  (angles from the bisector).
+//
+// A neck of length l and width w is the strip |x| <= l / 2, y0 <= y <= y0 + w; y0 is -w / 2, lower
+// where the tiles end too soon above, and never below the height at which both have begun. Where a
+// tile reaches into |x| < l / 2 above or below the strip, a slot is cut out of it, as deep as the
+// largest of width, radius and kerf. Fillets are quarter circles of six lines each.
+//
+// A corner of a tile becomes a chain of points, which takes its place in the tile's outline; chains
+// of neighbouring corners are joined by what is left of the edge between them. A point that tile
+// and neck share is one point, so that Gmsh makes one mesh.
+//
+// A shape that does not fit throws Misfit, which says what is too large. The message then offers a
+// value that does: it is found by bisection in twelve steps, each of which makes the whole outline.
+
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kShortestLine = 1e-9;  ///< of the tile size: shorter lines are left out
+constexpr int kArcLines = 6;            ///< of a quarter circle
+
+/// What a shape cannot have, and where. Caught within this file alone.
+struct Misfit {
+  enum Kind { TooWide, TooShort, TooRound } kind = TooWide;
+  std::string where;
+};
+
+/// The z of the cross product.
+double cross(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// How a tile lies at a joint: the gap's bisector is up (y), the tile right of it (x > 0). Its two
+/// edges, moved inwards by half the kerf, are straight lines.
+struct Wedge {
+  double half = 0;    ///< of the gap, radians: from the bisector to the upper edge
+  double lowest = 0;  ///< from the bisector to the lower edge
+  double inset = 0;   ///< half the kerf
+
+  /// Between which heights the tile lies at this x.
+  double top(double x) const {
+    const double sine = std::sin(half);
+    return sine < kClosedAngle ? kInfinite : (x * std::cos(half) - inset) / sine;
+  }
+  double bottom(double x) const {
+    const double sine = std::sin(lowest);
+    return sine < kClosedAngle || lowest > std::numbers::pi ? -kInfinite
+                                                            : (inset + x * std::cos(lowest)) / sine;
+  }
+
+  /// Where its edges are at this height.
+  double upperEdge(double y) const { return (inset + y * std::sin(half)) / std::cos(half); }
+  double lowerEdge(double y) const { return (y * std::sin(lowest) - inset) / std::cos(lowest); }
+};
+
+/// The lines of a tile near one neck, in the joint's axes, from the upper edge to the lower.
+struct NeckEnd {
+  std::vector<Vector2> above;  ///< the slot above
+  Vector2 high;                ///< the line that tile and neck share
+  Vector2 low;
+  std::vector<Vector2> below;
+  bool roundAbove = false;  ///< whether there is a fillet
+  bool roundBelow = false;
+};
+
+/// What stands for a corner of a tile: points from the edge that arrives to the edge that leaves.
+/// Without a joint it stays empty, and the corner itself is taken.
+struct CornerPoints {
+  std::vector<int> arriving;
+  int middle = -1;  ///< of necks without length: the joint
+  std::vector<int> leaving;
+  bool isCut = false;  ///< `arriving` is all of it
+};
+
+/// Made for one outline.
+class OutlineMaker {
+ public:
+  OutlineMaker(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape)
+      : model_(model), shape_(shape), tiny_(kShortestLine * model::tileSize(model)) {
+    outline_.sheet = sheet;
+    outline_.neckWidth = shape.width;
+    shape_.length = std::max(shape.length, shape.kerf);
+  }
+
+  /// Throws Misfit.
+  NeckOutline make() {
+    for (const FlatTile& tile : tiles()) corners_.emplace_back(tile.size());
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      const CornerGap gap = narrowGap(tiles(), model_.joints[j]);
+      shape_.length > 0 ? addBeam(gap, j) : addWeb(gap);
+    }
+    for (std::size_t t = 0; t < tiles().size(); ++t) addTile(static_cast<int>(t));
+    return std::move(outline_);
+  }
+
+ private:
+  const std::vector<FlatTile>& tiles() const { return outline_.sheet.tiles; }
+
+  /// Of a tile, edge or joint, in messages.
+  int numberOf(std::size_t index) const {
+    return model_.fileOrder.countsFrom + static_cast<int>(index);
+  }
+
+  int addPoint(const Vector2& at, bool isAtNeck) {
+    outline_.points.push_back(at);
+    outline_.isAtNeck.push_back(isAtNeck);
+    return static_cast<int>(outline_.points.size()) - 1;
+  }
+
+  int vertexOf(const EdgeEnd& end) const {
+    const int sides = static_cast<int>(tiles()[end.tile].size());
+    return end.atStart ? end.edge : (end.edge + 1) % sides;
+  }
+  CornerPoints& cornerAt(const EdgeEnd& end) { return corners_[end.tile][vertexOf(end)]; }
+
+  Vector2 jointPoint(const CornerGap& gap) const {
+    return 0.5 * (tiles()[gap.first.tile][vertexOf(gap.first)] +
+                  tiles()[gap.second.tile][vertexOf(gap.second)]);
+  }
+
+  /// A neck without length: a line across a shut slit, a triangle across an open gap. The cut ends
+  /// w / cos(g / 2) from the joint, as in flat_sheet.cpp.
+  void addWeb(const CornerGap& gap) {
+    CornerPoints& first = cornerAt(gap.first);
+    CornerPoints& second = cornerAt(gap.second);
+    const Vector2 joint = jointPoint(gap);
+    const double reach = shape_.width / std::cos(gap.angle / 2);
+    const Vector2 firstEnd = joint + reach * directionFrom(tiles(), gap.first);
+    const Vector2 secondEnd = joint + reach * directionFrom(tiles(), gap.second);
+    const bool isShut = gap.angle <= kClosedAngle;
+    const int a = addPoint(firstEnd, true);
+    const int b = isShut ? a : addPoint(secondEnd, true);
+    const int middle = joinMiddles(first, second, joint);
+    first.arriving = {a};
+    second.leaving = {b};
+    if (!isShut) outline_.necks.push_back({middle, a, b});
+  }
+
+  /// One point for the corners of both tiles, and of all that are joined to them already.
+  int joinMiddles(CornerPoints& first, CornerPoints& second, const Vector2& joint) {
+    if (first.middle < 0 && second.middle < 0) first.middle = addPoint(joint, true);
+    if (first.middle < 0) first.middle = second.middle;
+    const int old = second.middle;
+    second.middle = first.middle;
+    if (old < 0 || old == first.middle) return first.middle;
+    for (std::vector<CornerPoints>& tile : corners_) {
+      for (CornerPoints& corner : tile) {
+        if (corner.middle == old) corner.middle = first.middle;
+      }
+    }
+    for (std::vector<int>& neck : outline_.necks) std::ranges::replace(neck, old, first.middle);
+    return first.middle;
+  }
+
+  /// The tile's own angle at the corner is taken from its two edges, 0 to 2 pi.
+  Wedge wedgeOf(const EdgeEnd& end, double half) const {
+    const FlatTile& tile = tiles()[end.tile];
+    const int sides = static_cast<int>(tile.size());
+    const int vertex = vertexOf(end);
+    const Vector2 after = tile[(vertex + 1) % sides] - tile[vertex];
+    const Vector2 before = tile[(vertex + sides - 1) % sides] - tile[vertex];
+    double angle = std::atan2(cross(after, before), after.dot(before));
+    if (angle < 0) angle += 2 * std::numbers::pi;
+    return {half, half + angle, shape_.kerf / 2};
+  }
+
+  /// A neck with length: a strip between two ports that are cut into the tiles. The second tile is
+  /// seen in a mirror, x and -x, so that both use the same code.
+  void addBeam(const CornerGap& gap, std::size_t joint) {
+    CornerPoints& first = cornerAt(gap.first);
+    CornerPoints& second = cornerAt(gap.second);
+    if (first.isCut || second.isCut) {
+      throw InputError(
+          fmt::format("error: joint {} shares a corner with another one, where necks with a length "
+                      "or a kerf would cross; leave --neck-length and --kerf out",
+                      numberOf(joint)));
+    }
+    const double half = gap.angle / 2;
+    const Wedge wedges[] = {wedgeOf(gap.first, half), wedgeOf(gap.second, half)};
+    const double x = shape_.length / 2;
+    const double bottom = std::max(wedges[0].bottom(x), wedges[1].bottom(x));
+    const double top = std::min(wedges[0].top(x), wedges[1].top(x));
+    if (top - bottom < shape_.width - tiny_) {
+      throw Misfit{Misfit::TooShort, fmt::format("joint {}", numberOf(joint))};
+    }
+    const double low = std::max(std::min(-shape_.width / 2, top - shape_.width), bottom);
+    const NeckEnd ends[] = {endOf(wedges[0], low, joint), endOf(wedges[1], low, joint)};
+
+    const Vector2 along = directionFrom(tiles(), gap.first);
+    const Vector2 up = Eigen::Rotation2Dd(half) * along;
+    const Vector2 right(up.y(), -up.x());
+    const Vector2 origin = jointPoint(gap);
+    const auto place = [&](const Vector2& p, double side) {
+      return addPoint(origin + side * p.x() * right + p.y() * up, true);
+    };
+    std::vector<int> ports;
+    for (const auto& [corner, end, side] :
+         {std::tuple{&first, &ends[0], 1.0}, {&second, &ends[1], -1.0}}) {
+      std::vector<int> chain;
+      for (const Vector2& p : end->above) chain.push_back(place(p, side));
+      ports.push_back(place(end->high, side));
+      ports.push_back(place(end->low, side));
+      chain.insert(chain.end(), ports.end() - 2, ports.end());
+      for (const Vector2& p : end->below) chain.push_back(place(p, side));
+      if (side < 0) std::ranges::reverse(chain);
+      corner->arriving = chain;
+      corner->isCut = true;
+    }
+    addStrip(ports, ends, low, place);
+  }
+
+  /// The end of a neck at a tile right of the joint; the strip begins at the height `low`.
+  NeckEnd endOf(const Wedge& wedge, double low, std::size_t joint) const {
+    const double x = shape_.length / 2;
+    const double high = low + shape_.width;
+    const double depth = std::max({shape_.width, shape_.radius, shape_.kerf});
+    const double radius = shape_.radius;
+    const double roomAbove = wedge.top(x) - high;
+    const double roomBelow = low - wedge.bottom(x);
+    NeckEnd end;
+    end.roundAbove = radius > 0 && roomAbove > tiny_;
+    end.roundBelow = radius > 0 && roomBelow > tiny_;
+    if ((end.roundAbove && roomAbove < radius) || (end.roundBelow && roomBelow < radius)) {
+      throw Misfit{Misfit::TooRound, fmt::format("joint {}", numberOf(joint))};
+    }
+    end.high = {x, end.roundAbove ? high + radius : high};
+    end.low = {x, end.roundBelow ? low - radius : low};
+    if (roomAbove <= depth) {
+      if (wedge.top(x) > end.high.y() + tiny_) end.above = {{x, wedge.top(x)}};
+    } else if (const double edge = wedge.upperEdge(high + depth); edge < x - tiny_) {
+      end.above = {{edge, high + depth}, {x, high + depth}};
+    }
+    if (roomBelow <= depth) {
+      if (wedge.bottom(x) < end.low.y() - tiny_) end.below = {{x, wedge.bottom(x)}};
+    } else if (const double edge = wedge.lowerEdge(low - depth); edge < x - tiny_) {
+      end.below = {{x, low - depth}, {edge, low - depth}};
+    }
+    return end;
+  }
+
+  /// The neck itself: up its right end, back along its upper side, down its left end.
+  template <typename Place>
+  void addStrip(const std::vector<int>& ports, const NeckEnd (&ends)[2], double low,
+                const Place& place) {
+    const double x = shape_.length / 2;
+    const double high = low + shape_.width;
+    const double r = shape_.radius;
+    std::vector<int> loop = {ports[1], ports[0]};
+    // Fillets are quarter circles inside the corners, given by their centres and first angles.
+    const auto appendArc = [&](const Vector2& centre, double from) {
+      for (int k = 0; k <= kArcLines; ++k) {
+        const double angle = from - k * std::numbers::pi / (2 * kArcLines);
+        const Vector2 at = centre + r * Vector2(std::cos(angle), std::sin(angle));
+        const bool isPort = std::abs(std::abs(at.x()) - x) <= tiny_;
+        const bool isMiddle = std::abs(at.x()) <= tiny_ && centre.x() < 0 && from < 0;
+        const bool isMiddleBelow = std::abs(at.x()) <= tiny_ && centre.x() > 0 && from > 1;
+        const bool isTwice = 2 * r >= shape_.length - tiny_ && (isMiddle || isMiddleBelow);
+        if (!isPort && !isTwice) loop.push_back(place(at, 1));
+      }
+    };
+    const double quarter = std::numbers::pi / 2;
+    if (ends[0].roundAbove) appendArc({x - r, high + r}, 0);
+    if (ends[1].roundAbove) appendArc({r - x, high + r}, -quarter);
+    loop.push_back(ports[2]);
+    loop.push_back(ports[3]);
+    if (ends[1].roundBelow) appendArc({r - x, low - r}, 2 * quarter);
+    if (ends[0].roundBelow) appendArc({x - r, low - r}, quarter);
+    outline_.necks.push_back(loop);
+  }
+
+  /// A corner without a joint: the tile's own, moved inwards by half the kerf.
+  int insetCorner(int tile, int vertex) {
+    const FlatTile& points = tiles()[tile];
+    const int sides = static_cast<int>(points.size());
+    const auto inward = [&](int edge) {
+      const Vector2 along = (points[(edge + 1) % sides] - points[edge]).normalized();
+      return Vector2(-along.y(), along.x());
+    };
+    const Vector2 a = inward((vertex + sides - 1) % sides);
+    const Vector2 b = inward(vertex);
+    return addPoint(points[vertex] + shape_.kerf / 2 * (a + b) / (1 + a.dot(b)), false);
+  }
+
+  /// Chains in the order of corners make the tile's loop.
+  void addTile(int tile) {
+    const int sides = static_cast<int>(tiles()[tile].size());
+    std::vector<std::vector<int>> chains;
+    for (int k = 0; k < sides; ++k) {
+      const CornerPoints& corner = corners_[tile][k];
+      std::vector<int> chain = corner.arriving;
+      if (corner.middle >= 0) chain.push_back(corner.middle);
+      chain.insert(chain.end(), corner.leaving.begin(), corner.leaving.end());
+      if (chain.empty()) chain = {insetCorner(tile, k)};
+      chains.push_back(chain);
+    }
+    std::vector<int> loop;
+    for (int k = 0; k < sides; ++k) {
+      requireRest(tile, k, chains[k].back(), chains[(k + 1) % sides].front());
+      loop.insert(loop.end(), chains[k].begin(), chains[k].end());
+    }
+    requireSimple(tile, loop);
+    outline_.tiles.push_back(loop);
+  }
+
+  /// Something of each edge must be left to cut.
+  void requireRest(int tile, int edge, int from, int to) const {
+    const FlatTile& points = tiles()[tile];
+    const Vector2 along = points[(edge + 1) % points.size()] - points[edge];
+    const Vector2 rest = outline_.points[to] - outline_.points[from];
+    if (rest.dot(along.normalized()) > tiny_) return;
+    throw Misfit{Misfit::TooWide,
+                 fmt::format("edge {} of tile {}", numberOf(edge), numberOf(tile))};
+  }
+
+  /// No two lines of a tile's outline may cross.
+  void requireSimple(int tile, const std::vector<int>& loop) const {
+    const std::size_t count = loop.size();
+    const auto at = [&](std::size_t k) { return outline_.points[loop[k % count]]; };
+    const auto side = [&](std::size_t line, std::size_t point) {
+      return cross(at(line + 1) - at(line), at(point) - at(line));
+    };
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = a + 2; b < count; ++b) {
+        if (b + 1 == count && a == 0) continue;
+        const bool crosses = side(a, b) * side(a, b + 1) < 0 && side(b, a) * side(b, a + 1) < 0;
+        if (crosses) throw Misfit{Misfit::TooWide, fmt::format("tile {}", numberOf(tile))};
+      }
+    }
+  }
+
+  const model::Model& model_;
+  NeckShape shape_;
+  double tiny_;  ///< metres
+  NeckOutline outline_;
+  std::vector<std::vector<CornerPoints>> corners_;
+};
+
+void requirePossible(const NeckShape& shape) {
+  if (!(shape.width > 0)) {
+    throw InputError(
+        fmt::format("error: necks cannot be {} m wide; give a positive --neck-width, or the sheet "
+                    "falls apart",
+                    shape.width));
+  }
+  const double length = std::max(shape.length, shape.kerf);
+  if (shape.length >= 0 && shape.kerf >= 0 && shape.radius >= 0 && 2 * shape.radius <= length) {
+    return;
+  }
+  throw InputError(fmt::format(
+      "error: fillets of radius {} m do not fit necks {} m long; choose a --neck-radius "
+      "of at most {} m, or a --neck-length of at least {} m",
+      shape.radius, length, length / 2, 2 * shape.radius));
+}
+
+/// Costs a whole outline.
+bool fits(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape) {
+  try {
+    OutlineMaker(model, sheet, shape).make();
+    return true;
+  } catch (const Misfit&) {
+    return false;
+  }
+}
+
+/// The bound up to which a length fits, between one that does and one that does not; three digits.
+std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet, NeckShape shape,
+                              double NeckShape::*length, double good) {
+  double bad = shape.*length;
+  shape.*length = good;
+  if (!fits(model, sheet, shape)) return std::nullopt;
+  for (int k = 0; k < 12; ++k) {
+    shape.*length = 0.5 * (good + bad);
+    (fits(model, sheet, shape) ? good : bad) = shape.*length;
+  }
+  // Not the bound itself, which rounding could miss.
+  return good < bad ? 0.99 * good : 1.01 * good;
+}
+
+[[noreturn]] void refuse(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape,
+                         const Misfit& misfit) {
+  std::string cure = "; no neck of this length and kerf fits";
+  const auto offer = [&](double NeckShape::*length, double good, const char* words) {
+    const std::optional<double> bound = boundOf(model, sheet, shape, length, good);
+    if (bound) cure = fmt::format("; {} {:.3g} m does", words, *bound);
+    return bound.has_value();
+  };
+  const double size = model::tileSize(model);
+  if (misfit.kind == Misfit::TooRound) {
+    offer(&NeckShape::radius, 0, "a --neck-radius of");
+  } else if (misfit.kind == Misfit::TooShort) {
+    // The least of the lengths doubled from width / 64 that fits, or else one that does not.
+    NeckShape longer = shape;
+    longer.length = shape.width / 64;
+    while (longer.length < size && !fits(model, sheet, longer)) longer.length *= 2;
+    offer(&NeckShape::length, longer.length, "a --neck-length of") ||
+        offer(&NeckShape::width, 1e-6 * size, "a --neck-width of");
+  } else {
+    offer(&NeckShape::width, 1e-6 * size, "a --neck-width of") ||
+        offer(&NeckShape::length, shape.kerf, "a --neck-length of");
+  }
+  throw InputError(fmt::format(
+      "error: {}: a neck {} m wide and {} m long with fillets of {} m and a kerf of {} m does not "
+      "fit{}",
+      misfit.where, shape.width, std::max(shape.length, shape.kerf), shape.radius, shape.kerf,
+      cure));
+}
+
+}  // namespace
+
+NeckOutline neckOutline(const model::Model& model, const NeckShape& shape) {
+  requirePossible(shape);
+  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], first + j);
+  const FlatSheet sheet = flatSheet(model);
+  try {
+    return OutlineMaker(model, sheet, shape).make();
+  } catch (const Misfit& misfit) {
+    refuse(model, sheet, shape, misfit);
+  }
+}
+
+}  // namespace kirireel::writers

@@ -1,0 +1,622 @@
+// Three formats by way of assimp's exporters (assimp 5), with exact coordinates:
+//
+// - OBJ: text; "g TILE_00000", "v x y z", "vn x y z", "f 1//1 2//1 ...". Polygons stay whole.
+// - PLY: text; a header that ends in "end_header", then one row a vertex, then "3 a b c" a
+//   triangle. "property float" becomes "property double", since the digits are those of doubles.
+// - STL: binary; 80 bytes of header, a count (uint32), then 50 bytes a triangle: normal and three
+//   corners as floats, and two bytes that are 0.
+//
+// A brick of n sides has 2 n corners: the bottom's, then the top's. Faces are listed anticlockwise
+// as seen from outside, so that normals by the right-hand rule point outwards: the bottom runs
+// backwards, sides are (k, k+1, n+k+1, n+k).
+#include "render/writers/mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <string_view>
+
+#include <assimp/Exporter.hpp>
+#include <assimp/scene.h>
+#include <assimp/version.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+#include "sim/base/interruption.h"
+
+namespace kirireel::writers {
+namespace {
+
+// assimp stores and prints coordinates in single precision and welds vertices that look equal. So
+// it is given the numbers of the corners for x, and its rows are filled with the coordinates after.
+
+using Face = std::vector<unsigned>;
+
+/// Whole numbers that a float holds exactly.
+constexpr std::size_t kMostCorners = 1U << 24U;
+
+/// The corners of all bricks in world axes: of each brick its bottom, then its top. Metres.
+std::vector<Vector3> worldCorners(const std::vector<model::Brick>& bricks, const Poses& poses) {
+  std::vector<Vector3> corners;
+  for (std::size_t k = 0; k < bricks.size(); ++k) {
+    for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
+    for (const Vector3& point : bricks[k].top) corners.push_back(poses[k].apply(point));
+  }
+  // The readers of models allow far fewer tiles than would fill this.
+  assert(corners.size() <= kMostCorners);
+  return corners;
+}
+
+/// The outward faces of a brick of n sides whose first corner has this number.
+std::vector<Face> facesOf(unsigned n, unsigned first) {
+  Face bottom;
+  Face top;
+  for (unsigned k = 0; k < n; ++k) {
+    bottom.push_back(first + n - 1 - k);
+    top.push_back(first + n + k);
+  }
+  std::vector<Face> faces = {bottom, top};
+  for (unsigned k = 0; k < n; ++k) {
+    const unsigned next = (k + 1) % n;
+    faces.push_back({first + k, first + next, first + n + next, first + n + k});
+  }
+  return faces;
+}
+
+/// The faces of a brick whose first corner has this number, as triangles.
+std::vector<Face> brickTriangles(const model::Brick& brick, unsigned first) {
+  std::vector<Face> triangles;
+  const std::vector<std::vector<Vector3>> shapes = model::brickFaces(brick);
+  const std::vector<Face> faces = facesOf(static_cast<unsigned>(brick.bottom.size()), first);
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const Vector3 normal = k == 0 ? Vector3(-brick.normal) : brick.normal;
+    // Sides are convex, whatever their normal.
+    const auto cut = k < 2 ? model::trianglesOf(shapes[k], normal)
+                           : std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}};
+    for (const auto& [a, b, c] : cut) {
+      triangles.push_back({faces[k][a], faces[k][b], faces[k][c]});
+    }
+  }
+  return triangles;
+}
+
+/// The number is what the exporter will print where x stands.
+aiVector3D numbered(unsigned corner) {
+  return {static_cast<float>(corner), 0, 0};
+}
+
+/// Unit and outward; single precision, for normals only shade.
+aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
+  const Vector3& middle = corners[face[1]];
+  Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
+  // The corner of a concave face may turn inwards.
+  Vector3 area = Vector3::Zero();
+  for (std::size_t k = 2; k < face.size(); ++k) {
+    area += (corners[face[k - 1]] - corners[face[0]]).cross(corners[face[k]] - corners[face[0]]);
+  }
+  if (area.dot(normal) < 0) normal = -normal;
+  return {static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+          static_cast<float>(normal.z())};
+}
+
+// Arrays are raw because aiMesh and aiScene delete them.
+template <typename T>
+/// The caller's object owns the array from then on.
+T* copied(const std::vector<T>& values) {
+  T* array = new T[values.size()];
+  std::ranges::copy(values, array);
+  return array;
+}
+
+/// Also sets mPrimitiveTypes, without which the exporters write broken rows.
+void setFaces(aiMesh& mesh, const std::vector<Face>& faces) {
+  mesh.mNumFaces = static_cast<unsigned>(faces.size());
+  mesh.mFaces = new aiFace[faces.size()];
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    mesh.mFaces[k].mNumIndices = static_cast<unsigned>(faces[k].size());
+    mesh.mFaces[k].mIndices = copied(faces[k]);
+    mesh.mPrimitiveTypes |=
+        faces[k].size() == 3 ? aiPrimitiveType_TRIANGLE : aiPrimitiveType_POLYGON;
+  }
+}
+
+/// Faces share vertices.
+std::unique_ptr<aiMesh> sharedMesh(unsigned corners, const std::vector<Face>& triangles) {
+  auto mesh = std::make_unique<aiMesh>();
+  std::vector<aiVector3D> vertices;
+  for (unsigned k = 0; k < corners; ++k) vertices.push_back(numbered(k));
+  mesh->mNumVertices = corners;
+  mesh->mVertices = copied(vertices);
+  setFaces(*mesh, triangles);
+  return mesh;
+}
+
+/// Each face has its own vertices, so that it can have its own normal.
+std::unique_ptr<aiMesh> flatMesh(const std::vector<Face>& faces,
+                                 const std::vector<Vector3>& corners) {
+  auto mesh = std::make_unique<aiMesh>();
+  std::vector<aiVector3D> vertices;
+  std::vector<aiVector3D> normals;
+  std::vector<Face> renumbered;
+  for (const Face& face : faces) {
+    const aiVector3D normal = flatNormal(face, corners);
+    Face& own = renumbered.emplace_back();
+    for (const unsigned corner : face) {
+      own.push_back(static_cast<unsigned>(vertices.size()));
+      vertices.push_back(numbered(corner));
+      normals.push_back(normal);
+    }
+  }
+  mesh->mNumVertices = static_cast<unsigned>(vertices.size());
+  mesh->mVertices = copied(vertices);
+  mesh->mNormals = copied(normals);
+  setFaces(*mesh, renumbered);
+  return mesh;
+}
+
+/// assimp wants a material and a root node that names all meshes. The scene owns what it points to.
+std::unique_ptr<aiScene> sceneOf(std::vector<std::unique_ptr<aiMesh>> meshes) {
+  auto scene = std::make_unique<aiScene>();
+  scene->mNumMaterials = 1;
+  scene->mMaterials = new aiMaterial* [1] { new aiMaterial };
+  scene->mNumMeshes = static_cast<unsigned>(meshes.size());
+  scene->mMeshes = new aiMesh*[meshes.size()];
+  scene->mRootNode = new aiNode("kirigami");
+  scene->mRootNode->mNumMeshes = scene->mNumMeshes;
+  scene->mRootNode->mMeshes = new unsigned[meshes.size()];
+  for (unsigned k = 0; k < scene->mNumMeshes; ++k) {
+    scene->mMeshes[k] = meshes[k].release();
+    scene->mRootNode->mMeshes[k] = k;
+  }
+  return scene;
+}
+
+/// The bytes of a file in the format that assimp knows by this id.
+std::string exported(const aiScene& scene, const char* format, const std::filesystem::path& path) {
+  Assimp::Exporter exporter;
+  // The blob belongs to the exporter, so its bytes are copied.
+  const aiExportDataBlob* blob = exporter.ExportToBlob(&scene, format);
+  if (blob == nullptr) {
+    throw OutputError(fmt::format("{}: error: assimp cannot make this mesh ({})", path.string(),
+                                  exporter.GetErrorString()));
+  }
+  return {static_cast<const char*>(blob->data), blob->size};
+}
+
+/// Takes the first line, without its end, off the text.
+std::string_view takeLine(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// Appends the coordinates of the corner whose number a row starts with, shortest digits that read
+/// back to the same doubles.
+void appendCorner(std::string& text, std::string_view row, const std::vector<Vector3>& corners) {
+  unsigned corner = 0;
+  std::from_chars(row.data(), row.data() + row.size(), corner);
+  const Vector3& point = corners.at(corner);
+  appendText(text, "{} {} {}\n", point.x(), point.y(), point.z());
+}
+
+std::string objText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
+                    const std::filesystem::path& path) {
+  std::vector<std::unique_ptr<aiMesh>> meshes;
+  unsigned first = 0;
+  for (const model::Brick& brick : bricks) {
+    const auto sides = static_cast<unsigned>(brick.bottom.size());
+    const std::string name = fmt::format("TILE_{:05}", meshes.size());
+    meshes.push_back(flatMesh(facesOf(sides, first), corners));
+    meshes.back()->mName = name;
+    first += 2 * sides;
+  }
+  const std::string numbers = exported(*sceneOf(std::move(meshes)), "objnomtl", path);
+  std::string text;
+  for (std::string_view rest = numbers; !rest.empty();) {
+    checkInterruption();
+    const std::string_view line = takeLine(rest);
+    // Rows "v" hold the number of a corner where x would be; "vn" and "f" stay as they are.
+    if (line.starts_with("v ")) {
+      const std::size_t digits = line.find_first_not_of(' ', 1);
+      text += "v ";
+      appendCorner(text, line.substr(digits), corners);
+    } else {
+      text.append(line).append("\n");
+    }
+  }
+  return text;
+}
+
+/// The triangles of all bricks, by the numbers of their corners.
+std::vector<Face> allTriangles(const std::vector<model::Brick>& bricks) {
+  std::vector<Face> triangles;
+  unsigned first = 0;
+  for (const model::Brick& brick : bricks) {
+    const auto sides = static_cast<unsigned>(brick.bottom.size());
+    std::ranges::copy(brickTriangles(brick, first), std::back_inserter(triangles));
+    first += 2 * sides;
+  }
+  return triangles;
+}
+
+std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
+  std::vector<std::unique_ptr<aiMesh>> meshes;
+  meshes.push_back(std::move(mesh));
+  return sceneOf(std::move(meshes));
+}
+
+/// Binary STL holds single precision and no shared vertices: nothing to fill in after. Each facet
+/// has its own normal; assimp would smooth them over shared corners.
+std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
+                     const LengthUnit& unit, const std::filesystem::path& path) {
+  auto mesh = flatMesh(allTriangles(bricks), corners);
+  for (unsigned k = 0; k < mesh->mNumVertices; ++k) {
+    aiVector3D& vertex = mesh->mVertices[k];
+    const Eigen::Vector3f point = corners[static_cast<std::size_t>(vertex.x)].cast<float>();
+    vertex = {point.x(), point.y(), point.z()};
+  }
+  std::string bytes = exported(*sceneOf(std::move(mesh)), "stlb", path);
+  constexpr std::size_t kHeader = 80;
+  std::string header = fmt::format("Kirireel: closed bricks, unit {}", unit.name);
+  header.resize(kHeader, ' ');
+  // The header must not begin with "solid", by which readers tell text from binary.
+  return bytes.replace(0, kHeader, header);
+}
+
+/// The header's counts are assimp's own and stay.
+std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
+                    const LengthUnit& unit, const std::filesystem::path& path) {
+  auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
+  const std::string numbers = exported(*sceneOf(std::move(mesh)), "ply", path);
+  constexpr std::string_view kPlyFloat = "property float ";
+  std::string text;
+  std::string_view rest = numbers;
+  // The header, line by line, with doubles in place of floats.
+  for (std::string_view line; line != "end_header" && !rest.empty();) {
+    line = takeLine(rest);
+    const bool isFloat = line.starts_with(kPlyFloat);
+    if (isFloat) text += "property double ";
+    text.append(isFloat ? line.substr(kPlyFloat.size()) : line).append("\n");
+    if (line.starts_with("format ")) appendText(text, "comment unit {}\n", unit.name);
+  }
+  // Rows of vertices come in the order of the corners; the faces after them need no change.
+  for (std::size_t k = 0; k < corners.size(); ++k) appendCorner(text, takeLine(rest), corners);
+  return text.append(rest);
+}
+
+}  // namespace
+
+void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
+               const Poses& poses, const LengthUnit& unit) {
+  std::vector<Vector3> corners = worldCorners(bricks, poses);
+  for (Vector3& corner : corners) corner = inUnit(corner, unit);
+  const std::string ending = path.extension().string();
+  if (ending == ".obj") {
+    writeTextFile(path, fmt::format("# unit {}\n", unit.name) + objText(bricks, corners, path));
+  } else if (ending == ".ply") {
+    writeTextFile(path, plyText(bricks, corners, unit, path));
+  } else if (ending == ".stl") {
+    writeTextFile(path, stlBytes(bricks, corners, unit, path));
+  } else {
+    throw InputError(
+        fmt::format("{}: error: \"{}\" is no mesh format known here; let the name end "
+                    "in .obj, .ply or .stl",
+                    path.string(), ending));
+  }
+}
+
+std::string meshLibraryVersion() {
+  return fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+}
+
+// ------------------------------------------------------------------------------------------------
+// Writes a binary glTF 2.0 file (Khronos, glTF 2.0 Specification, section "GLB File Format"),
+// little-endian throughout:
+//
+//     magic "glTF" (0x46546C67), version 2, length of the file      3 x 4 bytes
+//     length, type "JSON", JSON text filled up with spaces          chunk 0
+//     length, type "BIN\0", binary buffer filled up with zeros      chunk 1
+//
+// The JSON describes the buffer. Buffer views are ranges of bytes; accessors are typed arrays
+// within them: count, component type, offset. There are six views:
+//
+//     positions  3 floats a vertex     normals  3 floats a vertex     indices  1 uint32 a corner
+//     times      1 float a key         moves    3 floats a brick and key
+//     turns      4 floats a brick and key: quaternion x, y, z, w
+//
+// Each brick is a mesh in its own axes and a node with translation and rotation; the animation has
+// two channels a node. So the geometry is stored once, whatever the number of keys. Between keys
+// viewers interpolate positions linearly and quaternions spherically.
+//
+// glTF is y up and ours z up: the root node turns by -90 degrees about x, the quaternion
+// (-sqrt(1/2), 0, 0, sqrt(1/2)).
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
+
+// glTF's own numbers.
+constexpr int kGltfFloat = 5126;
+constexpr int kUnsigned = 5125;
+constexpr int kVertexTarget = 34962;
+constexpr int kIndexTarget = 34963;
+constexpr std::uint32_t kMagic = 0x46546C67;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+constexpr std::uint32_t kBinaryChunk = 0x004E4942;
+
+template <typename T>
+void appendBytes(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// Three floats, 12 bytes.
+void appendVector(std::string& bytes, const Vector3& v) {
+  for (const double x : {v.x(), v.y(), v.z()}) appendBytes(bytes, static_cast<float>(x));
+}
+
+/// The sections of the binary part, which become glTF's buffer views.
+enum View { kPositions, kNormals, kIndices, kTimes, kMoves, kTurns, kViewCount };
+
+/// What the JSON says, and the bytes that it speaks of.
+struct Asset {
+  Json accessors = Json::array();
+  std::array<std::string, kViewCount> views;
+
+  /// Declares `count` values of a view. Returns the accessor's number.
+  std::size_t declare(View view, const char* type, int componentType, std::size_t count,
+                      std::size_t byteOffset) {
+    accessors.push_back({{"bufferView", view},
+                         {"byteOffset", byteOffset},
+                         {"componentType", componentType},
+                         {"count", count},
+                         {"type", type}});
+    return accessors.size() - 1;
+  }
+};
+
+/// Positions and their bounds, rounded to single precision as they are stored. glTF demands min and
+/// max of positions, of the stored floats and not of the doubles.
+class Bounds {
+ public:
+  void add(const Vector3& point) {
+    const Eigen::Vector3f rounded = point.cast<float>();
+    least_ = least_.cwiseMin(rounded);
+    most_ = most_.cwiseMax(rounded);
+  }
+
+  void note(Json& accessor) const {
+    accessor["min"] = {least_.x(), least_.y(), least_.z()};
+    accessor["max"] = {most_.x(), most_.y(), most_.z()};
+  }
+
+ private:
+  Eigen::Vector3f least_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
+  Eigen::Vector3f most_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::lowest());
+};
+
+/// The outward normal of a face, whose corner 1 may turn inwards.
+Vector3 normalOf(const std::vector<Vector3>& face) {
+  // The fan's area vector points outwards whatever single corners do.
+  const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
+  Vector3 area = Vector3::Zero();
+  for (std::size_t k = 2; k < face.size(); ++k) {
+    area += (face[k - 1] - face[0]).cross(face[k] - face[0]);
+  }
+  return area.dot(normal) < 0 ? Vector3(-normal) : normal;
+}
+
+/// Each face has its own vertices, so that it can have its own normal.
+Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) {
+  const std::vector<std::vector<Vector3>> faces = model::brickFaces(brick);
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  for (const std::vector<Vector3>& face : faces) {
+    vertices += face.size();
+    triangles += face.size() - 2;
+  }
+  // The accessor begins where the view ends so far, and the values are appended after.
+  const auto declareNext = [&](View view, const char* type, int componentType, std::size_t count) {
+    return asset.declare(view, type, componentType, count, asset.views[view].size());
+  };
+  const std::size_t positions = declareNext(kPositions, "VEC3", kGltfFloat, vertices);
+  const std::size_t normals = declareNext(kNormals, "VEC3", kGltfFloat, vertices);
+  const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
+  // Indices count within the mesh, from 0.
+  Bounds bounds;
+  std::uint32_t first = 0;
+  for (const std::vector<Vector3>& face : faces) {
+    const Vector3 normal = normalOf(face);
+    for (const Vector3& point : face) {
+      appendVector(asset.views[kPositions], point);
+      appendVector(asset.views[kNormals], normal);
+      bounds.add(point);
+    }
+    for (const auto& triangle : model::trianglesOf(face, normal)) {
+      for (const int corner : triangle) {
+        appendBytes(asset.views[kIndices], first + static_cast<std::uint32_t>(corner));
+      }
+    }
+    first += static_cast<std::uint32_t>(face.size());
+  }
+  bounds.note(asset.accessors[positions]);
+  return {
+      {"name", name},
+      {"primitives", Json::array({{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
+                                   {"indices", indices},
+                                   {"material", 0}}})}};
+}
+
+/// Puts single precision numbers at their place in a view.
+template <std::size_t count>
+void place(std::string& view, std::size_t index, const std::array<double, count>& numbers) {
+  std::array<float, count> rounded{};
+  for (std::size_t k = 0; k < count; ++k) rounded[k] = static_cast<float>(numbers[k]);
+  std::memcpy(view.data() + index * sizeof rounded, rounded.data(), sizeof rounded);
+}
+
+/// Reads key by key what glTF stores brick by brick. Returns the poses of the first.
+/// Quaternions keep their sign from key to key, or viewers turn the long way.
+Poses readKeys(std::size_t brickCount, std::size_t keyCount,
+               const std::function<AnimationKey(std::size_t)>& key, Asset& asset) {
+  asset.views[kMoves].resize(brickCount * keyCount * 3 * sizeof(float));
+  asset.views[kTurns].resize(brickCount * keyCount * 4 * sizeof(float));
+  Poses first;
+  Poses last;
+  for (std::size_t k = 0; k < keyCount; ++k) {
+    AnimationKey read = key(k);
+    appendBytes(asset.views[kTimes], static_cast<float>(read.time));
+    for (std::size_t brick = 0; brick < brickCount; ++brick) {
+      const Vector3& p = read.poses[brick].position;
+      Quaternion& q = read.poses[brick].rotation;
+      // q and -q are the same rotation; the interpolation between them is not.
+      if (k > 0 && q.dot(last[brick].rotation) < 0) q.coeffs() = -q.coeffs();
+      place<3>(asset.views[kMoves], brick * keyCount + k, {p.x(), p.y(), p.z()});
+      place<4>(asset.views[kTurns], brick * keyCount + k, {q.x(), q.y(), q.z(), q.w()});
+    }
+    if (k == 0) first = read.poses;
+    last = std::move(read.poses);
+  }
+  return first;
+}
+
+/// The end time as it is stored, in single precision.
+Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, Asset& asset) {
+  // All samplers share the times.
+  const std::size_t times = asset.declare(kTimes, "SCALAR", kGltfFloat, keyCount, 0);
+  asset.accessors[times]["min"] = {0.0};
+  asset.accessors[times]["max"] = {endTime};
+  Json samplers = Json::array();
+  Json channels = Json::array();
+  const auto add = [&](std::size_t output, std::size_t brick, const char* path) {
+    channels.push_back(
+        {{"sampler", samplers.size()}, {"target", {{"node", brick + 1}, {"path", path}}}});
+    samplers.push_back({{"input", times}, {"output", output}});
+  };
+  for (std::size_t brick = 0; brick < brickCount; ++brick) {
+    const std::size_t first = brick * keyCount;
+    add(asset.declare(kMoves, "VEC3", kGltfFloat, keyCount, first * 3 * sizeof(float)), brick,
+        "translation");
+    add(asset.declare(kTurns, "VEC4", kGltfFloat, keyCount, first * 4 * sizeof(float)), brick,
+        "rotation");
+  }
+  return {{"name", "deployment"}, {"samplers", samplers}, {"channels", channels}};
+}
+
+/// The brick's pose at the first key, for viewers that play no animation.
+Json nodeJson(const Pose& pose, const std::string& name, std::size_t mesh) {
+  const auto f = [](double x) { return static_cast<float>(x); };
+  const Vector3& p = pose.position;
+  const Quaternion& q = pose.rotation;
+  return {{"name", name},
+          {"mesh", mesh},
+          {"translation", {f(p.x()), f(p.y()), f(p.z())}},
+          {"rotation", {f(q.x()), f(q.y()), f(q.z()), f(q.w())}}};
+}
+
+Json materialJson() {
+  return {{"name", "sheet"},
+          {"pbrMetallicRoughness",
+           {{"baseColorFactor", {0.35, 0.55, 0.75, 1.0}}, {"metallicFactor", 0.0}}}};
+}
+
+/// Node 0 is the root, node k + 1 the brick k.
+Json nodesJson(const Poses& start, std::size_t brickCount) {
+  Json children = Json::array();
+  for (std::size_t k = 0; k < brickCount; ++k) children.push_back(k + 1);
+  const double half = std::sqrt(0.5);
+  Json nodes = Json::array();
+  nodes.push_back(
+      {{"name", "kirigami"}, {"rotation", {-half, 0, 0, half}}, {"children", children}});
+  for (std::size_t k = 0; k < brickCount; ++k) {
+    nodes.push_back(nodeJson(start[k], fmt::format("TILE_{:05}", k), k));
+  }
+  return nodes;
+}
+
+/// Views follow each other in the buffer in the order of the enum. All have entries of 4 bytes, so
+/// all offsets are multiples of 4, as glTF wants.
+Json viewsJson(const Asset& asset) {
+  Json views = Json::array();
+  std::size_t offset = 0;
+  for (int view = 0; view < kViewCount; ++view) {
+    Json json = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", asset.views[view].size()}};
+    const bool isVertex = view == kPositions || view == kNormals;
+    if (isVertex) json["byteStride"] = 3 * sizeof(float);
+    if (isVertex) json["target"] = kVertexTarget;
+    if (view == kIndices) json["target"] = kIndexTarget;
+    offset += asset.views[view].size();
+    views.push_back(std::move(json));
+  }
+  return views;
+}
+
+/// Chunks begin at multiples of four bytes.
+void appendChunk(std::string& file, std::uint32_t type, const std::string& bytes, char filler) {
+  const std::size_t padding = (4 - bytes.size() % 4) % 4;
+  appendBytes(file, static_cast<std::uint32_t>(bytes.size() + padding));
+  appendBytes(file, type);
+  file.append(bytes).append(padding, filler);
+}
+
+/// The file's length is a number of 32 bits.
+void requireAddressable(std::size_t bytes) {
+  constexpr std::size_t kMost = std::size_t{7} << 29U;  // leaves half a GiB to the JSON
+  if (bytes <= kMost) return;
+  throw InputError(
+      fmt::format("error: the animation would hold {} bytes, at most {} fit into a "
+                  ".glb; record fewer samples",
+                  bytes, kMost));
+}
+
+/// The length in the header counts the header, too.
+std::string glbFile(const std::string& json, const std::string& binary) {
+  std::string chunks;
+  appendChunk(chunks, kJsonChunk, json, ' ');
+  appendChunk(chunks, kBinaryChunk, binary, '\0');
+  std::string file;
+  appendBytes(file, kMagic);
+  appendBytes(file, std::uint32_t{2});
+  appendBytes(file, static_cast<std::uint32_t>(12 + chunks.size()));
+  return file + chunks;
+}
+
+}  // namespace
+
+std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t keyCount,
+                           const std::function<AnimationKey(std::size_t)>& key) {
+  Asset asset;
+  Json meshes = Json::array();
+  for (std::size_t k = 0; k < bricks.size(); ++k) {
+    meshes.push_back(meshJson(bricks[k], fmt::format("TILE_{:05}", k), asset));
+  }
+  const Poses start = readKeys(bricks.size(), keyCount, key, asset);
+  float endTime = 0;
+  std::memcpy(&endTime, &asset.views[kTimes].end()[-4], sizeof endTime);
+  Json json = {{"asset", {{"version", "2.0"}, {"generator", "Kirireel"}}},
+               {"scene", 0},
+               {"scenes", Json::array({{{"nodes", {0}}}})},
+               {"nodes", nodesJson(start, bricks.size())},
+               {"meshes", std::move(meshes)},
+               {"materials", Json::array({materialJson()})}};
+  json["animations"] = Json::array({animationJson(bricks.size(), keyCount, endTime, asset)});
+  std::string binary;
+  json["accessors"] = std::move(asset.accessors);
+  json["bufferViews"] = viewsJson(asset);
+  for (const std::string& view : asset.views) binary += view;
+  requireAddressable(binary.size());
+  json["buffers"] = {{{"byteLength", binary.size()}}};
+  return glbFile(jsonText(json), binary);
+}
+
+}  // namespace kirireel::writers

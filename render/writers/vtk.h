@@ -1,0 +1,35 @@
+/// States as VTK files, for ParaView.
+///
+/// Both formats are XML of VTK; ParaView opens the collection and plays the states by their times.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/trajectory/trajectory.h"
+
+namespace kirireel::writers {
+
+/// The text of an unstructured grid (.vtu): one solid cell a brick (a wedge where the tile has
+/// three vertices, a hexahedron where it has four, a polyhedron elsewhere), of a concave brick one
+/// wedge for each triangle that it falls into. Lengths in `unit`, to the last bit; arrays are
+/// compressed by zlib. Fields:
+/// - of cells: `tile` (its number), `joint_gap` (the largest at the tile), `turn` (the
+/// angle
+///   from the start, radians);
+/// - of points: `displacement` from the start and, with a target, `target_distance` (of
+/// the
+///   tile's vertex, the same at bottom and top);
+/// - of the state: `TimeValue` (seconds) and the sample's measures.
+///
+/// `start` holds the poses that displacements count from.
+std::string vtuText(const trajectory::Subject& subject, const Poses& start,
+                    const trajectory::Sample& sample, const LengthUnit& unit = {});
+
+/// The text of a collection (.pvd) that plays files at times. Names are relative to the collection;
+/// times in seconds, rising.
+std::string pvdText(const std::vector<std::pair<double, std::string>>& files);
+
+}  // namespace kirireel::writers
