@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
@@ -253,27 +254,16 @@ std::vector<std::vector<int>> nodesOfTiles(const model::Model& model, int& count
     std::iota(corners.back().begin(), corners.back().end(), next);
     next += static_cast<int>(tile.vertices.size());
   }
-  std::vector<int> parent(static_cast<std::size_t>(next));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int k) {
-    while (parent[static_cast<std::size_t>(k)] != k) k = parent[static_cast<std::size_t>(k)];
-    return k;
-  };
+  DisjointSets nodes(static_cast<std::size_t>(next));
   const auto cornerAt = [&](const model::Corner& corner) {
     return corners[static_cast<std::size_t>(corner.tile)][static_cast<std::size_t>(corner.vertex)];
   };
-  for (const model::Joint& joint : model.joints) {
-    const int a = root(cornerAt(joint.a)), b = root(cornerAt(joint.b));
-    // The lower number leads: groups do not depend on the order of joints.
-    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-  std::map<int, int> numbers;
+  for (const model::Joint& joint : model.joints) nodes.unite(cornerAt(joint.a), cornerAt(joint.b));
+  const std::vector<int> numbers = nodes.numbers();
   for (std::vector<int>& tile : corners) {
-    for (int& corner : tile) {
-      corner = numbers.try_emplace(root(corner), static_cast<int>(numbers.size())).first->second;
-    }
+    for (int& corner : tile) corner = numbers[static_cast<std::size_t>(corner)];
   }
-  count = static_cast<int>(numbers.size());
+  count = numbers.empty() ? 0 : 1 + *std::ranges::max_element(numbers);
   return corners;
 }
 

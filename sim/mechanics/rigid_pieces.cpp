@@ -7,7 +7,8 @@
 #include "sim/mechanics/rigid_pieces.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "sim/base/disjoint_sets.h"
 
 namespace kirireel::mechanics {
 namespace {
@@ -15,23 +16,9 @@ namespace {
 /// The piece of each brick, numbered by the first brick of each.
 std::vector<int> connectedPieces(std::size_t bricks,
                                  const std::vector<std::pair<int, int>>& pairs) {
-  std::vector<int> parent(bricks);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto rootOf = [&](int brick) {
-    while (parent[brick] != brick) brick = parent[brick] = parent[parent[brick]];
-    return brick;
-  };
-  for (const auto& [a, b] : pairs) {
-    const int rootA = rootOf(a), rootB = rootOf(b);
-    parent[std::max(rootA, rootB)] = std::min(rootA, rootB);
-  }
-  std::vector<int> numbers(bricks);
-  int count = 0;
-  for (std::size_t i = 0; i < bricks; ++i) {
-    const int root = rootOf(static_cast<int>(i));
-    numbers[i] = root == static_cast<int>(i) ? count++ : numbers[root];
-  }
-  return numbers;
+  DisjointSets pieces(bricks);
+  for (const auto& [a, b] : pairs) pieces.unite(a, b);
+  return pieces.numbers();
 }
 
 }  // namespace

@@ -27,6 +27,7 @@
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 
 namespace kirireel::model {
@@ -35,21 +36,10 @@ namespace {
 // Normals closer than this are those of one plane, radians.
 constexpr double kCoplanar = 1e-6;
 
-int rootOf(std::vector<int>& parent, int k) {
-  while (parent[k] != k) k = parent[k] = parent[parent[k]];
-  return k;
-}
-
-void uniteIn(std::vector<int>& parent, int a, int b) {
-  a = rootOf(parent, a);
-  b = rootOf(parent, b);
-  parent[std::max(a, b)] = std::min(a, b);
-}
-
-std::vector<int> separate(std::size_t count) {
-  std::vector<int> parent(count);
-  std::iota(parent.begin(), parent.end(), 0);
-  return parent;
+std::vector<int> numbersBelow(std::size_t count) {
+  std::vector<int> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
 }
 
 /// The outline of faces of one piece; empty if it is not one closed polygon.
@@ -104,14 +94,14 @@ std::vector<int> faceOutline(std::vector<int> corners,
 }
 
 JoinedFaces joinFaces(const CornerNumbers& faces, const FacePairs& pairs) {
-  std::vector<int> parent = separate(faces.size());
-  for (const auto& [a, b] : pairs) uniteIn(parent, a, b);
+  DisjointSets parent(faces.size());
+  for (const auto& [a, b] : pairs) parent.unite(a, b);
   std::map<int, std::vector<int>> pieces;  // by lowest face
   for (int face = 0; face < std::ssize(faces); ++face) {
-    pieces[rootOf(parent, face)].push_back(face);
+    pieces[parent.lowestOf(face)].push_back(face);
   }
   std::vector<std::pair<int, std::vector<int>>> tiles;  // lowest face, outline
-  std::vector<int> lowest = separate(faces.size());
+  std::vector<int> lowest = numbersBelow(faces.size());
   for (const auto& [first, piece] : pieces) {
     std::vector<int> outline = piece.size() > 1 ? outlineOf(faces, piece) : std::vector<int>();
     if (outline.empty()) {
@@ -223,18 +213,18 @@ class PlanarGraph {
 
   // By x, then y: equal places follow each other up to rounding along x.
   void mergePlaces() {
-    vertex_ = separate(places_.size());
-    std::vector<int> order = vertex_;
+    DisjointSets vertex(places_.size());
+    std::vector<int> order = numbersBelow(places_.size());
     std::ranges::stable_sort(order, {}, [&](int k) { return places_[k].x(); });
     for (std::size_t b = 0; b < order.size(); ++b) {
       for (std::size_t a = b; a-- > 0;) {
         const Point apart = places_[order[b]] - places_[order[a]];
         if (apart.x() > tolerance()) break;
-        if (apart.norm() <= tolerance()) uniteIn(vertex_, order[a], order[b]);
+        if (apart.norm() <= tolerance()) vertex.unite(order[a], order[b]);
       }
     }
-    for (std::size_t k = 0; k < vertex_.size(); ++k)
-      vertex_[k] = rootOf(vertex_, static_cast<int>(k));
+    vertex_.clear();
+    for (int k = 0; k < std::ssize(places_); ++k) vertex_.push_back(vertex.lowestOf(k));
   }
 
   void addEdges(const std::vector<Crease>& edges) {
@@ -256,7 +246,7 @@ class PlanarGraph {
 
   // Edges sorted by their left ends, each compared with those that begin before it ends.
   void requireNoCrossing() const {
-    std::vector<int> order = separate(edgeNumber_.size());
+    std::vector<int> order = numbersBelow(edgeNumber_.size());
     const auto left = [&](int e) {
       return std::min(places_[tail(2 * e)].x(), places_[head(2 * e)].x());
     };
@@ -363,16 +353,16 @@ class PlanarGraph {
 
   // A part of the drawing that lies in a face of another part makes a hole in it.
   void requireNoIslands() const {
-    std::vector<int> part = separate(places_.size());
-    for (int half = 0; half < std::ssize(tails_); half += 2) uniteIn(part, tail(half), head(half));
+    DisjointSets part(places_.size());
+    for (int half = 0; half < std::ssize(tails_); half += 2) part.unite(tail(half), head(half));
     std::map<int, int> faceOfPart;
     for (int walk = 0; walk < std::ssize(walks_); ++walk) {
-      if (isSheet_[walk]) faceOfPart.emplace(rootOf(part, tail(walks_[walk].front())), walk);
+      if (isSheet_[walk]) faceOfPart.emplace(part.lowestOf(tail(walks_[walk].front())), walk);
     }
     if (faceOfPart.size() < 2) return;
     for (const auto& [own, walk] : faceOfPart) {
       for (int face = 0; face < std::ssize(walks_); ++face) {
-        const bool isOther = isSheet_[face] && rootOf(part, tail(walks_[face].front())) != own;
+        const bool isOther = isSheet_[face] && part.lowestOf(tail(walks_[face].front())) != own;
         if (!isOther || !holds(face, places_[own])) continue;
         throw fault(
             fmt::format("the face at vertex {} has a separate drawing inside, at vertex "

@@ -14,10 +14,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
 #include <Eigen/Geometry>
+
+#include "sim/base/disjoint_sets.h"
 
 namespace kirireel::model {
 namespace {
@@ -149,28 +150,9 @@ bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
 }
 
 std::vector<int> piecesOf(const Model& model) {
-  // Each tile points to one of its piece; following the pointers ends at the piece's own tile.
-  // Disjoint sets with path halving: R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union
-  // algorithms, J. ACM 31, 1984.
-  std::vector<std::size_t> towards(model.tiles.size());
-  std::iota(towards.begin(), towards.end(), std::size_t{0});
-  const auto rootOfTile = [&](std::size_t tile) {
-    while (towards[tile] != tile) tile = towards[tile] = towards[towards[tile]];
-    return tile;
-  };
-  for (const Joint& joint : model.joints) {
-    const std::size_t a = rootOfTile(static_cast<std::size_t>(joint.a.tile));
-    const std::size_t b = rootOfTile(static_cast<std::size_t>(joint.b.tile));
-    // The lower number stays, so the first tile of each piece is its root.
-    towards[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<int> pieces;
-  int count = 0;
-  for (std::size_t tile = 0; tile < towards.size(); ++tile) {
-    const std::size_t root = rootOfTile(tile);
-    pieces.push_back(root == tile ? count++ : pieces[root]);
-  }
-  return pieces;
+  DisjointSets pieces(model.tiles.size());
+  for (const Joint& joint : model.joints) pieces.unite(joint.a.tile, joint.b.tile);
+  return pieces.numbers();
 }
 
 // ------------------------------------------------------------------------------------------------

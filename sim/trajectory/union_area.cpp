@@ -24,6 +24,7 @@
 
 #include <Eigen/Geometry>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/geometry.h"
 #include "sim/base/interruption.h"
 #include "sim/model/convex_parts.h"
@@ -108,27 +109,21 @@ struct CoveringPiece {
 };
 
 /// The number of the group of each piece: that of its first piece.
-std::vector<std::size_t> groupsOf(const std::vector<CoveringPiece>& pieces) {
-  std::vector<std::size_t> group(pieces.size()), order(pieces.size());
-  std::iota(group.begin(), group.end(), std::size_t{0});
-  order = group;
-  const auto rootOf = [&](std::size_t i) {
-    while (group[i] != i) i = group[i] = group[group[i]];
-    return i;
-  };
+std::vector<int> groupsOf(const std::vector<CoveringPiece>& pieces) {
+  std::vector<std::size_t> order(pieces.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return pieces[i].box.min().x(); });
+  DisjointSets groups(pieces.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const CoveringPiece& first = pieces[order[i]];
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const CoveringPiece& second = pieces[order[j]];
       if (second.box.min().x() >= first.box.max().x()) break;
       if (!first.box.intersects(second.box) || !first.overlaps(second)) continue;
-      const auto [low, high] = std::minmax({rootOf(order[i]), rootOf(order[j])});
-      group[high] = low;
+      groups.unite(static_cast<int>(order[i]), static_cast<int>(order[j]));
     }
   }
-  for (std::size_t i = 0; i < group.size(); ++i) group[i] = rootOf(i);
-  return group;
+  return groups.numbers();
 }
 
 /// A side that is not horizontal.
@@ -212,9 +207,10 @@ double groupArea(const std::vector<const CoveringPiece*>& pieces) {
 
 double unionArea(const std::vector<std::vector<Eigen::Vector2d>>& polygons) {
   const std::vector<CoveringPiece> pieces(polygons.begin(), polygons.end());
-  const std::vector<std::size_t> group = groupsOf(pieces);
+  const std::vector<int> group = groupsOf(pieces);
   std::vector<std::vector<const CoveringPiece*>> groups(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) groups[group[i]].push_back(&pieces[i]);
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    groups[static_cast<std::size_t>(group[i])].push_back(&pieces[i]);
   double area = 0;
   for (const std::vector<const CoveringPiece*>& members : groups) {
     if (members.empty()) continue;
