@@ -93,7 +93,7 @@ std::vector<int> postorder(const std::vector<int>& parent) {
       newNumber[j] = next++;
       stack.pop_back();
     } else {
-      stack.insert(stack.end(), children[j].begin(), children[j].end());
+      for (const int child : children[j]) stack.push_back(child);
       children[j].clear();
     }
   }
