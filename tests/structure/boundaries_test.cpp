@@ -466,63 +466,6 @@ std::vector<Block> blocksOf(const std::string& text) {
   return closed;
 }
 
-TEST(Boundaries, FunctionsStayShort) {
-  constexpr int kMost = 60;
-  int count = 0;
-  int longest = 0;
-  for (const SourceFile& file : sources()) {
-    for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
-      if (block.kind != Block::Function) continue;
-      const int lines = block.lastLine - block.firstLine + 1;
-      EXPECT_LE(lines, kMost) << file.path << ":" << block.firstLine;
-      longest = std::max(longest, lines);
-      ++count;
-    }
-  }
-  EXPECT_GT(count, 1000);
-  EXPECT_GT(longest, 30);  // otherwise they were not measured
-}
-
-/// The private fields of each type, whose names end with _, those of types within it among them.
-std::map<std::string, int> fieldsOf(const std::string& text) {
-  static const std::regex field("\\b\\w+_\\s*(=[^=]*)?$");
-  std::map<std::string, int> counts;
-  std::vector<Block> open = {{Block::Namespace}};
-  std::string words;
-  for (const char letter : codeAlone(text)) {
-    const bool isEnd = letter == ';' || letter == '{';
-    if (isEnd && open.back().kind == Block::Type && std::regex_search(words, field)) {
-      const auto names = 1 + std::count(words.begin(), words.end(), ',');
-      const bool isList = words.find('<') == words.npos && words.find('(') == words.npos;
-      for (const Block& block : open) {
-        if (block.kind == Block::Type) counts[block.name] += isList ? static_cast<int>(names) : 1;
-      }
-    }
-    if (letter == '{') open.push_back(blockAfter(words, open.back().kind));
-    if (letter == '}' && open.size() > 1) open.pop_back();
-    if (isEnd || letter == '}') {
-      words.clear();
-    } else {
-      words += letter;
-    }
-  }
-  return counts;
-}
-
-// A class with more has several duties. Records, whose fields are public, are not meant.
-TEST(Boundaries, ClassesHaveFewFields) {
-  constexpr int kMost = 15;
-  int most = 0;
-  for (const SourceFile& file : sources()) {
-    for (const auto& [name, count] :
-         fieldsOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
-      EXPECT_LE(count, kMost) << file.path << ": " << name;
-      most = std::max(most, count);
-    }
-  }
-  EXPECT_EQ(most, kMost);  // otherwise they were not counted, or fewer would do
-}
-
 /// The namespace of a module's folder.
 std::string namespaceOf(const std::string& path) {
   const std::string module = *std::next(fs::path(path).begin());
@@ -614,14 +557,6 @@ TEST(Boundaries, FilesThatPagesNameAreThere) {
     }
   }
   EXPECT_GT(count, 100);
-}
-
-// Files are as large as their subject; where one is larger than this, it has two.
-TEST(Boundaries, SourceFilesHaveOneSubject) {
-  for (const SourceFile& file : sources()) {
-    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
-    EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 1500) << file.path;
-  }
 }
 
 }  // namespace
