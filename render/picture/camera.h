@@ -23,7 +23,7 @@ struct Camera {
   double far = 100;                         ///< from the eye, metres, more than near
 };
 
-/// Where the eye stands as seen from the model.
+/// The direction from the model to the eye.
 struct ViewAngles {
   double azimuth = -1.5707963267948966;   ///< radians, anticlockwise from +x about +z
   double elevation = 1.5707963267948966;  ///< radians above the xy plane, -pi/2 to pi/2
@@ -46,10 +46,10 @@ inline constexpr ViewAngles kRightView{0, 0};
 inline constexpr ViewAngles kBottomView{-1.5707963267948966, -1.5707963267948966};
 /// All three axes equally foreshortened, x towards the lower right: for models in space.
 inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.6154797086703873};
-/// Nearly from above, tilted so that the thickness of flat sheets shows.
+/// Nearly from above. The tilt shows the thickness of flat sheets.
 inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843};
 
-/// Whether one looks along an axis, so that lengths across it can be compared. Exactly: only the
+/// Whether the view is along an axis. Lengths across it can then be compared. Exact: only the
 /// views that are named above.
 bool isAlongAxis(ViewAngles view);
 
@@ -59,9 +59,9 @@ ViewAngles defaultView(std::span<const Vector3> points);
 
 /// How to frame points.
 struct CameraFit {
-  ViewAngles view = kIsometricView;         ///< where the camera stands, unless angles are given
-  double aspect = 16.0 / 9.0;               ///< width / height of the picture
-  bool orthographic = false;                ///< else perspective
+  ViewAngles view = kIsometricView;  ///< the direction of the camera, unless angles are given
+  double aspect = 16.0 / 9.0;        ///< width / height of the picture
+  bool orthographic = false;         ///< else perspective
   double fieldOfView = 0.3490658503988659;  ///< perspective: vertical, radians
   /// Part of the picture's width and height left free on each side, 0 to 0.45.
   double margin = 0.06;
@@ -97,9 +97,9 @@ std::vector<Vector3> brickCorners(const std::vector<model::Brick>& bricks, const
 Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect);
 
 // ------------------------------------------------------------------------------------------------
-// Where the camera stands over a whole run: still, in orbit, or led by keyframes.
+// The camera over a whole run: still, in orbit, or at keyframes.
 
-/// Where a led camera stands at one time.
+/// The camera at one time.
 struct CameraKey {
   double time = 0;  ///< simulated seconds
   ViewAngles view;  ///< its azimuth may pass full turns
@@ -131,11 +131,10 @@ class CameraPath {
   CameraPath(const CameraChoice& choice, std::span<const Vector3> points, double aspect);
 
   /// The camera at a time, simulated seconds, with a share of its orbit behind it, 0 to 1. Before
-  /// the first key and after the last it stands still but for the orbit. Costs nothing beside a
-  /// picture.
+  /// the first key and after the last only the orbit moves it. Negligible cost next to a picture.
   Camera at(double time, double turn) const;
 
-  /// Whether the camera stands still, so that all pictures share one scale and one view.
+  /// Whether the camera does not move: all pictures share one scale and one view.
   bool isStill() const { return choice_.keys.empty() && choice_.orbit == 0; }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace kirireel::picture {
 
-/// A colour as it stands in a picture: sRGB bytes, straight (not premultiplied) alpha.
+/// A colour of a picture: sRGB bytes, straight (not premultiplied) alpha.
 struct Colour {
   std::uint8_t red = 0;      ///< sRGB
   std::uint8_t green = 0;    ///< sRGB

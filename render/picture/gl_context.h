@@ -20,8 +20,7 @@ enum class GraphicsLibrary {
   Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card where there is one
 };
 
-/// The libraries that the program was built with, at least one; the first is used unless told
-/// otherwise.
+/// The libraries that the program was built with, at least one. The first is the default.
 std::vector<GraphicsLibrary> builtGraphicsLibraries();
 
 /// Chooses the library of all contexts made later. One process uses one library: call it before the
@@ -37,7 +36,7 @@ void setRasterThreads(int count);
 class Backend;
 
 /// The graphics context of one thread. Every use must be on the thread that made it. Making one
-/// costs time and memory, so that callers keep theirs.
+/// costs time and memory: callers should keep theirs.
 class Context {
  public:
   /// Makes the context and makes it current. Throws OutputError when the system offers none.
@@ -59,7 +58,7 @@ class Context {
 std::string graphicsVersion();
 
 // ------------------------------------------------------------------------------------------------
-// A library that makes OpenGL contexts without a screen; each is known to one source alone.
+// A library that makes OpenGL contexts without a screen; each is used in one source file only.
 
 /// One OpenGL 3.3 core context. Made, used and destroyed on one thread.
 class Backend {

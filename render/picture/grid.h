@@ -39,21 +39,21 @@ struct PictureBox {
   PictureBox scaled(double scale) const;
 };
 
-/// The part without the empty margins that all pictures share, so that models fill the sheet; a
-/// small margin stays, and a caption's width. Empty is what looks like the first picture's upper
-/// left pixel. The pictures, one or more, must have one size.
+/// The part without the empty margins that all pictures share. A small margin and a caption's
+/// width remain. Pixels that equal the first picture's upper left pixel are empty. The pictures,
+/// one or more, must have one size.
 PictureBox filledPart(const std::vector<GridPicture>& pictures);
 
-/// Leaves of each picture that part alone, which must lie within it.
+/// Cuts each picture to that part, which must lie within it.
 void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part);
 
-/// The look of a grid. Lengths are in heights of one picture, so that grids of any size look alike.
+/// The style of a grid. Lengths are in heights of one picture: grids of any size look alike.
 struct GridStyle {
   Colour background = {255, 255, 255};  ///< between and around pictures
   Colour text = {30, 30, 30};           ///< of captions
   double captionSize = 0.065;  ///< height of the text (its em); captions that need less get less
   double gap = 0.04;           ///< between cells and around the sheet
-  /// Em of all text, pixels, whatever the pictures' size; captions that need more room get lines.
+  /// Em of all text, pixels, for pictures of any size. Captions that need more room get lines.
   std::optional<int> textSize;
   bool letters = false;  ///< (a), (b), ... over the pictures
   bool arrows = false;   ///< from each picture to the next one in its row
@@ -61,13 +61,13 @@ struct GridStyle {
   std::vector<std::string> heads;
   /// What the colours of all pictures mean: drawn below them when given.
   std::optional<ColourScale> colourScale;
-  /// The same where colours stand for kinds of bricks.
+  /// The same if colours show kinds of bricks.
   std::vector<LegendEntry> legend;
   /// Of all pictures: a bar of a round length is drawn below them when given.
   std::optional<double> metresPerPixel;
 };
 
-/// Where the cells of a grid stand, pixels.
+/// The places of the cells of a grid, pixels.
 struct GridLayout {
   FrameSize sheet;        ///< the whole grid
   FrameSize picture;      ///< one picture
@@ -89,7 +89,7 @@ struct GridLayout {
   }
 };
 
-/// The gap between columns, in heights of a picture. Wider where arrows stand in it.
+/// The gap between columns, in heights of a picture. Wider if it has arrows.
 double columnGap(const GridStyle& style);
 
 /// The layout of a grid of pictures of one size, with so many lines of caption under each. Throws

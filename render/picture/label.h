@@ -49,8 +49,8 @@ class LabelWriter {
   /// The first character that the font lacks; absent when it has them all.
   std::optional<char32_t> missingGlyph(const std::u32string& text) const;
 
-  /// Draws one line of text in UTF-8: its pen starts at x, its letters stand on row `baseline`.
-  /// What falls outside the frame is left out.
+  /// Draws one line of text in UTF-8: its pen starts at x, the baseline of its letters is row
+  /// `baseline`. What falls outside the frame is left out.
   void draw(Frame& frame, const std::string& text, int x, int baseline, Colour colour) const;
 
  private:
@@ -65,16 +65,16 @@ void requireDrawable(const char* option, const std::string& text);
 // ------------------------------------------------------------------------------------------------
 // Fonts by the name of their family.
 
-/// The file of a family's upright font of usual weight, as fontconfig knows it. Throws InputError
-/// that names the nearest family when there is none of this name; case does not count. Style and
-/// weight are fontconfig's defaults.
+/// The file of a family's upright font of regular weight, from fontconfig. Throws InputError that
+/// names the nearest family if there is none of this name; case does not count. Style and weight
+/// are fontconfig's defaults.
 std::filesystem::path fontFile(const std::string& family);
 
 // ------------------------------------------------------------------------------------------------
 // Text on several lines.
 //
-// Widths are asked of the caller, so that the same code breaks lines of pixels and of a page of
-// vector graphics, whatever the font.
+// The caller gives the widths: the same code breaks lines of pixels and of a page of vector
+// graphics, with any font.
 
 /// Width of one line of text, in any unit.
 using LineWidth = std::function<double(const std::string&)>;
@@ -125,17 +125,16 @@ struct Axis {
   double low = 0;                  ///< the lowest value shown
   double high = 1;                 ///< above low
   bool isLogarithmic = false;      ///< equal steps of the page are equal ratios; low is above 0
-  std::vector<double> ticks;       ///< where numbers stand
-  std::vector<std::string> texts;  ///< the numbers, one a tick
+  std::vector<double> ticks;       ///< the values with numbers
+  std::vector<std::string> texts;  ///< the numbers, one per tick
 
-  /// Where a value stands: 0 at low, 1 at high. Beyond 0 to 1 for values off the axis. On a
+  /// The place of a value: 0 at low, 1 at high. Beyond 0 to 1 for values off the axis. On a
   /// logarithmic axis the value must be above 0.
   double shareOf(double value) const;
 };
 
 /// An axis that holds finite values, at least one, with at most so many ticks at multiples of 1, 2
-/// or 5 times a power of ten; a constant (to 1e-5 of itself)
-/// stands in its middle.
+/// or 5 times a power of ten; a constant (to 1e-5 of itself) is in its middle.
 Axis makeAxis(const std::vector<double>& values, int mostTicks);
 
 /// An axis of this range, high at low or above, with such ticks within it. Without ticks where low
@@ -163,12 +162,12 @@ struct LegendEntry {
   std::string text;  ///< UTF-8, a few words
 };
 
-/// The share of the scale at which a value stands, 0 to 1 within it. 0 where the scale has no
+/// The place of a value on the scale, 0 to 1 within it. 0 if the scale has no
 /// range.
 double shareOf(const ColourScale& scale, double value);
 
-/// A length that a bar stands for: 1, 2 or 5 times a power of ten, at most `longest`, and how it is
-/// written, for example "0.5 m" or "20 mm".
+/// The length that a bar shows: 1, 2 or 5 times a power of ten, at most `longest`, and its text,
+/// for example "0.5 m" or "20 mm".
 struct ScaleLength {
   double metres = 1;  ///< above 0
   std::string text;   ///< with its unit, ASCII

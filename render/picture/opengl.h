@@ -2,7 +2,7 @@
 /// made, because the libraries that make contexts do not share them.
 ///
 /// One list names every function with its type. The macro is given another macro, which declares a
-/// pointer here and loads it in gl_context.cpp, so that a function is added in one place.
+/// pointer here and loads it in gl_context.cpp: a function is added in one place.
 #pragma once
 
 #include <GL/glcorearb.h>

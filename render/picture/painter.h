@@ -21,15 +21,15 @@ enum class Smoothness {
 
 /// Draws bricks, those of one run at a time. Owns a graphics context, which belongs to one thread:
 /// make, use and destroy a painter on the same thread. The same poses, camera and style give the
-/// same bytes in every run, whatever the number of renderer threads.
+/// same bytes in every run, for any number of renderer threads.
 ///
 /// Faces are flat: away from its outline each has exactly the colour of faceColour(). A pixel is
 /// the mean of its samples (bytes of sRGB, weighted by alpha), which smooths the edges.
 class Painter {
  public:
   /// Throws InputError for a size out of range, OutputError when no graphics context can be made.
-  /// Samples of the part that is drawn take up to 100 MB (12.6 million of 8 bytes), whatever the
-  /// size of the picture.
+  /// Samples of the part that is drawn take up to 100 MB (12.6 million of 8 bytes), for pictures
+  /// of any size.
   Painter(FrameSize size, const std::vector<model::Brick>& bricks, const Style& style,
           Smoothness smoothness = Smoothness::Still);
   ~Painter();
@@ -45,7 +45,7 @@ class Painter {
   /// the program.
   Frame paint(const PictureItems& items, const Camera& camera, Frame storage = {});
 
-  /// The picture of the bricks alone at these poses, in the colours of the style.
+  /// The picture of only the bricks at these poses, in the colours of the style.
   Frame paint(const Poses& poses, const Camera& camera);
 
   /// Of its pictures, pixels.

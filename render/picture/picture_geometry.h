@@ -32,7 +32,7 @@ class Occluders {
   double occlusion(int brick, std::span<const Vector3> corners, const Vector3& normal) const;
 
  private:
-  /// A polygon that looks away from its brick.
+  /// A polygon that faces away from its brick.
   struct Wall {
     std::vector<Vector3> corners;
     Vector3 normal;
@@ -56,12 +56,11 @@ class Occluders {
 // ------------------------------------------------------------------------------------------------
 // What a picture shows, as flat polygons in space: the same for pixels and for vector graphics.
 
-/// An outline takes no more than this part of what would leave nothing of the face's shortest side,
-/// so that small and thin faces keep their colour.
+/// The largest width of an outline, as a fraction of the width that would cover the face's
+/// shortest side. Small and thin faces keep their colour.
 inline constexpr double kMaxOutlineShare = 0.35;
 
-/// A dot is drawn this many of its radii nearer to the eye, so that the bricks it lies on do not
-/// cut into it.
+/// A dot is drawn this many of its radii nearer to the eye: the bricks below do not cut into it.
 inline constexpr double kDotLift = 3;
 
 /// What the camera is pointed at for one picture. Everything but the poses may be empty. Entries of
@@ -85,8 +84,8 @@ enum class FacetPart {
   Border,  ///< of a concave face, the outline along the side that is the facet's first
 };
 
-/// A convex polygon of one colour that looks at the camera, with an outline within it if it has
-/// any. Its points stand in a geometry. With an outline it has 2 count points: the corners, then
+/// A convex polygon of one colour that faces the camera, with or without an outline within it. Its
+/// points are stored in a geometry. With an outline it has 2 count points: the corners, then
 /// the corners within the outline in the same order.
 struct Facet {
   int first = 0;          ///< of its corners in the geometry's points, anticlockwise in the picture
@@ -123,7 +122,7 @@ struct PictureGeometry {
   std::span<const Vector3> corners(const Facet& facet) const {
     return std::span(points).subspan(facet.first, facet.count);
   }
-  /// The corners within the outline; the corners themselves where there is none.
+  /// The corners within the outline; without an outline the corners themselves.
   std::span<const Vector3> inner(const Facet& facet) const {
     const int first = facet.outlined ? facet.first + facet.count : facet.first;
     return std::span(points).subspan(first, facet.count);
@@ -137,8 +136,8 @@ class GeometryBuilder {
   GeometryBuilder(const std::vector<model::Brick>& bricks, const Style& style);
 
   /// Fills in the geometry of what this camera sees; what it held before is gone. Faces
-  /// that look away are left out. Cost is one pass over all faces; with occlusion each face looks
-  /// at its neighbours. Throws std::out_of_range for a pinned brick that does not exist.
+  /// that face away are left out. Cost is one pass over all faces; with occlusion each face checks
+  /// its neighbours. Throws std::out_of_range for a pinned brick that does not exist.
   void draw(const PictureItems& items, const Camera& camera, PictureGeometry& geometry) const;
 
  private:
@@ -196,8 +195,7 @@ struct CutPolygon {
   std::vector<char> isCut;       ///< for the side from corner k to corner k + 1
 };
 
-/// A facet or a part of one. Pieces of one facet share its plane, so that cutting never moves a
-/// face.
+/// A facet or a part of one. Pieces of one facet share its plane: cutting never moves a face.
 struct Piece {
   CutPolygon outer;       ///< with its outline
   bool outlined = false;  ///< whether its sides that are not cut are the outline of a face
@@ -208,7 +206,7 @@ struct Piece {
   double offset = 0;                  ///< normal . point for the points of the plane
 };
 
-/// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
+/// The pieces of a layer of facets, in its order. Parts nearer to the camera
 /// than its near plane are cut away. In order of the facets, not sorted.
 std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector<Facet>& facets,
                               const Camera& camera);
@@ -231,7 +229,7 @@ std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Ca
 /// Puts facets that all look at the camera into an order in which each hides those before it, by
 /// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
 /// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,
-/// so that what lies behind the plane comes first. Cutting may give more pieces than there were.
+/// and what lies behind the plane comes first. Cutting may give more pieces than there were.
 /// Throws Interrupted when the user ends the program.
 std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
 

@@ -81,11 +81,11 @@ struct Look {
   /// expected.
   std::optional<double> colourLeast, colourMost;
   std::optional<Colour> brickColour;  ///< of all bricks, where the colouring is plain
-  std::optional<Colour> backColour;   ///< of the tile's own side, likewise
-  /// Of single tiles, where colours stand for no measure; of two for one tile the later counts.
+  std::optional<Colour> backColour;   ///< the same for the tile's own side
+  /// Of single tiles, if colours show no measure; of two for one tile the later counts.
   std::vector<TileColour> tileColours;
   double opacity = 1;  ///< of all bricks, 0 (not drawn) to 1
-  /// Of single tiles, whatever colours stand for; of two for one tile the later counts.
+  /// Of single tiles, with any colours; of two for one tile the later counts.
   std::vector<TileOpacity> tileOpacities;
   std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
   std::optional<Colour> background;     ///< absent: as the theme has it
@@ -97,22 +97,22 @@ struct Look {
   bool jointMarks = false;   ///< a dot on each joint
   bool targetLines = false;  ///< the target's tiles as lines, dashed where bricks hide them
   GroundLook ground = GroundLook::Auto;  ///< how the ground is shown
-  CameraChoice camera;                   ///< where the camera stands
+  CameraChoice camera;                   ///< the place of the camera
   FitScope fit = FitScope::Auto;         ///< what the camera holds in sight
 };
 
 // ------------------------------------------------------------------------------------------------
-// What a video says of its frames: on a strip under the picture, so that it never lies over the
-// bricks or their shadow.
+// What a video says of its frames, on a strip under the picture. It never covers the bricks or
+// their shadow.
 
-/// What stands on the strip of all frames of a video. Fixed for a whole video, since it decides the
+/// What the strip of all frames of a video shows. Fixed for a whole video, since it decides the
 /// height of the picture above.
 struct StripParts {
   std::string longestCaption;  ///< a caption as wide as any will be; empty: there are none
   bool progressBar = false;    ///< a bar that fills from left to right
   bool scaleBar = false;       ///< a length; needs one scale all over the picture
-  bool colours = false;        ///< what colours mean, where they stand for values
-  bool legend = false;         ///< the same, where they stand for kinds of bricks
+  bool colours = false;        ///< what colours mean, if they show values
+  bool legend = false;         ///< the same, if they show kinds of bricks
 };
 
 /// What it says under one frame.
@@ -131,9 +131,9 @@ class Strip {
   /// The frame without its strip.
   FrameSize picture() const { return {whole_.width, whole_.height - height_}; }
 
-  /// Puts the strip under a picture. colours: none where the bricks' colours stand for no values;
-  /// legend: empty where they stand for no kinds; metresPerPixel: absent where no scale bar is
-  /// asked for. The picture has the size of picture(); it gets that of the whole frame.
+  /// Puts the strip under a picture. colours: absent if the bricks' colours show no values; legend:
+  /// empty if they show no kinds; metresPerPixel: absent if no scale bar was requested. The picture
+  /// has the size of picture(); it gets that of the whole frame.
   void append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
               const std::vector<LegendEntry>& legend,
               const std::optional<double>& metresPerPixel) const;
@@ -172,14 +172,15 @@ struct PictureContent {
   /// Of the model, metres; infinity where bricks are to be shown however far they are.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
-  /// Of the run, one pose a brick: what colours stand for ranges over them; none before the run.
+  /// Of the run, one pose per brick: the range of the colours' values is that of these states.
+  /// Empty before the run.
   std::vector<Poses> states;
 };
 
-/// Whether the colours stand for values.
+/// Whether the colours show values.
 bool isMeasure(Colouring colouring);
 
-/// One colour on both faces, so that it means the same from both sides.
+/// One colour on both faces: it means the same from both sides.
 BrickColours evenShades(Colour colour);
 
 /// The colours of bricks that have none of their own.
@@ -195,12 +196,12 @@ class BrickPalette {
  public:
   /// Throws InputError when the colouring needs a target or springs at hinges and there are none,
   /// when the scale's ends are in the wrong order, when tiles that are not there get a colour or an
-  /// opacity, and when tiles get colours where colours stand for values.
+  /// opacity, and when tiles get colours although colours show values.
   /// The content must outlive the palette.
   BrickPalette(const Look& look, const PictureContent& content);
 
-  /// One entry a brick; none when all bricks have the style's colours. `poses` has one pose a
-  /// brick. Cheap beside painting.
+  /// One entry per brick; empty if all bricks have the style's colours. `poses` has one pose per
+  /// brick. Cheap next to painting.
   std::vector<BrickColours> colours(const Poses& poses) const;
 
   /// What the colours mean, when they are those of a measure. The same for the whole run.
@@ -279,7 +280,7 @@ class PictureSetup {
   /// What the picture of a state shows. The poses are copied.
   PictureItems items(const ShownState& state) const;
 
-  /// The camera of a state. Throws InputError when it stands within a brick.
+  /// The camera of a state. Throws InputError if it is within a brick.
   Camera camera(const ShownState& state) const;
 
   /// The same as polygons in space, for vector graphics. Throws as camera().
@@ -299,8 +300,8 @@ class PictureSetup {
   /// What the colours of bricks say.
   Colouring colouring() const { return palette_.colouring(); }
 
-  /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
-  /// still and projects in parallel. Absent in perspective and for cameras that move.
+  /// Height of every picture, metres, if one scale holds for all of them: the camera does not move
+  /// and projects in parallel. Absent in perspective and for cameras that move.
   std::optional<double> sharedHeight() const;
 
   /// The same for one pixel. Throws InputError when no one scale holds.
@@ -319,8 +320,8 @@ class PictureSetup {
 /// A setup with a painter. Belongs to the thread that makes it.
 class StatePainter {
  public:
-  /// size: of the pictures, with a strip under them where there are parts of one; colours stand on
-  /// it only where they are those of a measure. Throws as PictureSetup and Painter do, and
+  /// size: of the pictures, with a strip under them if it has parts. The strip explains colours
+  /// only if they show a measure. Throws as PictureSetup and Painter do, and
   /// OutputError when the font is missing.
   StatePainter(FrameSize size, const Look& look, PictureContent content,
                const StripParts& parts = {}, Smoothness smoothness = Smoothness::Still);
@@ -336,9 +337,8 @@ class StatePainter {
   /// Throws as PictureSetup does.
   void show(const Look& look, PictureContent content);
 
-  /// The picture of a state with its strip. storage: a frame that is needed no more, whose memory
-  /// the picture gets. Throws InputError when the camera stands within a brick. Throws as
-  /// Painter::paint(), too.
+  /// The picture of a state with its strip. storage: an unused frame, whose memory the picture
+  /// gets. Throws InputError if the camera is within a brick, and as Painter::paint().
   Frame paint(const ShownState& state, const StripText& text = {}, Frame storage = {});
 
   /// The camera and the style of its pictures.
@@ -351,10 +351,10 @@ class StatePainter {
   FrameSize size_;
   StripParts parts_;
   Smoothness smoothness_;
-  std::optional<Strip> strip_;  ///< made anew for each content, as is the setup; always there
+  std::optional<Strip> strip_;  ///< made for each content, as is the setup; always present
   std::shared_ptr<const PictureSetup> setup_;
-  std::optional<Painter> painter_;        ///< made anew when the strip's height changes
-  std::optional<double> metresPerPixel_;  ///< where a bar of length is drawn
+  std::optional<Painter> painter_;        ///< made again when the strip's height changes
+  std::optional<double> metresPerPixel_;  ///< if a bar of length is drawn
 };
 
 }  // namespace kirireel::picture

@@ -15,7 +15,7 @@ namespace kirireel::picture {
 /// A light at infinity.
 struct Light {
   Vector3 direction = Vector3::UnitZ();  ///< unit, from the model towards the light, world axes
-  double strength = 0;                   ///< added brightness of a face that looks at the light
+  double strength = 0;                   ///< added brightness of a face that faces the light
 };
 
 /// A square plate under the model, seen from above only, and the bricks' shadow on it, whose edge
@@ -62,7 +62,7 @@ struct Style {
   Colour ground = {238, 238, 236};                  ///< of the plate, drawn as it is, not lit
   Colour scenery = {176, 176, 174};                 ///< of obstacles
   /// Drawn where the key light does not reach, as it is. With alpha below 255 it takes the place of
-  /// what is under it, so that overlapping shadows are as dark as one.
+  /// what is under it: overlapping shadows are as dark as one.
   Colour shadow = {206, 207, 208};
   /// How far the shadow of a point at height 1 above the plate fades out, 0 for hard edges: the
   /// tangent of the angle under which the key light is seen.
@@ -113,8 +113,8 @@ GroundPlate groundUnder(std::span<const Vector3> points, double height);
 // ------------------------------------------------------------------------------------------------
 // Sets of colours: scales for values, and hues that stay apart.
 //
-// Colours of a scale are given for shares from 0 to 1; which value is which share is for the scale
-// to say (label.h). Colours of kinds repeat after seven, and a legend tells them apart no longer.
+// Colours of a scale are given for shares from 0 to 1. The scale (label.h) maps values to shares.
+// Colours of kinds repeat after seven; a legend can then no longer distinguish them.
 
 /// A perceptually even scale: equal steps of a value look like equal steps of colour; those from
 /// dark to bright in grey too.

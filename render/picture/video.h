@@ -35,14 +35,14 @@ struct VideoFormat {
   const char* conversion;
   bool evenSides;    ///< colour planes of half the size
   bool transparent;  ///< keeps alpha; else what is transparent shows white
-  int usualCrf;      ///< looks lossless; negative when there is no such quality
+  int usualCrf;      ///< visually lossless; negative if the format has no such quality
   int worstCrf;      ///< the largest, which is the least quality
 };
 
 /// All formats: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv (FFV1, lossless).
 const std::vector<VideoFormat>& videoFormats();
 
-/// The format of a file by its ending. Throws InputError for an ending that stands for none.
+/// The format of a file by its ending. Throws InputError for an ending of no format.
 const VideoFormat& videoFormatOf(const std::filesystem::path& file);
 
 /// Throws InputError that names the setting, what was given and what is allowed. MP4 and WebM need
@@ -59,15 +59,15 @@ int presetStep(const std::string& preset);
 /// Whether a file's ending is one of a video. Case counts.
 bool isVideo(const std::filesystem::path& file);
 
-/// The number of frames that a video file holds. Throws InputError when it is none. Counts packets,
-/// one a frame; decodes nothing.
+/// The number of frames of a video file. Throws InputError if it is no video. Counts packets, one
+/// per frame; decodes nothing.
 int countVideoFrames(const std::filesystem::path& file);
 
 /// Encodes frames as they come. The file appears under its final name in finish(); a writer that
 /// goes without it leaves nothing. The same frames and settings give the same bytes.
 ///
 /// Until finish() an MP4 is written frame by frame under the name of a pending file, which appears
-/// with its first frame ("deployment.part.mp4"): whatever a killed process leaves there plays.
+/// with its first frame ("deployment.part.mp4"): the file that a killed process leaves plays.
 ///
 /// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0, and the stream says so:
 /// untagged, players guess by the picture's size. GIF gets the best 256 colours of each frame; APNG
@@ -111,10 +111,10 @@ struct VideoPlane {
 struct VideoPlanes {
   VideoPlane brightness;  ///< Y': 16 (black) to 235 (white)
   VideoPlane blueness;    ///< Cb: 16 to 240, 128 for grey
-  VideoPlane redness;     ///< Cr, likewise
+  VideoPlane redness;     ///< Cr: the same
 };
 
-/// Copies a row of RGBA pixels as it looks on white. c' = c a / 255 + 255 (1 - a / 255), rounded;
+/// Copies a row of RGBA pixels over white: c' = c a / 255 + 255 (1 - a / 255), rounded;
 /// alpha becomes 255. `copy` has room for 4 width bytes.
 void copyOverWhite(const std::uint8_t* row, int width, std::uint8_t* copy);
 
