@@ -62,7 +62,7 @@ std::string sealed(const std::string& json) {
 }
 
 bool isSealed(const std::string& text) {
-  // Takes the seal off, makes it anew and compares.
+  // Removes the seal, makes it again and compares.
   const std::size_t sealSize = sealOf("").size();
   if (text.size() < sealSize) return false;
   const std::string json = text.substr(0, text.size() - sealSize) + kEnd;
@@ -70,9 +70,8 @@ bool isSealed(const std::string& text) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Names of files in one place, so that a run, the check of what stands in the way, and the programs
-// that read a run's folder agree. Numbers in names have leading zeros, so that a listing by name is
-// in order.
+// Names of files in one place, for a run, for the check of files in the way, and for programs that
+// read a run's folder. Numbers in names have leading zeros: a listing by name is in order.
 
 namespace fs = std::filesystem;
 
@@ -105,8 +104,8 @@ FolderLock::~FolderLock() {
 }
 
 bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf) {
-  // The first run of digits is taken for the number; writing the name of that number again tells
-  // whether the rest fits, leading zeros too.
+  // The first digits are the number. The name of that number must be this name, with its leading
+  // zeros.
   const std::size_t digits = std::min(name.find_first_of("0123456789"), name.size());
   int number = 0;
   const auto [end, error] =
@@ -121,7 +120,7 @@ bool isNumbered(const std::string& name, const std::function<std::string(int)>& 
 //
 // with names relative to its folder. A file counts as ours when its size and hash are those of a
 // sealed record; the size is compared first, since it costs no reading. Names that lead out of the
-// folder are ignored, so that a forged record cannot make us remove files elsewhere.
+// folder are ignored: a forged record cannot make us remove files elsewhere.
 
 namespace {
 
@@ -193,10 +192,10 @@ LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {
 }
 
 bool LeftFiles::isForeign(const std::string& name) const {
-  return isThere(folder_ / name) && !stands(name);
+  return isThere(folder_ / name) && !isAsLeft(name);
 }
 
-bool LeftFiles::stands(const std::string& name) const {
+bool LeftFiles::isAsLeft(const std::string& name) const {
   const auto noted = files_.find(name);
   return noted != files_.end() && !leadsThroughLink(folder_, name) &&
          difference(folder_, noted->second).empty();
@@ -226,8 +225,8 @@ std::string difference(const fs::path& folder, const FileDigest& noted) {
 // How files come into a folder all at once, on a file system that can rename one file atomically
 // but not several (rename(2)):
 //
-// - 1. The folder is locked. `.unfinished` is made within it, marked by a text of ours, so that a
-//   folder of that name which somebody else has made is never emptied.
+// - 1. The folder is locked. `.unfinished` is made within it, marked by a text of ours. A folder of
+//   that name without the mark is never emptied.
 // - 2. If a whole record lies there, a program was killed while it moved files: the moves are
 //   finished.
 // - 3. New files are written into `.unfinished`.
@@ -238,8 +237,8 @@ std::string difference(const fs::path& folder, const FileDigest& noted) {
 // A kill before 4 leaves the old run whole. A kill after it leaves a record in `.unfinished`, which
 // still names all files: those that have been moved are no longer there, and moveAll() skips them.
 //
-// Files of others are never touched: what stands in a place and is not, to the byte, what an
-// earlier record lists (output_folder.h), is refused before anything moves.
+// Files of others are never changed. If a file in the way is not, to the byte, what an earlier
+// record lists (output_folder.h), the run is refused before anything moves.
 
 namespace {
 
@@ -329,7 +328,7 @@ void clearStage(const fs::path& stage) {
 /// What earlier runs left and the new one does not list.
 void removeStale(const fs::path& folder, const LeftFiles& left, const FileList& files) {
   for (const auto& [name, digest] : left.files()) {
-    if (files.contains(name) || name == kSummary || !left.stands(name)) continue;
+    if (files.contains(name) || name == kSummary || !left.isAsLeft(name)) continue;
     std::error_code error;
     fs::remove(folder / name, error);
     if (error) {
@@ -417,7 +416,7 @@ void FileSet::commit(const std::vector<std::string>& names) {
   const LeftFiles left(folder_);
   // What earlier exports have left and nobody has changed stays on the list.
   for (const auto& [name, digest] : listedFiles(folder_ / record_)) {
-    if (left.stands(name)) files[name] = digest;
+    if (left.isAsLeft(name)) files[name] = digest;
   }
   for (const std::string& name : names) files[name] = digestOf(stage_, name);
   commit(contentsText(files));

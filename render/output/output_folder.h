@@ -93,13 +93,13 @@ class FolderLock {
 bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf);
 
 // ------------------------------------------------------------------------------------------------
-// What Kirireel has left in a folder, so that nothing else in it is ever overwritten or removed.
+// The files that Kirireel wrote into a folder. Nothing else in it is ever overwritten or removed.
 
 /// Files by their names, relative to their folder.
 using FileList = std::map<std::string, FileDigest>;
 
 /// The files that a sealed record in a folder lists under "contents": summary.json or
-/// contents.json. Empty where there is none, or it is not as it was written. Entries whose names
+/// contents.json. Empty if there is none, or it has changed. Entries whose names
 /// lead out of the folder are left out.
 FileList listedFiles(const std::filesystem::path& record);
 
@@ -113,13 +113,13 @@ class LeftFiles {
   /// What is listed by the records in this folder, which need not exist.
   explicit LeftFiles(std::filesystem::path folder);
 
-  /// Whether something stands under this name that is not as one of them left it: another file, a
-  /// folder, a link that leads nowhere. A link to the very bytes may be replaced. Reads the file
+  /// Whether this name exists and is not a file as one of them left it: another file, a folder, a
+  /// link that leads nowhere. A link to the very bytes may be replaced. Reads the file
   /// where its size agrees.
   bool isForeign(const std::string& name) const;
 
-  /// Whether a file stands there as one of them left it, not reached through a link on the way.
-  bool stands(const std::string& name) const;
+  /// Whether a file of this name is as one of them left it, and not reached through a link.
+  bool isAsLeft(const std::string& name) const;
 
   /// All that the records list; what contents.json says of a file counts more than summary.json.
   const FileList& files() const { return files_; }
@@ -142,13 +142,13 @@ std::string difference(const std::filesystem::path& folder, const FileDigest& no
 // They are written into a hidden folder within, `.unfinished`. When all of them are whole, the
 // sealed record that lists them is written there too; then each is moved into place, what earlier
 // runs left and this one did not write is removed, and the record is moved last. Whoever is killed
-// on the way leaves the record beside what is not moved yet, and the next set in the folder goes
-// on from there. Until the record is whole, nothing outside `.unfinished` is touched.
+// on the way leaves the record next to what is not moved yet, and the next set in the folder
+// continues from there. Until the record is whole, nothing outside `.unfinished` is changed.
 
 /// One set of new files. Whatever happens to it, the folder holds the old files or the new ones.
 class FileSet {
  public:
-  /// Makes the folder, and those above it, and holds it for this set alone. `record` is the file
+  /// Makes the folder, and those above it, and locks it for this set. `record` is the file
   /// that will list the others: summary.json takes the place of all that earlier runs left,
   /// contents.json adds to it. Finishes what a killed program has left to move; removes what one
   /// has left unfinished, but for its checkpoint. Throws OutputError; InputError where files of
@@ -174,7 +174,7 @@ class FileSet {
   /// is sealed; the listed files lie in stage() or in place.
   void commit(const std::string& recordText);
 
-  /// The same for contents.json, which lists what stands there already and these files. Reads each
+  /// The same for contents.json, which lists the files already there and these. Reads each
   /// new file once, for its hash.
   void commit(const std::vector<std::string>& names);
 

@@ -12,7 +12,7 @@
 // <= s (Z - z), with the eye at (X, Z) and s = tan(field of view / 2) (1 - 2 margin). With r =
 // max(x + s z) and l = min(x - s z) the least Z is (r - l) / 2 s, at X = (r + l) / 2. Both
 // directions of the picture are fitted so, and the larger Z is taken. The zoom then narrows the
-// field of view and leaves the eye where it is, so that perspective does not change.
+// field of view and does not move the eye: perspective does not change.
 //
 // For cameras that turn, a ball round all points is fitted instead: its size is the same from every
 // side. The cone with half the angle t of the shorter side touches a ball of radius R at the
@@ -57,7 +57,7 @@ struct PictureAxes {
   Vector3 back;  ///< towards the eye
 };
 
-/// Right is never zero, also for a view from straight above, where `up` alone would not tell.
+/// Right is never zero, also for a view from straight above, which `up` does not define.
 PictureAxes pictureAxes(ViewAngles view) {
   const double ca = std::cos(view.azimuth), sa = std::sin(view.azimuth);
   const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
@@ -89,13 +89,13 @@ Extents projectPoints(std::span<const Vector3> points, const PictureAxes& axes) 
   return extents;
 }
 
-/// Diagonal of the extents; 1 for a single point, so that there is something to look at.
+/// Diagonal of the extents; 1 for a single point.
 double diagonal(const Extents& extents) {
   const double length = Vector3(extents.x.length(), extents.y.length(), extents.z.length()).norm();
   return length > 0 ? length : 1;
 }
 
-/// Where the eye must stand in one direction of the picture so that both borders hold all points.
+/// Where the eye must be in one direction of the picture for both borders to hold all points.
 /// A point at (x, z) is inside when |x - eye| <= slope * (distance - z).
 struct SideFit {
   double eye = 0;       ///< across the view
@@ -272,8 +272,8 @@ Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect) {
 //     v(s) = (1 - q) v0 + q v1 + s (1-s)^2 L m0 - s^2 (1-s) L m1,    q = s^2 (3 - 2 s)
 //
 // with slopes m from the neighbours of a key (Catmull and Rom's choice), 0 at the first and the
-// last. The path has no kinks and passes through every key. The zoom goes by its logarithm, so that
-// it grows by equal factors in equal times.
+// last. The path has no kinks and passes through every key. The zoom is interpolated by its
+// logarithm: it grows by equal factors in equal times.
 
 namespace {
 
@@ -294,8 +294,8 @@ Eigen::Vector3d values(const CameraKey& key) {
   return {key.view.azimuth, key.view.elevation, std::log(key.zoom)};
 }
 
-/// Change a second at a key: the slope between its neighbours, zero at both ends, so that the
-/// camera starts and stops softly.
+/// Change per second at a key: the slope between its neighbours, zero at both ends for a soft start
+/// and stop.
 Eigen::Vector3d slopeAt(const std::vector<CameraKey>& keys, std::size_t k) {
   if (k == 0 || k + 1 == keys.size()) return Eigen::Vector3d::Zero();
   return (values(keys[k + 1]) - values(keys[k - 1])) / (keys[k + 1].time - keys[k - 1].time);

@@ -3,8 +3,8 @@
 // Inkscape (inkscape:groupmode="layer"), which other programs ignore. Coordinates have two decimals
 // of a pixel, which at 300 dots an inch is a micrometre of print.
 //
-// Shapes are paths "M x y L x y ... Z" with the fill of their face. The look of lines stands in the
-// style sheet alone, so that an editor changes all outlines at once. Text stays text in the font of
+// Shapes are paths "M x y L x y ... Z" with the fill of their face. Only the style sheet has the
+// style of lines: an editor changes all outlines at once. Text stays text in the font of
 // that name; a reader without it takes Arial or Helvetica.
 #include "render/picture/canvas.h"
 
@@ -219,8 +219,8 @@ std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings) {
 // pixel and the background shines through; polygons are therefore also stroked in their own colour,
 // by 0.3 pixels or more.
 //
-// A PDF holds a date; a fixed one is set, so that the same page gives the same bytes. Cairo's own
-// version stands in the file all the same.
+// A PDF holds a date; a fixed one is set: the same page gives the same bytes. The file still has
+// Cairo's version.
 
 namespace {
 
@@ -334,8 +334,8 @@ CairoCanvas::CairoCanvas() = default;
 
 CairoCanvas::~CairoCanvas() = default;
 
-/// A part with opacity is drawn aside as a group and painted at once, so that what overlaps in it
-/// is not darker.
+/// A part with opacity is drawn aside as a group and painted at once: overlaps in it are not
+/// darker.
 void CairoCanvas::begin(const std::string&, double opacity) {
   cairo_save(internals_->pen);
   if (opacity < 1) cairo_push_group(internals_->pen);

@@ -62,7 +62,7 @@ std::unique_ptr<Backend> makeEglBackend() {
                                             EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                             EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                             EGL_NONE};
-  // All drawing goes to framebuffer objects, so that no configuration of a surface is needed.
+  // All drawing goes to framebuffer objects: no configuration of a surface is needed.
   EGLContext context =
       eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
   if (context == EGL_NO_CONTEXT) return nullptr;

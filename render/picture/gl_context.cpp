@@ -1,7 +1,7 @@
 // Two libraries can make a context without a window system, and each is in one source file of its
 // own: OSMesa (osmesa_backend.cpp) and EGL (egl_backend.cpp). Both give OpenGL 3.3 core; on a
-// machine without a graphics card both draw by Mesa's llvmpipe on the processor, so that pictures
-// are the same.
+// machine without a graphics card both draw by Mesa's llvmpipe on the processor: pictures are the
+// same.
 //
 // OpenGL functions have no fixed address: each library hands out its own. They are loaded once for
 // the process into the pointers of opengl.h. That is why one process uses one library: pointers of
@@ -182,7 +182,7 @@ namespace {
 constexpr GLsizei kLogLength = 1024;
 
 OutputError shaderError(std::string log) {
-  // The first line of the driver's log tells the first mistake.
+  // The first line of the driver's log has the first mistake.
   log.erase(std::find(log.begin(), log.end(), '\n'), log.end());
   return OutputError(
       fmt::format("error: the OpenGL driver refuses a shader ({}); install Debian's libosmesa6, "

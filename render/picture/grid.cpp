@@ -6,8 +6,8 @@
 // Where the em is given (for print), captions are broken into lines; where it is not, all text
 // shrinks until the widest caption fits.
 //
-// Trimming: the box of pixels that differ from the background is found over all pictures, so that
-// all are cut alike and keep one scale.
+// Trimming: the box of pixels that differ from the background is found over all pictures. All are
+// cut alike and keep one scale.
 #include "render/picture/grid.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@
 namespace kirireel::picture {
 namespace {
 
-/// Text smaller than this cannot be read, whatever the size of the pictures.
+/// Text smaller than this cannot be read in pictures of any size.
 constexpr int kSmallestText = 9;
 
 /// Height of the strip under a picture, in ems of its text; the baseline's place in it.
@@ -142,7 +142,7 @@ void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style
       1, std::min(layout.columnGap, static_cast<int>(std::lround(kArrowEms * layout.textSize))));
   for (int cell = 0; cell + 1 < cells; ++cell) {
     if (cell % columns == columns - 1) continue;
-    // The middle of the arrow stands about a third of an em above the baseline.
+    // The middle of the arrow is about a third of an em above the baseline.
     const double baseline = layout.upper(cell / columns) + layout.picture.height / 2 + em / 3;
     drawCentred(sheet, kArrow, layout.left(cell % columns) + layout.picture.width, layout.columnGap,
                 baseline, em, style.text);
@@ -333,7 +333,7 @@ void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part) {
 
 namespace {
 
-/// Two significant digits, so that figures side by side are alike: "2.0", "0.00012", "12".
+/// Two significant digits: "2.0", "0.00012", "12".
 std::string twoDigits(double value) {
   return value < 10 ? fmt::format("{:#.2g}", value) : fmt::format("{:.2g}", value);
 }

@@ -5,7 +5,7 @@
 //     back (n . p < o)    on (within the tolerance)    front (n . p > o)
 //
 // A piece on both sides is cut in two. Back and front are sorted in the same way, and the order
-// back, on, front is right for the painter's algorithm, because every splitter looks at the camera:
+// back, on, front is right for the painter's algorithm, because every splitter faces the camera:
 // nothing behind its plane can hide what is on it or in front of it.
 //
 // The splitter is the best of twelve candidates, by the cost 8 cuts + |front - back|: few cuts keep
@@ -101,8 +101,8 @@ class Sorter {
     std::vector<Piece> back, on, front;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       Piece& piece = pieces[k];
-      // Tiles need not be exactly flat: the splitter is on its own plane by definition, so that
-      // every step takes one piece away.
+      // Tiles need not be exactly flat. The splitter is on its own plane by definition: every step
+      // removes one piece.
       const Sides sides = k == splitter ? Sides{} : sidesOf(piece, plane);
       if (sides.front && sides.back) {
         keep(frontPart(piece, {-plane.normal, -plane.offset, plane.tolerance}), back);
@@ -329,7 +329,7 @@ std::vector<Interval> restOf(std::vector<Interval> hidden, double least) {
 /// Lines from what shows of the sides of a polygon, one after the other from a corner on.
 class OutlineChain {
  public:
-  /// A part of the next side that shows; it goes on with the line that ends where it begins.
+  /// A visible part of the next side; it extends the line that ends where it begins.
   void add(const Vector3& from, const Vector3& to, const Interval& part) {
     const auto at = [&](double share) -> Vector3 {
       return share == 0 ? from : share == 1 ? to : from + share * (to - from);

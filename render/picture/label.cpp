@@ -3,8 +3,8 @@
 //
 //     c = (under (255 - cover) + colour cover) / 255, rounded.
 //
-// Pens count in 64ths of a pixel; glyphs stand at whole pixels. There is no kerning and no shaping,
-// so that scripts which need them are not set right; captions are short and mostly figures.
+// Pens count in 64ths of a pixel; glyphs are placed at whole pixels. There is no kerning and no
+// shaping, which some scripts need; captions are short and mostly figures.
 #include "render/picture/label.h"
 
 #include <algorithm>
@@ -176,7 +176,7 @@ struct FreePattern {
 };
 using OwnedPattern = std::unique_ptr<FcPattern, FreePattern>;
 
-/// "" where there is none.
+/// "" if there is none.
 std::string textOf(FcPattern* pattern, const char* property, int number = 0) {
   FcChar8* text = nullptr;
   if (FcPatternGetString(pattern, property, number, &text) != FcResultMatch) return "";
@@ -254,8 +254,8 @@ double widestLine(const std::vector<std::string>& lines, const LineWidth& width)
 
 // ------------------------------------------------------------------------------------------------
 // Boxes are drawn from the pixel nearest to their upper left corner to the one nearest to their
-// lower right corner, each rounded by itself, so that boxes side by side neither overlap nor leave
-// a gap. A font is loaded for each text; captions are few.
+// lower right corner, each rounded by itself: boxes side by side neither overlap nor leave a gap. A
+// font is loaded for each text; captions are few.
 
 namespace {
 
@@ -283,14 +283,14 @@ void FrameSurface::text(const std::string& line, double left, double baseline, i
 // is at most 14 em long, shorter where the sheet is narrow; as many ticks are taken, six at most,
 // as their numbers have room for.
 //
-// A bar of length stands for 1, 2 or 5 times a power of ten metres: with L the longest that is
+// A bar of length shows 1, 2 or 5 times a power of ten metres: with L the longest that is
 // allowed, p = 10^floor(log10 L) and q = L / p, it is 5 p for q >= 5, 2 p for q >= 2, else p.
 //
 // A legend that needs more room than there is gets smaller letters and squares, all by one factor.
 
 namespace {
 
-/// Height of a bar of colours, and of a bar of length, in ems of the text beside it.
+/// Height of a bar of colours, and of a bar of length, in ems of the text next to it.
 constexpr double kColourBarEms = 0.9;
 constexpr double kScaleBarEms = 0.25;
 /// Between a bar and its text, ems.
@@ -335,7 +335,7 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
                                 int width) const {
   const int gap = pixels(2 * kSpaceEms * em_);
   const int title = writer_.width(scale.title);
-  // A tick's value may stand out by half its width, and something stays free at each end.
+  // A tick's value may extend by half its width, and something stays free at each end.
   const int length = std::clamp(width - title - 3 * gap, em_, pixels(kColourBarLengthEms * em_));
   const int left = x - (title + gap + length) / 2;
   const int height = std::max(3, pixels(kColourBarEms * em_));
@@ -344,7 +344,7 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
   const int bar = left + title + gap;
   for (int k = 0; k < length; ++k) {
     const double share = length > 1 ? static_cast<double>(k) / (length - 1) : 0;
-    // Each over the rest of the bar, so that no gap shows between two.
+    // Each over the rest of the bar: no gap shows between two.
     surface.box(bar + k, upper, length - k, height, mapColour(scale.map, share));
   }
   drawTicks(surface, scale, bar, upper + height, length);
@@ -408,8 +408,8 @@ void ScaleDrawer::drawScaleBar(Surface& surface, const std::string& text, int le
 
 // ------------------------------------------------------------------------------------------------
 // Steps are 1, 2 or 5 times a power of ten, the least for which at most `mostTicks` fit into the
-// range. Ticks are multiples k s of the step s, computed from k each time, so that no error adds
-// up. Numbers have as many decimals as the step.
+// range. Ticks are multiples k s of the step s, computed from k each time: no error adds up.
+// Numbers have as many decimals as the step.
 //
 // A range below 1e-5 of its values would give ticks that read alike; it is drawn as a constant in
 // the middle of an axis as wide as the value.
@@ -418,8 +418,7 @@ namespace {
 
 /// Differences below this part of the values are rounding.
 constexpr double kConstant = 1e-9;
-/// A range below this part of its values is drawn as a constant: numbers along it could not be told
-/// apart.
+/// A range below this fraction of its values is drawn as a constant: its numbers would look equal.
 constexpr double kUnreadable = 1e-5;
 /// Free above and below what is drawn, in parts of the range.
 constexpr double kRoom = 0.05;

@@ -41,8 +41,7 @@ namespace {
 constexpr int kMostPartWidth = 2048;
 constexpr int kMostPartHeight = 1024;
 
-/// Parts begin and end at multiples of this, pixels, so that they seldom change from frame to
-/// frame.
+/// Parts begin and end at multiples of this, pixels. They seldom change from frame to frame.
 constexpr int kPartStep = 64;
 
 /// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
@@ -467,7 +466,7 @@ void Painter::Parts::drawLayers() const {
 }
 
 /// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx
-/// = width of the picture / width of the part, and likewise in y, which points up.
+/// = width of the picture / width of the part, and the same in y, which points up.
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples->drawInto();

@@ -1,26 +1,26 @@
-// Turns a items into flat polygons of one colour, which the painter draws as triangles and vector/
-// as shapes, so that both show the same.
+// Turns items into flat polygons of one colour. The painter draws them as triangles, the canvas as
+// shapes: both show the same.
 //
 // Outlines lie within the faces: the corners of the inner polygon are corners + w d, with the width
 // w and a vector d for each corner that moves both its sides inwards by 1:
 //
 //     d = (n1 + n2) / (1 + n1 . n2),    n1, n2: unit inward normals of the two sides.
 //
-// A side of length l then shrinks by w (d_k - d_k+1) . u with its direction u; w is limited so that
-// no side loses more than kMaxOutlineShare of its length.
+// A side of length l then shrinks by w (d_k - d_k+1) . u with its direction u. w is limited: no
+// side loses more than kMaxOutlineShare of its length.
 //
 // A shadow is the projection of the bricks along the key light onto the plate: of a convex brick
 // the convex outline of its projected corners. Facets of the shadow overlap and have one colour, so
 // together they are one flat shape. A light of some size makes its edge soft: the shadow of a point
-// at height h fades out over s h, with the style's softness s, so that it is crisp where bricks
-// touch the plate. At the distance d from the edge t = 1 - d / (s h) is left, and the share
+// at height h fades out over s h, with the style's softness s. It is crisp where bricks touch the
+// plate. At the distance d from the edge t = 1 - d / (s h) is left, and the share
 // 3 t^2 - 2 t^3 of the full shadow is drawn, rounded in t to one of n steps from the palest to the
 // full. Step i has the share at t = i / n and reaches to t = (i - 1/2) / n: its outlines are those
 // of the projected corners widened to discs of radius s h (1 - t). Most of a shadow's cost are
 // pixels that are painted once a step, so there are no more steps than are to be seen.
 //
-// Faces that look away from the camera are left out: bricks are closed. Of a translucent brick,
-// too, so that it is one layer of its colour however thick it is.
+// Faces that face away from the camera are left out: bricks are closed. Those of a translucent
+// brick, too: it is one layer of its colour, however thick it is.
 #include "render/picture/picture_geometry.h"
 
 #include <algorithm>
@@ -37,7 +37,7 @@
 namespace kirireel::picture {
 namespace {
 
-/// Sides of the polygon that stands for a dot. From a true circle its radius differs by 2% at most.
+/// Sides of the polygon of a dot. Its radius differs from that of a true circle by 2% at most.
 constexpr int kDotSides = 16;
 
 /// A face that the camera sees under a smaller angle (its sine) is seen edge-on: nothing of it
@@ -48,7 +48,7 @@ constexpr double kEdgeOn = 1e-9;
 constexpr double kLineLift = 1;
 
 /// A shadow fades out in steps so wide, in heights of the picture, or in so many steps, which are
-/// too small to be told apart.
+/// too small to be seen.
 constexpr double kShadowStep = 0.004;
 constexpr int kMostShadowSteps = 10;
 
@@ -136,7 +136,7 @@ void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
   }
 }
 
-/// Polygons in one colour, lit on the side that looks at the camera.
+/// Polygons in one colour, lit on the side that faces the camera.
 void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, const Camera& camera,
                  PictureGeometry& geometry) {
   for (const auto& [corners] : polygons) {
@@ -151,8 +151,7 @@ void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, c
 }
 
 /// A straight line as a ribbon that faces the camera, whole among the solid facets and in dashes
-/// over everything, so that the dashes show where it is hidden; nothing when it points at the
-/// camera.
+/// over everything: the dashes show where it is hidden. Nothing if it points at the camera.
 void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
               const Camera& camera, PictureGeometry& geometry) {
   const double length = (to - from).norm();
@@ -165,7 +164,7 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
     return std::array<Vector3, 4>{from + begin * along - side, from + end * along - side,
                                   from + end * along + side, from + begin * along + side};
   };
-  // Half a width longer at both ends, so that two lines meet in a closed corner.
+  // Half a width longer at both ends: two lines meet in a closed corner.
   std::array<Vector3, 4> whole = ribbon(-0.5 * width, length + 0.5 * width);
   for (Vector3& corner : whole) corner += kLineLift * width * back;
   geometry.solid.push_back(appendFacet(geometry, whole, colour));
@@ -408,9 +407,9 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
 // through a polygon whose corners are seen from it in the directions r_k: Lambert's formula, exact
 // for a polygon above the point's horizon, to which polygons are cut first (J. Arvo, "Analytic
 // Methods for Simulated Light Transport", 1995, section 4.3). Those faces of a convex brick that
-// look at the point tile its outline, so that their parts add up to the brick's. Bricks that may
+// face the point tile its outline: their parts add up to the brick's. Bricks that may
 // hide each other are taken as independent: 1 - prod_b (1 - w_b F_b). The weight w_b falls to 0 at
-// a reach of two or three tiles, so that creases, gaps and the insides of tubes are dark.
+// a reach of two or three tiles: creases, gaps and the insides of tubes are dark.
 //
 // The result is smooth in the poses, needs no random directions, and is one number a face: faces
 // stay flat, in pixels and in vector graphics alike.
@@ -420,8 +419,8 @@ namespace {
 /// In mean radii of bricks.
 constexpr double kOcclusionReach = 2.5;
 
-/// Points of a face stand half way between its middle and its corners; thin faces have their middle
-/// alone.
+/// Points of a face are half way between its middle and its corners; thin faces have only their
+/// middle.
 constexpr double kThinFace = 0.25;
 
 Vector3 meanOf(std::span<const Vector3> points) {

@@ -2,13 +2,13 @@
 // that are written:
 //
 //     IHDR   width, height, 8 bits a channel, RGB or RGBA
-//     sRGB   the colours' space, so that viewers need not guess
+//     sRGB   the colours' space: viewers need not guess
 //     pHYs   pixels by metre (dots per inch / 0.0254), when a resolution was asked for
 //     iTXt   Description: who made it from what, UTF-8
 //     IDAT   rows from the top, compressed by zlib
 //     IEND
 //
-// No time is written, so that the same picture gives the same bytes.
+// No time is written: the same picture gives the same bytes.
 #include "render/picture/png.h"
 
 #include <cerrno>
@@ -40,12 +40,12 @@ OutputError writeError(const std::filesystem::path& path, const std::string& rea
 }
 
 /// libpng reports errors by a long jump, which must not pass over anything with a destructor: the
-/// message is left here, and encode() holds plain values alone.
+/// message is left here, and encode() holds only plain values.
 struct Failure {
   std::string message;
 };
 
-/// Must not return: libpng goes on as if nothing had happened otherwise.
+/// Must not return: libpng would continue as if nothing had happened.
 void keepMessageAndJump(png_structp png, png_const_charp message) {
   // A failed write says only "Write Error"; the system knows more.
   const bool system = errno != 0;
@@ -111,7 +111,7 @@ bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame
   png_init_io(png, file);
   writeHeader(png, info, frame, opaque, settings);
   for (int y = 0; y < frame.size.height; ++y) {
-    // It may throw; the libpng structures belong to the Encoder and are freed all the same.
+    // It may throw; the libpng structures belong to the Encoder and are still freed.
     checkInterruption();
     png_write_row(png, frame.pixels.data() + frame.rowStart(y));
   }
@@ -151,7 +151,7 @@ void writePng(const Frame& frame, const std::filesystem::path& path, const PngSe
 std::string pngBytes(const Frame& frame, const PngSettings& settings) {
   char* bytes = nullptr;
   std::size_t size = 0;
-  // A stream that grows in memory (POSIX.1-2008), so that both functions share one encoder.
+  // A stream that grows in memory (POSIX.1-2008): both functions share one encoder.
   std::unique_ptr<std::FILE, FileCloser> file(open_memstream(&bytes, &size));
   if (file == nullptr) throw writeError("a picture in memory", std::strerror(errno));
   // The buffer is final once the stream is closed, and then the caller's.

@@ -2,8 +2,8 @@
 // graphics; a StatePainter adds a painter and the strip. Several painters share one setup, each
 // with a painter on its own thread.
 //
-// Where colours stand for values, lights are weakened: ambient 0.84 and 38% of the directed lights,
-// so that a colour can be found on the scale from every face and faces still stand apart.
+// If colours show values, lights are weakened: ambient 0.84 and 38% of the directed lights. A
+// colour can be found on the scale from every face, and faces remain distinct.
 //
 // Bricks that fly off (a joint that gives, a bad step) would shrink all others to a dot if the
 // camera held them in sight: those farther from their start than 20 model sizes are left out of the
@@ -26,8 +26,8 @@
 namespace kirireel::picture {
 namespace {
 
-/// Light where colours stand for values: brightness of a face in the dark, and the part of the
-/// usual lights that is left.
+/// Light if colours show values: brightness of a face in the dark, and the fraction of the default
+/// lights that is left.
 constexpr double kMeasureAmbient = 0.84;
 constexpr double kMeasureShade = 0.38;
 
@@ -73,7 +73,7 @@ Style styleFor(const Look& look, const PictureContent& content, FrameSize size) 
                         : 0;
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
   if (isMeasure(look.colouring)) {
-    // Hardly any shade, so that colours can be read off the scale from every face.
+    // Hardly any shade: colours can be read off the scale from every face.
     style.ambient = kMeasureAmbient;
     style.key.strength *= kMeasureShade;
     style.fill.strength *= kMeasureShade;
@@ -179,7 +179,7 @@ Camera PictureSetup::camera(const ShownState& state) const {
   if (camera.orthographic) return camera;
   if (const auto brick = brickAround(content_.bricks, state.poses, camera.eye)) {
     throw InputError(
-        fmt::format("error: at {:.4g} s the camera stands within brick {}; move it away with "
+        fmt::format("error: at {:.4g} s the camera is within brick {}; move it away with "
                     "--distance, or choose --projection parallel",
                     state.time, *brick));
   }
@@ -223,7 +223,7 @@ StatePainter::StatePainter(const StatePainter& other, Smoothness smoothness)
   makePainter();
 }
 
-/// A legend and a colour bar exclude each other: colours stand for kinds or for values.
+/// A legend and a colour bar exclude each other: colours show kinds or values.
 void StatePainter::makeStrip(const Style& style, Colouring colouring) {
   StripParts parts = parts_;
   parts.colours = parts.colours && isMeasure(colouring);
@@ -257,11 +257,10 @@ Frame StatePainter::paint(const ShownState& state, const StripText& text, Frame 
 }
 
 // ------------------------------------------------------------------------------------------------
-// The strip stands below the picture and takes its height off it: the frame keeps its size. From
+// The strip is below the picture and reduces its height: the frame keeps its size. From
 // the top: a line with the caption (1.5 em), a line with scales (1.8 em, more with ticks), the bar
 // of progress (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels, smaller where the
-// longest caption would not fit; it is found once, so that text does not change its size in a
-// video.
+// longest caption would not fit. It is found once: text does not change its size in a video.
 
 namespace {
 
@@ -269,7 +268,7 @@ namespace {
 constexpr double kTextShare = 0.034;
 constexpr int kLeastText = 9;
 /// Heights in ems: of a line of text with its baseline in it, of a line of scales, of the bar of
-/// progress with the room around it, and of that bar alone.
+/// progress with the room around it, and of that bar without it.
 constexpr double kStripLineEms = 1.5;
 constexpr double kLineBaselineEms = 1.1;
 constexpr double kScalesEms = 1.8;
@@ -335,7 +334,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   picture.pixels.insert(picture.pixels.end(), strip.pixels.begin(), strip.pixels.end());
   picture.size = whole_;
   if (writer_) {
-    // From the same place in every frame, so that letters do not jump.
+    // From the same place in every frame: letters do not jump.
     writer_->draw(picture, text.caption, captionLeft_, upper + rounded(kLineBaselineEms * em_),
                   text_);
     upper += rounded(kStripLineEms * em_);
@@ -347,7 +346,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   if (parts_.progressBar) drawProgress(picture, upper, text.progress);
 }
 
-/// One beside the other where there are both.
+/// One next to the other if there are both.
 void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
                        const std::vector<LegendEntry>& legend,
                        const std::optional<double>& metresPerPixel) const {
@@ -666,8 +665,7 @@ std::vector<double> BrickPalette::values(const Poses& poses) const {
   }
 }
 
-/// At the target counts before at the start, so that a sheet whose target is its start shows as
-/// arrived.
+/// At the target counts before at the start: a sheet whose target is its start shows as arrived.
 std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
   const double near = kArrival * meanEdge(content_.bricks);
   const std::vector<double> moved = trajectory::brickDisplacements(content_.start, poses);

@@ -78,7 +78,7 @@ Vector3 shadowOf(const Vector3& point, const Style& style) {
   return point - (point.z() - style.plate->height) / light.z() * light;
 }
 
-// On a transparent page the alpha alone grows.
+// On a transparent page only the alpha grows.
 Colour partialShadow(const Style& style, double share) {
   const Colour full = style.shadow;
   const bool onPlate = style.plate && style.plate->visible;

@@ -9,9 +9,9 @@
 // The time base is 1 / frames a second, and frame k has the time k.
 //
 // MP4. While frames come, the file is fragmented (ISO/IEC 14496-12, movie fragments): an index
-// without samples, then a fragment for each packet, so that what a killed process leaves plays up
-// to there. In finish() the packets are copied, not encoded again, into a file whose index stands
-// before the samples ("faststart"), for players that begin before they have all of it.
+// without samples, then a fragment for each packet: the file of a killed process plays up to there.
+// finish() copies the packets, without encoding again, into a file whose index is before the
+// samples ("faststart"), for players that begin before they have all of it.
 //
 // Same frames, same bytes: one thread an encoder, the flags "bitexact", no times of creation, and
 // x264's macroblock tree off where it reads unset memory (kTreeWidth).
@@ -49,8 +49,8 @@ namespace {
 constexpr int kTreeWidth = 128;
 
 // A third less CPU than "veryfast" at the same SSIM for a tenth more bytes (100 rotating squares,
-// 1280 x 720, crf 18: 4.9 and 8.0 ms a frame, 0.9962 and 0.9963, 4.2 and 3.7 MB). Where B-frames
-// stand is not searched: an even motion wants them at even places.
+// 1280 x 720, crf 18: 4.9 and 8.0 ms per frame, 0.9962 and 0.9963, 4.2 and 3.7 MB). The places of
+// B-frames are not searched: even places suit an even motion.
 constexpr const char* kQuickSearch = "me=dia:subme=1:weightp=0:b-adapt=0";
 
 // libav's objects are freed through a pointer to their pointer.
@@ -83,7 +83,7 @@ std::string urlOf(const std::filesystem::path& file) {
   return "file:" + file.string();
 }
 
-/// Throws OutputError when there is none of this name.
+/// Throws OutputError if there is none of this name.
 const AVCodec* findEncoder(const std::filesystem::path& file, const std::string& name) {
   const AVCodec* codec = avcodec_find_encoder_by_name(name.c_str());
   if (codec != nullptr) return codec;
@@ -308,7 +308,7 @@ void VideoWriter::Internals::openContainer() {
   check(avformat_write_header(container.get(), options.get()));
 }
 
-/// Writes out what has been encoded; of the first fragment the first call writes the index alone.
+/// Writes out what has been encoded. The first call writes only the index.
 void VideoWriter::Internals::flushFragment() {
   check(av_write_frame(container.get(), nullptr));
   if (!std::exchange(hasIndex, true)) check(av_write_frame(container.get(), nullptr));
@@ -386,8 +386,8 @@ void VideoWriter::Internals::noteDescription() {
   check(av_dict_set(&container->metadata, "comment", settings.description.c_str(), 0));
 }
 
-/// Copies the fragments into one file that starts with its index, so that players can start before
-/// they have the whole file.
+/// Copies the fragments into one file that starts with its index. Players can start before they
+/// have the whole file.
 void VideoWriter::Internals::moveIndexToFront() {
   AVFormatContext* opened = nullptr;
   check(avformat_open_input(&opened, urlOf(file.path()).c_str(), nullptr, nullptr));

@@ -3,7 +3,7 @@
 //   Y' = 16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
 //   Cb = 128 + 224/255 (B - E) / 1.8556,  Cr = 128 + 224/255 (R - E) / 1.5748,
 //
-// where E is the bracket of the first line. A sample of Cb or Cr stands for two rows of pixels and
+// where E is the bracket of the first line. A sample of Cb or Cr covers two rows of pixels and
 // lies on a column of even number, which counts twice as much as its neighbours.
 //
 // The loops are over plain numbers without branches, which the compiler turns into vector

@@ -38,8 +38,8 @@ TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("summary.json"));
   EXPECT_FALSE(isForeign("final.ply"));  // not there
-  EXPECT_TRUE(output::LeftFiles(folder_.path()).stands("final.obj"));
-  EXPECT_FALSE(output::LeftFiles(folder_.path()).stands("final.ply"));
+  EXPECT_TRUE(output::LeftFiles(folder_.path()).isAsLeft("final.obj"));
+  EXPECT_FALSE(output::LeftFiles(folder_.path()).isAsLeft("final.ply"));
 }
 
 TEST_F(LeftFilesTest, TakeNothingElseForOurs) {

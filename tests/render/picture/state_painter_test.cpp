@@ -102,7 +102,7 @@ TEST(PictureSetup, RefusesACameraWithinABrick) {
   EXPECT_EQ(errorOf([&] {
               setup.camera({0.25, setup.content().start, {}});
             }),
-            "error: at 0.25 s the camera stands within brick 0; move it away with --distance, or "
+            "error: at 0.25 s the camera is within brick 0; move it away with --distance, or "
             "choose --projection parallel");
 }
 
