@@ -583,8 +583,8 @@ void BrickPalette::findOpacities(const Look& look) {
 void BrickPalette::colourTiles(const Look& look) {
   if (isMeasure(colouring_)) {
     throw InputError(
-        "error: --tile-colour works with --colour plain, shape or state alone, as other colours "
-        "stand for values; give one of these, or leave --tile-colour away");
+        "error: --tile-colour works only with --colour plain, shape or state: other colours show "
+        "values. Give one of these, or remove --tile-colour");
   }
   own_.resize(content_.bricks.size());
   for (const auto& [tiles, colour, name] : look.tileColours) {

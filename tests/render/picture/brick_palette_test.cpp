@@ -241,9 +241,10 @@ TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {
                         "{}",
                         content.bricks.size(), content.bricks.size() - 1));
   look.colouring = picture::Colouring::Rotation;
-  EXPECT_EQ(refusalOf(look, content),
-            "error: --tile-colour works with --colour plain, shape or state alone, as other "
-            "colours stand for values; give one of these, or leave --tile-colour away");
+  EXPECT_EQ(
+      refusalOf(look, content),
+      "error: --tile-colour works only with --colour plain, shape or state: other colours show "
+      "values. Give one of these, or remove --tile-colour");
 }
 
 TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
