@@ -1,7 +1,7 @@
 // A format is one row of a table, exportFormats(): its name, the endings of its files, and what
 // writes each of them. From this table come the words of the command line and the help, which files
-// an export writes, and which names it may write (isExported()), so that a file of somebody else is
-// never overwritten. Files are
+// an export writes, and which names it may write (isExported()): a file of somebody else is never
+// overwritten. Files are
 //   of a state        state_####ENDING, written from one sample;
 //   of elements       the same, or sheetENDING for the flat start with necks: decks, jobs and
 //   meshes,
@@ -32,11 +32,11 @@
 #include <fmt/ranges.h>
 
 #include "render/fea/deck.h"
-#include "render/writers/flat_sheet.h"
 #include "render/fea/job.h"
-#include "render/writers/mesh.h"
-#include "render/output/output_folder.h"
 #include "render/fea/outside_program.h"
+#include "render/output/output_folder.h"
+#include "render/writers/flat_sheet.h"
+#include "render/writers/mesh.h"
 #include "render/writers/vtk.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -48,7 +48,8 @@ namespace kirireel::exports {
 namespace {
 
 /// A hinge width of 0 means a twentieth of the tiles' mean edge.
-std::vector<writers::PatternLine> patternOf(const model::Model& model, const ExportSettings& settings) {
+std::vector<writers::PatternLine> patternOf(const model::Model& model,
+                                            const ExportSettings& settings) {
   constexpr double kHingeOfTile = 0.05;
   const double width = settings.hingeWidth;
   return writers::cutPattern(model, width != 0 ? width : kHingeOfTile * model::tileSize(model));
@@ -73,14 +74,14 @@ struct ExportFile {
 struct ExportFormat {
   const char* name;
   std::vector<ExportFile> files;
-  /// Throws what the format cannot have of a model, whatever its run is like; null: nothing.
+  /// Throws if the format does not support the model, for any run; null: it supports all.
   void (*require)(const model::Model&, const ExportSettings&) = nullptr;
 };
 
 /// All formats, in the order of the help.
 const std::vector<ExportFormat>& exportFormats();
 
-/// Throws InputError where there is none of this name.
+/// Throws InputError if there is none of this name.
 const ExportFormat& exportFormat(const std::string& name) {
   const auto found = std::ranges::find(exportFormats(), name, &ExportFormat::name);
   if (found != exportFormats().end()) return *found;
@@ -140,8 +141,10 @@ fea::ElementRule numbered(fea::ElementRule rule, const model::Model& model) {
 /// have no flanks apart from joints, for contact.
 bool hasDriveMesh(const fea::ElementRule& rule, const fea::DeckSettings& decks) {
   if (decks.contactFriction) return false;
-  const bool isHinged = rule.joints == fea::JointStyle::Shared || rule.joints == fea::JointStyle::Equation;
-  return isHinged && rule.family == fea::ElementFamily::Solid && rule.perEdge == 0 && rule.size == 0;
+  const bool isHinged =
+      rule.joints == fea::JointStyle::Shared || rule.joints == fea::JointStyle::Equation;
+  return isHinged && rule.family == fea::ElementFamily::Solid && rule.perEdge == 0 &&
+         rule.size == 0;
 }
 
 /// The files that were written into a folder; without keep() they are removed.
@@ -198,7 +201,7 @@ class Exporter {
   const trajectory::Subject& subject() const { return subject_; }
   const ExportSettings& settings() const { return settings_; }
 
-  /// Where the run began, whatever states are asked for.
+  /// The start of the run, for any requested states.
   const Poses& start() {
     if (start_.empty()) start_ = trajectory_.sample(0).poses;
     return start_;
@@ -225,12 +228,13 @@ class Exporter {
     return files;
   }
 
-  /// All samples of the run, whatever states were asked for.
+  /// All samples of the run, for any requested states.
   std::string animation() const {
-    return writers::animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
-      trajectory::Sample sample = trajectory_.sample(k);
-      return writers::AnimationKey{sample.time, std::move(sample.poses)};
-    });
+    return writers::animationBytes(
+        subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
+          trajectory::Sample sample = trajectory_.sample(k);
+          return writers::AnimationKey{sample.time, std::move(sample.poses)};
+        });
   }
 
   /// The start and the chosen states, in rising time.
@@ -300,7 +304,7 @@ class Exporter {
 
   bool isNecked() const { return settings_.elements.joints == fea::JointStyle::Neck; }
 
-  /// The flat start as it is cut, whatever states are asked for.
+  /// The flat start as it is cut, for any requested states.
   void writeNeckSheet() {
     if (!wantsElements(settings_)) return;
     const double thickness = subject_.brickRule.thickness;
@@ -312,14 +316,15 @@ class Exporter {
   }
 
   /// `driveSets` are those of a drive on this mesh.
-  void writeElements(const fea::ElementMesh& mesh, const std::string& name, const fea::DeckOrigin& origin,
-                     const std::string& driveSets) {
+  void writeElements(const fea::ElementMesh& mesh, const std::string& name,
+                     const fea::DeckOrigin& origin, const std::string& driveSets) {
     if (wants(kGmsh)) {
-      writeTextFile(files_.add(name + kGmshFile), fea::gmshMesh(mesh, settings_.decks.sets, unit()));
+      writeTextFile(files_.add(name + kGmshFile),
+                    fea::gmshMesh(mesh, settings_.decks.sets, unit()));
     }
     if (!wants(kDeck)) return;
-    // Sets of nodes that a job needs stand at the end of the mesh deck, for readers want them after
-    // the nodes.
+    // Sets of nodes that a job needs are at the end of the mesh deck: readers need them after the
+    // nodes.
     const fea::DeckJob job = fea::staticJob(mesh, settings_.decks, origin, name + kMeshFile);
     writeTextFile(files_.add(name + kMeshFile),
                   fea::meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
@@ -356,18 +361,19 @@ class Exporter {
 
   /// Writes the drive's job, and its mesh where it has one of its own. Returns the sets that the
   /// sheet's mesh needs for it.
-  std::string writeDrive(const fea::ElementMesh& mesh, const std::string& name, const fea::DeckOrigin& origin,
-                         std::size_t sample, const Poses& poses) {
+  std::string writeDrive(const fea::ElementMesh& mesh, const std::string& name,
+                         const fea::DeckOrigin& origin, std::size_t sample, const Poses& poses) {
     const bool hasOwn = hasDriveMesh(elements_, settings_.decks);
     const std::string meshFile = name + (hasOwn ? kDriveMesh : kMeshFile);
     const auto jobOn = [&](const fea::ElementMesh& driven) {
-      const fea::DeckJob job = fea::driveJob(driven, settings_.decks, origin, meshFile, historyFrom(sample));
+      const fea::DeckJob job =
+          fea::driveJob(driven, settings_.decks, origin, meshFile, historyFrom(sample));
       writeTextFile(files_.add(name + kDriveFile), job.text);
       return job.sets;
     };
     if (!hasOwn) return jobOn(mesh);
-    const fea::ElementMesh own =
-        fea::makeElementMesh(subject_.bricks, subject_.model.joints, poses, fea::coarsest(elements_));
+    const fea::ElementMesh own = fea::makeElementMesh(subject_.bricks, subject_.model.joints, poses,
+                                                      fea::coarsest(elements_));
     fea::DeckSettings decks = settings_.decks;
     // The coarse mesh has no control nodes, since only the periodic job uses them.
     decks.periodic = false;
@@ -393,7 +399,7 @@ class Exporter {
             runWords()};
   }
 
-  /// What tells this run from others, whatever folder it lies in.
+  /// What identifies this run, in any folder.
   std::string runWords() const {
     const std::vector<trajectory::Event>& events = trajectory_.end().events;
     return fmt::format("trajectory.h5, {} samples to {} s{}{}", trajectory_.times().size(),
@@ -411,12 +417,12 @@ class Exporter {
   std::optional<std::pair<std::string, fea::ElementMesh>> first_;  ///< of state maps: name and mesh
 };
 
-/// A surface mesh, whose format writeMesh() tells by the ending.
+/// A surface mesh; its ending selects the format of writeMesh().
 void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
                   const std::filesystem::path& file) {
   const bool isStl = file.extension() == ".stl";
   writers::writeMesh(file, exporter.subject().bricks, sample.poses,
-            isStl ? exporter.unitOfMachines() : exporter.unit());
+                     isStl ? exporter.unitOfMachines() : exporter.unit());
 }
 
 std::vector<writers::PatternLine> patternOf(const Exporter& exporter) {
@@ -445,7 +451,8 @@ ExportFormat deckFormat() {
            {.name = kDriveMesh, .isWanted = isDriven},
            {.name = kBucklingFile,
             .isWanted = [](const fea::DeckSettings& decks) { return decks.buckling; }},
-           {.name = kMapFile, .isWanted = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
+           {.name = kMapFile,
+            .isWanted = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
            {.name = kPeriodicFile,
             .isWanted = [](const fea::DeckSettings& decks) { return decks.periodic; }}}};
 }
@@ -453,7 +460,8 @@ ExportFormat deckFormat() {
 using Path = std::filesystem::path;
 
 void writePlanarObj(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file, writers::planarObjText(model::inUnit(exporter.sheetOf(sample), exporter.unit())));
+  writeTextFile(file,
+                writers::planarObjText(model::inUnit(exporter.sheetOf(sample), exporter.unit())));
 }
 
 void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
@@ -461,7 +469,8 @@ void writeVertices(Exporter& exporter, const trajectory::Sample& sample, const P
 }
 
 void writeVtu(Exporter& exporter, const trajectory::Sample& sample, const Path& file) {
-  writeTextFile(file, writers::vtuText(exporter.subject(), exporter.start(), sample, exporter.unit()));
+  writeTextFile(file,
+                writers::vtuText(exporter.subject(), exporter.start(), sample, exporter.unit()));
 }
 
 void writePvd(Exporter& exporter, const Path& file) {
@@ -535,7 +544,7 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
   requireDifferent(settings.formats);
   fea::requireValidRule(settings.elements);
   fea::requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
-  // What depends on the start alone can be tried before the run, necks among it.
+  // What depends only on the start is checked before the run, necks included.
   for (const std::string& name : settings.formats) {
     const ExportFormat& format = exportFormat(name);
     if (format.require) format.require(model, settings);
@@ -546,7 +555,7 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
     return;
   }
   fea::ElementRule elements = numbered(settings.elements, model);
-  // How well corners meet that share a node is known of the run's own states alone.
+  // How well corners meet that share a node is known only from the run's states.
   if (elements.joints == fea::JointStyle::Shared) elements.joints = fea::JointStyle::Equation;
   // Making the mesh is the check: it throws what it would throw at the end of a run that may take
   // hours.
@@ -567,7 +576,8 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
   const auto isOfFile = [&](const ExportFile& file) {
     if (file.isWanted && !file.isWanted(settings.decks)) return false;
     if (file.writeDeployment) return name == file.name;
-    const bool isOfSheet = file.showsElements() && settings.elements.joints == fea::JointStyle::Neck;
+    const bool isOfSheet =
+        file.showsElements() && settings.elements.joints == fea::JointStyle::Neck;
     if (isOfSheet) return name == std::string(kSheet) + file.name;
     return std::ranges::any_of(
         settings.states, [&](const std::string& state) { return isOfState(state, file.name); });
@@ -641,8 +651,8 @@ std::vector<std::string> exportInto(const trajectory::TrajectoryReader& trajecto
 
 // ------------------------------------------------------------------------------------------------
 // A name is read into a kind and a number; the number leads to the nearest sample of the
-// trajectory. Files are named by what was asked for (state_25pct) and not by the sample's number,
-// so that a script finds them whatever the number of samples is.
+// trajectory. Files are named by the request (state_25pct) and not by the sample's number: a script
+// finds them for any number of samples.
 
 namespace {
 
@@ -713,7 +723,7 @@ std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double
                      fmt::format("its tiles turn by {:.4g} degrees at most", largest / kDegree));
 }
 
-/// Events are told by their text; the first one that contains it counts.
+/// Events are found by their text; the first one that contains it counts.
 std::size_t sampleAtEvent(const trajectory::TrajectoryReader& trajectory, const std::string& text,
                           const std::string& name) {
   std::string known;
@@ -754,7 +764,7 @@ StateName readName(const std::string& name) {
                   name));
 }
 
-/// The first and the last sample that a name stands for. Equal for all names but `all`.
+/// The first and the last sample of a name. Equal for all names but `all`.
 std::pair<std::size_t, std::size_t> samplesNamed(const trajectory::TrajectoryReader& trajectory,
                                                  const std::string& name) {
   const std::vector<double>& times = trajectory.times();
@@ -825,7 +835,7 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
 
 std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names) {
-  // By sample, so that states come out in the order of time whatever the order of the names.
+  // By sample: states are in the order of time, for names in any order.
   std::map<std::size_t, std::pair<std::string, std::string>> chosen;  // names and labels
   for (const std::string& name : names) {
     const auto [first, last] = samplesNamed(trajectory, name);
@@ -847,8 +857,9 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
 // ------------------------------------------------------------------------------------------------
 // The opening d of a sheet under 1 N at both ends (outside_program.h) is its compliance in m/N,
 // one figure for the whole mesh. It is computed with the chosen elements, d1, and with elements
-// half as long, d2, and the change 100 (d2 / d1 - 1) per cent is told. A mesh that is fine enough
-// changes little; with a joint of a single node the figure grows without limit, which shows here.
+// half as long, d2, and the change 100 (d2 / d1 - 1) per cent is reported. A mesh that is fine
+// enough changes little; with a joint of a single node the figure grows without limit, which shows
+// here.
 //
 // Halving lengths in the plane makes four times as many elements; the number through the thickness
 // stays, because bending is what is looked at.
@@ -866,16 +877,17 @@ fea::ElementRule halved(fea::ElementRule rule, int usual) {
   return rule;
 }
 
-/// The job is written in CalculiX's keywords and metres whatever the settings say, without sets
-/// that nobody reads.
-double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings, const fea::DeckOrigin& origin) {
+/// The job is written in CalculiX's keywords and metres, with any settings, and without unused
+/// sets.
+double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings,
+                 const fea::DeckOrigin& origin) {
   settings.solver = fea::Solver::Calculix;
   settings.sets = fea::SetChoice::None;
   settings.unit = fea::DeckUnit::Model;
   settings.periodic = false;
   const fea::DeckJob job = fea::staticJob(mesh, settings, origin, "mesh.inp");
   return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text,
-                           fea::longestAxis(mesh));
+                                fea::longestAxis(mesh));
 }
 
 /// Metres by newton, with four digits, and the change in per cent.

@@ -21,8 +21,8 @@ std::vector<std::string> exportFormatNames();
 struct ExportSettings {
   std::vector<std::string> states = {"initial", "final"};  ///< as chooseStates reads them
   std::vector<std::string> formats;                        ///< of exportFormatNames()
-  fea::ElementRule elements;                                    ///< of decks and meshes
-  fea::DeckSettings decks;                                      ///< how decks are written
+  fea::ElementRule elements;                               ///< of decks and meshes
+  fea::DeckSettings decks;                                 ///< how decks are written
   double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
   /// Of files whose formats leave the unit open; absent: millimetres for STL and DXF, else the
   /// model's unit. GLB is in metres, SVG in millimetres; decks have DeckSettings::unit.
@@ -32,7 +32,7 @@ struct ExportSettings {
 /// The settings with their lengths, which were given in this unit, in metres.
 ExportSettings inMetres(ExportSettings settings, const LengthUnit& unit);
 
-/// Throws what exportStates would of this model whatever its run is like: InputError for formats
+/// Throws what exportStates would throw for any run of this model: InputError for formats
 /// that are none or given twice, cut patterns, elements, joint patches and necks that it cannot
 /// have, and drives of tiles that it does not have. It makes the elements of the start once, which
 /// is the price of an early answer.
@@ -52,13 +52,13 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
 /// all of them appear or none; contents.json lists them. Throws InputError for states that are not
 /// there, formats that are none or given twice, formats that the model cannot have, and where files
-/// of others stand in the way, see FileSet; OutputError when a file cannot be written.
+/// of others are in the way, see FileSet; OutputError if a file cannot be written.
 std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder);
 
-/// The same into a folder that is being filled anyway: without contents.json, nothing that stands
-/// there is looked at. What was written before an error is removed. The folder must exist.
+/// The same into a folder that is being filled: without contents.json, and files there are not
+/// checked. What was written before an error is removed. The folder must exist.
 std::vector<std::string> exportInto(const trajectory::TrajectoryReader& trajectory,
                                     const ExportSettings& settings,
                                     const std::filesystem::path& folder);
@@ -74,11 +74,11 @@ struct ChosenState {
   bool operator==(const ChosenState&) const = default;
 };
 
-/// Throws InputError for a name that means nothing below, whatever the trajectory.
+/// Throws InputError for a name that is not in the list below, for any trajectory.
 void requireStateName(const std::string& name);
 
-/// A name as part of a file's: letters, digits, points and hyphens. The sample counts for `all`
-/// alone. Throws as requireStateName does.
+/// A name as part of a file's: letters, digits, points and hyphens. The sample counts only for
+/// `all`. Throws as requireStateName does.
 std::string stateLabel(const std::string& name, std::size_t sample);
 
 /// The samples that are named, rising. A name is one of
@@ -88,9 +88,9 @@ std::string stateLabel(const std::string& name, std::size_t sample);
 /// - `30deg`: the first sample at which some tile has turned so far from its start;
 /// - `event:TEXT`: the first event whose text contains this.
 ///
-/// Shares, times and events stand for the nearest sample. Throws InputError for a name that means
-/// nothing, a state that is not in the trajectory, and two names of one sample. An angle reads the
-/// trajectory up to its sample; the others look at times alone.
+/// Shares, times and events select the nearest sample. Throws InputError for a name that is not in
+/// the list, a state that is not in the trajectory, and two names of one sample. An angle reads the
+/// trajectory up to its sample; the others read only times.
 std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names);
 

@@ -9,7 +9,7 @@
 // Everything is within the file, since it is to be sent by mail and opened from a disk, where
 // browsers refuse to load neighbours of a file. The still picture shows where WebGL is missing.
 //
-// Text from a model (names, warnings) is escaped; the JSON stands in a script element, which ends
+// Text from a model (names, warnings) is escaped; the JSON is in a script element, which ends
 // at "</", so every "<" is written as \u003c.
 #include "render/page/page.h"
 
@@ -158,8 +158,8 @@ void requireSize(const std::string& page, std::size_t dataBytes, std::size_t sta
                  const WebPageSettings& settings) {
   const double most = 1e6 * settings.mostMegabytes, size = static_cast<double>(page.size());
   if (size <= most) return;
-  // Fewer states are farther apart, so that each takes a little more.
-  // What is too much has to come off the data; `share` is what of them may stay.
+  // Fewer states are farther apart: each takes a little more.
+  // The data must shrink by the excess; `share` is the fraction of them that may stay.
   const double share = 0.8 * ((most - size) / static_cast<double>(dataBytes) + 1);
   const auto fewer = static_cast<int>(share * static_cast<double>(states));
   const std::string thinner =
@@ -228,25 +228,24 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Makes the JSON of a run that stage.js and the other scripts read. Everything that decides how it
-// looks (colours, lights, widths, cameras) comes from render/picture and render/painter, so that a
-// page and our pictures agree.
+// Makes the JSON of a run that stage.js and the other scripts read. Its style (colours, lights,
+// widths, cameras) comes from render/picture: a page and our pictures agree.
 //
 //     name; bricks: counts, corners, rises, triangles of concave ones; states: times, progress,
 //     gap, error, poses, gaps, errors; joints: bricks, points; target; obstacles; plate; views;
 //     curves
 //
-// Lengths are metres, times seconds. Bricks stand in their own axes as floats: a float has 24 bits,
+// Lengths are metres, times seconds. Bricks are in their own axes as floats: a float has 24 bits,
 // 500 times finer than a step of positions.
 //
-// The states of a page are at equal shares of motion and not of time, so that they are dense where
+// The states of a page are at equal shares of motion and not of time: they are dense where
 // something moves.
 
 namespace {
 
 /// Of each of the three pictures, pixels.
 constexpr picture::FrameSize kStillSize{480, 360};
-// Of a colour map: an odd number, so that the middle is among them.
+// Of a colour map: an odd number, which includes the middle.
 constexpr int kShades = 129;
 constexpr std::array<double, 3> kStillShares = {0, 0.5, 1};
 
@@ -299,7 +298,7 @@ Json polygonsJson(const std::vector<model::Tile>& tiles) {
 }
 
 /// The bricks' bottoms in their own axes, and what leads from there to their tops. A brick is a
-/// prism: its top is its bottom moved by one vector, so that one vector a brick is enough.
+/// prism: its top is its bottom moved by one vector. One vector per brick is enough.
 Json bricksJson(const std::vector<model::Brick>& bricks) {
   std::vector<model::Tile> bottoms;
   std::vector<float> rises;
@@ -318,7 +317,7 @@ Json bricksJson(const std::vector<model::Brick>& bricks) {
   return json;
 }
 
-/// Where dots on joints stand: a brick, and a point in its axes. The points of the first brick of
+/// The places of dots on joints: a brick, and a point in its axes. The points of the first brick of
 /// each pivot.
 Json joinsJson(const std::vector<model::Pivot>& pivots) {
   std::vector<std::int32_t> bricks;
@@ -527,7 +526,7 @@ std::string stillPicture(const trajectory::TrajectoryReader& run, const picture:
 }
 
 // ------------------------------------------------------------------------------------------------
-// Says in words what the run was, from trajectory.h5 alone: a page can be made where summary.json
+// Says in words what the run was, only from trajectory.h5: a page can be made even if summary.json
 // is missing. "Findings" is the JSON text that record() stores in the trajectory (path, warnings);
 // files of older versions have none.
 
@@ -568,7 +567,7 @@ void addErrors(const trajectory::TrajectoryReader& run, double tile, Facts& fact
   facts.emplace_back("Distance from the target, end", lengthText(last.targetError, tile));
 }
 
-/// Joint gaps are known of every step, overlaps of the samples alone.
+/// Joint gaps are known of every step, overlaps only of the samples.
 void addAccuracy(const trajectory::TrajectoryReader& run, double tile, Facts& facts) {
   double gap = 0, overlap = 0;
   for (const trajectory::StepRecord& step : run.steps()) gap = std::max(gap, step.jointGap);
@@ -602,7 +601,7 @@ Facts factsOf(const trajectory::TrajectoryReader& run) {
   addErrors(run, tile, facts);
   addAccuracy(run, tile, facts);
   if (!run.hasMechanics()) facts.emplace_back("Energies and forces", trajectory::kNoMechanics);
-  // A fact without a value is not told.
+  // A fact without a value is left out.
   std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
   return facts;
 }
@@ -701,7 +700,7 @@ Json camerasJson(const picture::Look& look, const picture::PictureContent& conte
 // Rounded entries e(k) of one number over the samples k are stored as second differences d(k) =
 // e(k) - 2 e(k-1) + e(k-2), exactly invertible in whole numbers. Motion is smooth, so d is a few
 // steps, fits into 16 bits and compresses well. Zigzag coding maps 0, -1, 1, -2, ... to 0, 1, 2, 3,
-// ..., so that the upper bytes of small numbers are zero whatever their sign.
+// ...: the upper bytes of small numbers of either sign are zero.
 //
 // The text is base 64 of zlib (RFC 1950) of planes of bytes. Browsers have a decompressor but no
 // HDF5, and JSON numbers would take several times as much.

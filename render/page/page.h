@@ -23,7 +23,7 @@ namespace kirireel::page {
 /// Facts in the order of reading: what, and how much.
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-/// What a run was, how it ended and how accurate it is, from its trajectory alone. Texts are plain,
+/// What a run was, how it ended and how accurate it is, only from its trajectory. Texts are plain,
 /// not yet escaped. Reads every sample once.
 Facts factsOf(const trajectory::TrajectoryReader& run);
 
@@ -52,7 +52,7 @@ Json packedArray(std::span<const std::uint16_t> entries);
 /// The same for whole numbers of 8 bits from 0.
 Json packedArray(std::span<const std::uint8_t> entries);
 
-/// How finely poses are told.
+/// The resolution of poses.
 struct PoseSteps {
   Vector3 origin = Vector3::Zero();  ///< that positions are counted from, metres
   double position = 1;               ///< step of positions, metres; above 0
@@ -69,7 +69,7 @@ PoseSteps finePoseSteps(const Vector3& origin, double size, double radius);
 ///
 /// Rounded to the steps, entries follow their samples so smoothly that of an entry only the
 /// difference d = e(k) - 2 e(k-1) + e(k-2) from the straight continuation is stored (entries before
-/// the first are zero), as 2 d or, below zero, -2 d - 1, so that small ones have empty upper bytes.
+/// the first are zero), as 2 d or, below zero, -2 d - 1: the upper bytes of small ones are zero.
 class PosePacker {
  public:
   /// Rounded to these steps; exact doubles without them.
@@ -108,10 +108,10 @@ struct PageStates {
 };
 
 /// The colours, lights, lines and lengths of our pictures for a theme, from render/picture. For the
-/// theme that is given, whatever the look's own.
+/// given theme, not for the look's own.
 Json styleJson(picture::Theme theme, const picture::Look& look);
 
-/// The shades [bottom, top, side] of bricks whose colours stand for values, from the least to the
+/// The shades [bottom, top, side] of bricks whose colours show values, from the least to the
 /// largest in equal steps.
 Json mapJson(picture::ColourMap map);
 
@@ -130,13 +130,13 @@ std::string stillPicture(const trajectory::TrajectoryReader& run, const picture:
 // Pages to hand over: one HTML file that shows runs in 3-D in any browser, without a network.
 //
 // A page is page.html with its style sheet, its scripts, three.js (r111, MIT licence) and the
-// runs' data within. What it shows looks as our pictures do: colours, lights, widths and cameras
-// come from render/picture as data.
+// runs' data within. It has the style of our pictures: colours, lights, widths and cameras come
+// from render/picture as data.
 
 /// The file that a page is, in its folder.
 inline constexpr const char* kPageFile = "page.html";
 
-/// At most so many runs stand side by side on a page.
+/// The largest number of runs on a page.
 inline constexpr std::size_t kMostPageRuns = 2;
 
 /// Which page is wanted. One look for all runs, so that two of them can be compared.
@@ -172,7 +172,7 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
                const WebPageSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
-// Where a page's viewers may stand, by the same fit as our pictures.
+// The cameras of a page, by the same fit as our pictures.
 
 /// A list of {"name", "key", "fits": [{"aspect", "eye", "centre", "up", "orthographic",
 /// "field_of_view", "view_height"}, ...]}: first the view of the look, as pictures have it, then

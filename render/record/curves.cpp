@@ -28,7 +28,7 @@ constexpr const char* kTable = "curves.csv";
 // The column that --against opening takes.
 constexpr const char* kOpening = "opening_mean_deg";
 
-/// A name for each format, so that all of them stand side by side.
+/// A name for each format: a folder can have all of them.
 const char* fileOf(picture::PageFormat format) {
   switch (format) {
     case picture::PageFormat::Svg:
@@ -113,8 +113,8 @@ std::vector<std::string> writeCurves(const trajectory::TrajectoryReader& run,
 // A figure is a grid of diagrams, two in a row, one for each group of curves with the same unit.
 // All lengths follow from two numbers: the figure's width W (millimetres) and the size of its text
 // (points, 1/72 inch). With d dots per inch the em of the text is round(points / 72 d) pixels and
-// the figure is round(W / 25.4 d) pixels wide; everything else is in em, so that figures of any
-// width look alike in print.
+// the figure is round(W / 25.4 d) pixels wide. Everything else is in em: figures of any width look
+// alike in print.
 //
 //     4.5 em for numbers | diagram, height = 0.5 width | 0.5 em
 //     2 em above it for its title, 4 em below for numbers and words
@@ -242,8 +242,7 @@ class Plotter {
           kText);
     if (group.curves.size() < 2) return;
     double right = box.right();
-    // Names stand at the right border in the order of the curves, so they are set from the last one
-    // on.
+    // Names are at the right border in the order of the curves: they are set from the last one on.
     for (std::size_t k = group.curves.size(); k-- > 0;) {
       if (!group.curves[k].hasValues()) continue;
       right -= width(group.curves[k].name);
@@ -265,7 +264,7 @@ class Plotter {
   picture::Axis across_;
 };
 
-/// Where the diagrams of a figure stand.
+/// The places of the diagrams of a figure.
 struct PlotLayout {
   int em = 0;
   Box first{};        ///< the diagram at the upper left

@@ -53,7 +53,7 @@ struct CurvesSettings {
   std::filesystem::path folder;                 ///< made if need be
   std::vector<picture::PageFormat> plots;       ///< curves.svg, curves.pdf, curves.png
   CurvesAgainst against = CurvesAgainst::Time;  ///< what the horizontal axis shows
-  PlotSettings plot;                            ///< how the figure looks
+  PlotSettings plot;                            ///< the style of the figure
 };
 
 /// The table: a row a sample, first time_s and progress, then every curve's column, those of each
@@ -62,7 +62,7 @@ struct CurvesSettings {
 std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<double>& progress);
 
 /// Writes curves.csv and the figures into the folder, all of them or none, and lists them in
-/// contents.json. Returns their names. Throws InputError where files of others stand in the way and
+/// contents.json. Returns their names. Throws InputError if files of others are in the way and
 /// for figures against what the run does not have, OutputError when one cannot be written. Reads
 /// the whole trajectory once.
 std::vector<std::string> writeCurves(const trajectory::TrajectoryReader& run,

@@ -63,7 +63,7 @@ struct PictureSettings {
   std::string subtitle;     ///< below the title, UTF-8; empty: none
   picture::Look look;       ///< of all pictures
   picture::GridShape grid;  ///< of the snapshots
-  /// Under the grid's pictures and the video's frames; absent: under the grid alone, progress at an
+  /// Under the grid's pictures and the video's frames; absent: only under the grid, progress at an
   /// even pace, time at real pace, nothing where its columns have heads.
   std::optional<picture::CaptionParts> captions;
   /// A length under the grid and the video; needs a parallel projection.
@@ -81,14 +81,14 @@ struct PictureSettings {
   std::string madeBy;  ///< who makes the pictures from what, noted in the files
   SnapshotSpacing spacing = SnapshotSpacing::Progress;  ///< which states the snapshots show
   bool video = true;                                    ///< whether there is one
-  std::string videoFile = output::kVideo;      ///< its ending chooses the format
+  std::string videoFile = output::kVideo;               ///< its ending chooses the format
   std::optional<int> crf;                               ///< of the video, see VideoSettings
   std::string preset = "auto";                          ///< of the video, see VideoSettings
   std::string encoder;                                  ///< of the video, see VideoSettings
   bool snapshots = true;                                ///< snapshots.png
   bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
   bool frames = false;  ///< frames/frame_00000.png ..., every frame of the video
-  std::vector<FrameChoice> chosenFrames;  ///< the same of these moments alone
+  std::vector<FrameChoice> chosenFrames;  ///< the same, only of these moments
   /// That paint a video's frames at the same time; absent: one a core. Decides no bytes.
   std::optional<int> painterCount;
 
@@ -100,11 +100,11 @@ struct PictureSettings {
   int painters() const;
   /// Simulated seconds from one sample of the run to the next.
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
-  /// Seconds for which the video's first and last frame stand.
+  /// Seconds for which the video holds its first and last frame.
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
   /// Of the grid in print, where it has a width.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
-  /// What stands under the grid's pictures.
+  /// The captions of the grid's pictures.
   picture::CaptionParts captionParts() const {
     if (captions || !columnHeads.empty()) return captions.value_or(picture::CaptionParts{});
     return pace == Pace::Even ? picture::CaptionParts{.progress = true}
@@ -127,8 +127,8 @@ struct RecordSettings : PictureSettings {
   exports::ExportSettings exports;  ///< further files; none without formats
 };
 
-/// What recording cost, beside the deployment's own cost. Seconds of several painters are added up,
-/// so that they may exceed the wall time.
+/// What recording cost, besides the deployment's own cost. Seconds of several painters are summed
+/// and may exceed the wall time.
 struct RecordCost {
   double cpuSecondsRender = 0;       ///< of painters and of the threads of the graphics library
   double cpuSecondsEncode = 0;       ///< of the encoder's thread
@@ -147,7 +147,7 @@ struct PictureReport {
   std::vector<std::string> files;   ///< relative to the folder, in the order written
 };
 
-/// Everything that summary.json says about a run, beside its settings.
+/// Everything that summary.json says about a run, besides its settings.
 struct RunSummary : PictureReport {
   deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
   std::string reason;                                    ///< one line: why it ended so
@@ -182,7 +182,7 @@ struct Progress {
   bool isRemarkInSummary = false;  ///< the remark is one of RunSummary::warnings
 };
 
-/// Who ends a stage of a run early, for example "SIGTERM"; absent: it goes on.
+/// Who ends a stage of a run early, for example "SIGTERM"; absent: it continues.
 using Interruption = std::optional<std::string>;
 
 /// Called after each sample and each frame; may end the stage that is under way. The run then

@@ -144,8 +144,8 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
 
 // ------------------------------------------------------------------------------------------------
 // A state between two samples is interpolated by StateInterpolator (sim/deploy/continuation.h),
-// which closes the joints again. The two samples around the time are kept, so that frames that
-// follow each other read each sample once.
+// which closes the joints again. The two samples around the time are kept: frames in sequence read
+// each sample once.
 
 namespace {
 
@@ -168,8 +168,8 @@ void Replay::loadPair(std::size_t index) {
   index_ = index;
 }
 
-/// Times within a millionth of a sample are that sample, so that its own measures are told and not
-/// interpolated ones.
+/// Times within a millionth of a sample are that sample, with its own measures, not interpolated
+/// ones.
 trajectory::Sample Replay::at(double time) {
   const std::vector<double>& times = run_.times();
   const auto above = std::lower_bound(times.begin(), times.end(), time);

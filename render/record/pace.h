@@ -67,15 +67,15 @@ int heldFrames(const PictureSettings& settings);
 std::vector<FrameMoment> videoMoments(const MotionCurve& motion, const PictureSettings& settings);
 
 /// The pictures of a snapshot grid, `count` of them, at equal shares of the motion or of the time
-/// from the start to the end (the end alone when it is one).
+/// from the start to the end (only the end if there is one picture).
 std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const PictureSettings& settings,
                                          int count);
 
 // ------------------------------------------------------------------------------------------------
 // A recorded run as a source of states to be painted.
 
-/// The states of a run at any time. It remembers the samples read last, so that times that follow
-/// each other closely cost little.
+/// The states of a run at any time. It stores the samples read last: times close to each other cost
+/// little.
 class Replay {
  public:
   /// The run must outlive the replay.
@@ -96,7 +96,7 @@ class Replay {
 
 /// A state of a run, and the moment that it is of.
 struct FrameState {
-  FrameMoment moment;         ///< where in the video it stands
+  FrameMoment moment;         ///< its place in the video
   trajectory::Sample sample;  ///< what it shows
 };
 

@@ -28,7 +28,6 @@
 
 #include <fmt/format.h>
 
-#include "render/writers/mesh.h"
 #include "render/output/output_folder.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/label.h"
@@ -36,6 +35,7 @@
 #include "render/record/pipeline.h"
 #include "render/record/run_pictures.h"
 #include "render/record/summary.h"
+#include "render/writers/mesh.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
@@ -294,8 +294,7 @@ void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunS
 /// The equilibria of a scene with grips.
 void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
   if (!summary.loadCurve) return;
-  writeTextFile(settings.folder / output::kLoadCurve,
-                mechanics::loadTable(*summary.loadCurve));
+  writeTextFile(settings.folder / output::kLoadCurve, mechanics::loadTable(*summary.loadCurve));
   summary.files.emplace_back(output::kLoadCurve);
 }
 
@@ -368,9 +367,8 @@ bool isPicture(const std::string& name, const PictureSettings& settings) {
          (hasFrames && name == output::kFrames + std::string("/")) ||
          (hasFrames &&
           output::isNumbered(name, [](int k) { return output::frameFile(k).string(); })) ||
-         output::isNumbered(name, [](int k) {
-           return output::momentFile(output::kSnapshotMoment, k, ".png");
-         });
+         output::isNumbered(
+             name, [](int k) { return output::momentFile(output::kSnapshotMoment, k, ".png"); });
 }
 
 /// The same of all files.
@@ -384,9 +382,7 @@ bool isOutput(const std::string& name, const RecordSettings& settings) {
     if (!settings.meshes) break;
     if (name == output::kInitialMesh + std::string(ending)) return true;
     if (name == output::kFinalMesh + std::string(ending)) return true;
-    const auto moment = [&](int k) {
-      return output::momentFile(output::kStateMoment, k, ending);
-    };
+    const auto moment = [&](int k) { return output::momentFile(output::kStateMoment, k, ending); };
     if (output::isNumbered(name, moment)) return true;
   }
   return false;

@@ -14,8 +14,8 @@
 //     versions    name: version
 //     sha256      the seal (output_folder.h)
 //
-// Lengths are in metres. What does not exist is null and never left out, so that readers find every key. Numbers have the shortest digits that read
-// back to the same double.
+// Lengths are in metres. What does not exist is null and never left out, so that readers find every
+// key. Numbers have the shortest digits that read back to the same double.
 //
 // The same texts of settings and findings stand in trajectory.h5, where `verify` compares them.
 #include "render/record/summary.h"
@@ -27,9 +27,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/writers/mesh.h"
 #include "render/picture/png.h"
 #include "render/picture/video.h"
+#include "render/writers/mesh.h"
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run_drive.h"
 #include "sim/engines/bullet_world.h"

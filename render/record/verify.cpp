@@ -81,8 +81,7 @@ class Verifier {
       complain(output::kSummary, "this is not the text that the run wrote");
     const Json summary = parseJsonOrDiscard(text);
     if (!summary.is_object() || !summary.contains("contents")) {
-      complain(output::kSummary,
-               "it names no files to compare with; record the run again");
+      complain(output::kSummary, "it names no files to compare with; record the run again");
       return report_;
     }
     try {
@@ -188,8 +187,7 @@ class Verifier {
     // What interrupts the painting comes after the run.
     if (outcome == "interrupted" || run.end().events.empty()) return;
     if (run.end().events.back().text != stated) {
-      complain(output::kSummary,
-               "outcome or reason differ from the last event of trajectory.h5");
+      complain(output::kSummary, "outcome or reason differ from the last event of trajectory.h5");
     }
   }
 
@@ -202,8 +200,7 @@ class Verifier {
     compare(output::kSummary, "model.joints", stated.at("joints"),
             static_cast<double>(model.joints.size()));
     compare(output::kSummary, "model.size", stated.at("size"), model::modelSize(model));
-    compare(output::kSummary, "model.tile_size", stated.at("tile_size"),
-            model::tileSize(model));
+    compare(output::kSummary, "model.tile_size", stated.at("tile_size"), model::tileSize(model));
   }
 
   /// The figures that all steps decide together.
@@ -262,11 +259,10 @@ class Verifier {
       const auto state =
           std::ranges::find(run.end().figureStates, figure.name, &trajectory::FigureState::figure);
       if (state != run.end().figureStates.end()) {
-        compare(output::kSummary, figure.name, stated.at(figure.name),
-                figure.compute(state->poses), lengthRounding_);
+        compare(output::kSummary, figure.name, stated.at(figure.name), figure.compute(state->poses),
+                lengthRounding_);
       } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
-        complain(output::kSummary,
-                 fmt::format("{} has no state in trajectory.h5", figure.name));
+        complain(output::kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
       }
     }
   }
@@ -276,20 +272,18 @@ class Verifier {
     const Json stated = summary.value("elasticity", Json());
     const bool isElastic = !subject.pairForces.empty();
     if (isElastic == stated.is_null()) {
-      complain(output::kSummary,
-               "elasticity and the springs in trajectory.h5 do not go together");
+      complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
     const model::Elasticity found = model::elasticityOf(subject.pairForces, start, end);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not tell of all kinds.
       const std::string name = kind.name.counted;
-      compare(output::kSummary, "elasticity." + name, stated.value(name, 0),
-              found.count(name));
+      compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
     for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
-      compare(output::kSummary, std::string("elasticity.") + figure.name,
-              stated.at(figure.name), found.*figure.member);
+      compare(output::kSummary, std::string("elasticity.") + figure.name, stated.at(figure.name),
+              found.*figure.member);
     }
   }
 

@@ -3,7 +3,7 @@
 // all.
 //
 // Who makes a run holds an advisory lock (flock(2)) on HASH.part/lock. The kernel drops it when the
-// process ends in whatever way, so no stale lock has to be guessed by its age. On NFS Linux turns
+// process ends in any way, so no stale lock has to be guessed by its age. On NFS Linux turns
 // flock into locks of the server, which holds across machines.
 //
 // The order in take() matters. Between the first look and the lock another process may finish the
@@ -86,7 +86,7 @@ std::optional<FileLock> FileLock::take(const fs::path& file, IfHeld ifHeld) {
         fmt::format("{}: error: cannot be made ({}); choose another folder with --out",
                     file.string(), std::strerror(errno)));
   }
-  // From here on the descriptor is closed whatever happens.
+  // From here on the descriptor is closed in any case.
   FileLock lock(descriptor);
   const int patience = ifHeld == IfHeld::GiveUp ? LOCK_NB : 0;
   int result = 0;
@@ -140,7 +140,7 @@ std::optional<RunClaim> RunClaim::take(const fs::path& runs, const std::string& 
   makeFolder(folder);
   std::optional<FileLock> lock = FileLock::take(folder / kLock, FileLock::IfHeld::GiveUp);
   if (!lock) return std::nullopt;
-  // It may have been finished by another since the first look; then this folder is ours alone.
+  // Another process may have finished it since the first check; then this folder is only ours.
   if (!isOpen(finished, retryFailed)) {
     fs::remove_all(folder);
     return std::nullopt;
@@ -155,8 +155,8 @@ void RunClaim::clear() const {
 
 void RunClaim::finish(const RunRecord& record) {
   writeTextFile(folder_ / kRecord, recordText(record));
-  // A failed run that is made again has a folder already. It is moved aside first and removed last,
-  // so that one of the two is always there.
+  // A failed run that is made again has a folder already. It is moved aside first and removed last:
+  // one of the two always exists.
   const fs::path former = finished_.string() + ".old.part";
   std::error_code ignored;
   fs::remove_all(former, ignored);
@@ -167,8 +167,8 @@ void RunClaim::finish(const RunRecord& record) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Gathers the summaries of all finished runs in the order of the plan, so that the same runs give
-// the same table whatever order they were made in. Two tables come of it:
+// Gathers the summaries of all finished runs in the order of the plan: the same runs give the same
+// table, in whichever order they were made. The result is two tables:
 //
 //     results   run, parameters..., status, reason, measures...
 //     costs     run, seconds and bytes of each stage
@@ -176,11 +176,11 @@ void RunClaim::finish(const RunRecord& record) {
 // Costs are apart because they differ from time to time; the results of two machines can be
 // compared byte by byte.
 //
-// The measures are read from summary.json by JSON pointers (RFC 6901): all that stands under
-// /accuracy, whatever a version puts there, and some more. Their names are those of the first run
+// The measures are read from summary.json by JSON pointers (RFC 6901): all that a version has under
+// /accuracy, and some more. Their names are those of the first run
 // that is done; runs that failed have empty cells there.
 //
-// Only the cells are kept, not the summaries, so that memory grows with the table alone.
+// Only the cells are kept, not the summaries: memory grows with the table.
 //
 // HDF5: each column is a data set in the root group. A column of numbers is an array of doubles
 // with NaN where a cell is empty; one with any other text is an array of texts.
@@ -240,7 +240,7 @@ Json readRunSummary(const fs::path& folder) {
   return summary;
 }
 
-/// Numbers in the digits that the summary has them in, so that no precision is lost on the way.
+/// Numbers with the digits of the summary: no precision is lost.
 std::string cellOf(const Json& summary, const Figure& figure) {
   if (!summary.contains(figure.place)) return "";
   const Json& value = summary.at(figure.place);
@@ -282,7 +282,7 @@ void appendCells(const Json& summary, const std::vector<Figure>& figures,
   for (const Figure& figure : figures) cells.push_back(cellOf(summary, figure));
 }
 
-/// Takes finished runs one after the other and keeps their figures alone, not their summaries.
+/// Takes finished runs one after the other and keeps only their figures, not their summaries.
 class Gatherer {
  public:
   explicit Gatherer(const std::vector<std::string>& keys) {
@@ -320,7 +320,7 @@ class Gatherer {
   TableBuilder costs_;
 };
 
-/// RFC 4180, section 2: cells with commas, quotation marks or line breaks stand in quotation marks,
+/// RFC 4180, section 2: cells with commas, quotation marks or line breaks are in quotation marks,
 /// and marks within are doubled. Names of files may hold any of these.
 std::string quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
@@ -349,7 +349,7 @@ void writeColumn(const TableColumn& column, trajectory::ArrayWriter& writer) {
     isText = isText && std::isnan(*number);
     numbers.push_back(*number);
   }
-  // Reasons that nobody had to give are texts all the same.
+  // Empty reasons are texts, too.
   if (isText) {
     writer.write(column.name, column.cells);
   } else {
@@ -417,10 +417,10 @@ void writeTableArrays(const SweepTable& table, const fs::path& file) {
 // ------------------------------------------------------------------------------------------------
 // The page is chosen in two steps: which runs, then how many columns.
 //
-// A series is a run of neighbours in the table that differ in the last parameter alone; of a grid
+// A series is a run of neighbours in the table that differ only in the last parameter; of a grid
 // of a x b values there are a series of b. When all n runs fit (n <= 100), all are shown. Otherwise
-// every so many series, and of each every so many runs, first and last among them, so that the ends
-// of both parameters are on the page.
+// every so many series, and of each every so many runs, first and last among them: the ends of both
+// parameters are on the page.
 //
 // With series of s pictures, a row of c columns keeps what is alike in one column when c divides s
 // or s divides c. Among these c the page whose sides differ least is taken, if they differ by less

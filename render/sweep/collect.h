@@ -49,7 +49,7 @@ struct RunRecord {
   std::vector<std::pair<std::string, std::string>> inputs;  ///< keys and values, in order
 };
 
-/// The record of a finished run; nothing when there is none. Throws InputError for a damaged one.
+/// The record of a finished run, or null. Throws InputError for a damaged one.
 std::optional<RunRecord> readRunRecord(const std::filesystem::path& runFolder);
 
 /// The right to make one run, until it is finished or dropped. What is dropped leaves no finished
@@ -62,7 +62,7 @@ class RunClaim {
   static std::optional<RunClaim> take(const std::filesystem::path& runs, const std::string& name,
                                       bool retryFailed);
 
-  /// Where to put the run's files: HASH.part beside the finished folder.
+  /// Where to put the run's files: HASH.part next to the finished folder.
   const std::filesystem::path& folder() const { return folder_; }
 
   /// Removes the files of the run so far.
@@ -147,14 +147,14 @@ struct ContactPicture {
 /// Most pictures on a page.
 inline constexpr std::size_t kMostContacts = 100;
 
-/// Which pictures are on a page, row by row, and how they stand.
+/// Which pictures are on a page, row by row, and their places.
 struct ContactLayout {
   std::vector<std::size_t> chosen;  ///< runs, by their place in the listing
   picture::GridShape shape;         ///< rows and columns of pictures
 };
 
-/// Where pictures come in series of `series` (those that differ in the last parameter alone; 1 for
-/// none), rows end where series do, so that what is alike stands in one column. The page is about
+/// If pictures come in series of `series` (those that differ only in the last parameter; 1 for
+/// none), rows end where series do: equal values are in one column. The page is about
 /// as many pictures high as wide. Of more than kMostContacts pictures every so many series are
 /// shown, and of them every so many pictures, the first and the last among them. count: a multiple
 /// of series, positive.
@@ -168,9 +168,9 @@ picture::Frame composeContactSheet(const std::vector<std::string>& keys,
                                    const std::vector<ContactPicture>& pictures);
 
 // ------------------------------------------------------------------------------------------------
-// What a run of a sweep is told by, in few letters.
+// Short captions that identify a run of a sweep.
 //
-// Digits are chosen for all captions of a page together, so that one parameter looks alike on all.
+// Digits are chosen for all captions of a page together: one parameter looks alike on all.
 
 /// One caption for each run: the names of the parameters and the run's values, "spring stiffness
 /// 12.7, rows 4". Fractions have three significant digits, more where the values of a parameter

@@ -7,8 +7,8 @@
 //
 //     (p(i) + r) / n,    r uniform in 0 to 1.
 //
-// Each part of each range has one run, so that n runs tell about every parameter as n values, where
-// a grid of n runs in d parameters has the d-th root of n.
+// Each part of each range has one run: n runs have n values of every parameter. A grid of n runs in
+// d parameters has only the d-th root of n.
 //
 // Random numbers come from std::mt19937_64, whose sequence the C++ standard fixes; distributions
 // and shuffles of the library are not fixed, so they are written out here.
@@ -352,7 +352,7 @@ void readPlan(const scene::TomlEntry& entry, Sweep& sweep) {
   sweep.plan = entry.key == "list" ? SweepPlan::list(sweep.axes) : SweepPlan::grid(sweep.axes);
 }
 
-/// Keys may stand in any order.
+/// Keys may be in any order.
 void readEntry(const scene::TomlEntry& entry, Sweep& sweep) {
   static const std::vector<std::string> kKeys = {"model", "generate", "scene", "keep",
                                                  "base",  "grid",     "list",  "latin_hypercube"};

@@ -17,7 +17,7 @@ struct SweepValue {
   bool isSwitch = false;  ///< true or false, not a text
   FileLocation where;     ///< in the sweep file
 
-  /// Whether the texts are the same; where they stand does not matter.
+  /// Whether the texts are the same; their places do not matter.
   bool operator==(const SweepValue& other) const { return text == other.text; }
 };
 
@@ -54,7 +54,7 @@ struct SweepRangeAxis {
 };
 
 /// The runs of a sweep, sorted by their parameters, one after the other. Each run of a grid is made
-/// when it is asked for, so that the largest grid takes no memory.
+/// on request: the largest grid takes no memory.
 class SweepPlan {
  public:
   SweepPlan() = default;
@@ -89,7 +89,7 @@ class SweepPlan {
 // ------------------------------------------------------------------------------------------------
 // sweep.toml: what is run, which parameters are varied, and what each run leaves.
 
-/// What each run of a sweep leaves, beside its record.
+/// What each run of a sweep leaves, besides its record.
 enum class SweepKeep {
   State,       ///< the end state and the summary
   Trajectory,  ///< trajectory.h5 too

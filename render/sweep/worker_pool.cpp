@@ -13,11 +13,11 @@
 // kernel's choice under memory pressure may have hit a run that was not to blame.
 //
 // Processes and not threads: a crash of one run, memory that it ate, or a loop that never ends
-// cannot be mended within a process. fork without exec keeps libraries loaded and tables warm.
+// cannot be repaired within a process. fork without exec keeps libraries loaded and tables warm.
 //
 // Memory is bounded by RLIMIT_DATA (setrlimit(2)), beyond which allocations fail with
-// std::bad_alloc, so that most runs that need too much end with a reason. Time is wall time from
-// the moment when the job was given.
+// std::bad_alloc: most runs that need too much end with a reason. Time is wall time from the moment
+// when the job was given.
 #include "render/sweep/worker_pool.h"
 
 #include <array>
@@ -62,8 +62,8 @@ void limitMemory(std::int64_t bytes) {
   ::setrlimit(RLIMIT_DATA, &limit);
 }
 
-/// The life of a worker: jobs come in as numbers, verdicts go out. The caller's end is not told
-/// apart from the caller's death.
+/// The life of a worker: jobs come in as numbers, verdicts go out. The caller's normal end and its
+/// death look the same.
 [[noreturn]] void workUntilTheEnd(int channel, const WorkerJobs& jobs) {
   std::uint64_t job = 0;
   while (::recv(channel, &job, sizeof job, 0) == sizeof job) {
@@ -113,7 +113,7 @@ class Worker {
     ::close(ends[1]);
   }
 
-  /// Kills the process if it still runs, and waits, so that no zombie stays.
+  /// Kills the process if it still runs, and waits for its end: no zombie stays.
   ~Worker() {
     ::kill(process_, SIGKILL);
     waitForEnd();
@@ -246,7 +246,7 @@ class Pool {
   bool replace(std::size_t i) {
     const std::uint64_t job = workers_[i]->job();
     const int status = workers_[i]->waitForEnd();
-    // insert() tells whether the job is tried again for the first time.
+    // insert() returns whether the job is tried again for the first time.
     if (wasKilled(status) && triedAgain_.insert(job).second) {
       again_.push_back(job);
       return dismiss(i);

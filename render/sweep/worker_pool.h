@@ -1,5 +1,5 @@
-/// Many short jobs in a few child processes, so that a job that crashes, hangs or eats memory takes
-/// nothing along but itself.
+/// Many short jobs in a few child processes. A job that crashes, hangs or uses too much memory
+/// harms no other.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct WorkerLimits {
 
 /// The jobs of a pool. Numbers name jobs.
 struct WorkerJobs {
-  std::function<std::optional<std::uint64_t>()> next;  ///< the next job; nothing when there is none
+  std::function<std::optional<std::uint64_t>()> next;  ///< the next job, or null
   std::function<Verdict(std::uint64_t)> work;          ///< does a job; called in a worker
   /// Called when a job's process has ended before its job, or was ended at the time limit, with one
   /// line that says why.
@@ -36,7 +36,7 @@ struct WorkerJobs {
 };
 
 /// Does all jobs. Workers are forked from the caller, which must not have more than one thread, and
-/// do one job after the other, because starting the program anew takes longer than a short run.
+/// do one job after the other, because starting the program again takes longer than a short run.
 /// They end with the caller, however that ends, and leave SIGINT and SIGTERM to it. A job whose
 /// process was killed from outside (SIGKILL, as when memory runs out) is tried once more. Returns
 /// false when `watch` ended it. Throws RunError when processes cannot be made, and what `lost`

@@ -1,5 +1,5 @@
-// A planar start is turned so that its tiles face +z, q n = z with n the normal of tile 0, and z is
-// dropped. All heights may differ by 1e-6 of the model's size at most.
+// A planar start is rotated to face +z: q n = z with n the normal of tile 0. Then z is dropped. All
+// heights may differ by 1e-6 of the model's size at most.
 //
 // A gap at a corner is the turn from the edge of one tile that arrives there, looked back along, to
 // the edge of the other that leaves, anticlockwise, 0 to 2 pi. The other gap of the joint is found
@@ -94,7 +94,7 @@ void requirePivot(const model::Joint& joint, std::size_t number) {
   if (joint.kind == model::JointKind::Pivot) return;
   throw InputError(
       fmt::format("error: joint {} does not hold two corners together; a cut "
-                  "pattern knows hinges at corners alone",
+                  "pattern has hinges only at corners",
                   number));
 }
 
@@ -114,8 +114,8 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 // From a planar start to lines for a cutter:
 //
 // - 1. At each joint a hinge of material stays. The narrower gap between the two tiles has the
-//   angle g; the cut along its edges ends at t = w / cos(g / 2) before the joint, so that the neck
-//   across the gap's bisector is w long (w: hinge width, metres). An open gap gets a cut across its
+//   angle g. The cut along its edges ends at t = w / cos(g / 2) before the joint: the neck across
+//   the gap's bisector is w long (w: hinge width, metres). An open gap gets a cut across its
 //   end.
 // - 2. Each edge is shortened by the largest t of the joints at its ends.
 // - 3. Edges of two tiles that coincide are one slit, drawn once; they are found by their middles
@@ -243,7 +243,7 @@ class PatternMaker {
   std::vector<PatternLine> lines_;
 };
 
-/// How a layer looks.
+/// The style of a layer.
 struct LayerLook {
   PatternLayer layer;
   const char* name;
@@ -352,7 +352,7 @@ std::string planarObjText(const std::vector<model::Tile>& tiles) {
 //
 // A corner of a tile becomes a chain of points, which takes its place in the tile's outline; chains
 // of neighbouring corners are joined by what is left of the edge between them. A point that tile
-// and neck share is one point, so that Gmsh makes one mesh.
+// and neck share is one point: Gmsh makes one mesh.
 //
 // A shape that does not fit throws Misfit, which says what is too large. The message then offers a
 // value that does: it is found by bisection in twelve steps, each of which makes the whole outline.
@@ -363,7 +363,7 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kShortestLine = 1e-9;  ///< of the tile size: shorter lines are left out
 constexpr int kArcLines = 6;            ///< of a quarter circle
 
-/// What a shape cannot have, and where. Caught within this file alone.
+/// What a shape cannot have, and where. Caught only within this file.
 struct Misfit {
   enum Kind { TooWide, TooShort, TooRound } kind = TooWide;
   std::string where;
@@ -407,7 +407,7 @@ struct NeckEnd {
   bool roundBelow = false;
 };
 
-/// What stands for a corner of a tile: points from the edge that arrives to the edge that leaves.
+/// What replaces a corner of a tile: points from the edge that arrives to the edge that leaves.
 /// Without a joint it stays empty, and the corner itself is taken.
 struct CornerPoints {
   std::vector<int> arriving;
@@ -509,7 +509,7 @@ class OutlineMaker {
   }
 
   /// A neck with length: a strip between two ports that are cut into the tiles. The second tile is
-  /// seen in a mirror, x and -x, so that both use the same code.
+  /// mirrored, x and -x: both use the same code.
   void addBeam(const CornerGap& gap, std::size_t joint) {
     CornerPoints& first = cornerAt(gap.first);
     CornerPoints& second = cornerAt(gap.second);

@@ -13,7 +13,7 @@
 namespace kirireel::writers {
 
 // ------------------------------------------------------------------------------------------------
-// The start of a planar model in its own plane, and the gaps beside its joints.
+// The start of a planar model in its own plane, and the gaps next to its joints.
 
 /// A place in the sheet's plane, metres.
 using Vector2 = Eigen::Vector2d;
@@ -24,7 +24,7 @@ inline constexpr double kClosedAngle = 1e-6;
 /// A tile seen from the side that it faces: anticlockwise.
 using FlatTile = std::vector<Vector2>;
 
-/// A planar start. A point of the plane stands at turn^-1 (x, y, height) in the world.
+/// A planar start. A point of the plane is at turn^-1 (x, y, height) in the world.
 struct FlatSheet {
   std::vector<FlatTile> tiles;               ///< in the model's order
   Quaternion turn = Quaternion::Identity();  ///< from the world to the plane's axes
@@ -69,7 +69,7 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end);
 enum class PatternLayer {
   Cuts,    ///< edges of one tile: outline and holes
   Slits,   ///< edges that two tiles share, once
-  Hinges,  ///< material that stays: from a joint to the end of the cut beside it; not to be cut
+  Hinges,  ///< material that stays: from a joint to the end of the cut next to it; not to be cut
 };
 
 /// A straight line in the sheet's plane, metres, seen from the side that the tiles face. Straight
@@ -81,8 +81,8 @@ struct PatternLine {
 };
 
 /// The lines of the model's start. Around each joint a neck of material stays: the narrower gap
-/// between its two tiles ends the hinge width (metres, positive) before the joint, so that the
-/// sheet stays in one piece. Edges are shared when they coincide as a whole, within 1e-4 of the
+/// between its two tiles ends the hinge width (metres, positive) before the joint: the sheet stays
+/// in one piece. Edges are shared if they coincide as a whole, within 1e-4 of the
 /// tile size.
 ///
 /// Throws InputError for a start that is not flat or has tiles on both faces, joints that are not
@@ -111,11 +111,11 @@ std::string planarObjText(const std::vector<model::Tile>& tiles);
 // The outline of a sheet as it is cut: tiles in one piece with the necks of material at their
 // joints, slits open by the kerf.
 //
-//       F    |   | S        A neck of width w and length l stands across the narrower gap between
+//       F    |   | S        A neck of width w and length l lies across the narrower gap between
 //            |   |          two tiles F and S, as near to their joint as the tiles' corners let a
 //       _____|   |_____     strip of that width lie, the gap's bisector being up. Where a tile
 //      |               |    reaches into the strip's length, a slot of the neck's length and of a
-//      |____ neck _____|    neck's depth is cut from it, so that the neck is a beam of length l.
+//      |____ neck _____|    neck's depth is cut from it: the neck is a beam of length l.
 //        (joint below)      Without length and kerf the neck is what the slit leaves: the line, or
 //                           the triangle across an open gap, between the joint and the slit's end.
 
@@ -134,7 +134,7 @@ struct NeckOutline {
   std::vector<Vector2> points;          ///< in the sheet's plane, metres
   std::vector<bool> isAtNeck;           ///< for each point
   std::vector<std::vector<int>> tiles;  ///< each tile's points, anticlockwise
-  std::vector<std::vector<int>> necks;  ///< likewise of the necks that have an area
+  std::vector<std::vector<int>> necks;  ///< the same for the necks that have an area
   double neckWidth = 0;                 ///< metres
 };
 

@@ -7,8 +7,8 @@
 //   corners as floats, and two bytes that are 0.
 //
 // A brick of n sides has 2 n corners: the bottom's, then the top's. Faces are listed anticlockwise
-// as seen from outside, so that normals by the right-hand rule point outwards: the bottom runs
-// backwards, sides are (k, k+1, n+k+1, n+k).
+// as seen from outside. Normals by the right-hand rule point outwards: the bottom runs backwards,
+// sides are (k, k+1, n+k+1, n+k).
 #include "render/writers/mesh.h"
 
 #include <algorithm>
@@ -80,7 +80,7 @@ std::vector<Face> brickTriangles(const model::Brick& brick, unsigned first) {
   const std::vector<Face> faces = facesOf(static_cast<unsigned>(brick.bottom.size()), first);
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const Vector3 normal = k == 0 ? Vector3(-brick.normal) : brick.normal;
-    // Sides are convex, whatever their normal.
+    // Sides are always convex.
     const auto cut = k < 2 ? model::trianglesOf(shapes[k], normal)
                            : std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}};
     for (const auto& [a, b, c] : cut) {
@@ -90,7 +90,7 @@ std::vector<Face> brickTriangles(const model::Brick& brick, unsigned first) {
   return triangles;
 }
 
-/// The number is what the exporter will print where x stands.
+/// The exporter prints this number in the place of x.
 aiVector3D numbered(unsigned corner) {
   return {static_cast<float>(corner), 0, 0};
 }
@@ -141,7 +141,7 @@ std::unique_ptr<aiMesh> sharedMesh(unsigned corners, const std::vector<Face>& tr
   return mesh;
 }
 
-/// Each face has its own vertices, so that it can have its own normal.
+/// Each face has its own vertices, and so its own normal.
 std::unique_ptr<aiMesh> flatMesh(const std::vector<Face>& faces,
                                  const std::vector<Vector3>& corners) {
   auto mesh = std::make_unique<aiMesh>();
@@ -336,7 +336,7 @@ std::string meshLibraryVersion() {
 //     turns      4 floats a brick and key: quaternion x, y, z, w
 //
 // Each brick is a mesh in its own axes and a node with translation and rotation; the animation has
-// two channels a node. So the geometry is stored once, whatever the number of keys. Between keys
+// two channels per node. So the geometry is stored once, for any number of keys. Between keys
 // viewers interpolate positions linearly and quaternions spherically.
 //
 // glTF is y up and ours z up: the root node turns by -90 degrees about x, the quaternion
@@ -407,7 +407,7 @@ class Bounds {
 
 /// The outward normal of a face, whose corner 1 may turn inwards.
 Vector3 normalOf(const std::vector<Vector3>& face) {
-  // The fan's area vector points outwards whatever single corners do.
+  // The fan's area vector points outwards, even if single corners do not.
   const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
   Vector3 area = Vector3::Zero();
   for (std::size_t k = 2; k < face.size(); ++k) {
@@ -416,7 +416,7 @@ Vector3 normalOf(const std::vector<Vector3>& face) {
   return area.dot(normal) < 0 ? Vector3(-normal) : normal;
 }
 
-/// Each face has its own vertices, so that it can have its own normal.
+/// Each face has its own vertices, and so its own normal.
 Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) {
   const std::vector<std::vector<Vector3>> faces = model::brickFaces(brick);
   std::size_t vertices = 0;

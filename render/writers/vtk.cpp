@@ -84,7 +84,7 @@ void appendNumber(std::string& text, const char* name, double value) {
              name, value);
 }
 
-/// Bottom, then top corners of all bricks: as brickCorners, whatever the poses.
+/// Bottom, then top corners of all bricks: as brickCorners, for any poses.
 template <typename Function>
 void forEachCorner(const std::vector<model::Brick>& bricks, const Function& function) {
   for (std::size_t tile = 0; tile < bricks.size(); ++tile) {
