@@ -456,7 +456,7 @@ void requireNodes(const model::Model& model) {
 /// Tiles that bend have springs at their folds; other forces need bricks that are rigid.
 void requireSpringsAlone(const model::PairForces& forces) {
   for (const std::shared_ptr<const model::PairForce>& force : forces) {
-    if (dynamic_cast<const model::HingeSprings*>(force.get())) continue;
+    if (force->hingeSprings()) continue;
     throw InputError(fmt::format(
         "error: tiles that bend (--panels) have springs at hinges, but no {}; leave one of the two "
         "away",

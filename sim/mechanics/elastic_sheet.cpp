@@ -29,9 +29,7 @@ ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
       ligaments_(model::ligamentsOf(pairForces)),
       scale_(bricks.empty() ? 1 : model::meanEdge(bricks.front())) {
   for (const std::shared_ptr<const model::PairForce>& force : pairForces) {
-    const bool isKnown = dynamic_cast<const model::HingeSprings*>(force.get()) ||
-                         dynamic_cast<const model::Ligaments*>(force.get());
-    if (!isKnown) others_.add(force);
+    if (!force->hingeSprings() && !force->ligaments()) others_.add(force);
   }
   const Vector q = startCoordinates();
   const Vector3 axes[] = {Vector3::UnitX(), Vector3::UnitY()};

@@ -320,7 +320,7 @@ PairBlocks<D>::PairBlocks(const model::PairForces& forces, double lengthScale, B
     : lengthScale_(lengthScale) {
   for (const std::shared_ptr<const model::PairForce>& force : forces) {
     // Springs at hinges are rows, see SpringRows.
-    if (dynamic_cast<const model::HingeSprings*>(force.get())) continue;
+    if (force->hingeSprings()) continue;
     forces_.add(force);
     for (std::size_t pair = 0; pair < force->size(); ++pair) {
       const auto [brickA, brickB] = force->bricks(pair);

@@ -246,8 +246,10 @@ std::vector<PairColumn> HingeSprings::columns() const {
 
 const std::vector<HingeSpring>& hingeSpringsOf(const PairForces& forces) {
   static const std::vector<HingeSpring> none;
-  const auto* found = forces.find<HingeSprings>();
-  return found ? found->all() : none;
+  for (const std::shared_ptr<const PairForce>& force : forces) {
+    if (force->hingeSprings()) return *force->hingeSprings();
+  }
+  return none;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -477,8 +479,10 @@ std::vector<PairColumn> Ligaments::columns() const {
 
 const std::vector<Ligament>& ligamentsOf(const PairForces& forces) {
   static const std::vector<Ligament> none;
-  const auto* found = forces.find<Ligaments>();
-  return found ? found->all() : none;
+  for (const std::shared_ptr<const PairForce>& force : forces) {
+    if (force->ligaments()) return *force->ligaments();
+  }
+  return none;
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -88,9 +88,6 @@ class HingeSprings : public PairForce {
   /// Those of a file. Throws InputError.
   static std::shared_ptr<const PairForce> read(const PairReader& file);
 
-  /// The springs, in their order.
-  const std::vector<HingeSpring>& all() const { return springs_; }
-
   const PairForceName& name() const override { return kName; }
   std::size_t size() const override { return springs_.size(); }
   std::pair<int, int> bricks(std::size_t pair) const override;
@@ -99,6 +96,7 @@ class HingeSprings : public PairForce {
   PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
   void addForces(const Motion& motion, std::vector<Vector6>& forces) const override;
   std::vector<PairColumn> columns() const override;
+  const std::vector<HingeSpring>* hingeSprings() const override { return &springs_; }
   /// Of all pairs too.
   using PairForce::energy;
 
@@ -178,9 +176,6 @@ class Ligaments : public PairForce {
   /// Those of a file. Throws InputError.
   static std::shared_ptr<const PairForce> read(const PairReader& file);
 
-  /// The ligaments, in their order.
-  const std::vector<Ligament>& all() const { return ligaments_; }
-
   const PairForceName& name() const override { return kName; }
   std::size_t size() const override { return ligaments_.size(); }
   std::pair<int, int> bricks(std::size_t pair) const override;
@@ -189,6 +184,7 @@ class Ligaments : public PairForce {
   PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
   int joint(std::size_t pair) const override { return ligaments_[pair].joint; }
   std::vector<PairColumn> columns() const override;
+  const std::vector<Ligament>* ligaments() const override { return &ligaments_; }
   /// Of all pairs too.
   using PairForce::energy;
 

@@ -16,6 +16,9 @@
 
 namespace kirireel::model {
 
+struct HingeSpring;
+struct Ligament;
+
 // ------------------------------------------------------------------------------------------------
 // What one pair of bricks feels.
 
@@ -141,8 +144,12 @@ class PairForce {
   /// with while the bricks move so, dashpots included. Without those it follows from the
   /// derivatives.
   virtual void addForces(const Motion& motion, std::vector<Vector6>& forces) const;
-  /// Everything that a pair has beside its bricks.
+  /// Everything that a pair has besides its bricks.
   virtual std::vector<PairColumn> columns() const = 0;
+  /// The pairs of a kind whose energy is that of one angle; null for other kinds.
+  virtual const std::vector<HingeSpring>* hingeSprings() const { return nullptr; }
+  /// The pairs of a kind that replaces joints; null for other kinds.
+  virtual const std::vector<Ligament>* ligaments() const { return nullptr; }
 
   /// What all pairs store at these poses, joules.
   double energy(const Poses& poses) const;
@@ -163,15 +170,6 @@ class PairForces {
   auto begin() const { return forces_.begin(); }
   /// Behind the last.
   auto end() const { return forces_.end(); }
-
-  /// The force of this class; null where there is none.
-  template <class Kind>
-  const Kind* find() const {
-    for (const std::shared_ptr<const PairForce>& force : forces_) {
-      if (const auto* found = dynamic_cast<const Kind*>(force.get())) return found;
-    }
-    return nullptr;
-  }
 
   /// What all of them store at these poses, joules.
   double energy(const Poses& poses) const;

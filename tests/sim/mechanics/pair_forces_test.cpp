@@ -210,8 +210,8 @@ TEST(PairForces, AreLeftOutWithoutPairs) {
   EXPECT_FALSE(forces.replaceJoints());
   forces.add(std::make_shared<model::Ligaments>(std::vector<model::Ligament>(1)));
   EXPECT_TRUE(forces.replaceJoints());
-  EXPECT_EQ(forces.find<model::HingeSprings>(), nullptr);
-  EXPECT_NE(forces.find<model::Ligaments>(), nullptr);
+  EXPECT_TRUE(model::hingeSpringsOf(forces).empty());
+  EXPECT_EQ(model::ligamentsOf(forces).size(), 1u);
 }
 
 }  // namespace
