@@ -14,7 +14,7 @@ namespace kirireel {
 // The errors that Kirireel throws. Only main catches them, prints them and picks the exit code.
 
 /// Base of every error that a user can meet; what() is one line that says where, what was found,
-/// what is allowed and how to mend it.
+/// what is allowed and what to do.
 class Error : public std::runtime_error {
  public:
   /// With the one line that a user reads.
@@ -65,8 +65,8 @@ int editDistance(std::string_view a, std::string_view b);
 /// a third of the word's letters (at least 2).
 std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords);
 
-/// A text with '?' in place of each control character, so that it takes one line and no terminal
-/// acts on it.
+/// A text with '?' in place of each control character: it takes one line, and no terminal acts on
+/// it.
 std::string oneLine(std::string_view text);
 
 /// A text of unknown origin as a message shows it: at most `most` characters, then "...", with '?'

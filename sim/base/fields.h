@@ -81,7 +81,7 @@ constexpr void forEachField(Struct& of, const Visit& visit) {
              std::remove_const_t<Struct>::fields());
 }
 
-/// A struct as a JSON object: its fields by name, in order; structs within it likewise.
+/// A struct as a JSON object: its fields by name, in order, and the same for structs within it.
 template <typename Json, HasFields Struct>
 Json fieldsJson(const Struct& of) {
   Json json = Json::object();

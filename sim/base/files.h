@@ -20,7 +20,7 @@
 namespace kirireel {
 
 // ------------------------------------------------------------------------------------------------
-// The one place where files are opened to be read, so that a run knows all that it was made from.
+// The one place where files are opened to be read: a run knows all files that it was made from.
 
 /// A file that was read.
 struct InputFile {
@@ -70,10 +70,9 @@ void appendText(std::string& text, fmt::format_string<Arguments...> format,
 }
 
 // ------------------------------------------------------------------------------------------------
-// JSON texts. They are read and written here alone: each place that does takes the compiler
-// seconds.
+// JSON texts. They are read and written only here: each place that does takes the compiler seconds.
 
-/// Keys keep the order in which they were set, so that the same values give the same text.
+/// Keys keep the order in which they were set: the same values give the same text.
 using Json = nlohmann::ordered_json;
 
 /// What a JSON text says. Throws nlohmann::json::parse_error, which says where its syntax is wrong.
@@ -105,8 +104,8 @@ class PendingFile {
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /// Where to write: beside the final name, same extension, e.g. "deployment.part.mp4"; under a
-  /// name that nothing has yet.
+  /// Where to write: next to the final name, same extension, e.g. "deployment.part.mp4". No file of
+  /// this name exists.
   const std::filesystem::path& path() const { return path_; }
   /// Where the file goes in the end.
   const std::filesystem::path& finalPath() const { return finalPath_; }

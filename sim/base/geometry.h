@@ -36,12 +36,12 @@ inline constexpr double kUnitTolerance = 1e-6;
 /// The mean of one or more points.
 Vector3 meanPoint(const std::vector<Vector3>& points);
 
-/// Position and rotation of one brick: a point r in brick axes stands at position + rotation * r.
+/// Position and rotation of one brick: a point r in brick axes is at position + rotation * r.
 struct Pose {
   Vector3 position = Vector3::Zero();            ///< of the brick's centre of mass, metres
   Quaternion rotation = Quaternion::Identity();  ///< unit, from brick axes to world axes
 
-  /// Where a point of the brick's own axes stands in the world, metres.
+  /// The world position of a point in the brick's own axes, metres.
   Vector3 apply(const Vector3& point) const { return position + rotation * point; }
 
   /// For files; see base/fields.h.
@@ -110,8 +110,8 @@ SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix);
 Eigen::MatrixXd withoutNegativePart(const Eigen::MatrixXd& matrix);
 
 /// The singular values of a matrix, falling, as many as its shorter side is long. They are the
-/// eigenvalues above zero of the matrix [0 A^T; A 0] (C. Jordan 1874, H. Wielandt), so that nothing
-/// is squared: each is right to rounding of the largest. O(n^3), n rows and columns together.
+/// eigenvalues above zero of the matrix [0 A^T; A 0] (C. Jordan 1874, H. Wielandt). Nothing is
+/// squared: each is right to rounding of the largest. O(n^3), n rows and columns together.
 Eigen::VectorXd singularValuesOf(const Eigen::MatrixXd& matrix);
 
 /// The unit quaternion of the rotation vector (axis times angle in radians).

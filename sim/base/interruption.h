@@ -52,8 +52,8 @@ class InterruptionCatcher {
   static bool isThere();
 };
 
-/// To be called all along whatever may take long: calls the checks of this thread's scopes, every
-/// 10 ms at most. What calls it must leave its results as they were, or unused, where this throws.
+/// Long loops call it: it runs the checks of this thread's scopes, every 10 ms at most. If it
+/// throws, the caller must leave its results as they were, or unused.
 void checkInterruption();
 
 /// What checkInterruption() calls on this thread now, to be a scope of a thread that works for it.

@@ -22,7 +22,7 @@ concept HasState = requires(Value& value, StateTape& tape) {
   value.transfer(tape);
 };
 
-/// Records a state, or plays it back: whatever has a state lists its parts once, for both ways.
+/// Records a state, or plays it back: a class with a state lists its parts once, for both.
 /// Structs that describe their fields (base/fields.h) are passed field by field.
 ///
 ///     void Clock::transfer(StateTape& tape) { tape.transfer(hours_, minutes_); }
@@ -97,7 +97,7 @@ class StateTape {
     for (Value& value : list) pass(value);
   }
 
-  /// Whether there is something comes first, so that playing back knows what to read.
+  /// Whether there is a value comes first: playback then knows what to read.
   template <typename Value>
   void pass(std::optional<Value>& optional) {
     bool isThere = optional.has_value();

@@ -24,7 +24,7 @@ struct StepReport {
   double damped = 0;
   double impacted = 0;  ///< what contacts have taken of the energy, joules
   /// What the steps cost, in multiplications with an addition: counted from the plan of elimination
-  /// and the pairs examined, so that it is the same on every machine.
+  /// and the pairs examined: the same on every machine.
   double work = 0;
 
   /// Adds the counts of further steps, and keeps the larger of figures that are largest ones.

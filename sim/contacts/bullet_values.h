@@ -1,4 +1,4 @@
-/// Our values as Bullet's and back. For the files alone that include Bullet.
+/// Our values as Bullet's and back. Only for the files that include Bullet.
 #pragma once
 
 #include <LinearMath/btQuaternion.h>

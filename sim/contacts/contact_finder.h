@@ -26,16 +26,16 @@ double motionBound(const Pose& from, const Pose& to, double radius);
 /// The distance of a brick's farthest point from its centre of mass, metres.
 double outerRadius(const model::Brick& brick);
 
-/// Bullet's dynamic box tree over boxes that are wider than the bricks in them, so that they need
-/// be set anew only when a brick has moved by the margin.
+/// Bullet's dynamic box tree over boxes that are wider than the bricks in them: a box is set again
+/// only when its brick has moved by the margin.
 class NearPairs {
  public:
   /// `bricks` must outlive this.
   explicit NearPairs(const std::vector<model::Brick>& bricks);
   ~NearPairs();
 
-  /// Takes notice of a move. Returns whether the pairs were found anew.
-  /// O(bricks) where the boxes still hold, else O(bricks log bricks).
+  /// Updates the boxes after a move. Returns whether the pairs were found again.
+  /// O(bricks) if the boxes still hold, else O(bricks log bricks).
   bool update(const Poses& start, const Poses& end);
 
   /// The pairs whose boxes overlap, smaller number first, sorted. A box holds its brick at the
@@ -116,7 +116,7 @@ Outline makeOutline(const model::Brick& brick, bool planar);
 /// An outline at a pose, in world axes.
 struct PlacedOutline {
   const Outline* outline = nullptr;  ///< in brick axes; it must outlive this
-  Pose pose;                         ///< where the brick stands
+  Pose pose;                         ///< of the brick
   std::vector<Vector3> points;       ///< corners, metres
   std::vector<Vector3> normals;      ///< one a face, unit
   std::vector<Vector3> directions;   ///< of edges, unit
@@ -125,8 +125,8 @@ struct PlacedOutline {
 /// Replaces `placed` by the outline at a pose.
 void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& placed);
 
-/// A direction that may separate two bricks A and B, tied to their features so that it can be
-/// followed from pose to pose.
+/// A direction that may separate two bricks A and B, defined by their features: it can be followed
+/// from pose to pose.
 struct SeparatingPlane {
   /// Whose features it is of.
   enum class Kind { FaceOfA, FaceOfB, Edges };
@@ -285,10 +285,10 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
 
 /// Finds contacts at the surface's nearest points: a face of the brick keeps off the sphere's point
 /// there, a corner or a point of an edge off the plane that touches the sphere there. They turn
-/// with the bricks, so every step finds them anew.
+/// with the bricks, so every step finds them again.
 class SpherePair {
  public:
-  /// Numbers of the brick and of the body that stands for the sphere, whose origin is the centre.
+  /// Numbers of the brick and of the sphere's body, whose origin is the centre.
   /// `tolerance`: overlap in metres that counts as none.
   SpherePair(int brick, int sphere, const model::Brick& shape, double radius, double tolerance);
 

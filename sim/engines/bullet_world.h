@@ -84,7 +84,7 @@ class MultiBodyWorld : public BrickWorld {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Bricks shrunk for collision detection, so that their contact margin fills them up again.
+// Bricks shrunk for collision detection: their contact margin fills them up again.
 
 /// The convex hull of `points` swept by a ball of radius `margin` has the faces of the brick; its
 /// edges are rounded. Collision detection is fast and robust while shapes overlap by less than
@@ -107,7 +107,7 @@ double contactMargin(const model::Brick& brick);
 // Where joints rule: contacts there would fight them.
 
 /// The neighbourhoods of shared pivots and hinge lines. Two bricks that turn about a common corner
-/// always touch there, and rounded hulls a little beside it; a contact would pry the joint open.
+/// always touch there, and rounded hulls a little next to it; a contact would force the joint open.
 class PivotZones {
  public:
   /// Links, whose corners are apart, have no zone.

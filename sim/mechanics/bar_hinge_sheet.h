@@ -64,7 +64,7 @@ struct BarHingeModel {
   std::vector<Fold>
       folds;  ///< where triangles turn against each other, tiles' own diagonals among them
   std::vector<int> fixed;               ///< nodes that stay where they are
-  std::vector<std::vector<int>> tiles;  ///< the nodes of each tile, whose poses are told
+  std::vector<std::vector<int>> tiles;  ///< the nodes of each tile whose pose is reported
   Poses start;                          ///< of the tiles
 };
 

@@ -11,7 +11,7 @@ namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
 // The symbolic half of a sparse Cholesky factorisation: in which order to eliminate the tiles, and
-// which blocks fill in. It depends on the graph alone, so it is made once for many factorisations.
+// which blocks fill in. It depends only on the graph, so it is made once for many factorisations.
 
 /// A run of consecutive columns that share the rows below them, eliminated together in one dense
 /// front (Liu 1992, "The multifrontal method for sparse matrix solution").
@@ -21,7 +21,7 @@ struct Supernode {
   int columnCount = 0;        ///< how many they are, from 1
   std::vector<int> rows;      ///< of the front below its columns, ascending, permuted numbers
   std::vector<int> children;  ///< supernodes whose updates this front takes in, in stack order
-  /// Where the rows of child c stand in this front (0 is firstColumn): one list a child.
+  /// The places of the rows of child c in this front (0 is firstColumn): one list per child.
   std::vector<std::vector<int>> childPlaces;
 };
 
@@ -76,7 +76,7 @@ class BlockCholesky {
   bool factor();
 
   /// What a factorisation and the solves with it cost: multiplications with an addition, as the
-  /// plan's fronts alone decide. The same on every machine.
+  /// plan's fronts decide. The same on every machine.
   double work() const { return work_; }
 
   /// Solves H x = right in place; right has D values a node. Needs a successful factor(). Not for
@@ -84,7 +84,7 @@ class BlockCholesky {
   void solveInPlace(Eigen::VectorXd& right) const;
 
  private:
-  /// Where one block of H stands in the panels.
+  /// The place of one block of H in the panels.
   struct Place {
     std::size_t start = 0;
     int stride = 0;

@@ -35,8 +35,8 @@ struct ExtrapolationSettings {
   bool keepsEnergy = false;
 };
 
-/// Advances bricks by steps whose length and order follow from the tolerance. Of contacts it knows
-/// those alone that the solver holds. The error of a step is estimated as the farthest that a brick
+/// Advances bricks by steps whose length and order follow from the tolerance. It knows only the
+/// contacts that the solver holds. The error of a step is estimated as the farthest that a brick
 /// may be off at its end and, by its speed, one step later.
 class Extrapolation {
  public:
@@ -44,7 +44,7 @@ class Extrapolation {
   Extrapolation(const std::vector<model::Brick>& bricks, JointSolver& solver,
                 const ExtrapolationSettings& settings);
 
-  /// Takes one step of at most `seconds`, chosen so that steps of this length fill them evenly.
+  /// Takes one step of at most `seconds`; steps of its length divide them evenly.
   /// Joints must be exact, and closed at the start: they are closed to rounding at its end. Returns
   /// the seconds taken; nothing, with the motion as it was, where `mayTake` (may be empty) refuses
   /// the step, or no step keeps the tolerance that is long enough to be worth it: at states where

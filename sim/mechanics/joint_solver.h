@@ -28,8 +28,8 @@ struct JointSolverSettings {
   bool planar = false;            ///< three degrees of freedom a brick (x, y, turn about z)
   double lengthScale = 1;         ///< a typical tile edge, metres: tolerances refer to it
   std::vector<Support> supports;  ///< of planar scenes on the ground
-  /// Implicit in the step, which finds its end by Newton's method unless they are springs at hinges
-  /// alone. Ligaments ask for the plane.
+  /// Implicit in the step, which finds its end by Newton's method unless all are springs at hinges.
+  /// Ligaments need planar motion.
   model::PairForces pairForces;
   bool isHalving = true;  ///< whether steps that fail are tried in halves
 };
@@ -91,15 +91,15 @@ class JointSolver {
                              model::ContactSource* contacts) = 0;
 
   /// The contacts that eulerStep(), project() and collide() keep from now on: their points part, or
-  /// slide, but approach no more. To be set anew after advance(), which finds contacts itself.
+  /// slide, but approach no more. To be set again after advance(), which finds contacts itself.
   virtual void holdContacts(const std::vector<model::Contact>& contacts) = 0;
   /// Those that are held, or that carried load in the last step of advance(), with their planes.
   virtual std::vector<model::Contact> heldContacts() const = 0;
 
-  /// One step of implicit Euler, linearised at its start, with the contacts that are held alone:
-  /// velocities satisfy joints and contacts as they stand at the start, bricks move by them, and
+  /// One step of implicit Euler, linearised at its start, with only the contacts that are held:
+  /// velocities satisfy joints and contacts as they are at the start, bricks move by them, and
   /// joints are not closed again. While no contact parts or sticks its error is a power series in
-  /// the step, so that steps of several lengths can be extrapolated (see Extrapolation). A step
+  /// the step: steps of several lengths can be extrapolated (see Extrapolation). A step
   /// whose velocities were not found counts as unconverged. Adds to `given` what the loads gave.
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                                LoadGain& given) = 0;
@@ -123,7 +123,7 @@ class JointSolver {
   /// where none were found.
   virtual bool collide(Motion& motion) = 0;
 
-  /// Holds these bricks where they are, exactly, until told otherwise; one entry a brick. Their
+  /// Holds these bricks where they are, exactly, until the next call; one entry per brick. Their
   /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
   /// Makes joints compliant from now on: each pivot is a spring of this stiffness (N/m, above 0),
@@ -147,7 +147,7 @@ class JointSolver {
   /// the largest gap left, metres.
   virtual double assemble(Poses& poses) = 0;
 
-  /// What the next step takes from those before, beside the motion: pins, the joints' stiffness,
+  /// What the next step takes from those before, besides the motion: pins, the joints' stiffness,
   /// the impulses and contacts to begin with, and which bricks have touched.
   virtual void transfer(StateTape& tape) = 0;
 };
@@ -160,10 +160,10 @@ std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& br
                                              const JointSolverSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
-// Bricks that wedge and stand still: which steps need not be tried again.
+// Bricks that jam and do not move: which steps need not be tried again.
 
-/// Follows the steps of a solver in which bricks stand still, since none that were tried keep their
-/// tolerances. As long as nothing changes, another try ends as the last one did.
+/// Follows the steps of a solver in which bricks do not move because no step that was tried keeps
+/// its tolerances. As long as nothing changes, another try ends as the last one did.
 class Standstill {
  public:
   /// Whether all bricks stood still through the last step.
@@ -180,7 +180,7 @@ class Standstill {
   /// Ends the step that was begun, in these poses, with these loads.
   void endStep(const Poses& poses, const std::vector<model::Load>& loads);
 
-  /// Whether a part of the step that fails may be tried in halves: not once bricks stand still in
+  /// Whether a part of the step that fails may be tried in halves: not if bricks do not move in
   /// another part, and after such steps only in every tenth.
   bool mayHalve() const { return mayHalve_ && !stood_; }
 
@@ -210,7 +210,7 @@ class Standstill {
 // ------------------------------------------------------------------------------------------------
 // The forces that joints and pins carry in one state.
 
-/// What holds the bricks of one state, beside what is applied to them. World axes.
+/// What holds the bricks of one state, besides what is applied to them. World axes.
 struct Reactions {
   /// One a pivot: on its brick A, newtons; brick B gets the opposite. Of the upper pivot of a
   /// planar scene zero: both faces' pivots are one there.
@@ -236,7 +236,7 @@ class ReactionSolver {
                           const std::vector<bool>& pinned, double jointStiffness) = 0;
 
   /// For each of so many joints, whether its force (the sum over its pivots) is indeterminate in
-  /// the state of the last solve(), which had exact joints: whether some forces of joints alone are
+  /// the state of the last solve(), which had exact joints: whether some forces of only joints are
   /// in balance (a state of self-stress) in which it is not zero. Then only least-norm forces are
   /// known, and others keep the balance as well.
   virtual std::vector<bool> indeterminateJoints(std::size_t joints) = 0;

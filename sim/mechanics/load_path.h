@@ -32,7 +32,7 @@ struct Equilibrium {
   Poses poses;                        ///< one a brick
   double energy = 0;                  ///< of the springs, joules
   std::vector<double> displacements;  ///< of each grip, see ElasticSheet; metres or radians
-  std::vector<double> forces;         ///< likewise, newtons or N m
+  std::vector<double> forces;         ///< of each grip, newtons or N m
   /// Of the leading grip, d(force)/d(displacement) along the path, N/m or N m/rad.
   double stiffness = 0;
   /// In how many independent ways the sheet would leave this state under the present control.
@@ -49,7 +49,7 @@ struct GripName {
 /// The equilibria that a run went through.
 struct LoadCurve {
   std::vector<GripName> grips;      ///< in the order of Equilibrium::forces
-  std::size_t leading = 0;          ///< the one whose stiffness is told
+  std::size_t leading = 0;          ///< the one whose stiffness is reported
   std::vector<Equilibrium> states;  ///< in their order along the path
 };
 
@@ -63,7 +63,7 @@ std::string loadTable(const LoadCurve& curve);
 
 /// A sheet in coordinates q, each a length in length scales or an angle in radians; energies are in
 /// joules. Grips are counted from 0; the load is what their moves and forces are in proportion to.
-/// Everything is a function of q, load and multipliers alone; objects have no state that a call
+/// Everything is a function of only q, load and multipliers; objects have no state that a call
 /// changes. Vectors have unknowns() or rows() entries.
 class LoadedSheet {
  public:
@@ -146,7 +146,7 @@ using EquilibriumObserver = std::function<bool(const Equilibrium&)>;
 
 /// Follows the equilibria of a sheet from the one next to its start, at the load 0, until the load
 /// is 1. Limit points and bifurcations on the way are located and noted as states of their own; no
-/// branch is taken. `leading`: the grip whose force and stiffness are told. Throws RunError where
+/// branch is taken. `leading`: the grip whose force and stiffness are reported. Throws RunError if
 /// no equilibrium is found at the load 0, or the sheet can move without any resistance there.
 /// Each state costs a few sparse factorisations of the Hessian. The sheet must outlive the call.
 LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,

@@ -39,8 +39,8 @@ class RigidPieces {
  private:
   const std::vector<model::Brick>& bricks_;
   Poses start_;              // of the pieces, when they were made
-  std::vector<int> pieces_;  // one a brick
-  Poses places_;             // likewise, in the axes of its piece
+  std::vector<int> pieces_;  // one per brick
+  Poses places_;             // one per brick, in the axes of its piece
   std::vector<model::Brick> bodies_;
 };
 

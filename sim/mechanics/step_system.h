@@ -175,7 +175,7 @@ struct ContactRow {
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
   /// That of what does not move means nothing.
   RowVector normalA, normalB;
-  /// Two rows for each brick, likewise, along two directions that span the contact's plane.
+  /// Two rows for each brick, along two directions that span the contact's plane.
   TangentRows tangentA, tangentB;
   double bias = 0;        ///< gap / step, m/s; 0 where they overlap
   double aim = 0;         ///< gap that closing aims at where the contact pushes, metres
@@ -193,7 +193,7 @@ struct ContactRow {
   Tangent slipVelocity(const Eigen::VectorXd& u) const;
   /// Adds scale * row^T to a vector of all bricks.
   void addNormal(double scale, Eigen::VectorXd& to) const;
-  /// Adds (tangent rows)^T * scale, likewise.
+  /// Adds (tangent rows)^T * scale.
   void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
 
   /// The normal impulse that the augmented Lagrangian gives at u to a contact that pushes or pulls.
@@ -232,7 +232,7 @@ Iterator endOfPlane(Iterator first, Iterator end) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The graph that the system of a step stands on.
+// The graph of the system of a step.
 
 /// An edge for each two bricks that share a joint or a force, or have touched.
 class BrickGraph {
@@ -240,7 +240,7 @@ class BrickGraph {
   /// Without edges, of so many bricks.
   explicit BrickGraph(std::size_t bricks) : edgesAt_(bricks) {}
 
-  /// The number of the edge between two bricks, which is made where there is none yet.
+  /// The number of the edge between two bricks; makes it if it does not exist.
   int edgeOf(int brickA, int brickB);
   /// Sorted pairs, in the order in which they were made.
   const std::vector<std::pair<int, int>>& edges() const { return edges_; }
@@ -260,7 +260,7 @@ class BrickGraph {
 /// graph.
 struct PairOnGraph {
   int brickA = 0;  ///< its number, from 0, or below 0
-  int brickB = 0;  ///< likewise
+  int brickB = 0;  ///< the same
   int edge = 0;    ///< its number on the graph, where there is one
 
   /// Whether both move.
@@ -451,7 +451,7 @@ class StepSystem {
   /// What the step minimises, the pairs' own energy in the place of their blocks, for velocities x,
   /// joules.
   double potential(double step, const Vector& x) const;
-  /// Sets A = M alone, f = 0: for closing an open state.
+  /// Sets A = M, f = 0: for closing an open state.
   void setMasses(const Poses& poses);
   /// Sets the joint rows at these poses.
   void placeJoints(const Poses& poses);
@@ -515,7 +515,7 @@ class StepSystem {
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;
   SpringRows<D> springs_;     // without weight while only masses count
-  PairBlocks<D> pairBlocks_;  // likewise
+  PairBlocks<D> pairBlocks_;  // the same
   Vector ownForce_;           // f without pair blocks
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
   Vector f_;

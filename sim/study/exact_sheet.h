@@ -12,7 +12,7 @@ namespace kirireel::study {
 // The sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
 
 /// A square sheet of side x side tiles, without contacts, opened by so many radians at the start.
-/// Joints on both faces are hinges, two point joints each to engines; on the bottom alone they are
+/// Joints on both faces are hinges, two point joints each to engines; on the bottom only they are
 /// one.
 /// Tiles are 1 m wide; the target is the sheet opened to 90 degrees.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face = model::JointFace::Both,
@@ -49,7 +49,8 @@ VertexError sheetError(int side, double angle, const std::vector<model::Tile>& f
 // The exact path of a planar mechanism with one way to move, by continuation of its closure
 // equations. Knows no forces, no steps and nothing of the joint solver.
 
-/// Where the bottoms of planar tiles stand: x, y and turn of each, about the mean of its vertices.
+/// The places of the bottoms of planar tiles: x, y and turn of each, about the mean of its
+/// vertices.
 using PlanarState = Eigen::VectorXd;
 
 /// A sheet whose joints all lie in one horizontal plane.
@@ -59,7 +60,7 @@ class ClosurePath {
   /// against it says where on the path a state is.
   ClosurePath(const std::vector<model::Tile>& tiles, const std::vector<model::Joint>& joints);
 
-  /// The state in which the given tiles, congruent to those of the constructor, stand.
+  /// The state of the given tiles, which are congruent to those of the constructor.
   PlanarState stateOf(const std::vector<model::Tile>& placed) const;
 
   /// The turn of tile 1 against tile 0 in a state, radians, to whole turns.

@@ -73,7 +73,7 @@ std::vector<Method> sweepMethods(const Engine& engine, Extent extent);
 DynamicsMaker dynamicsMaker(const Method& method);
 
 // ------------------------------------------------------------------------------------------------
-// A scene stepped by hand, so that every step's energy, gap and cost are seen.
+// A scene stepped by hand: every step's energy, gap and cost can be read.
 
 /// The scene's bricks under springs of constant stiffness, from an assembled start with a nudge.
 class SteppedScene {
@@ -89,7 +89,7 @@ class SteppedScene {
   SteppedScene(const SteppedScene&) = delete;
   SteppedScene& operator=(const SteppedScene&) = delete;
 
-  /// One step of the scene's timestep; its cost alone is counted in seconds().
+  /// One step of the scene's timestep; only its cost is counted in seconds().
   void advance();
 
   /// One a tile.

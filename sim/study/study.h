@@ -37,7 +37,7 @@ struct Table {
   std::vector<Column> columns;  ///< after the first, which is "case", in their order
   std::vector<Row> rows;        ///< one a result
 
-  /// The place of the column of that name. Throws InputError when there is none.
+  /// The place of the column of that name. Throws InputError if there is none.
   std::size_t columnIndex(const std::string& name) const;
   /// The text in a cell. Throws InputError where there is no such column.
   const std::string& text(const Row& row, const std::string& column) const;
@@ -90,7 +90,7 @@ struct Study {
   std::vector<Column> columns;  ///< after the first, which is "case"
   std::function<std::vector<StudyCase>(Extent)>
       cases;  ///< the cases of an extent, in the order in which they are run
-  /// From the rows alone, so that a table that was read gives the same.
+  /// Only from the rows: a table that was read gives the same.
   std::function<std::vector<Finding>(const Table&)> findings;
 };
 
@@ -133,8 +133,8 @@ struct StudySettings {
 using StudyObserver =
     std::function<bool(const std::string& caseName, std::size_t done, std::size_t total)>;
 
-/// Runs the cases in order. The CSV file is written anew whenever a case is finished, so that an
-/// interrupted study keeps what it has; the JSON file, with the findings, comes at the end.
+/// Runs the cases in order. The CSV file is written again whenever a case is finished: an
+/// interrupted study keeps what it has. The JSON file, with the findings, comes at the end.
 /// Returns the table, which lacks the cases after a stop. Throws InputError when `resume` meets a
 /// file of another extent, OutputError when a file cannot be written.
 Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer);

@@ -22,7 +22,7 @@ using Shape = std::vector<std::size_t>;
 std::size_t entryCount(const Shape& shape);
 
 /// Writes a file of arrays. Names are paths such as "model/vertices"; a group must be made before
-/// what stands in it. Numbers are stored as IEEE doubles or 32-bit integers, little-endian, without
+/// its contents. Numbers are stored as IEEE doubles or 32-bit integers, little-endian, without
 /// any time stamp: the same calls give the same bytes.
 class ArrayWriter {
  public:
@@ -41,7 +41,7 @@ class ArrayWriter {
   void write(const std::string& name, std::span<const double> entries, const Shape& shape);
   /// The same for whole numbers of 32 bits.
   void write(const std::string& name, std::span<const int> entries, const Shape& shape);
-  /// A list of doubles, at least one, uncompressed and with a checksum beside it: its attribute
+  /// A list of doubles, at least one, uncompressed and with a checksum: its attribute
   /// crc32, of the bytes as zlib counts it.
   void writeChecked(const std::string& name, std::span<const double> entries);
   /// A list of texts, UTF-8.
@@ -76,7 +76,7 @@ class ArrayReader {
   ArrayReader(const ArrayReader&) = delete;
   ArrayReader& operator=(const ArrayReader&) = delete;
 
-  /// Throws an InputError: what was found in the file, and how to mend it.
+  /// Throws an InputError: what was found in the file, and what to do.
   [[noreturn]] void refuse(const std::string& found) const;
 
   /// Whether the file itself holds an array or a group of this name; links do not count.
@@ -90,7 +90,7 @@ class ArrayReader {
   std::vector<double> doubles(const std::string& name) const;
   /// A list that writeChecked() wrote.
   std::vector<double> checkedDoubles(const std::string& name) const;
-  /// The whole numbers of an array, whatever its shape. Throws InputError.
+  /// The whole numbers of an array of any shape. Throws InputError.
   std::vector<int> integers(const std::string& name) const;
   /// The texts of an array. Throws InputError.
   std::vector<std::string> texts(const std::string& name) const;
@@ -100,7 +100,7 @@ class ArrayReader {
 
   /// A single text, or a single number, that setAttribute() wrote.
   std::string textAttribute(const std::string& object, const std::string& name) const;
-  /// A number that is an attribute. Throws InputError where there is none.
+  /// A number that is an attribute. Throws InputError if there is none.
   double numberAttribute(const std::string& object, const std::string& name) const;
 
  private:
@@ -120,7 +120,7 @@ std::string arrayLibraryVersion();
 /// what cannot be read is not whole.
 bool hasWholeTextHeaps(const std::filesystem::path& file);
 
-/// Where the texts of an HDF5 file stand, of which every heap must be whole.
+/// The places of the texts of an HDF5 file, of which every heap must be whole.
 class TextPlaces {
  public:
   /// Of this file, which must be there.

@@ -27,8 +27,8 @@ double targetError(const std::vector<model::Tile>& target, const std::vector<mod
                    const Poses& poses);
 
 /// A true lower bound of the target error of rigid tiles, metres: the largest of the tiles' own
-/// minimax errors, each tile moved by itself (never mirrored) so that its farthest vertex is as
-/// near as can be. See measures.cpp. 0 for no tiles.
+/// minimax errors: each tile is moved by itself (never mirrored) to minimise the distance of its
+/// farthest vertex. See measures.cpp. 0 for no tiles.
 double rigidBound(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& target);
 
 /// Two bricks that overlap.
@@ -46,7 +46,7 @@ constexpr long mostPairs(std::size_t bricks) {
 
 /// The deepest overlap of any pair, by the separating axes of convex prisms (face normals and
 /// products of edges): exact for convex tiles and independent of the contact detection in use. Of
-/// the first mostPairs() near pairs; likewise below.
+/// the first mostPairs() near pairs, here and below.
 /// Costs a sort of all bricks and a few dozen axes for each pair of bricks near each other.
 Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Poses& poses);
 
@@ -73,9 +73,9 @@ struct PenetrationDepths {
 /// comes on top of them counts from zero.
 inline constexpr double kRoundingOverlap = 1e-6;
 
-/// Measures the overlaps of one run's states, one after the other. It remembers which axis kept
-/// each pair apart best and looks there first, so that states that follow each other closely cost
-/// little. The figures do not depend on what it remembers.
+/// Measures the overlaps of one run's states, one after the other. It remembers which axis
+/// separated each pair best and checks it first: states close to each other cost little. The
+/// figures do not depend on what it remembers.
 class PenetrationMeter {
  public:
   /// Joined bricks as in penetrationsOutsidePivots(); overlaps at the start of `least` metres or

@@ -25,7 +25,7 @@ struct Curve {
   bool hasValues() const;
 };
 
-/// Curves of one unit that stand together in one diagram.
+/// Curves of one unit that are in one diagram.
 struct CurveGroup {
   std::string name;            ///< one short phrase, such as "Size"
   std::string unit;            ///< "m", "degrees", ...; may be empty
@@ -102,7 +102,7 @@ std::optional<double> coveredArea(const std::vector<model::Tile>& tiles);
 
 /// Poisson's ratio from one state to another, of logarithmic (Hencky) strains of the box's sides:
 ///   -log(y / y0) / log(x / x0),
-/// so that rotating squares have -1 at any opening. None where x hardly changes, by less than 1e-3
+/// which is -1 for rotating squares at any opening. Absent if x hardly changes, by less than 1e-3
 /// of itself, since rounding would decide.
 std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides);
 
@@ -133,7 +133,7 @@ std::vector<double> brickJointGaps(std::span<const model::Pivot> pivots, const P
 std::vector<double> brickMoments(const model::PairForces& forces, const Poses& poses);
 
 /// For each brick what forces between it and others store, joules: each of their two bricks counts
-/// one half, so that all bricks together hold what all of them do.
+/// one half: the sum over the bricks is what all forces store.
 std::vector<double> brickElasticEnergies(const model::PairForces& forces, const Poses& poses);
 
 }  // namespace kirireel::trajectory

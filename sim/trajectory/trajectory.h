@@ -139,7 +139,7 @@ struct Sample {
   }
 };
 
-/// The state in which a figure of the summary was reached, so that it can be computed again.
+/// The state in which a figure of the summary was reached; the figure can be computed again.
 struct FigureState {
   std::string figure;  ///< its name in summary.json, such as "penetration_max"
   double time = 0;     ///< simulated seconds from the start

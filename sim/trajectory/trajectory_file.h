@@ -29,7 +29,7 @@
 ///       stiffness, damping    springs          N m/rad, N m s/rad
 ///     ligaments/              ligaments in place of joints; see Ligament
 ///       bricks                ligaments x 2    the two bricks that each joins
-///       joint                 ligaments        in whose place it stands
+///       joint                 ligaments        the joint that it replaces
 ///       point_a, point_b      ligaments x 3    m, in the axes of its bricks
 ///       start                 ligaments x 3    m, from point a to point b; 0 of a pin
 ///       across                ligaments x 3    unit, of a pin
@@ -55,7 +55,8 @@
 ///                                              -1 the ground, -2 - k obstacle k
 ///     holds/force, moment     holds x 3        N, N m: on the tile, about the point
 ///     holds/point             holds x 3        m
-///     curves/NAME             samples (x joints)   what a run was told to measure, with attributes
+///     curves/NAME             samples (x joints)   what a run was asked to measure, with
+///     attributes
 ///                                              unit and description; see curveChannels()
 ///     events/time, text       events           s
 ///     figures/name, time      figures          s; figures of summary.json that one state decides
@@ -79,7 +80,7 @@
 
 namespace kirireel::trajectory {
 
-/// What is measured of each sample beside what it has.
+/// What is measured of each sample besides its own numbers.
 struct Channel {
   std::string name;         ///< of its array, such as "width"
   std::string unit;         ///< "m", "1", ...
@@ -186,7 +187,7 @@ inline constexpr auto kSampleNumbers = fieldsOfType<double>(Sample::fields());
 static_assert(kSampleNumbers.front().member == &Sample::time);
 /// The same without the time.
 inline constexpr std::span kMeasures = std::span(kSampleNumbers).subspan<1>();
-/// What each step has, beside the figures of its report.
+/// What each step has, besides the figures of its report.
 inline constexpr auto kStepColumns = fieldsOfType<double>(StepRecord::fields());
 /// Energies that each sample of a run with dynamics has.
 inline constexpr auto kEnergies = fieldsOfType<double>(Energies::fields());
@@ -256,8 +257,8 @@ class SampleTable {
   const std::vector<double>& penetrations() const { return penetrations_; }  ///< samples; metres
 
   /// samples x bricks x 6: velocity of the centre of mass in m/s, then that of turning in rad/s,
-  /// world axes. Samples keep poses alone, so these are their central differences, and one-sided
-  /// ones at both ends; zeros where there is one sample. Second order in the samples' interval.
+  /// world axes. Samples store only poses, so these are their central differences, and one-sided
+  /// ones at both ends; zeros if there is one sample. Second order in the samples' interval.
   std::vector<double> velocities() const;
 
  private:
