@@ -42,7 +42,7 @@ namespace kirireel::fea {
 namespace {
 
 /// Above this number of tiles, sets are left out unless they are asked for. A tile has at least
-/// nine sets, and readers look through all names for each name, so that reading them costs the
+/// nine sets, and readers look through all names for each name: reading them costs the
 /// square of their number.
 constexpr std::size_t kMostTilesWithSets = 1000;
 
@@ -61,7 +61,7 @@ const char* jointWord(const ElementMesh& mesh) {
   return "rigid patches that turn about shared reference nodes";
 }
 
-/// What hinges' springs would be in place of necks, so that a user can check the order of
+/// What hinges' springs would be in place of necks: a user can check the order of
 /// magnitude: E (Pa), t thickness, w width and L length of the necks (m), see
 /// sim/model/stiffness.h.
 void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
@@ -158,7 +158,7 @@ void appendElement(std::string& text, const ElementMesh& mesh, int number) {
   const std::size_t count = nodeCount(mesh.rule) + 1;
   if (count <= kNumbersInLine) return appendNumbers(text, row.data(), count);
   appendNumbers(text, row.data(), kNumbersInLine);
-  // A line of data that ends in a comma continues; the line break behind it is written anew.
+  // A line of data that ends in a comma continues; the line break behind it is written again.
   text.back() = ',';
   text += '\n';
   appendNumbers(text, row.data() + kNumbersInLine, count - kNumbersInLine);
@@ -448,7 +448,7 @@ std::string heading(const DeckOrigin& origin, const std::string& subject) {
 //
 // Abaqus: *RIGID BODY, PIN NSET=, REF NODE=. A reference node has the displacements 1 to 3 and the
 // rotations 4 to 6 of its one body. *MPC PIN makes the displacements of the first and the second
-// node equal, so that bodies share a point and turn freely.
+// node equal: bodies share a point and turn freely.
 //
 // A spring is SPRING2 between two nodes and one degree of freedom each: 3 of ROT NODEs in CalculiX,
 // 6 of reference nodes in Abaqus, both the turn about z. The deck's moment is force times length: N
@@ -698,14 +698,14 @@ int longestAxis(const ElementMesh& mesh) {
   const Eigen::AlignedBox3d box = boxOf(mesh.nodes);
   const int axes = isFlatAcross(mesh, 2, box.sizes().norm()) ? 2 : 3;
   int axis = 0;
-  // Of equal extents the first counts, so that squares are pulled along x.
+  // Of equal extents the first counts: squares are pulled along x.
   box.sizes().head(axes).maxCoeff(&axis);
   return axis;
 }
 
 // ------------------------------------------------------------------------------------------------
 // A node b at XMAX follows its partner a at XMIN and the control node of x, u_b = u_a + u_cx. Nodes
-// at a corner of the sheet follow one node and both control nodes, so that no node that follows is
+// at a corner of the sheet follow one node and both control nodes: no node that follows is
 // followed, which programs refuse: u_b = u_a + i u_cx + j u_cy with i and j of 0 or 1. The sheet's
 // mean displacement gradient times the period is what a control node is moved by, and the reaction
 // there is the force on that side (compare S. Li, A. Wongsto, Unit cells for micromechanical
@@ -821,7 +821,7 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
   for (const int axis : {0, 1}) {
     if (!periodic.axes[axis]) continue;
     Vector3 position = box.center();
-    // A tenth of the period outside, so that viewers show it apart from the sheet. Its place enters
+    // A tenth of the period outside: viewers show it apart from the sheet. Its place enters
     // no equation.
     position[axis] = box.max()[axis] + 0.1 * periodic.period[axis];
     if (mesh.rule.family == ElementFamily::Plane) position.z() = 0;
@@ -859,7 +859,7 @@ int cornerOf(const TileElements& tile, int node) {
   return static_cast<int>(std::ranges::find_if(tile.edges, holds) - tile.edges.begin());
 }
 
-/// The pairs of edges that face each other across a gap, each once and sorted, so that decks do not
+/// The pairs of edges that face each other across a gap, each once and sorted: decks do not
 /// depend on the order of joints: the two joints of a fold or two joints on both faces of one
 /// corner name the same gap.
 std::set<std::pair<TileEdge, TileEdge>> facingEdges(const ElementMesh& mesh) {

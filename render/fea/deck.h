@@ -157,7 +157,7 @@ const char* elementType(const TileElements& tile, const ElementRule& rule);
 
 /// The rigid patches of a mesh with the nodes that they turn about, numbered after the mesh's own.
 /// In CalculiX the patches of a joint share one node, and the rotation of a patch that has a spring
-/// is that of a further node (ROT NODE). In Abaqus a node governs one rigid body, so that each
+/// is that of a further node (ROT NODE). In Abaqus a node governs one rigid body: each
 /// patch has its own, and *MPC pins them together; the first of a joint is the one that may be
 /// held.
 class PatchDeck {
@@ -289,7 +289,7 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
 /// each joint have a group (JOINT_00000_A, _B) besides, with All each tile and its faces too
 /// (TILE_00000, _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3). Gmsh reads thousands
 /// of groups slowly. Coordinates in metres, to the last bit but at shut slits, where nodes that
-/// would lie in one place stand apart (separatedNodes), so that no program welds them. Lengths stay
+/// would lie in one place stand apart (separatedNodes): no program welds them. Lengths stay
 /// in `unit`, whatever a deck's unit. All of the text is built in memory.
 std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual,
                      const LengthUnit& unit = {});

@@ -2,7 +2,7 @@
 //
 // - 1. How many elements lie along the edges is chosen (usualPerEdge, divisionOf).
 // - 2. Each tile is divided into quadrilaterals once for all tiles of its kind (element_mesh.h), in
-//   shares of its vertices, so that the positions follow from the brick and its pose.
+//   shares of its vertices: the positions follow from the brick and its pose.
 // - 3. Prisms are laid on these, layer by layer (element_mesh.h).
 // - 4. The corners that joints hold together are found; they are merged, left for equations, or
 //   given patches (element_mesh.h).
@@ -19,7 +19,7 @@
 //
 // six times the volume of the corner's tetrahedron, m^3. A hexahedron whose eight corners have V >
 // 0 is not turned inside out there. It is the Jacobian determinant at the corners of the linear
-// element; midside nodes lie halfway, so that quadratic elements have the same.
+// element; midside nodes lie halfway. Quadratic elements have the same.
 #include "render/fea/element_mesh.h"
 
 #include <algorithm>
@@ -84,7 +84,7 @@ int elementsAlong(double length, const ElementRule& rule, int usual) {
   return rule.joints == JointStyle::Patch ? std::max(usual, perEdgeForPatch(length, rule)) : usual;
 }
 
-/// How a tile is divided, so that tiles divided alike share one footprint. It is the key of a map.
+/// How a tile is divided: tiles divided alike share one footprint. It is the key of a map.
 struct Division {
   int sides = 0;
   int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
@@ -566,7 +566,7 @@ class SharedPoints {
 
   /// The point with these shares of three bases.
   int find(const std::array<int, 3>& bases, const std::array<int, 3>& shares) {
-    // A base with share 0 is left out, so that a point on a side has one key from both triangles.
+    // A base with share 0 is left out: a point on a side has one key from both triangles.
     std::vector<std::pair<int, int>> key;
     for (int k = 0; k < 3; ++k) {
       if (shares[k] > 0) key.emplace_back(bases[k], shares[k]);
@@ -621,7 +621,7 @@ void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& o
   }
 }
 
-/// Sides are sorted by edge, stable, so that along an edge they stay in the order of cells.
+/// Sides are sorted by edge, stable: along an edge they stay in the order of cells.
 void finish(Footprint& footprint) {
   footprint.edges = edgesOf(footprint.cells);
   std::ranges::stable_sort(footprint.sides, {}, &FootprintSide::tileEdge);
@@ -760,7 +760,7 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// The lowest number stays the root, so that clusters and their order depend on the mesh alone
+  /// The lowest number stays the root: clusters and their order depend on the mesh alone
   /// and not on the order of joints.
   int lowest(int node) {
     while (parent_[node] != node) {

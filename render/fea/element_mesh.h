@@ -38,7 +38,7 @@ struct ElementRule {
   double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0 for a quarter of the shortest edge
   double size = 0;         ///< the longest that elements are along edges, metres; 0 for `perEdge`
   ElementFamily family = ElementFamily::Solid;  ///< solids, shells or plane elements
-  writers::NeckShape neck;                               ///< of JointStyle::Neck
+  writers::NeckShape neck;                      ///< of JointStyle::Neck
   int countsFrom = 0;  ///< the first tile's number in messages: as the model's file counts
 };
 
@@ -167,9 +167,9 @@ ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
 /// Whether clusters are tied by *EQUATION: all that are left and have no patches.
 bool hasEquations(const ElementMesh& mesh);
 
-/// For each node whether it follows others, so that nothing else may hold it: of *EQUATION all but
-/// the first of a cluster, of rigid patches all, and of ties those that follow. One entry a node of
-/// the mesh; reference and control nodes have none.
+/// For each node whether it follows others; nothing else may hold it. With *EQUATION all but the
+/// first of a cluster follow, in rigid patches all, and in ties those that are tied. One entry per
+/// node of the mesh; reference and control nodes have none.
 std::vector<bool> followers(const ElementMesh& mesh);
 
 /// The node that the patches of a cluster turn about, numbered after all others. From 0. `cluster`
@@ -289,7 +289,7 @@ std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
 /// two of them belong to one tile. In order of their lowest node; patches are empty.
 std::vector<NodeCluster> findClusters(const ElementMesh& mesh);
 
-/// Makes one node of each cluster, at the mean of its corners, and numbers the nodes anew without
+/// Makes one node of each cluster, at the mean of its corners, and numbers the nodes again without
 /// gaps. What is left are clusters of shells on one face, which must not share nodes. Positions of
 /// all other nodes keep their last bit.
 void mergeClusters(ElementMesh& mesh);
@@ -304,7 +304,8 @@ void spreadPatches(ElementMesh& mesh, int leastPerEdge);
 /// The outline as a Gmsh geometry: one surface a tile and a neck, quadrilaterals of the rule's
 /// size, small at the necks: the finer the rule, the finer both. The text is in Gmsh's own language
 /// (.geo), lengths in metres. `tileSize` is the mean length of tiles' edges, metres.
-std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule, double tileSize);
+std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule,
+                         double tileSize);
 
 /// The start of a planar model as one sheet with the rule's necks, of this thickness in metres:
 /// solids, shells in the middle of the thickness, or plane elements in the plane z = 0. Tiles and

@@ -10,7 +10,7 @@
 //     $Elements        blocks, elements, least and largest number; by block: dimension, entity,
 //                      kind, count, then number and nodes of each
 //
-// An element belongs to an entity and an entity to groups, so that an element need not stand in the
+// An element belongs to an entity and an entity to groups: an element need not stand in the
 // file once for each of its groups, as in the older format 2.2. A node stands in one block only:
 // the first that has it, points of joints before parts.
 //
@@ -292,13 +292,13 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets, const LengthUnit& 
 }
 
 // ------------------------------------------------------------------------------------------------
-// Nodes are sorted by their places along a direction that no grid has, so that only neighbours in
+// Nodes are sorted by their places along a direction that no grid has: only neighbours in
 // that order need to be compared. Where tiles overlap, both nodes may move alike: then one of them
 // moves on.
 //
 // Let s be the diagonal of the box round the nodes. Two nodes are in one place when they are less
 // than 4e-8 s apart. Such a node moves by 1e-7 s towards the mean of its elements' middles, within
-// the plane of its tile, so that it stays on the tile's face; one bank of a slit moves one way, the
+// the plane of its tile: it stays on the tile's face; one bank of a slit moves one way, the
 // other bank the other way.
 //
 // The projections along the direction (1, sqrt 2, sqrt 3) / sqrt 6 of nodes that are d apart differ

@@ -212,7 +212,7 @@ std::vector<double> displacementsOf(const NodeDisplacement& driven, const Elemen
   return displacements;
 }
 
-/// Every so many samples, the first and the last among them, so that amplitudes stay readable:
+/// Every so many samples, the first and the last among them. Amplitudes stay readable:
 /// CalculiX 2.20 crashes on decks with 300,000 pairs in them; it reads 220,000.
 TileHistory thinned(const TileHistory& history, std::size_t driven) {
   constexpr std::size_t kMostPairs = 200'000;
@@ -549,7 +549,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
 
 namespace {
 
-/// How a tile's points follow its six displacements. Spins are multiplied by `size`, so that all
+/// How a tile's points follow its six displacements. Spins are multiplied by `size`: all
 /// six unknowns are lengths and rows compare.
 struct TileMotion {
   std::vector<NodeDisplacement> displacements;
@@ -762,7 +762,7 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
     PairEquations::Rows rows = PairEquations::Rows::Zero(joint.isHinge ? 6 : 3, 6);
     rows.topRows<3>() = motion.motionOf(0.5 * (bottom + top));
     if (joint.isHinge) {
-      // s (w x d): a turn about d itself drops out, so that these three rows have rank 2.
+      // s (w x d): a turn about d itself drops out. These three rows have rank 2.
       rows.bottomRightCorner<3, 3>() = -size / motion.size * crossMatrix(line);
     }
     return PairEquations::Rows(sign * rows * motion.fromDisplacements);
@@ -792,7 +792,7 @@ std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
   return equations;
 }
 
-/// Whether springs stand wherever tiles turn against each other, so that no mechanism is left.
+/// Whether springs stand wherever tiles turn against each other: no mechanism is left.
 bool hasSpringsEverywhere(const ElementMesh& mesh) {
   std::vector<bool> hasSpring(mesh.clusters.size());
   for (const PatchSpring& spring : mesh.springs) hasSpring[spring.cluster] = true;
@@ -876,7 +876,7 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
 //
 // Where the columns that remain of a tile are shorter than the tolerance, they depend on those
 // before: their unknowns are free, and the columns are left out, which is to hold them at zero. J
-// is never squared, so that a column that strains nothing is left with rounding, 1e-16 times the
+// is never squared: a column that strains nothing is left with rounding, 1e-16 times the
 // length of the motion that it belongs to, and not with the root of that.
 
 namespace {

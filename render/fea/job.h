@@ -24,7 +24,7 @@ struct DeckJob {
 
 /// A job that includes the mesh deck of this name and runs as it is: the sheet is held
 /// by leastSupports alone and pulled apart, along its longest axis, by 1 N at each end (the nodes
-/// of XMIN and XMAX, or of another axis, that are not held), so that the force passes its joints.
+/// of XMIN and XMAX, or of another axis, that are not held). The force passes its joints.
 /// Asks for displacements, stresses, strains and reactions. A template to be edited. `meshFile` is
 /// written into *INCLUDE as it is. Throws what leastSupports throws. The cost is that of
 /// leastSupports, a sparse factorisation of six unknowns a tile.
@@ -62,7 +62,7 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
 
 /// A job that takes a mesh to a later state of the same sheet in one step with large displacements:
 /// every node that follows no other is moved to where `later`, whose nodes have the same numbers,
-/// has it. Tiles turn and strain nothing, so that the mesh's own state is stress-free and the
+/// has it. Tiles turn and strain nothing: the mesh's own state is stress-free and the
 /// nodes' displacements are the map from one state to the other: steps that follow start from
 /// there. Throws InputError for shells and plane elements, whose nodes' turns are not known.
 /// `later` is made by the same rule as `mesh`.
@@ -73,7 +73,7 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
 /// *EQUATION with control nodes, it is strained by a thousandth along the first axis that is tied
 /// and free to widen across. Prints the displacements and reactions of the control nodes,
 /// with CalculiX the strain energy too. Throws what periodicity throws. The strain is 0.001 times
-/// the period, so that the force is in proportion to it.
+/// the period: the force is in proportion to it.
 DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile);
 
@@ -91,7 +91,7 @@ struct NodeDisplacement {
 
 /// For each of these tiles displacements of its nodes that fix it as a rigid body: six, which
 /// strain nothing, or where no six do so in all turns, all nine of three nodes. They lie on nodes
-/// that follow no others and belong to no joint, so that what holds or drives them acts through the
+/// that follow no others and belong to no joint: what holds or drives them acts through the
 /// joints on the other tiles; where a tile has no such nodes, on nodes of joints. Plane elements
 /// have three. `turns` are the rotations that the tiles will have from the mesh's state on, one
 /// list a tile, or none. Throws InputError when even these do not fix a tile: all of them follow

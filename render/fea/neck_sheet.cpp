@@ -1,5 +1,5 @@
-// The outline's regions become surfaces that share lines where tiles and necks meet, so that Gmsh
-// makes one mesh of them; the sides of a slit are lines of their own, so that it stays open. All
+// The outline's regions become surfaces that share lines where tiles and necks meet: Gmsh
+// makes one mesh of them; the sides of a slit are lines of their own. It stays open. All
 // cells are quadrilaterals: Gmsh pairs triangles to quadrilaterals and then divides each cell into
 // quadrilaterals of half its size. At a distance d from the necks their size is
 //
@@ -278,8 +278,9 @@ std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
 
 /// The points at each level, in the world; plane elements in the plane z = 0. The outline was laid
 /// flat by `sheet.turn`; its conjugate takes points back to the model's axes.
-std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region, const writers::FlatSheet& sheet,
-                                           double thickness, const ElementRule& rule) {
+std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region,
+                                           const writers::FlatSheet& sheet, double thickness,
+                                           const ElementRule& rule) {
   const int count = PrismLayers::levelCount(rule);
   const Quaternion back = sheet.turn.conjugate();
   std::vector<std::vector<Vector3>> levels(count);
@@ -296,7 +297,8 @@ std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region, const write
 
 }  // namespace
 
-std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule, double tileSize) {
+std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule,
+                         double tileSize) {
   std::string text = "// A sheet with necks, by Kirireel. Metres.\n";
   const auto appendPoint = [&](std::size_t number, const writers::Vector2& at) {
     appendText(text, "Point({}) = {{{}, {}, 0, 1}};\n", number, at.x(), at.y());

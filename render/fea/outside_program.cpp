@@ -1,5 +1,5 @@
 // Starts programs by posix_spawnp (POSIX.1-2008) and not by a shell: arguments are passed as they
-// are, so that no name can be read as a command. Input is /dev/null, so that a program that asks a
+// are. No name can be read as a command. Input is /dev/null: a program that asks a
 // question ends instead of waiting; output and errors go to one log, in the order in which they
 // came.
 #include "render/fea/outside_program.h"

@@ -139,7 +139,7 @@ inline constexpr const char* kPageFile = "page.html";
 /// The largest number of runs on a page.
 inline constexpr std::size_t kMostPageRuns = 2;
 
-/// Which page is wanted. One look for all runs, so that two of them can be compared.
+/// Which page is wanted. One look for all runs: two of them can be compared.
 struct WebPageSettings {
   std::filesystem::path folder;  ///< made if need be
   PageStates states;             ///< that are shown, in rising time

@@ -119,7 +119,7 @@ std::string joinedText(const py::handle& list) {
   return text;
 }
 
-/// Name and value are one word, joined by "=", so that a value may begin with a hyphen.
+/// Name and value are one word, joined by "=": a value may begin with a hyphen.
 void appendWords(const std::string& name, const py::handle& value,
                  std::vector<std::string>& words) {
   if (value.is_none()) return;
@@ -160,7 +160,7 @@ void warn(const std::vector<std::string>& warnings) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Model in Python is a LoadedModel, with the options that it was read with, so that deploy() knows
+// Model in Python is a LoadedModel, with the options that it was read with: deploy() knows
 // what `kirireel record` would. Tiles, targets and joints are copied into arrays when they are
 // asked for; a model does not change.
 
@@ -269,7 +269,7 @@ namespace {
 using Column = const std::vector<double>& (trajectory::SampleTable::*)() const;
 
 /// A run in memory, deployed here or read from a file. `reader` reads the samples in memory as it
-/// would those of a file, so that painting and saving need no other code.
+/// would those of a file: painting and saving need no other code.
 struct MemoryRun {
   MemoryRun(const trajectory::Subject& subject, const trajectory::TrajectoryEnd& end,
             std::shared_ptr<const trajectory::SampleTable> table)
@@ -377,7 +377,7 @@ class SampleTeller {
   /// False ends the run. To be called without the interpreter.
   bool operator()(const trajectory::Sample& sample) {
     if (tell_.is_none()) return true;
-    // The run goes on without the interpreter, so that other threads of Python work meanwhile; it
+    // The run goes on without the interpreter: other threads of Python work meanwhile; it
     // is held for the call alone.
     const py::gil_scoped_acquire acquire;
     if (thrown_) return false;

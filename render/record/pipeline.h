@@ -27,7 +27,7 @@ namespace kirireel::record {
 // A queue between two threads, short so that the faster one waits for the slower one.
 //
 // Any number of threads may push and pop. One mutex and one condition: a video has some hundred
-// frames a second at most, so that the lock costs nothing that shows.
+// frames a second at most. The lock costs nothing that shows.
 
 /// Hands values from the thread that pushes to the thread that pops, in order, at most `capacity`
 /// of them at a time.
@@ -123,7 +123,7 @@ class TaskGroup {
 // ------------------------------------------------------------------------------------------------
 // Samples that are handed from thread to thread.
 //
-// A sample is shared and never changed, so that no thread needs a copy or a lock to read it; it
+// A sample is shared and never changed: no thread needs a copy or a lock to read it; it
 // goes when the last thread has done with it.
 
 /// A sample that several threads may read at the same time.
@@ -188,7 +188,7 @@ class FramePool {
 // ------------------------------------------------------------------------------------------------
 // What parts of a run cost.
 //
-// CPU seconds are those of one thread, so that stages which run at the same time can be told
+// CPU seconds are those of one thread: stages which run at the same time can be told
 // apart; wall seconds are those of a clock that is never set back.
 
 /// Largest resident memory of this process so far, bytes. Never falls.

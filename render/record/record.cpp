@@ -44,7 +44,7 @@
 namespace kirireel::record {
 namespace {
 
-/// A step that takes no longer is not ended from within, so that its checkpoint loses nothing.
+/// A step that takes no longer is not ended from within: its checkpoint loses nothing.
 constexpr std::chrono::milliseconds kPatience{100};
 /// Of a video at an even pace between what is held, seconds.
 constexpr double kLeastMotion = 0.1;

@@ -474,7 +474,7 @@ picture::ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
-/// All pictures anew, of this size.
+/// All pictures again, of this size.
 void PanelSheet::paintAll(picture::FrameSize size) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
   painters_.clear();

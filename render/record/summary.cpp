@@ -14,7 +14,7 @@
 //     versions    name: version
 //     sha256      the seal (output_folder.h)
 //
-// Lengths are in metres. What does not exist is null and never left out, so that readers find every
+// Lengths are in metres. What does not exist is null and never left out: readers find every
 // key. Numbers have the shortest digits that read back to the same double.
 //
 // The same texts of settings and findings stand in trajectory.h5, where `verify` compares them.

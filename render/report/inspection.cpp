@@ -191,7 +191,7 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
   lookAt("looking for the state nearest to the target");
-  // The search is bounded in work and not in time, so that the result does not depend on the
+  // The search is bounded in work and not in time: the result does not depend on the
   // machine.
   deploy::SearchBudget budget(kSearchTime);
   inspection.assembledError = deploy::assembleAtTarget(scene, budget).error;
@@ -261,7 +261,7 @@ std::string inspectionJson(const Inspection& inspection) {
 // tiles' numbers are 0.28 s high (7 to 40 pixels), corners' 0.14 s (6 to 20), and corners of tiles
 // below 40 pixels have none.
 //
-// A corner's number stands at 22% of the way from it into its tile, so that the numbers of tiles
+// A corner's number stands at 22% of the way from it into its tile: the numbers of tiles
 // that meet in a corner stand apart.
 
 namespace {
@@ -313,7 +313,7 @@ class StatePicture {
     picture::CameraFit fit;
     fit.view = picture::defaultView(points);
     fit.aspect = size.aspect();
-    // Parallel, so that equal tiles have numbers of equal size.
+    // Parallel: equal tiles have numbers of equal size.
     fit.orthographic = true;
     camera_ = picture::fitCamera(points, fit);
     const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
@@ -422,7 +422,7 @@ picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
 // farther from the ray than their radius are left out first: |(m - p) x e| is the distance of m
 // from the ray.
 //
-// Each question looks at all tiles, so that a picture of n tiles costs n^2 of them.
+// Each question looks at all tiles: a picture of n tiles costs n^2 of them.
 
 namespace {
 

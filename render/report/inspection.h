@@ -77,7 +77,7 @@ picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
                                picture::FrameSize size);
 
 // ------------------------------------------------------------------------------------------------
-// Which points of a model the eye sees, so that numbers stand on nothing that hides them.
+// Which points of a model the eye sees: numbers stand on nothing that hides them.
 
 /// Tiles seen from far away in one direction. Tiles have no thickness here.
 class LineOfSight {

@@ -1,9 +1,9 @@
 // Files that are read, each noted with its hash. A file that is read whole is hashed from the text
-// that was read, so that the hash belongs to just these bytes; one that is read piece by piece is
+// that was read: the hash belongs to just these bytes; one that is read piece by piece is
 // hashed first and read again.
 //
 // Records of one thread form a chain through `outer_`, the innermost first. The pointer to it is
-// thread-local, so that runs on several threads do not note each other's files.
+// thread-local: runs on several threads do not note each other's files.
 #include "sim/base/files.h"
 
 #include <algorithm>
@@ -244,7 +244,7 @@ std::string sha256(std::string_view text) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// zlib's checksums and compression, and base64. Only this file includes zlib, so that another
+// zlib's checksums and compression, and base64. Only this file includes zlib: another
 // library could take its place.
 
 std::uint32_t checksumOf(std::span<const std::byte> bytes) {

@@ -9,7 +9,7 @@
 //    of its vertices, of which the solver holds those that push.
 //
 // Within this file bodies are numbered: first the bricks, then the parts of obstacles. Pairs are
-// visited in the order of their numbers, so that contacts have the same order on every machine. A
+// visited in the order of their numbers: contacts have the same order on every machine. A
 // contact that is given away has an obstacle's part in world axes and the obstacle's own number.
 //
 // Bricks that share a corner are looked at without that corner (pivotZone of an edge, see
@@ -79,7 +79,7 @@ struct ContactBodies {
         pieces(model::convexPieces(bodies)),
         shapes(shapesOf(pieces)),
         firstPiece(bodies.size()) {
-    // Backwards, so that the first piece of each brick is what stays.
+    // Backwards: the first piece of each brick is what stays.
     for (std::size_t k = pieces.size(); k-- > 0;) {
       firstPiece[pieces[k].brick] = static_cast<int>(k);
     }
@@ -215,7 +215,7 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
              shapeOf(model::withoutCorners(pieceB, corners->second.ofB, length)));
 }
 
-// Planes are told by numbers of faces and edges, so that pairs of as many have the same list.
+// Planes are told by numbers of faces and edges: pairs of as many have the same list.
 const std::vector<SeparatingPlane>& ContactFinder::Internals::planesOf(const Outline& a,
                                                                        const Outline& b) {
   const std::array counts = {a.normals.size(), a.directions.size(), b.normals.size(),
@@ -248,7 +248,7 @@ SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
 /// Two bodies, the smaller number first.
 bool ContactFinder::Internals::mayTouch(int a, int b) const {
   if (a == b) return false;
-  // b has the larger number, so that an obstacle among the two is b. Obstacles do not meet each
+  // b has the larger number: an obstacle among the two is b. Obstacles do not meet each
   // other.
   if (bodies.partOf(b)) return !bodies.partOf(a);
   const scene::ContactFilter contacts = environment.contacts;
@@ -287,7 +287,7 @@ void ContactFinder::Internals::transfer(StateTape& tape) {
   std::vector<std::pair<int, int>> known;
   for (const auto& [key, pair] : pairs) known.push_back(piecesOf(key));
   tape.transfer(near, known);
-  // Playing back, pairOf() makes the pair anew, and the tape fills in what it remembered.
+  // Playing back, pairOf() makes the pair again, and the tape fills in what it remembered.
   for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);
   if (tape.isPlaying()) listNearPairs();
 }
@@ -419,7 +419,7 @@ bool ContactFinder::isCurrent(const model::Contact& given) const {
   const model::Contact contact = in.bodies.betweenBodies(given);
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.bodies.partOf(b);
-  // The nearest points of a sphere's contact turn with the brick, so that they are found anew in
+  // The nearest points of a sphere's contact turn with the brick: they are found again in
   // each step.
   if (part && part->radius) return false;
   const auto [pieceA, pieceB] = std::minmax({in.bodies.firstPiece[contact.brickA] + contact.partA,
@@ -439,7 +439,7 @@ bool ContactFinder::isCurrent(const model::Contact& given) const {
 // motion:
 //   |p' - p| + 2 |q' - q| r
 // p and q position and unit quaternion, r the distance of the farthest point. Otherwise all boxes
-// are set anew, and Bullet's dynamic bounding volume tree lists which of them meet (O(n log n) for
+// are set again, and Bullet's dynamic bounding volume tree lists which of them meet (O(n log n) for
 // n bodies that are spread out).
 
 namespace {
@@ -639,7 +639,7 @@ std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obst
 // the feature that it belongs to, separates them at the start and at the end; or where one takes
 // over from the other on the way, along the screw that leads from pose to pose. The plane of the
 // last step is tried first, and a pair is not looked at before its bricks could have used up their
-// distance, so that most pairs cost a few comparisons a step.
+// distance: most pairs cost a few comparisons a step.
 //
 // Where no plane serves, the one that held at the start and is violated least at the end becomes
 // contacts: points of one brick that may not come through the plane of the other. Bricks that
@@ -907,7 +907,7 @@ bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& plac
   const Vector3 point = (onA ? placedA() : placedB).pose.apply(contact.pointA);
   for (std::size_t f = 0; f < other.normals.size(); ++f) {
     const Vector3& onFace = other.points[other.outline->facePoints[f]];
-    // Beyond the plane of any face, the point is outside the other brick, so that it cannot touch
+    // Beyond the plane of any face, the point is outside the other brick: it cannot touch
     // the face from within its borders.
     if (other.normals[f].dot(point - onFace) > kTouching * radiusB_) return false;
   }
@@ -939,9 +939,9 @@ bool BrickPair::isApartOtherwise(const model::Contact& contact,
 // the unit normal n from B towards A,
 //   s = min over A of (p . n) - max over B of (p . n)             metres
 // is the separation: positive where they are apart, negative where they overlap along n. For a face
-// of B, n is its outward normal, and the maximum over B is reached on the face, so that one point
+// of B, n is its outward normal, and the maximum over B is reached on the face: one point
 // of it serves. For edges, n = +-(e_A x e_B) / |e_A x e_B|: both signs are tried as planes of their
-// own, so that a plane keeps its side when it is followed.
+// own. A plane keeps its side when it is followed.
 //
 // A prism over a polygon with k corners has k + 2 faces and up to k + 1 edge directions. In the
 // plane only its k side faces count.
@@ -967,7 +967,7 @@ double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
 void addDirection(Outline& outline, const Vector3& edge) {
   const Vector3 direction = edge.normalized();
   const bool known =
-      // Parallel edges span the same planes, so that they count once.
+      // Parallel edges span the same planes: they count once.
       std::any_of(outline.directions.begin(), outline.directions.end(),
                   [&](const Vector3& other) { return other.cross(direction).norm() < 1e-9; });
   if (!known) outline.directions.push_back(direction);

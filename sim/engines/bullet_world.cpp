@@ -3,7 +3,7 @@
 // Bullet advances velocities by the loads, solves joints and contacts together on velocities by one
 // of three methods, and moves the bodies by semi-implicit Euler. A joint's gap c is fed back as a
 // velocity of erp c / h (Baumgarte's stabilisation: J. Baumgarte, Stabilization of constraints and
-// integrals of motion in dynamical systems, Comput. Methods Appl. Mech. Eng. 1, 1972), so that gaps
+// integrals of motion in dynamical systems, Comput. Methods Appl. Mech. Eng. 1, 1972): gaps
 // shrink over many steps and never vanish.
 //
 // Three things differ from Bullet's defaults. Shapes are shrunk so that shape and margin together
@@ -82,7 +82,7 @@ SolverParts makeSolver(BulletMethod method) {
 }
 
 std::unique_ptr<btConvexHullShape> makeHull(const model::Brick& brick, const PrincipalAxes& axes) {
-  // A body's axes are the principal axes of the brick, so that points are turned into them.
+  // A body's axes are the principal axes of the brick: points are turned into them.
   const InsetHull hull = insetHull(brick);
   auto shape = std::make_unique<btConvexHullShape>();
   for (const Vector3& point : hull.points) {
@@ -286,7 +286,7 @@ std::string bulletVersion() {
 
 // ------------------------------------------------------------------------------------------------
 // Bullet's world of multibodies as a baseline, without collisions. Each brick is a base without
-// links, so that nothing is gained from joint coordinates; it is here because PyBullet, and so
+// links: nothing is gained from joint coordinates; it is here because PyBullet, and so
 // PyKirigami, runs its bodies in this world. Joints are held by projected Gauss-Seidel sweeps over
 // all point joints.
 
@@ -403,7 +403,7 @@ void MultiBodyWorld::writeMotion(const Motion& motion) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A brick's hull moved inwards by a margin m (metres), so that Bullet's margin fills it up again.
+// A brick's hull moved inwards by a margin m (metres): Bullet's margin fills it up again.
 //
 // Moving all faces inwards by m moves a vertex v of the bottom to v + m (d + n): n the tile's unit
 // normal, and d the vector in the plane whose products with the inward unit normals i_1 and i_2 of

@@ -6,7 +6,7 @@
 //   [      E       -eps I ] [ y ]  =  - [   e   ]
 // W and E the slopes of w and e, m the damping, eps = 1e-9. Both diagonal blocks are definite with
 // opposite signs, which makes the matrix quasi-definite: it has a factorisation L D L^T in any
-// order of its rows, so that a sparse Cholesky without pivoting serves (R. J. Vanderbei, Symmetric
+// order of its rows. A sparse Cholesky without pivoting serves (R. J. Vanderbei, Symmetric
 // quasidefinite matrices, SIAM J. Optimization 5, 1995). Exact equations may repeat each other, as
 // those of closed voids do: eps keeps the lower block definite, and two rounds of iterative
 // refinement take most of its error away.
@@ -14,7 +14,7 @@
 // The step is shortened by halves until the merit |w|^2 / 2 + rho |e|_1 falls. It is an exact
 // penalty once rho is at least the largest multiplier; twice that is used. An accepted step lowers
 // the damping by 0.3, a refused one raises it tenfold (Levenberg and Marquardt's rule).
-// Gauss-Newton leaves out second derivatives of w and e, so that convergence is linear near the
+// Gauss-Newton leaves out second derivatives of w and e: convergence is linear near the
 // end, which hardly matters, as designs may stop anywhere on e = 0. Finally Newton steps of least
 // length, d = -E^T (E E^T)^-1 e, with the same system at W = 0, m = 1, make e vanish to rounding:
 // they converge quadratically and move the design by about the violation that is left.
@@ -65,7 +65,7 @@ class QuasiDefiniteSystem {
     const Matrix system = assemble(curvature, slopes, epsilon);
     Vector right(unknowns + values.size());
     right << -gradient, -values;
-    // The source writes the same equations at every call, so that the pattern of zeros stays.
+    // The source writes the same equations at every call: the pattern of zeros stays.
     if (!analysed_) factors_.analyzePattern(system);
     analysed_ = true;
     factors_.factorize(system);

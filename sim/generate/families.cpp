@@ -69,7 +69,7 @@ model::Lattice latticeOf(const FamilyValues& values) {
 // A sheet of quads in two states of its field.
 model::Model fieldModel(const model::TurningField& field, const FamilyValues& values) {
   model::Model model;
-  // Both states come from the same constants, so that they are congruent to rounding.
+  // Both states come from the same constants: they are congruent to rounding.
   model.tiles = field.tiles(values.angle("start-angle"));
   model.target = field.tiles(values.angle("target-angle"));
   model.joints = model::latticeJoints(field.lattice(), model::JointFace::Both);
@@ -536,7 +536,7 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
 // the list, in parts of the side's length. s x n points out of an anticlockwise tile and is as long
 // as the side.
 //
-// Two tiles that share a side run along it in opposite directions, so that a point at x of one is
+// Two tiles that share a side run along it in opposite directions: a point at x of one is
 // at 1 - x of the other: lists that are the same from either end fit into each other.
 
 namespace {
@@ -584,9 +584,9 @@ model::Model withBentSides(const model::Model& model, const std::vector<bool>& b
 // r a complex ratio that is the same for all pairs. The corner that both share is c + r (d - c) in
 // the closed sheet, and
 //   v(theta) = (1 - r) c e^(i theta/2) + r d e^(-i theta/2)
-// when neighbours have turned by theta (radians). A tile of kind 0 has one c, so that its corners
+// when neighbours have turned by theta (radians). A tile of kind 0 has one c: its corners
 // differ by terms in d alone, all turned by -theta/2: it stays rigid, and so do the others, turned
-// by +theta/2. Both tiles at a corner use the same sum, so that joints stay closed. r is found from
+// by +theta/2. Both tiles at a corner use the same sum: joints stay closed. r is found from
 // one pair: for triangles, e^(i pi/3); for hexagons and triangles, sqrt(3)/2 e^(i pi/6).
 //
 // J. N. Grima, K. E. Evans, Auxetic behavior from rotating triangles, Journal of Materials Science
@@ -649,7 +649,7 @@ std::vector<model::Joint> jointsOf(const Pattern& pattern, const std::vector<Rot
   };
   std::vector<model::Joint> joints;
   for (const RotorPlace& place : places) {
-    // Each joint is between kind 0 and another kind, so that it is met once.
+    // Each joint is between kind 0 and another kind: it is met once.
     if (place.kind != 0) continue;
     for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       const auto there = numbers.find(neighbour);

@@ -75,7 +75,7 @@ struct WantedPoint {
 };
 
 /// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
-/// wanted points. All equations are linear, so that the fit is one step.
+/// wanted points. All equations are linear: the fit is one step.
 model::TurningField rhombicField(const std::string& family, const model::Lattice& lattice,
                                  double angle, const std::vector<WantedPoint>& wanted) {
   const LatticeUnknowns unknowns(lattice);
@@ -170,7 +170,7 @@ class RoundDesign {
     }
     addRhombicBlocks(rows, unknowns_, field, sideBlocks_, values);
     // A tip on the circle: its component along its present direction is the radius. The direction
-    // is taken anew in each round, so that in the end it is the position's own.
+    // is taken again in each round: in the end it is the position's own.
     for (const LatticeCorner& tip : tips_) {
       const model::Complex position = field.corner(tip.cell, tip.corner, angle_);
       const model::Complex outwards = position / std::abs(position);

@@ -2,7 +2,7 @@
 //
 // *Cylinder*: exact without a fit. The regular field of rectangles l x w is closed at theta = 0, M
 // l wide, and at pi, M w wide (M columns, even). Each closed state is wrapped round the regular
-// prism of M sides whose edges are as far apart as columns are wide, so that every tile lies flat
+// prism of M sides whose edges are as far apart as columns are wide: every tile lies flat
 // on a side of it. Tiles that are joined across the seam are joined as within the sheet, as the
 // pattern repeats after two columns.
 //
@@ -377,7 +377,7 @@ class CapDesign {
     return ((sum - number) % count + count) % count;
   }
 
-  /// Mirrored tips and boundary nodes, so that caps meet each other on a cube.
+  /// Mirrored tips and boundary nodes: caps meet each other on a cube.
   void addMirrors(EquationRows& rows, const FlatRectangle& rectangle,
                   const Eigen::VectorXd& values) const {
     for (int k = 0; k < 4 * shape_.size; ++k) {
@@ -507,7 +507,7 @@ std::vector<model::Tile> unitTiles(const model::Lattice& lattice, double angle) 
   return model::regularField(lattice, 1, model::Complex(0, 1)).tiles(angle);
 }
 
-// From the origin, so that an asymmetric sheet has its larger side.
+// From the origin: an asymmetric sheet has its larger side.
 Vector3 halfExtent(const std::vector<model::Tile>& tiles) {
   Vector3 half = Vector3::Zero();
   for (const model::Tile& tile : tiles) {
@@ -622,7 +622,7 @@ class JoinedCorners {
   }
 
  private:
-  // Groups have four corners at most, so that their trees stay flat without further care.
+  // Groups have four corners at most: their trees stay flat without further care.
   int find(int corner) {
     while (parents_[std::size_t(corner)] != corner) corner = parents_[std::size_t(corner)];
     return corner;

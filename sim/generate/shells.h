@@ -68,7 +68,7 @@ model::Model makeSphereToSaddle(const SaddleShape& shape);
 // ------------------------------------------------------------------------------------------------
 // Two congruent states of one sheet of quads, as unknowns of a fit.
 
-/// Which corners of a sheet share a node: joints are shared nodes, so that they are closed exactly.
+/// Which corners of a sheet share a node: joints are shared nodes. They are closed exactly.
 struct NodeMap {
   std::vector<std::vector<int>> nodeOf;  ///< [tile][corner], from 0
   int nodeCount = 0;                     ///< of different nodes

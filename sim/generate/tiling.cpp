@@ -15,7 +15,7 @@
 // a vertex, at the sum of their centres; a corner of one honeycomb within a cell of the other is a
 // triangle; two sides that cross are a rhombus, a square where they cross at right angles.
 //
-// Vertices are told apart by whole numbers and never by their places, so that rounding cannot split
+// Vertices are told apart by whole numbers and never by their places: rounding cannot split
 // or merge any. A patch is the tiles nearest to the centre, in whole rings of equal distance, which
 // keeps the symmetry.
 #include "sim/generate/tiling.h"
@@ -284,7 +284,7 @@ class HoneycombPair {
     const std::vector<Honeycomb::HexSide> sides = honeycombs_[1].sides(reach);
     for (const Honeycomb::HexSide& a : honeycombs_[0].sides(reach)) {
       for (const Honeycomb::HexSide& b : sides) {
-        // Sides are 1/sqrt(3) long, so that ends farther apart than that cannot belong to sides
+        // Sides are 1/sqrt(3) long: ends farther apart than that cannot belong to sides
         // that cross.
         if (std::abs(a.ends[0] - b.ends[0]) > 2) continue;
         if (const auto place = crossing(a, b)) appendRhombus(a, b, *place, found);
@@ -357,7 +357,7 @@ Tiling stampfliTiling(int tiles) {
 // another end (L. Posa, Hamiltonian circuits in random graphs, Discrete Mathematics 14, 1976).
 // Joints alternate between the two ends of the edges that the cycle crosses.
 //
-// *Removal*: edges between the tiles that stay get one joint each, at a fixed end, so that the
+// *Removal*: edges between the tiles that stay get one joint each, at a fixed end. The
 // sheet can open; parts that meet at a vertex are joined there.
 //
 // *Expansion*: with V a vertex, D the dual of a tile (complex, m), s the spread and t = theta/2 -
@@ -419,7 +419,7 @@ struct VertexJoint {
   int vertex = 0;
 };
 
-/// The kept tiles, numbered anew, with these joints.
+/// The kept tiles, numbered again, with these joints.
 model::Model jointedModel(const Tiling& tiling, const std::vector<int>& kept,
                           const std::vector<VertexJoint>& joints) {
   model::Model model;
@@ -670,7 +670,7 @@ model::Model makeThinned(const Tiling& tiling) {
   Parts parts(tiling.tiles.size());
   for (const VertexJoint& joint : joints) parts.join(joint);
   // Parts that touch at a vertex alone are linked there.
-  // Which parts touch is judged before any of them is linked, so that the order of vertices does
+  // Which parts touch is judged before any of them is linked: the order of vertices does
   // not matter.
   const Parts byEdges = parts;
   for (std::vector<int>& around : tilesRound(tiling)) {

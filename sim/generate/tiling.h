@@ -36,7 +36,7 @@ Tiling stampfliTiling(int tiles);
 /// The tiles linked to one closed chain that visits each once, joined alternately at the one and
 /// the other end of the edges that it crosses. Tiles with one neighbour are left out. Throws
 /// InputError when no such chain was found.
-/// The search has a fixed seed and a fixed number of tries, so that its result is always the same.
+/// The search has a fixed seed and a fixed number of tries: its result is always the same.
 model::Model makeChain(const Tiling& tiling);
 
 /// The tiling without its narrow rhombi: every two tiles that share an edge are joined at its

@@ -56,7 +56,7 @@ BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
 }
 
 // Rows of the constraints J q - offset - load * motion = 0. Each fixed node has three rows, and
-// each handle of a grip that moves has one. All rows are linear in q, so that J is built once; the
+// each handle of a grip that moves has one. All rows are linear in q: J is built once; the
 // offset is J q at the start, which therefore satisfies the rows at the load 0.
 void BarHingeSheet::addRows() {
   Triplets entries;
@@ -71,7 +71,7 @@ void BarHingeSheet::addRows() {
     for (int k = 0; k < 3; ++k) addRow({node}, Vector3::Unit(k), 0);
   }
   for (const NodeGrip& grip : grips_) {
-    // A dead load has no rows. Its first row is noted all the same, so that grips and entries
+    // A dead load has no rows. Its first row is noted all the same: grips and entries
     // match.
     firstRow_.push_back(static_cast<Eigen::Index>(motions.size()));
     if (grip.isForce) continue;
@@ -133,7 +133,7 @@ double BarHingeSheet::energy(const Vector& q) const {
 }
 
 // The dead loads at the load 1, by the coordinates q. A force of `amount` newtons is shared evenly
-// by the handles of a grip; the factor scale turns metres into units of q, so that entries are
+// by the handles of a grip; the factor scale turns metres into units of q. Entries are
 // joules. The forces keep their direction: they do not depend on q.
 BarHingeSheet::Vector BarHingeSheet::pull(const Vector& q) const {
   Vector forces = Vector::Zero(q.size());
@@ -175,7 +175,7 @@ BarHingeSheet::Vector BarHingeSheet::residual(const Vector& q, double load) cons
 }
 
 // The second derivative of the energy by q, joules. The rows are linear and the dead loads
-// constant, so that neither the multipliers nor the load take part.
+// constant: neither the multipliers nor the load take part.
 BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vector&) const {
   Triplets entries;
   const auto add = [&](int nodeA, int nodeB, const Matrix3& block) {
@@ -217,7 +217,7 @@ BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vect
   return matrix;
 }
 
-// A grip's displacement is linear in q, so that its slope along q - q(start) is the whole of it.
+// A grip's displacement is linear in q: its slope along q - q(start) is the whole of it.
 double BarHingeSheet::displacement(std::size_t grip, const Vector& q) const {
   return displacementSlope(grip, q, q - startCoordinates());
 }

@@ -7,11 +7,11 @@
 // columns before take from them, and from the update behind the panel, is one product,
 //   to(r, c) -= sum_k left(r, k) left(row + c, k),
 // whose sums stay in registers: eight rows by three columns. Rows are taken by whole registers, the
-// rest of a column being padding, so that numbers above the diagonal are written too and never
+// rest of a column being padding: numbers above the diagonal are written too and never
 // read. Wide fronts, of sheets with thousands of tiles, go through Eigen, which splits the product
 // to fit the caches.
 //
-// A column's reciprocal square root stands on the diagonal after factoring, so that solves multiply
+// A column's reciprocal square root stands on the diagonal after factoring: solves multiply
 // and never divide.
 #include "sim/mechanics/dense_kernels.h"
 
@@ -144,7 +144,7 @@ bool eliminate(double* panel, int rows, int columns, double* update) {
 }
 
 // L y = x for the columns of one front, in place; the rows below the columns get what the columns
-// take from them. Whole registers are taken to the end, so that x must have room for the padded
+// take from them. Whole registers are taken to the end: x must have room for the padded
 // rows.
 void solveForward(const double* panel, int rows, int columns, double* x) {
   const int stride = paddedRows(rows);

@@ -55,7 +55,7 @@ ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
 }
 
 // A row is sum(factor * place) - offset - load * motion = 0. The offset is what the sum is at the
-// start, so that the row holds there at the load 0.
+// start: the row holds there at the load 0.
 void ElasticSheet::addRow(std::vector<Term> terms, double motion, const Vector& start) {
   Row row{std::move(terms), 0, motion};
   for (const Term& term : row.terms) row.offset += term.factor * place(term, start);
@@ -110,7 +110,7 @@ double ElasticSheet::bend(const Term& term, const Vector& q) const {
 
 // The largest second derivative that one part of the sheet has, joules: springs by turns (N m a
 // rad), ligaments by places (N/m times the length scale squared) and by turns. The shear stiffness
-// of a ligament that is no pin is a moment a radian, so that across the ligament it acts as shear /
+// of a ligament that is no pin is a moment a radian: across the ligament it acts as shear /
 // length^2.
 double ElasticSheet::stiffnessScale() const {
   double largest = 0;
@@ -197,7 +197,7 @@ ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
 }
 
 // dE/dq - load * pull, joules. hingeMoments() are about the hinge's axis on brick B; energy falls
-// in the direction of the moment, so that B's entry gets minus and A's entry plus.
+// in the direction of the moment. B's entry gets minus and A's entry plus.
 ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const {
   Vector sum = -load * pull(q);
   const std::vector<double> moments = model::hingeMoments(springs_, posesAt(q));
@@ -247,7 +247,7 @@ ElasticSheet::Vector ElasticSheet::motion() const {
 }
 
 // The second derivative of E - load * work + multipliers . rows by q. Places are linear in x and y,
-// and bent in the turn alone, so that rows and dead loads add to the diagonal of turns alone.
+// and bent in the turn alone: rows and dead loads add to the diagonal of turns alone.
 ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
                                            const Vector& multipliers) const {
   std::vector<Eigen::Triplet<double>> entries;
@@ -285,7 +285,7 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   return matrix;
 }
 
-// All handles of a grip are of one kind, so that the first tells.
+// All handles of a grip are of one kind: the first tells.
 double ElasticSheet::unit(std::size_t grip) const {
   return grips_[grip].handles.front().isTurn ? 1 : scale_;
 }

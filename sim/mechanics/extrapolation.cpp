@@ -1,5 +1,5 @@
 // Extrapolation of the linearly implicit Euler method. Row j of the table crosses the step H in
-// n_j = j Euler steps; their error is a power series in H / n_j, so that by Aitken and Neville
+// n_j = j Euler steps; their error is a power series in H / n_j. By Aitken and Neville
 //   T_k = sum_j c_j row_j,   c_j = prod_{i != j} n_j / (n_j - n_i),
 // over the rows 1 to k is of order k, and over the rows 2 to k of order k - 1. The difference of
 // the two estimates the error of the latter; the former is taken. Positions, rotation vectors from
@@ -196,7 +196,7 @@ void Extrapolation::estimate(Trial& trial) const {
   trial.off = difference(trial.end, combine(trial, 2, order), trial.length) /
               (settings_.tolerance * settings_.lengthScale);
   const double error = std::max(trial.off, energyError(trial));
-  // The error of a step goes with H^order, so that the length whose error is kAim of the tolerance
+  // The error of a step goes with H^order: the length whose error is kAim of the tolerance
   // is H (kAim / error)^(1/order).
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
@@ -231,7 +231,7 @@ bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
   return !mayTake || mayTake(trial.start, trial.end, trial.length);
 }
 
-/// Moves and turns the whole as one, which joints do not hinder, so that its momentum is that of
+/// Moves and turns the whole as one, which joints do not hinder: its momentum is that of
 /// the start and what the loads gave: rows whose joints are open keep it but to their order.
 void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const std::vector<double> shares = weights(1, trial.order());

@@ -393,7 +393,7 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
 }
 
 /// Finds the velocities of the step with the forces between pairs of its end: Newton's method from
-/// rest, each step cut until what is minimised falls, so that a step gains no energy however stiff
+/// rest, each step cut until what is minimised falls. A step gains no energy however stiff
 /// ligaments are. Joints and contacts allow all velocities between two that they allow; joints that
 /// give are not in what is minimised, and steps are whole beside them.
 template <int D>
@@ -715,11 +715,10 @@ std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& br
 }
 
 // ------------------------------------------------------------------------------------------------
-// When a step of wedged bricks need not be tried. A step that ended with all bricks standing still
-// is a function of its motion, loads and length alone. Begun again with the same three, to the last
-// bit, it would end in the same way, so that it is answered without a try. It ended at rest, so
-// that one begun with any speed is another. Halving is dear (2^8 parts), so that after a failure it
-// is allowed in every tenth step only.
+// When a step of jammed bricks need not be tried. A step in which no brick moved is a function of
+// its motion, loads and length. With the same three, to the last bit, it would end in the same way:
+// it is answered without a try. It ended at rest: a step that begins with any speed is another.
+// Halving is expensive (2^8 parts): after a failure it is allowed only in every tenth step.
 
 namespace {
 

@@ -5,7 +5,7 @@
 // with the factor L D L^T of H + w J^T J, w large, and refinement: redundant rows of J need no
 // care, and the negative entries of D are the directions in which the energy falls within the
 // constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown too,
-// fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981), so that the
+// fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981). The
 // path goes on where the load turns. A step over which the load, or the leading force, turns, or
 // the count of negative entries changes, is halved until the special state is located. Riks, An
 // incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct.
@@ -200,14 +200,14 @@ class Follower {
     int rounds = 0;
   };
 
-  // The load grows by at most 1 / leastStates in a step, so that a curve has enough states to be
+  // The load grows by at most 1 / leastStates in a step: a curve has enough states to be
   // drawn.
   double longestStep(const Tangent& along) const {
     return std::min(settings_.longestStep, 1 / (settings_.leastStates * std::abs(along.load)));
   }
 
   // The scalar product of arc length. Divided by a third of the unknowns it is the mean over the
-  // tiles, or nodes, so that a step means the same on sheets of any size.
+  // tiles, or nodes: a step means the same on sheets of any size.
   double product(const Vector& a, const Vector& b) const {
     return 3 * a.dot(b) / static_cast<double>(sheet_.unknowns());
   }
@@ -288,7 +288,7 @@ class Follower {
       const Equations::Change closing = equations.solve(-forces, -gaps);
       const Equations::Change tangent = equations.solve(sheet_.pull(at.q), sheet_.motion());
       // Arc length: the projection on the tangent must stay at `step`. The change of load that
-      // keeps it is found from two solves on one factor (closing and tangent), so that the matrix
+      // keeps it is found from two solves on one factor (closing and tangent): the matrix
       // stays symmetric.
       const double off =
           product(along.q, at.q - from.q) + along.load * (at.load - from.load) - step;
@@ -359,7 +359,7 @@ class Follower {
     double low = 0, high = step;
     Stepped found = end;
     // Bisection on the length of the step from the same point: `low` is before what turns, `high`
-    // behind it. Each try is a whole equilibrium, so that the state that is noted lies on the path.
+    // behind it. Each try is a whole equilibrium: the state that is noted lies on the path.
     for (int k = 0; k < kLimitBisections && high - low > 1e-15 * step; ++k) {
       const double middle = 0.5 * (low + high);
       const std::optional<Stepped> next = stepFrom(from, along, middle);

@@ -61,7 +61,7 @@ class Reactor final : public ReactionSolver {
   }
 
   // Forces of joints and pins in one state. With compliant joints they follow from the gaps alone;
-  // with exact ones from the two solves of the head. The system is factored anew, since it belongs
+  // with exact ones from the two solves of the head. The system is factored again, since it belongs
   // to the state.
   Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                   const std::vector<bool>& pinned, double jointStiffness) override {
@@ -87,7 +87,7 @@ class Reactor final : public ReactionSolver {
     return result;
   }
 
-  // Two random states, so that none is blind by chance.
+  // Two random states: none is blind by chance.
   std::vector<bool> indeterminateJoints(std::size_t joints) override {
     std::vector<bool> found(joints, false);
     if (solved_.empty()) return found;

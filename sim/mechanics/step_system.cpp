@@ -167,7 +167,7 @@ namespace {
 // Weight of the joint rows in H, relative to the mean of A's translational part: 1e6 stalls near
 // singular states and 1e8 leaves gaps on large models; from 1e12 on rounding shows.
 constexpr double kJointWeight = 1e10;
-// The contact rows' weight is far smaller, so that Newton's line search can step over the kinks of
+// The contact rows' weight is far smaller: Newton's line search can step over the kinks of
 // many contacts at once; their multipliers do the rest in two or three rounds.
 constexpr double kContactWeight = 1e5;
 // What setting up a brick and a row is worth, in multiplications.
@@ -278,7 +278,7 @@ double SpringRows<D>::damped(double step, const Vector& x) const {
 // Forces between pairs of bricks in a step. Over a step h from poses q with velocities x, the
 // energy E(q + h x) is replaced by its second-order expansion about known velocities x0,
 //   f gains -h g + h^2 K x0,     A gains h^2 K
-// with the gradient g and the second derivative K at q + h x0, so that the minimum of the step's
+// with the gradient g and the second derivative K at q + h x0: the minimum of the step's
 // quadratic function is one Newton step for the true one. (In space g and K are by turns from the
 // pose at hand and not from q, which is the same up to the angle of a step.) K is made positive
 // semidefinite by dropping its negative eigenvalues, in coordinates in which a turn of one radian
@@ -467,7 +467,7 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<model::Load>
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Block M = massMatrix<D>(bricks_[i], motion.poses[i]);
     if (pinned_[i]) {
-      // No joint row touches it, so that nothing but zero solves its equations.
+      // No joint row touches it: nothing but zero solves its equations.
       f_.segment<D>(D * i).setZero();
       A_[i] = M;
     } else {
@@ -720,7 +720,7 @@ template class StepSystem<6>;
 //   1/2 x^T A x - f^T x - l^T J x + kappa/2 |J x|^2
 //     + sum_i max(0, p_i - rho (c_i x - b_i))^2 / (2 rho) + the same of the slip, cut to its bound,
 // which is convex and quadratic in pieces: which contacts push, and which slip, says which piece.
-// Newton's method on it is exact within a piece, so that a whole step is taken at first, and a line
+// Newton's method on it is exact within a piece: a whole step is taken at first, and a line
 // search only where whole steps run in circles (semismooth Newton). Then the multipliers move to
 //   l - kappa J x,   p = max(0, p - rho (c x - b)),   s likewise,
 // and the next round begins. With kappa and rho large against A a round gains ten digits or so.

@@ -39,7 +39,7 @@ std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
 
 }  // namespace
 
-// A sheet of `side` x `side` squares without contacts, so that joints and springs alone act.
+// A sheet of `side` x `side` squares without contacts: joints and springs alone act.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face, double startAngle) {
   model::TessellationShape shape;
   shape.columns = shape.rows = side;
@@ -173,7 +173,7 @@ double planarTurn(const model::Tile& from, const model::Tile& to) {
   return std::atan2(across, along);
 }
 
-// Shapes are kept about their own means, so that a state's x and y are where the mean stands.
+// Shapes are kept about their own means: a state's x and y are where the mean stands.
 ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
                          const std::vector<model::Joint>& joints)
     : shapes_(tiles), joints_(joints) {
@@ -183,7 +183,7 @@ ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
   }
 }
 
-// The turn is that of the best fit, so that tiles which are bent by rounding, or by an engine, have
+// The turn is that of the best fit: tiles which are bent by rounding, or by an engine, have
 // a state too.
 PlanarState ClosurePath::stateOf(const std::vector<model::Tile>& placed) const {
   PlanarState state(3 * static_cast<Eigen::Index>(placed.size()));

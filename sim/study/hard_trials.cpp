@@ -94,7 +94,7 @@ HardTrial noisyShapes(double size) {
   return trial;
 }
 
-// Neighbours differ by a million, so that every joint has one light and one heavy brick.
+// Neighbours differ by a million: every joint has one light and one heavy brick.
 HardTrial massRatio() {
   HardTrial trial =
       sheetTrial("mass ratio 1e6", "every other tile a million times as heavy", 6, false);
@@ -142,7 +142,7 @@ HardTrial hugeSheet() {
 /// A brick on a slope: it starts to slide, and gains what friction leaves.
 HardTrial sliding() {
   // Accelerations, m/s^2: standard gravity down, and a pull along the ground above friction's bound
-  // 0.3 x 9.81, so that the brick slides from the start.
+  // 0.3 x 9.81. The brick slides from the start.
   constexpr double kDown = 9.81;
   constexpr double kAlong = 5;
   constexpr double kFriction = 0.3;

@@ -44,7 +44,7 @@ MovingRun runMoving(const SheetMethod& job) {
   for (int step = 1; step <= steps && run.isFinite(); ++step) {
     run.advance();
     result.gap = std::max(result.gap, run.gap());
-    // Every rate is a multiple of the states' rate, so that all runs have states at the same times.
+    // Every rate is a multiple of the states' rate: all runs have states at the same times.
     if (step % perState == 0) result.states.push_back(run.tiles());
   }
   if (!run.isFinite()) result.gap = std::nan("");

@@ -1,5 +1,5 @@
 // A square that becomes a disk, against the exact path of its closure equations (exact_sheet.h).
-// The mechanism has one way to move, so that a state of a run is compared with the state of the
+// The mechanism has one way to move: a state of a run is compared with the state of the
 // path at the same angle between two tiles, moved onto it by the best fit. The path is followed
 // from the middle of the run towards both ends, because it is regular in the middle and singular
 // where the sheet is closed.

@@ -232,7 +232,7 @@ std::vector<std::string> otherEngines(const Table& table, const std::string& mot
 
 // ------------------------------------------------------------------------------------------------
 // A family's model with default parameters as a scene, its start moved onto its target by the best
-// rigid motion, so that springs pull the tiles no farther than the deployment needs.
+// rigid motion: springs pull the tiles no farther than the deployment needs.
 
 scene::Scene familyScene(const std::string& family) {
   scene::Scene scene;

@@ -1,5 +1,5 @@
 // Tables as CSV: lines of the caption that begin with '#', the columns' names, the rows. Cells hold
-// no commas and no line ends, so that nothing needs quoting.
+// no commas and no line ends: nothing needs quoting.
 #include "sim/study/study.h"
 
 #include <algorithm>
@@ -97,7 +97,7 @@ std::string cell(bool flag) {
   return flag ? "yes" : "no";
 }
 
-// Commas and line ends would break the table, so that they are replaced.
+// Commas and line ends would break the table: they are replaced.
 std::string cell(std::string text) {
   std::replace(text.begin(), text.end(), ',', ';');
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -145,7 +145,7 @@ Table readCsv(const std::filesystem::path& file) {
 
 // ------------------------------------------------------------------------------------------------
 // Runs the cases of a study one after the other and keeps what is finished. The rows of a case
-// follow from its name alone, so that a resumed study takes the rows of an earlier file for every
+// follow from its name alone: a resumed study takes the rows of an earlier file for every
 // case that has some. The caption says on which machine and with which versions a table was made,
 // since times mean nothing without them.
 
@@ -211,7 +211,7 @@ std::string machineText() {
                      system.sysname, system.machine);
 }
 
-// The file is written after each case, so that nothing is lost when the study is ended.
+// The file is written after each case: nothing is lost when the study is ended.
 Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer) {
   makeFolder(settings.folder);
   Table table;

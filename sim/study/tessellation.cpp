@@ -1,5 +1,5 @@
 // The rotating squares from closed to 90 degrees, against their exact motion at the same opening
-// angle. A row for each degree has the worst of all steps since the row before, so that no step
+// angle. A row for each degree has the worst of all steps since the row before: no step
 // goes unseen.
 #include <cmath>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace {
 constexpr int kTessellationSide = 4;
 // Up to here a sheet counts as closed: its motion is singular there.
 constexpr double kStartDegrees = 2.3;  // 0.04 radians
-// Weak springs, so that many steps fall on every degree.
+// Weak springs: many steps fall on every degree.
 constexpr double kStiffness = 10;
 
 // Rows of one run, a degree apart.

@@ -2,10 +2,10 @@
 // came from an enemy.
 //
 // Writing. Objects carry no times, the library version is fixed to the format of 1.8, and numbers
-// have one byte order, so that bytes depend on the numbers alone. Series are stored in chunks:
+// have one byte order. Bytes depend only on the numbers. Series are stored in chunks:
 // bytes of equal significance are put together (shuffle), compressed by zlib at its lowest level,
 // and each chunk has a Fletcher checksum. A row that is appended extends the array and writes the
-// chunks that it touches, so that memory does not grow with the run.
+// chunks that it touches: memory does not grow with the run.
 //
 // Reading. HDF5 1.10 trusts what a file says: lengths, links to other files, filters, places of
 // texts. So each claim is checked before it is used: an array must stand in the file itself, be
@@ -261,7 +261,7 @@ void ArrayWriter::write(const std::string& name, const std::vector<std::string>&
 // A chunk holds whole rows, as reading goes row by row.
 void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
   const std::size_t rowBytes = std::max<std::size_t>(1, entryCount(rowShape)) * sizeof(double);
-  // At least one row a chunk, and no more than 1024 of short rows, so that the first rows of a run
+  // At least one row a chunk, and no more than 1024 of short rows: the first rows of a run
   // reach the disk.
   const std::size_t chunkRows = std::clamp<std::size_t>(kChunkBytes / rowBytes, 1, 1024);
   std::vector<hsize_t> chunk = withRows(chunkRows, rowShape);
@@ -307,7 +307,7 @@ void ArrayWriter::setAttribute(const std::string& object, const std::string& nam
   internals_->setAttribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &number);
 }
 
-// Everything is closed by hand, so that errors show; destructors could not tell of them.
+// Everything is closed by hand: errors show; destructors could not tell of them.
 void ArrayWriter::close() {
   errno = 0;
   // Arrays first: a file that closes while one is open stays open.
@@ -342,7 +342,7 @@ struct ArrayReader::Internals {
                     path.string(), found));
   }
 
-  /// Arrays stay open, so that HDF5 keeps the chunk that neighbouring rows share.
+  /// Arrays stay open: HDF5 keeps the chunk that neighbouring rows share.
   const Handle& array(const std::string& name) {
     Handle& array = arrays[name];
     if (array.valid()) return array;

@@ -189,7 +189,7 @@ Projection project(const PlacedPrism& prism, const Vector3& axis) {
     interval.low = std::min(interval.low, projection);
     interval.high = std::max(interval.high, projection);
   }
-  // The top is the bottom moved by `rise`, so that its projections are those of the bottom moved by
+  // The top is the bottom moved by `rise`: its projections are those of the bottom moved by
   // one number.
   const double rise = prism.rise.dot(axis);
   return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
@@ -415,7 +415,7 @@ std::vector<JoinedPair> joinedPairs(const std::vector<model::Brick>& bricks,
   return pairs;
 }
 
-/// Places pieces at the pose of their brick; `placed` is filled anew and keeps its memory.
+/// Places pieces at the pose of their brick; `placed` is filled again and keeps its memory.
 void placeAll(const std::vector<Prism>& prisms, const Pose& pose,
               std::vector<PlacedPrism>& placed) {
   placed.resize(prisms.size());
@@ -568,7 +568,7 @@ struct PenetrationMeter::Internals {
   }
 };
 
-// The start is looked at in full once, so that later states can be compared with it pair by pair.
+// The start is looked at in full once: later states can be compared with it pair by pair.
 PenetrationMeter::PenetrationMeter(const std::vector<model::Brick>& bricks,
                                    std::span<const model::Pivot> pivots, double zone,
                                    const Poses& start, double least, bool countsJoined)
@@ -612,7 +612,7 @@ PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, cons
 // For residuals r_k of the vertices after a rigid motion and any weights w_k >= 0 with sum 1,
 //     min over motions of max r_k  >=  sqrt(min over motions of sum w_k r_k^2),
 // since a weighted mean never exceeds the largest. The right side is the weighted Kabsch fit,
-// whose optimum over proper motions is global, so that every weighting gives a true bound of the
+// whose optimum over proper motions is global: every weighting gives a true bound of the
 // left. Lawson's iteration looks for the best weighting: w_k is multiplied by r_k and the weights
 // are scaled to sum 1 again. Vertices that hold the fit up gain weight, the others lose it, and
 // the two sides meet where the fit is the minimax one. Wherever the iteration ends, the bound is

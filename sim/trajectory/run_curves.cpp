@@ -1,6 +1,6 @@
 // Curves of a run: measures of the shape from the poses of each sample, energies and forces as
 // samples have them. The list of curves is always the same, in the same order, whatever a run has;
-// what it does not have is NaN, so that tables of different runs fit each other.
+// what it does not have is NaN. Tables of different runs fit each other.
 #include "sim/trajectory/run_curves.h"
 
 #include <algorithm>
@@ -268,7 +268,7 @@ RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {
 // ------------------------------------------------------------------------------------------------
 // Sizes of a whole state. The area within a closed outline p_0 ... p_(n-1) is the shoelace sum 1/2
 // sum (x_k y_(k+1) - x_(k+1) y_k), taken about the first corner. Poisson's ratio uses logarithmic
-// strains, which add up over successive deformations, so that it does not depend on the state that
+// strains, which add up over successive deformations: it does not depend on the state that
 // is taken for the start as long as the ratio itself is constant.
 
 namespace {
@@ -302,7 +302,7 @@ HullSize hullSize(const std::vector<model::Tile>& tiles) {
   const std::vector<Eigen::Vector2d> corners = outlineSeenAlongZ(tiles);
   HullSize size;
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    // From the first corner, so that a sheet far from the origin loses no digits.
+    // From the first corner: a sheet far from the origin loses no digits.
     const Eigen::Vector2d from = corners[k] - corners[0];
     const Eigen::Vector2d to = corners[(k + 1) % corners.size()] - corners[0];
     size.area += 0.5 * (from.x() * to.y() - from.y() * to.x());
@@ -342,7 +342,7 @@ std::vector<double> openingAngles(const std::vector<model::Joint>& joints, const
 
 // ------------------------------------------------------------------------------------------------
 // Figures of single bricks. A measure that belongs to two bricks (a joint's gap, a spring's moment)
-// counts for both of them as it is; energies are shared by halves, so that the sum over all bricks
+// counts for both of them as it is; energies are shared by halves. The sum over all bricks
 // is the sum over all springs.
 
 std::vector<double> brickTargetErrors(const std::vector<model::Tile>& target,

@@ -52,7 +52,7 @@ double overlap(const Interval& a, const Interval& b) {
   return std::min(a.high - b.low, b.high - a.low);
 }
 
-// Projections of the vertices on an axis from an origin. The origin lies at the tile, so that far
+// Projections of the vertices on an axis from an origin. The origin lies at the tile: far
 // from the world's origin no digits are lost.
 Interval project(const PlacedTile& tile, const Vector3& axis, const Vector3& origin) {
   Interval interval;
@@ -375,7 +375,7 @@ class SignCounter {
   explicit SignCounter(const Sparse& square)
       : square_(square), identity_(square.rows(), square.cols()) {
     identity_.setIdentity();
-    // A diagonal that is whole keeps the pattern, so that one ordering serves all counts.
+    // A diagonal that is whole keeps the pattern: one ordering serves all counts.
     factors_.analyzePattern(Sparse(square_ + identity_));
   }
 

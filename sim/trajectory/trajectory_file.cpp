@@ -478,7 +478,7 @@ void TrajectoryWriter::finish(const TrajectoryEnd& end) {
   writeEvents(file, end.events);
   writeFigureStates(file, end.figureStates, internals_->brickCount);
   file.write("findings", {end.findings});
-  // Before the file gets its name, so that a full disk shows here.
+  // Before the file gets its name: a full disk shows here.
   file.close();
   internals_->pending.commit();
 }
@@ -491,7 +491,7 @@ void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& 
 
 // ------------------------------------------------------------------------------------------------
 // Trajectories read with distrust: what pictures, meshes and measures take for granted is checked
-// here, so that a damaged file ends in one message and not in a picture of nonsense.
+// here. A damaged file ends in one message and not in a picture of nonsense.
 //
 // Everything that is small is read at once (the model, the bricks, times, measures, steps, holds);
 // poses and joint forces are read sample by sample, as they may not fit in memory. `FileRun` and
@@ -751,7 +751,7 @@ class SubjectReader {
     return rule;
   }
 
-  // Bricks are stored whole, so that pictures are those of the run, whatever later rules make of
+  // Bricks are stored whole: pictures are those of the run, whatever later rules make of
   // tiles.
   void readBricks(Subject& subject) const {
     const std::size_t count = sizes_.size();
@@ -771,7 +771,7 @@ class SubjectReader {
             fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
       }
       requireSolid(brick, i);
-      // Convex parts follow from the outline, so that no file needs to store them.
+      // Convex parts follow from the outline: no file needs to store them.
       brick.parts = model::partsOfBottom(brick.bottom, brick.normal);
       subject.bricks.push_back(std::move(brick));
     }
