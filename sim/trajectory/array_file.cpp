@@ -8,10 +8,10 @@
 // chunks that it touches: memory does not grow with the run.
 //
 // Reading. HDF5 1.10 trusts what a file says: lengths, links to other files, filters, places of
-// texts. So each claim is checked before it is used: an array must stand in the file itself, be
-// stored contiguously or in chunks with the three known filters, claim no more entries than a file
-// of this size can hold, and have exactly the type that the writer gives it. Texts have checks of
-// their own (array_file.h).
+// texts of variable length. So each claim is checked before it is used: an array must be in the
+// file itself, be stored contiguously or in chunks with the three known filters, claim no more
+// entries than a file of this size can hold, and have exactly the type that the writer gives it.
+// Texts have a fixed length, that of the longest of their array.
 //
 // HDF5 reports failures through return codes; `check` and `requireRead` turn them into exceptions.
 // The library is not thread-safe by default: this file refuses to compile against such a build.
@@ -106,11 +106,12 @@ Handle untimed(hid_t kind) {
   return properties;
 }
 
-// UTF-8 of any length.
-Handle textType() {
+/// UTF-8 in so many bytes, the rest of which are 0.
+Handle textType(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  // Texts of any length: HDF5 keeps them in heaps apart from the array.
-  H5Tset_size(type.id(), H5T_VARIABLE);
+  // HDF5 has no texts of 0 bytes.
+  H5Tset_size(type.id(), std::max<std::size_t>(1, bytes));
+  H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
   H5Tset_cset(type.id(), H5T_CSET_UTF8);
   return type;
 }
@@ -252,10 +253,13 @@ void ArrayWriter::writeChecked(const std::string& name, std::span<const double> 
 }
 
 void ArrayWriter::write(const std::string& name, const std::vector<std::string>& texts) {
-  std::vector<const char*> pointers;
-  for (const std::string& text : texts) pointers.push_back(text.c_str());
-  const Handle type = textType();
-  internals_->writeWhole(name, type.id(), type.id(), pointers.data(), {texts.size()});
+  std::size_t longest = 1;
+  for (const std::string& text : texts) longest = std::max(longest, text.size());
+  std::string bytes;
+  for (const std::string& text : texts)
+    bytes.append(text).resize(bytes.size() + longest - text.size());
+  const Handle type = textType(longest);
+  internals_->writeWhole(name, type.id(), type.id(), bytes.data(), {texts.size()});
 }
 
 // A chunk holds whole rows, as reading goes row by row.
@@ -298,9 +302,8 @@ void ArrayWriter::append(const std::string& name, std::span<const double> rows) 
 
 void ArrayWriter::setAttribute(const std::string& object, const std::string& name,
                                const std::string& text) {
-  const Handle type = textType();
-  const char* pointer = text.c_str();
-  internals_->setAttribute(object, name, type.id(), type.id(), &pointer);
+  const Handle type = textType(text.size());
+  internals_->setAttribute(object, name, type.id(), type.id(), text.c_str());
 }
 
 void ArrayWriter::setAttribute(const std::string& object, const std::string& name, double number) {
@@ -329,8 +332,13 @@ bool isInt(const Handle& type) {
   return H5Tequal(type.id(), H5T_STD_I32LE) > 0;
 }
 
+/// A text of an array of bytes.
+std::string withoutPadding(const std::string& bytes, std::size_t first, std::size_t length) {
+  return bytes.substr(first, std::min(length, bytes.find('\0', first) - first));
+}
+
 bool isText(const Handle& type) {
-  return H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) > 0;
+  return H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) == 0;
 }
 
 }  // namespace
@@ -426,29 +434,13 @@ struct ArrayReader::Internals {
     if (code < 0) refuse(fmt::format("the array {} is damaged", name));
   }
 
-  /// Reads off the file itself how long texts are and where they stand: HDF5 would set aside as
-  /// much memory as they claim, and believes the rest too. Stored is of each text its length, 4
-  /// bytes, its heap, 8 bytes (0 for none), and its number there, 4 bytes.
-  void requireSoundTexts(const Handle& array, const std::string& name, std::size_t count) const {
-    TextPlaces places(path);
-    std::ifstream stream = openInputFile(path);
-    stream.seekg(static_cast<std::streamoff>(H5Dget_offset(array.id())));
-    double bytes = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      std::array<char, 16> stored{};
-      stream.read(stored.data(), stored.size());
-      const auto number = [&stored](int first, int size) {
-        std::uint64_t value = 0;
-        // Little-endian.
-        for (int place = first + size; place-- > first;)
-          value = value << 8 | static_cast<unsigned char>(stored[place]);
-        return value;
-      };
-      bytes += static_cast<double>(number(0, 4));
-      const bool stands =
-          number(4, 8) == 0 || places.hold(number(4, 8), number(12, 4), number(0, 4));
-      requireRead(stream && bytes <= fileBytes && stands ? 0 : -1, name);
+  /// The bytes of each of so many texts of this type, once the file can hold them at all.
+  std::size_t textLength(const Handle& type, std::size_t count) const {
+    const std::size_t length = H5Tget_size(type.id());
+    if (!isClaimable({count, length / sizeof(double)})) {
+      refuse("an array claims more entries than the file holds");
     }
+    return length;
   }
 
   /// Other versions of the format describe what they hold without checksums.
@@ -492,9 +484,8 @@ ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_uniq
                     in.path.string()));
   }
   in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
-  // The order matters: these two look at the bytes themselves, before HDF5 is given anything.
+  // Checks the bytes themselves, before HDF5 opens the file.
   if (!in.beginsAsOurs()) in.refuse("this is not an HDF5 file");
-  if (!hasWholeTextHeaps(in.path)) in.refuse("the file is cut short or damaged");
   in.file = Handle(H5Fopen(in.path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (!in.file.valid()) in.refuse("the file is cut short or damaged");
 }
@@ -544,21 +535,19 @@ std::vector<int> ArrayReader::integers(const std::string& name) const {
   return entries;
 }
 
-// Checked byte by byte before HDF5 follows their places.
 std::vector<std::string> ArrayReader::texts(const std::string& name) const {
   const Handle& array = internals_->array(name);
-  internals_->requireType(array, name, isText, "texts");
-  const Handle type = textType();
-  std::vector<char*> pointers(entryCount(internals_->shapeOf(array)));
-  internals_->requireSoundTexts(array, name, pointers.size());
+  internals_->requireType(array, name, isText, "texts of a fixed length");
+  const std::size_t count = entryCount(internals_->shapeOf(array));
+  const std::size_t length =
+      internals_->textLength(Handle(H5Dget_type(array.id()), H5Tclose), count);
+  std::string bytes(count * length, '\0');
   internals_->requireRead(
-      H5Dread(array.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), name);
+      H5Dread(array.id(), textType(length).id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()),
+      name);
   std::vector<std::string> texts;
-  for (char* pointer : pointers) {
-    texts.emplace_back(pointer == nullptr ? "" : pointer);
-    // The library allocated the text.
-    H5free_memory(pointer);
-  }
+  for (std::size_t k = 0; k < count; ++k)
+    texts.push_back(withoutPadding(bytes, k * length, length));
   return texts;
 }
 
@@ -583,14 +572,13 @@ std::vector<double> ArrayReader::row(const std::string& name, std::size_t index)
 
 std::string ArrayReader::textAttribute(const std::string& object, const std::string& name) const {
   const Handle attribute = internals_->attribute(object, name, isText);
-  const Handle type = textType();
-  char* pointer = nullptr;
-  if (H5Aread(attribute.id(), type.id(), &pointer) < 0) {
+  const std::size_t length =
+      internals_->textLength(Handle(H5Aget_type(attribute.id()), H5Tclose), 1);
+  std::string bytes(length, '\0');
+  if (H5Aread(attribute.id(), textType(length).id(), bytes.data()) < 0) {
     internals_->refuse(fmt::format("the attribute {} is damaged", name));
   }
-  std::string text = pointer == nullptr ? "" : pointer;
-  H5free_memory(pointer);
-  return text;
+  return withoutPadding(bytes, 0, length);
 }
 
 double ArrayReader::numberAttribute(const std::string& object, const std::string& name) const {
@@ -609,120 +597,6 @@ std::string arrayLibraryVersion() {
   unsigned release = 0;
   H5get_libversion(&major, &minor, &release);
   return fmt::format("{}.{}.{}", major, minor, release);
-}
-
-// ------------------------------------------------------------------------------------------------
-// Checks of HDF5's global heap collections, byte by byte, by the HDF5 File Format Specification,
-// III.E.
-//
-// A collection begins with "GCOL", its version (1), 3 zero bytes and its size (8 bytes, this header
-// included). Entries follow: number (2 bytes), references (2), 4 zero bytes, size (8), then the
-// bytes, padded to a multiple of 8. An entry with the number 0 is the free space at the end, and
-// its size counts its own header. All numbers are little-endian. A collection is whole where
-// walking from entry to entry ends exactly within its size.
-//
-// The collections are found by their signature anywhere in the file, since only HDF5 itself knows
-// the places that it will follow. A text that happens to contain the signature makes a sound file
-// look damaged; none that the program writes does.
-
-namespace {
-
-constexpr std::string_view kSignature("GCOL\x01\0\0\0", 8);
-constexpr std::uint64_t kHeader = 16;       // the signature and the heap's size
-constexpr std::uint64_t kEntryHeader = 16;  // number, references, 4 bytes, size
-
-/// An unsigned number in `size` bytes, the lowest first; 0 beyond the end of the file.
-std::uint64_t numberAt(std::istream& file, std::uint64_t place, int size) {
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  // A stream that once reached the end refuses to seek until it is cleared.
-  file.clear();
-  file.seekg(static_cast<std::streamoff>(place));
-  file.read(bytes.data(), size);
-  std::uint64_t number = 0;
-  for (int k = size; k-- > 0;) number = number << 8 | static_cast<unsigned char>(bytes[k]);
-  return number;
-}
-
-/// How far it is from an entry to the next, 0 when it goes beyond `left` bytes.
-std::uint64_t stepAt(std::istream& file, std::uint64_t place, std::uint64_t left) {
-  const bool isFreeSpace = numberAt(file, place, 2) == 0;
-  const std::uint64_t size = numberAt(file, place + 8, 8);
-  if (size > left) return 0;
-  const std::uint64_t step = isFreeSpace ? size : kEntryHeader + (size + 7) / 8 * 8;
-  return step <= left ? step : 0;
-}
-
-// Walks the heap's entries; each must end within the heap.
-bool isWhole(std::istream& file, std::uint64_t heap, std::uint64_t fileSize) {
-  const std::uint64_t size = numberAt(file, heap + kSignature.size(), 8);
-  if (size < kHeader || size > fileSize - heap) return false;
-  // What is too short for another entry is not used.
-  std::uint64_t place = kHeader;
-  while (place + kEntryHeader <= size) {
-    const std::uint64_t step = stepAt(file, heap + place, size - place);
-    if (step == 0) return false;
-    place += step;
-  }
-  return true;
-}
-
-/// Where heaps begin. The file is read in blocks that overlap by a signature.
-std::vector<std::uint64_t> heapsIn(std::istream& file, std::uint64_t fileSize) {
-  constexpr std::uint64_t kBlock = 1 << 20;
-  std::vector<std::uint64_t> heaps;
-  std::string block(std::min(kBlock + kSignature.size() - 1, fileSize), '\0');
-  for (std::uint64_t start = 0; start < fileSize; start += kBlock) {
-    file.clear();
-    file.seekg(static_cast<std::streamoff>(start));
-    file.read(block.data(), std::ssize(block));
-    const std::string_view bytes(block.data(), static_cast<std::size_t>(file.gcount()));
-    for (std::size_t at = bytes.find(kSignature); at != bytes.npos;
-         at = bytes.find(kSignature, at + 1)) {
-      heaps.push_back(start + at);
-    }
-  }
-  return heaps;
-}
-
-}  // namespace
-
-bool hasWholeTextHeaps(const std::filesystem::path& file) {
-  std::ifstream stream = openInputFile(file);
-  std::error_code error;
-  const std::uint64_t size = std::filesystem::file_size(file, error);
-  if (!stream || error) return false;
-  const std::vector<std::uint64_t> heaps = heapsIn(stream, size);
-  return std::all_of(heaps.begin(), heaps.end(),
-                     [&](std::uint64_t heap) { return isWhole(stream, heap, size); });
-}
-
-bool TextPlaces::hold(std::uint64_t heap, std::uint64_t number, std::uint64_t length) {
-  const auto [known, isNew] = heaps_.try_emplace(heap);
-  if (isNew) known->second = entriesOf(heap);
-  const auto entry = known->second.find(number);
-  return entry != known->second.end() && entry->second == length;
-}
-
-// Nothing where no heap begins at this place.
-TextPlaces::Entries TextPlaces::entriesOf(std::uint64_t heap) {
-  std::string beginning(kSignature.size(), '\0');
-  file_.clear();
-  file_.seekg(static_cast<std::streamoff>(heap));
-  file_.read(beginning.data(), std::ssize(beginning));
-  if (!file_ || beginning != kSignature) return {};
-  Entries entries;
-  const std::uint64_t size = numberAt(file_, heap + kSignature.size(), 8);
-  for (std::uint64_t place = kHeader; place + kEntryHeader <= size;) {
-    const std::uint64_t number = numberAt(file_, heap + place, 2);
-    const std::uint64_t bytes = numberAt(file_, heap + place + 8, 8);
-    // Of two with one number neither can be meant: no text is as long as that.
-    if (!entries.emplace(number, bytes).second) entries[number] = size;
-    const std::uint64_t step = stepAt(file_, heap + place, size - place);
-    if (step == 0) return {};
-    place += step;
-  }
-  entries.erase(0);  // free space
-  return entries;
 }
 
 }  // namespace kirireel::trajectory

@@ -178,7 +178,7 @@ namespace kirireel::trajectory::layout {
 
 /// The attribute "format" of the file itself.
 inline constexpr const char* kFormat = "kirireel trajectory";
-inline constexpr double kFormatVersion = 4;  ///< the only one that is read
+inline constexpr double kFormatVersion = 5;  ///< the only one that is read
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 
