@@ -28,6 +28,7 @@
 #include <Eigen/SVD>
 
 #include "sim/base/interruption.h"
+#include "sim/model/sheet_frame.h"
 
 namespace kirireel::model {
 namespace {
@@ -67,14 +68,16 @@ std::vector<double> evenWeights(std::size_t count) {
   return std::vector<double>(count, 1.0);
 }
 
-/// The best turn about the z axis: for sets in horizontal planes the best motion in space may flip
-/// the sheet over, which no sheet on a table can do.
-RigidMotion bestPlanarMotion(std::span<const Vector3> from, std::span<const Vector3> to) {
+/// The best turn about the normal of a sheet: for sets in parallel planes the best motion in space
+/// may flip the sheet over, which no sheet on a table can do.
+RigidMotion bestPlanarMotion(const SheetFrame& frame, std::span<const Vector3> from,
+                             std::span<const Vector3> to) {
   const Comparison sets(from, to, evenWeights(from.size()));
   const Matrix3& covariance = sets.covariance;
-  const double angle =
-      std::atan2(covariance(0, 1) - covariance(1, 0), covariance(0, 0) + covariance(1, 1));
-  return sets.withRotation(Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix());
+  const auto entry = [&](const Vector3& a, const Vector3& b) { return a.dot(covariance * b); };
+  const double angle = std::atan2(entry(frame.x, frame.y) - entry(frame.y, frame.x),
+                                  entry(frame.x, frame.x) + entry(frame.y, frame.y));
+  return sets.withRotation(Eigen::AngleAxisd(angle, frame.normal).toRotationMatrix());
 }
 
 std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
@@ -92,14 +95,6 @@ std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles, std::span<const 
     points.insert(points.end(), vertices.begin(), vertices.end());
   }
   return points;
-}
-
-// Whether all points lie at one height, whatever it is, to the tolerance in metres.
-bool isHorizontal(std::span<const Vector3> points, double tolerance) {
-  const auto [low, high] =
-      std::minmax_element(points.begin(), points.end(),
-                          [](const Vector3& a, const Vector3& b) { return a.z() < b.z(); });
-  return high->z() - low->z() <= tolerance;
 }
 
 }  // namespace
@@ -128,9 +123,10 @@ RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   // Heights that differ by less than a billionth of the sheet come from rounding.
   const double tolerance = 1e-9 * modelSize(model);
   // Both states have to lie flat: one that folds up may well start upside down.
-  const bool planar = isHorizontal(start, tolerance) && isHorizontal(target, tolerance);
-  const auto fit = [planar](std::span<const Vector3> from, std::span<const Vector3> to) {
-    return planar ? bestPlanarMotion(from, to) : bestRigidMotion(from, to);
+  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, tolerance);
+  const bool planar = frame && isParallel(*frame, *model.target, tolerance);
+  const auto fit = [&](std::span<const Vector3> from, std::span<const Vector3> to) {
+    return planar ? bestPlanarMotion(*frame, from, to) : bestRigidMotion(from, to);
   };
   const RigidMotion motion =
       held.empty() ? fit(start, target)

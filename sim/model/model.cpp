@@ -167,10 +167,27 @@ std::vector<int> piecesOf(const Model& model) {
 
 namespace {
 
+/// Coordinates nearer than this part of the sheet's larger side are one.
+constexpr double kSameCoordinate = 1e-9;
+
 struct TilePoint {
   double x, y;
   Corner corner;
 };
+
+/// Replaces each value by the least of those from which only gaps up to `least` separate it: sheets
+/// that are turned or far away hold one coordinate as several that differ by rounding.
+void joinNearValues(std::vector<TilePoint>& points, double TilePoint::*value, double least) {
+  std::vector<double*> rising;
+  for (TilePoint& point : points) rising.push_back(&(point.*value));
+  std::ranges::sort(rising, {}, [](const double* at) { return *at; });
+  double last = *rising.front(), first = last;
+  for (double* const at : rising) {
+    if (*at - last > least) first = *at;
+    last = *at;
+    *at = first;
+  }
+}
 
 // By x, then y; a stable sort keeps the first corner of each place first.
 std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
@@ -181,6 +198,11 @@ std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
       points.push_back({vertex.x(), vertex.y(), {static_cast<int>(i), static_cast<int>(k)}});
     }
   }
+  const auto [left, right] = std::ranges::minmax(points, {}, &TilePoint::x);
+  const auto [low, high] = std::ranges::minmax(points, {}, &TilePoint::y);
+  const double least = kSameCoordinate * std::max(right.x - left.x, high.y - low.y);
+  joinNearValues(points, &TilePoint::x, least);
+  joinNearValues(points, &TilePoint::y, least);
   std::stable_sort(points.begin(), points.end(), [](const TilePoint& a, const TilePoint& b) {
     return std::tie(a.x, a.y) < std::tie(b.x, b.y);
   });
@@ -216,7 +238,7 @@ std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
   points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
   const double width = points.back().x - points.front().x;
   // Areas smaller than this come from rounding: then a point counts as being on the straight side.
-  const double rounding = 1e-9 * width * width;
+  const double rounding = kSameCoordinate * width * width;
   std::vector<Corner> outline;
   appendHalf(points.begin(), points.end(), rounding, outline);
   appendHalf(points.rbegin(), points.rend(), rounding, outline);

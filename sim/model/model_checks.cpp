@@ -26,6 +26,7 @@
 
 #include "sim/base/error.h"
 #include "sim/model/convex_parts.h"
+#include "sim/model/sheet_frame.h"
 
 namespace kirireel::model {
 namespace {
@@ -416,7 +417,7 @@ double samePlaceTolerance(const std::vector<Tile>& tiles) {
 
 namespace {
 
-// A sheet whose heights differ by less than this part of its size is flat.
+// A sheet whose vertices leave a plane by less than this part of its size is flat.
 constexpr double kLevelStart = 1e-9;
 
 /// "1 joint is", "3 joints are".
@@ -424,14 +425,11 @@ std::string countOf(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? " is" : "s are");
 }
 
-bool isClockwise(const Tile& tile) {
-  return tileNormal(tile).z() < 0;
-}
-
-bool isFlat(const std::vector<Tile>& tiles, double size) {
+/// How far vertices of a flat sheet may be from its plane, metres.
+double flatTolerance(const std::vector<Tile>& tiles, double size) {
   // Numbers that were rounded may differ by their last digit; the factor leaves room for what a
   // double cannot hold of it.
-  return liesFlat(tiles, std::max(kLevelStart * size, 1.01 * roundingOf(tiles)));
+  return std::max(kLevelStart * size, 1.01 * roundingOf(tiles));
 }
 
 }  // namespace
@@ -569,14 +567,17 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
 // Decided for the start alone: a tile keeps its vertices' order in every state.
 void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
   const double size = modelSize(model);
-  if (!isFlat(model.tiles, size)) return;
+  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, flatTolerance(model.tiles, size));
+  if (!frame) return;
   std::vector<bool> clockwise(model.tiles.size());
-  std::transform(model.tiles.begin(), model.tiles.end(), clockwise.begin(), isClockwise);
+  std::transform(model.tiles.begin(), model.tiles.end(), clockwise.begin(),
+                 [&](const Tile& tile) { return tileNormal(tile).dot(frame->normal) < 0; });
   const auto count = std::count(clockwise.begin(), clockwise.end(), true);
   if (count == 0) return;
   // In a sheet that leaves the plane, the side on which bricks grow decides which face a joint lies
   // on. To turn all tiles round would swap top and bottom.
-  const bool isFolded = model.target && !isFlat(*model.target, size);
+  const bool isFolded =
+      model.target && !isParallel(*frame, *model.target, flatTolerance(*model.target, size));
   if (isFolded && count == std::ssize(model.tiles)) {
     warnings.push_back(
         fmt::format("{}: warning: all tiles run clockwise seen from above, so that bricks grow "
@@ -588,8 +589,9 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
       static_cast<int>(std::find(clockwise.begin(), clockwise.end(), true) - clockwise.begin());
   Mend mend;
   mend.place = toString(table.at(first));
-  mend.found = fmt::format("{} of {} tiles run{} clockwise seen from above", count,
-                           model.tiles.size(), count == 1 ? "s" : "");
+  mend.found = fmt::format("{} of {} tiles run{} clockwise seen from {}", count, model.tiles.size(),
+                           count == 1 ? "s" : "",
+                           frame->isHorizontal() ? "above" : "the side of the others");
   mend.done = "turned round, and written in the file's own order again";
   mend.advice = "list their vertices anticlockwise";
   for (int tile = 0; tile < std::ssize(clockwise); ++tile) {
@@ -1074,7 +1076,8 @@ JointFace faceOf(const Joint& joint, const std::vector<Tile>& tiles, FaceRule ru
 void chooseJointFaces(Model& model, FaceRule rule) {
   const double tolerance = samePlaceTolerance(model.tiles);
   const std::vector<Tile>& deployed = model.target ? *model.target : model.tiles;
-  const bool planar = liesFlat(model.tiles, tolerance) && liesFlat(deployed, tolerance);
+  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, tolerance);
+  const bool planar = frame && isParallel(*frame, deployed, tolerance);
   for (Joint& joint : model.joints) {
     if (joint.kind != JointKind::Pivot) continue;
     joint.face = planar ? JointFace::Both : faceOf(joint, deployed, rule, tolerance);

@@ -1,0 +1,72 @@
+// The frame of a flat sheet. The sum of the tiles' area vectors, each taken to the side of the
+// first, is normal to the plane: its error is that of the vertices over the size of the sheet. The
+// signs of the areas along it then choose the side.
+
+#include "sim/model/sheet_frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kirireel::model {
+namespace {
+
+/// Parts of the whole area that decide about the upper side.
+constexpr double kEvenArea = 1e-9;
+
+Vector3 areaVector(const Tile& tile) {
+  return tileArea(tile) * tileNormal(tile);
+}
+
+/// Unit, to the side of most of the area.
+Vector3 meanNormal(const std::vector<Tile>& tiles) {
+  const Vector3 first = tileNormal(tiles.front());
+  Vector3 sum = Vector3::Zero();
+  double sameSide = 0, total = 0;
+  for (const Tile& tile : tiles) {
+    const Vector3 area = areaVector(tile);
+    const double along = area.dot(first);
+    sum += along < 0 ? Vector3(-area) : area;
+    sameSide += along;
+    total += std::abs(along);
+  }
+  return (sameSide < -kEvenArea * total ? -1 : 1) * sum.normalized();
+}
+
+}  // namespace
+
+std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance) {
+  SheetFrame frame;
+  if (liesFlat(tiles, tolerance)) {
+    frame.origin.z() = tiles.front().vertices.front().z();
+    return frame;
+  }
+  frame.origin = tiles.front().vertices.front();
+  frame.normal = meanNormal(tiles);
+  // A normal that faces straight down has no shortest rotation; the sheet is turned over about x.
+  const Vector3 axis = Vector3::UnitZ().cross(frame.normal);
+  const double angle = std::atan2(axis.norm(), frame.normal.z());
+  const Eigen::AngleAxisd turn(angle,
+                               axis.isZero() ? Vector3::UnitX() : Vector3(axis.normalized()));
+  frame.x = turn * Vector3::UnitX();
+  frame.y = frame.normal.cross(frame.x);
+  if (!isParallel(frame, tiles, tolerance)) return std::nullopt;
+  return frame;
+}
+
+bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double tolerance) {
+  const double level = frame.toFrame(tiles.front().vertices.front()).z();
+  return std::ranges::all_of(tiles, [&](const Tile& tile) {
+    return std::ranges::all_of(tile.vertices, [&](const Vector3& vertex) {
+      return std::abs(frame.toFrame(vertex).z() - level) <= tolerance;
+    });
+  });
+}
+
+std::vector<Tile> toFrame(const SheetFrame& frame, std::vector<Tile> tiles) {
+  for (Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = frame.toFrame(vertex);
+  }
+  return tiles;
+}
+
+}  // namespace kirireel::model

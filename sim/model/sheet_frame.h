@@ -1,0 +1,46 @@
+/// The plane of a flat sheet and its upper side: what "flat", "clockwise" and "from above" refer
+/// to. Only gravity, the ground and the screen use z instead.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/model/model.h"
+
+namespace kirireel::model {
+
+/// Right-handed axes of a flat sheet. The default is the plane z = 0 seen from above.
+struct SheetFrame {
+  Vector3 origin = Vector3::Zero();   ///< a point of the plane, metres
+  Vector3 x = Vector3::UnitX();       ///< unit, in the plane
+  Vector3 y = Vector3::UnitY();       ///< unit, in the plane
+  Vector3 normal = Vector3::UnitZ();  ///< unit, to the upper side
+
+  /// The coordinates of a point in these axes: two in the plane and its height above it, metres.
+  Vector3 toFrame(const Vector3& point) const {
+    const Vector3 arm = point - origin;
+    return {x.dot(arm), y.dot(arm), normal.dot(arm)};
+  }
+  /// The point with these coordinates.
+  Vector3 toWorld(const Vector3& point) const {
+    return origin + point.x() * x + point.y() * y + point.z() * normal;
+  }
+  /// Whether this is a horizontal plane seen from above.
+  bool isHorizontal() const { return normal == Vector3::UnitZ(); }
+};
+
+/// The frame of tiles whose vertices lie in one plane, to the tolerance in metres; nullopt if they
+/// do not. The upper side of a horizontal sheet is the side of +z. That of any other is the side
+/// from which most of the sheet's area has its vertices anticlockwise, and the first tile if no
+/// side has more. So it turns with the sheet. The axes in the plane are x and y after the shortest
+/// rotation of z onto the normal; a horizontal sheet keeps the bits of its x and y. At least one
+/// tile, each with an area.
+std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance);
+
+/// Whether all vertices lie in one plane parallel to the frame's, to the tolerance in metres.
+bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double tolerance);
+
+/// The tiles in the frame's coordinates.
+std::vector<Tile> toFrame(const SheetFrame& frame, std::vector<Tile> tiles);
+
+}  // namespace kirireel::model
