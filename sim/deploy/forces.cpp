@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/model/isometry.h"
 #include "sim/model/model.h"
+#include "sim/model/sheet_frame.h"
 
 namespace kirireel::deploy {
 
@@ -77,9 +78,9 @@ double usualStiffness(const scene::TargetSpringSettings& settings,
 // Springs from the hull's corners to an ellipse. With the middle m of the hull's corners and the
 // half axes a (along x) and b (along y), the ray from m through a corner leaves the ellipse at
 //   m + (x, y) / sqrt((x / a)^2 + (y / b)^2),      (x, y) = corner - m
-// which is the corner's anchor, at the corner's own height. b is the wanted size times the radius
-// of the smallest circle about m that holds all corners, a is b times the aspect. Anchors stay
-// where they are: the sheet grows towards them.
+// which is the corner's anchor, at the corner's own height above the sheet's plane. b is the wanted
+// size times the radius of the smallest circle about m that holds all corners, a is b times the
+// aspect. Anchors stay where they are: the sheet grows towards them.
 
 namespace {
 
@@ -109,11 +110,14 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
   if (!model.hullFault.empty()) {
     throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
   }
+  // Sheets that are not flat are pulled along x and y.
+  const model::SheetFrame frame =
+      model::sheetFrame(model.tiles, 1e-9 * model::modelSize(model)).value_or(model::SheetFrame{});
   const std::vector<model::Corner> hull =
-      model.hull ? *model.hull : model::outlineCorners(model.tiles);
+      model.hull ? *model.hull : model::outlineCorners(model::toFrame(frame, model.tiles));
   std::vector<Vector3> corners;
   for (const model::Corner& corner : hull) {
-    corners.push_back(model.tiles[corner.tile].vertices[corner.vertex]);
+    corners.push_back(frame.toFrame(model.tiles[corner.tile].vertices[corner.vertex]));
   }
   const Vector3 middle = meanPoint(corners);
   double radius = 0;
@@ -122,7 +126,8 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
   }
   const double halfWidth = curve.size * radius;
   for (std::size_t k = 0; k < hull.size(); ++k) {
-    anchors_.push_back(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k]));
+    anchors_.push_back(
+        frame.toWorld(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k])));
     const int tile = hull[k].tile;
     springs_[tile].push_back({bricks[tile].bottom[hull[k].vertex], anchors_.back(),
                               strengths_[tile].springStiffness, 0});
