@@ -13,6 +13,7 @@
 #include <string>
 
 #include "sim/model/convex_parts.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/union_area.h"
 
@@ -89,7 +90,11 @@ std::vector<CurveGroup> emptyGroups() {
 class ShapeMeter final : public SampleMeter {
  public:
   explicit ShapeMeter(const Subject& subject)
-      : subject_(subject), sidesAtStart_(boxSides(subject.model.tiles)) {}
+      : subject_(subject),
+        // Sheets that are not flat at the start are seen along z.
+        frame_(model::sheetFrame(subject.model.tiles, 1e-9 * model::modelSize(subject.model))
+                   .value_or(model::SheetFrame{})),
+        sidesAtStart_(boxSides(model::toFrame(frame_, subject.model.tiles))) {}
 
   std::vector<Channel> channels() const override {
     std::vector<Channel> channels;
@@ -107,8 +112,9 @@ class ShapeMeter final : public SampleMeter {
   std::vector<double> measure(const Sample& sample) override {
     const std::vector<model::Tile> tiles = model::bottomTiles(subject_.bricks, sample.poses);
     const Vector3 sides = boxSides(tiles);
-    const HullSize hull = hullSize(tiles);
-    const double covered = coveredArea(tiles).value_or(kNone);
+    const std::vector<model::Tile> seen = model::toFrame(frame_, tiles);
+    const HullSize hull = hullSize(seen);
+    const double covered = coveredArea(seen).value_or(kNone);
     std::vector<double> values = {sides.x(),
                                   sides.y(),
                                   sides.z(),
@@ -116,7 +122,7 @@ class ShapeMeter final : public SampleMeter {
                                   covered,
                                   hull.perimeter,
                                   1 - covered / hull.area,
-                                  poissonsRatio(sidesAtStart_, sides).value_or(kNone)};
+                                  poissonsRatio(sidesAtStart_, boxSides(seen)).value_or(kNone)};
     const std::vector<double> angles = openingAngles(subject_.model.joints, sample.poses);
     for (const double angle : spread(angles)) values.push_back(angle / kDegree);
     for (const double angle : angles) values.push_back(angle / kDegree);
@@ -133,6 +139,7 @@ class ShapeMeter final : public SampleMeter {
   }
 
   const Subject& subject_;
+  model::SheetFrame frame_;
   Vector3 sidesAtStart_;
 };
 

@@ -42,8 +42,8 @@ struct RunCurves {
   /// Always the same groups and curves in the same order:
   ///
   ///     Size              width, height, depth: the box around the tiles along x, y, z; m
-  ///     Area              hull: within the convex outline seen along z; covered: by tiles that lie
-  ///                       flat; m^2
+  ///     Area              hull: within the convex outline seen along the normal of a sheet that
+  ///                       starts flat, else along z; covered: by tiles that lie flat; m^2
   ///     Hull perimeter    of that outline, m
   ///     Porosity          1 - covered / hull
   ///     Poisson's ratio   since the start, see poissonsRatio()

@@ -13,6 +13,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -20,6 +21,7 @@
 
 #include "sim/base/interruption.h"
 #include "sim/model/convex_parts.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::trajectory {
@@ -256,6 +258,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
 // A dense decomposition takes O(n^3).
+constexpr double kFlatSheet = 1e-9;  // of its size, from its plane
 constexpr int kMostDenseUnknowns = 900;
 constexpr int kMostUnknowns = 60'000;
 
@@ -426,7 +429,12 @@ double zeroSingularValue(const model::Model& model) {
 
 Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness) {
-  const JointJacobian equations(model, state, freedom, thickness);
+  // In the plane the equations are those of x, y and turns about z in the sheet's own axes.
+  const std::optional<model::SheetFrame> frame =
+      freedom == Freedom::Plane ? model::sheetFrame(state, kFlatSheet * model::modelSize(model))
+                                : std::nullopt;
+  const JointJacobian equations(model, frame ? model::toFrame(*frame, state) : state, freedom,
+                                thickness);
   const Sparse jacobian = equations.matrix();
   Mobility result;
   result.unknowns = equations.unknowns();

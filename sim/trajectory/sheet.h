@@ -57,7 +57,7 @@ struct Mobility {
 
 /// Where tiles may move.
 enum class Freedom {
-  Plane,  ///< in the plane z = 0, about the z axis
+  Plane,  ///< in the plane of a flat sheet, about its normal; of others, along x and y, about z
   Space,  ///< three dimensions
 };
 
