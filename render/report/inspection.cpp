@@ -22,6 +22,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/model_checks.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::report {
@@ -54,7 +55,7 @@ StateInspection inspectState(const scene::Scene& scene, const std::vector<model:
   state.seesAllPairs =
       static_cast<long>(state.overlaps.size()) < trajectory::mostPairs(tiles.size());
   // Freedoms in the plane mean something for flat states alone.
-  if (model::liesFlat(tiles, kFlatOfModel * model::modelSize(model))) {
+  if (model::sheetFrame(tiles, kFlatOfModel * model::modelSize(model))) {
     state.inPlane =
         trajectory::mobility(model, tiles, trajectory::Freedom::Plane, scene.brick.thickness);
   }

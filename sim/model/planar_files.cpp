@@ -27,6 +27,7 @@
 #include "sim/base/files.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/model_formats.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel::model {
@@ -422,13 +423,15 @@ std::string planarJointText(const std::vector<Joint>& joints) {
   return text;
 }
 
-/// Planar files have no place for heights, nor for tiles that move as one.
-void requirePlanar(const Model& model, const fs::path& file) {
+/// Planar files have no place for heights, nor for tiles that move as one. Returns the sheet's
+/// plane.
+SheetFrame requirePlanar(const Model& model, const fs::path& file) {
   const int first = model.fileOrder.countsFrom;
-  if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) {
+  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, 1e-9 * modelSize(model));
+  if (!frame) {
     throw InputError(
-        fmt::format("{}: error: planar files hold x and y alone, and the start does "
-                    "not lie in a horizontal plane; convert to a folder",
+        fmt::format("{}: error: planar files hold x and y only, and the start is not flat; convert "
+                    "to a folder",
                     file.string()));
   }
   for (const Joint& joint : model.joints) {
@@ -438,14 +441,15 @@ void requirePlanar(const Model& model, const fs::path& file) {
                     "fixed tiles {} and {}; convert to a .fold file",
                     file.string(), first + joint.a.tile, first + joint.b.tile));
   }
+  return *frame;
 }
 
 }  // namespace
 
 void writePlanarFiles(const Model& inOrder, const fs::path& vertices) {
-  requirePlanar(inOrder, vertices);
+  const SheetFrame frame = requirePlanar(inOrder, vertices);
   const Model model = inFileOrder(inOrder);
-  writeTextFile(vertices, planarTileText(model.tiles));
+  writeTextFile(vertices, planarTileText(toFrame(frame, model.tiles)));
   writeTextFile(beside(vertices, "constraints"), planarJointText(model.joints));
   if (!model.hull) return;
   std::string hull;
