@@ -167,8 +167,13 @@ ViewAngles defaultView(std::span<const Vector3> points) {
     y.add(point.y());
     z.add(point.z());
   }
-  const bool flat = z.length() < kFlatView * std::max(x.length(), y.length());
-  return flat ? kTopView : kIsometricView;
+  // Of a layer across two axes, which is a narrow strip, the first view counts.
+  const auto isThin = [](const AxisRange& across, const AxisRange& a, const AxisRange& b) {
+    return across.length() < kFlatView * std::max(a.length(), b.length());
+  };
+  if (isThin(z, x, y)) return kTopView;
+  if (isThin(y, x, z)) return kFrontView;
+  return isThin(x, y, z) ? kRightView : kIsometricView;
 }
 
 Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit) {

@@ -53,8 +53,8 @@ inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843
 /// views that are named above.
 bool isAlongAxis(ViewAngles view);
 
-/// kTopView for points that lie nearly in one horizontal layer, else kIsometricView. Flat is a
-/// height below 15% of the larger side.
+/// kTopView, kFrontView or kRightView for points that lie nearly in one layer across z, y or x,
+/// else kIsometricView. The thickness of a layer is below 15% of its larger side.
 ViewAngles defaultView(std::span<const Vector3> points);
 
 /// How to frame points.

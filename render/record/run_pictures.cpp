@@ -591,12 +591,15 @@ void PanelSheet::write() {
 
 namespace {
 
-/// The view that suits all runs where none is given: from above when all are flat.
+/// The view that suits all runs if none is given: the one that each has alone, if they agree.
 picture::ViewAngles sharedView(std::span<const trajectory::TrajectoryReader* const> runs) {
-  const bool isFlat = std::ranges::all_of(runs, [](const trajectory::TrajectoryReader* run) {
-    return picture::defaultView(contentOf(run->subject()).points) == picture::kTopView;
-  });
-  return isFlat ? picture::kTopView : picture::kIsometricView;
+  const auto viewOf = [](const trajectory::TrajectoryReader* run) {
+    return picture::defaultView(contentOf(run->subject()).points);
+  };
+  const picture::ViewAngles first = viewOf(runs.front());
+  const bool agree = std::ranges::all_of(
+      runs, [&](const trajectory::TrajectoryReader* run) { return viewOf(run) == first; });
+  return agree ? first : picture::kIsometricView;
 }
 
 /// Throws InputError where a perspective or a moving camera was asked for.
