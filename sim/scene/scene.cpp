@@ -17,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/model/sheet_frame.h"
 #include "sim/scene/settings.h"
 
 namespace kirireel::scene {
@@ -80,7 +81,11 @@ Need planarNeed(const Scene& scene) {
   if (!scene.spaceReason.empty()) return {false, scene.spaceReason};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};
   const double tolerance = 1e-9 * model::modelSize(scene.model);
-  if (!model::liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
+  if (!model::liesFlat(scene.model.tiles, tolerance)) {
+    return {false, model::sheetFrame(scene.model.tiles, tolerance)
+                       ? "the start does not lie in a horizontal plane"
+                       : "the start is not flat"};
+  }
   for (const std::vector<model::Tile>* target : targets(scene)) {
     if (!model::liesFlat(*target, tolerance)) return {false, "the target is not flat"};
     if (std::abs(height(*target) - height(scene.model.tiles)) > tolerance) {

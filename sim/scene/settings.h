@@ -186,6 +186,7 @@ const Setting& sceneSetting(const std::string& key);
 
 /// Throws InputError for the first number of a scene that is out of its range.
 /// Words and switches cannot be out of range; texts such as file names are not looked at.
+/// Throws InputError for planar motion of a flat sheet that is not horizontal.
 void requireRanges(const Scene& scene);
 
 /// Why the settings of a scene need three dimensions; empty where a planar one serves them.
