@@ -104,6 +104,7 @@ OptionGroup::Statement OptionGroup::values(const std::string& name, const std::s
       command_.add_option_function<std::vector<std::string>>(name, readTexts, help)
           ->type_name(unit)
           ->expected(1)
+          ->allow_extra_args(false)
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   return added(option).saidAs([option] { return typedText(*option); });
 }

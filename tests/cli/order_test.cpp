@@ -324,6 +324,18 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
   EXPECT_EQ(termsOf({"--captions", "gap,time"}), termsOf({"--captions", "time,gap"}));
 }
 
+TEST(Orders, AreTheSameWithTheModelLast) {
+  for (const Sample& sample : samples()) {
+    const Words options = given(sample, 0);
+    Words words = {"record"};
+    words.insert(words.end(), options.begin(), options.end());
+    words.push_back("model");
+    const auto order = std::get<cli::RecordOrder>(cli::parseCommandLine(words));
+    EXPECT_EQ(order.model, "model") << sample.option;
+    EXPECT_EQ(order.text.terms, termsOf(options)) << sample.option;
+  }
+}
+
 TEST(Orders, AreTheSameInASceneFile) {
   const test::TemporaryFolder folder;
   const auto termsOfScene = [&](const std::string& scene) {
