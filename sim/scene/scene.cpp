@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -223,10 +224,22 @@ void fillFromModel(Scene& scene) {
     scene.brick.thickness = model::kUsualThickness * model::tileSize(scene.model);
 }
 
+namespace {
+
+/// --pin is an entry of the timeline, too.
+const char* timelineReason(const Timeline& timeline) {
+  const auto pins = [](const TimelineEntry& entry) {
+    return std::holds_alternative<timeline::Pin>(entry.action);
+  };
+  return std::ranges::all_of(timeline, pins) ? "tiles are pinned" : "there is a timeline";
+}
+
+}  // namespace
+
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
   // Full extension has no end where a part is held by nothing.
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
-           : !scene.timeline.empty()                          ? "the timeline leads"
+           : !scene.timeline.empty()                          ? timelineReason(scene.timeline)
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
            : !scene.environment.obstacles.empty()             ? "there is ground or an obstacle"
            : scene.hinges.panels                              ? "tiles bend"

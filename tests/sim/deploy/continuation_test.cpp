@@ -588,5 +588,16 @@ TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
           "leave that away, or give --path dynamic"));
 }
 
+TEST(Continuation, SaysWhetherPinsOrATimelineNeedDynamics) {
+  scene::Scene scene = squares();
+  std::string reason;
+  scene.timeline.push_back({{}, scene::timeline::Pin{{0}}, {}});
+  EXPECT_FALSE(scene::isQuasiStatic(scene, reason));
+  EXPECT_EQ(reason, "tiles are pinned");
+  scene.timeline.push_back({{}, scene::timeline::Pause{}, {}});
+  EXPECT_FALSE(scene::isQuasiStatic(scene, reason));
+  EXPECT_EQ(reason, "there is a timeline");
+}
+
 }  // namespace
 }  // namespace kirireel
