@@ -138,7 +138,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
       "** joint, without limit. Use rigid patches of a fixed radius where its stiffness matters.\n";
 }
 
-/// All nodes in one block, those of rigid patches last: some readers know one block alone.
+/// All nodes in one block, those of rigid patches last: some readers know only one block.
 void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit unit) {
   const double scale = unitScale(unit).length;
   text += "*NODE, NSET=NALL\n";
@@ -149,7 +149,7 @@ void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit 
   }
 }
 
-/// The numbers of one element; a row too long for one line goes on in the next.
+/// The numbers of one element; a row too long for one line continues in the next.
 void appendElement(std::string& text, const ElementMesh& mesh, int number) {
   constexpr std::size_t kNumbersInLine = 16;
   // The element's own number, then up to 20 nodes, all from 0; appendNumbers adds the 1.
@@ -220,7 +220,7 @@ void appendSurfaces(std::string& text, const TileElements& tile, const std::stri
     appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
   }
   // Sides come sorted by tile edge, so a new surface begins where the edge changes. Necks have no
-  // edges (-1) and take part in _SIDE alone.
+  // edges (-1) and take part only in _SIDE.
   int edge = -1;
   for (const ElementFace& face : tile.sides) {
     if (face.tileEdge < 0) continue;
@@ -349,7 +349,7 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 // ------------------------------------------------------------------------------------------------
 // Formats what all decks share: numbers, lists, and the lines that say where a deck comes from.
 //
-// Numbers. CalculiX reads 20 characters of a field and drops the rest without a word, so that
+// Numbers. CalculiX reads 20 characters of a field and ignores the rest without a message:
 // 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
 // to the same double (fmt's "{}") usually fits; 14 digits with sign, point and exponent always do:
 // 1 + 1 + 1 + 13 + 4 = 20. Exponents of three digits would need 21, so magnitudes below 1e-90 are
@@ -371,8 +371,8 @@ constexpr double kSmallest = 1e-90;
 /// Of the thickness: less is what contacts tolerate.
 constexpr double kOverlapToTell = 1e-4;
 
-/// One line of printable characters, whatever a name holds. Control characters, line breaks above
-/// all, would end the comment and begin a card.
+/// One line of printable characters for any name. Control characters, above all line breaks, would
+/// end the comment and begin a card.
 std::string oneLine(std::string text, std::size_t longest) {
   for (char& letter : text) {
     if (static_cast<unsigned char>(letter) < ' ') letter = ' ';
@@ -540,8 +540,8 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
 
 // ------------------------------------------------------------------------------------------------
 // Rigid patches have rotations, elements have none: a spring joins the rotations about z of the
-// patches of two tiles. It is linear in the angle from the mesh's state on, whatever the angle, and
-// the moment that it has in that state is a load besides:
+// patches of two tiles. It is linear in the angle from the mesh's state, for any angle. The moment
+// that it has in that state is a load:
 //
 //     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
 //
@@ -581,8 +581,8 @@ std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int t
 
 int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
                     const Poses& poses) {
-  // A sine: the deck's springs turn about z alone, and a hinge within a micrometre a metre of
-  // upright is meant to be.
+  // A sine: the deck's springs turn only about z. A hinge within a micrometre per metre of upright
+  // counts as upright.
   constexpr double kUpright = 1e-6;
   const std::vector<double> moments = model::hingeMoments(springs, poses);
   int left = 0;
@@ -618,7 +618,7 @@ int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> sprin
 //
 // A node that follows others (by *EQUATION, a rigid patch or a tie) is left out: CalculiX and
 // Abaqus refuse a displacement that is prescribed at a dependent node. Reference nodes of patches
-// stand in for the nodes that they lead.
+// replace the nodes that they lead.
 //
 // Planes of the box, and not the outline of the sheet, are what is named, since a load on a plane
 // can be described to a reader in one word; a round sheet has few nodes there, which jobs allow
@@ -836,7 +836,7 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
 // B's outgoing one, and B's incoming flank A's outgoing one.
 //
 // Only these pairs are declared. General contact of all flanks would find others too, but CalculiX
-// has pairs alone. Contact between tiles that no joint connects is left to the user of the deck.
+// has only pairs. Contact between tiles that no joint connects is left to the user of the deck.
 //
 // Pressure follows from the depth of penetration c (metres). In CalculiX it is linear, p = k c with
 // k = E / t: E is Young's modulus (Pa), t the thickness (m). So tiles that overlap by a share e of

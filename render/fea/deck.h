@@ -24,15 +24,15 @@ namespace kirireel::fea {
 /// Which program's keywords a deck uses, where the two differ.
 enum class Solver { Calculix, Abaqus };
 
-/// Which named sets a deck holds beside those of the whole sheet and its boundary.
+/// Which named sets a deck has besides those of the whole sheet and its boundary.
 enum class SetChoice {
   Usual,   ///< All up to 1,000 tiles, None above: readers look through all names for each name
-  None,    ///< no sets beside those of the whole sheet and its boundary
+  None,    ///< only the sets of the whole sheet and its boundary
   Joints,  ///< the nodes of each joint
   All,     ///< and of each tile its nodes, faces and surfaces
 };
 
-/// What tiles are made of; SI units whatever the deck's.
+/// What tiles are made of; in SI units, for decks in any unit.
 struct Material {
   double youngs = 1e9;    ///< Young's modulus, Pa, positive
   double poisson = 0.3;   ///< Poisson's ratio, above -1, below 0.5
@@ -45,7 +45,7 @@ enum class DeckUnit {
   MillimetresNewtons,  ///< millimetres, tonnes, seconds, newtons: stress in MPa
 };
 
-/// What an SI quantity is multiplied by to stand in a deck.
+/// The factors from SI quantities to those of a deck.
 struct UnitScale {
   /// Deck units by metre: 1 or 1e3.
   double length = 1;
@@ -91,7 +91,7 @@ struct DeckOrigin {
   double thickness = 0;  ///< of the bricks, metres
   double overlap = 0;    ///< the deepest of two bricks in this state, metres
   std::string writer;    ///< program and version
-  std::string run;       ///< what tells the run from others, one line
+  std::string run;       ///< what identifies the run, one line
 };
 
 /// By what SI quantities are multiplied, and the words for a deck's header.
@@ -239,7 +239,7 @@ struct Periodicity {
 };
 
 /// The ties of a mesh along x and y, where the nodes of XMIN have partners in XMAX at the same
-/// place but for the period, and likewise in y. Throws InputError for shells, and for sheets that
+/// place but for the period, and the same in y. Throws InputError for shells, and for sheets that
 /// repeat along neither. Partners agree to 1e-5 of the sheet's size. Costs the product of the
 /// numbers of nodes at two opposite ends.
 Periodicity periodicity(const ElementMesh& mesh);
@@ -250,16 +250,16 @@ Periodicity periodicity(const ElementMesh& mesh);
 void appendTies(std::string& text, const Periodicity& periodic, const ElementMesh& mesh,
                 int firstControl);
 
-/// The control nodes' positions, one for each tied axis: beside the sheet, metres.
+/// The control nodes' positions, one for each tied axis: next to the sheet, metres.
 std::vector<Vector3> controlPositions(const Periodicity& periodic, const ElementMesh& mesh);
 
 // ------------------------------------------------------------------------------------------------
 // Flanks of tiles that may touch, for analyses with contact.
 
-/// Two flanks that face each other across the gap beside a joint.
+/// Two flanks that face each other across the gap next to a joint.
 struct ContactPair {
   std::vector<ElementFace> a;  ///< of one tile, all along the flank
-  std::vector<ElementFace> b;  ///< of the other, likewise
+  std::vector<ElementFace> b;  ///< of the other, all along the flank
 };
 
 /// For each joint the flanks on both sides of its corner, each pair once: what meets when the sheet
@@ -285,12 +285,12 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
 /// The text of a Gmsh 4.1 mesh with one physical group a kind: the volumes TILES (and NECKS), the
 /// surfaces BOTTOM and TOP, the points JOINTS where joined tiles share nodes. Tile t is the entity
 /// t + 1 of its volume, its faces the entities 3 t + 1 and 3 t + 2, and each node of a joint an
-/// entity of its own. No element stands in it twice. With SetChoice::All or Joints the nodes of
+/// entity of its own. Each element is in it once. With SetChoice::All or Joints the nodes of
 /// each joint have a group (JOINT_00000_A, _B) besides, with All each tile and its faces too
 /// (TILE_00000, _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3). Gmsh reads thousands
 /// of groups slowly. Coordinates in metres, to the last bit but at shut slits, where nodes that
 /// would lie in one place stand apart (separatedNodes): no program welds them. Lengths stay
-/// in `unit`, whatever a deck's unit. All of the text is built in memory.
+/// in `unit`, not in a deck's unit. All of the text is built in memory.
 std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual,
                      const LengthUnit& unit = {});
 

@@ -96,7 +96,7 @@ struct Division {
   std::size_t cells() const {
     // Three quadrilaterals a triangle, each of first x first cells.
     if (!triangles.empty()) return 3 * triangles.size() * first * first;
-    // A triangle alone: 3 grids of first^2 cells. A fan: as many for each side.
+    // A triangle: 3 grids of first^2 cells. A fan: as many for each side.
     const auto square = static_cast<std::size_t>(first) * (second > 0 ? second : 3 * first);
     return second > 0 || sides == 3 ? square : sides * square;
   }
@@ -286,7 +286,7 @@ void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<mod
 void requireBuildable(const ElementRule& rule) {
   if (rule.family == ElementFamily::Plane || rule.joints == JointStyle::Neck) {
     throw InputError(
-        "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
+        "error: plane elements are made only of one sheet with necks; give --joints neck with a "
         "--neck-width, or leave --plane-stress out");
   }
   if (rule.family == ElementFamily::Shell && rule.joints != JointStyle::Shared) {
@@ -298,7 +298,7 @@ void requireBuildable(const ElementRule& rule) {
 }
 
 /// The least number of elements per edge whose nodes fill every patch. For a message that says how
-/// to mend too coarse a mesh.
+/// to refine too coarse a mesh.
 int leastPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
   int least = 1;
   for (const model::Brick& brick : bricks) {
@@ -410,7 +410,7 @@ Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster) {
 // ------------------------------------------------------------------------------------------------
 // Levels are numbered from the bottom. A linear mesh has one level a layer and one more: 0, 1, 2. A
 // quadratic mesh has two a layer: even levels hold corners and the middles of edges, odd levels,
-// halfway up, hold the middles of upright edges alone:
+// halfway up, hold only the middles of upright edges:
 //
 //     level 2   o---x---o     o corner, x middle of an edge
 //               |       |
@@ -596,7 +596,7 @@ class SharedPoints {
 /// there to the middles of the two sides and to the centre; its point (i, j) lies i / n of the way
 /// along the side to the next corner and j / n along the other. In shares of 6 n^2 all points are
 /// whole numbers: a corner counts 6, a middle 3 + 3, the centre 2 + 2 + 2.
-/// `onEdge` tells the tile's edge on the side from corner c to the next, or -1.
+/// `onEdge`: the tile's edge on the side from corner c to the next, or -1.
 void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& onEdge, int n,
                     SharedPoints& points, Footprint& footprint) {
   for (int c = 0; c < 3; ++c) {
@@ -695,7 +695,7 @@ Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, in
   for (const std::array<int, 3>& triangle : triangles) {
     std::array<int, 3> onEdge{};
     for (int k = 0; k < 3; ++k) {
-      // Triangles are of vertices alone; a side is an edge where it leads to the next vertex, else
+      // Triangles have only vertices; a side is an edge if it leads to the next vertex, else
       // a diagonal within the tile.
       const bool isEdge = triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
       onEdge[k] = isEdge ? triangle[k] : -1;
@@ -760,8 +760,8 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
-  /// The lowest number stays the root: clusters and their order depend on the mesh alone
-  /// and not on the order of joints.
+  /// The lowest number stays the root: clusters and their order depend on the mesh and not on the
+  /// order of joints.
   int lowest(int node) {
     while (parent_[node] != node) {
       parent_[node] = parent_[parent_[node]];
@@ -857,10 +857,10 @@ Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positi
   return sum / static_cast<double>(nodes.size());
 }
 
-/// A node at the radius itself belongs to the patch, whatever the rounding.
+/// A node at the radius itself belongs to the patch, with any rounding.
 constexpr double kRoundedUp = 1 + 1e-9;
 
-/// A corner node on the bottom takes nodes of the bottom alone; a patch through the thickness would
+/// A corner node on the bottom takes only nodes of the bottom; a patch through the thickness would
 /// stiffen the tile.
 std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, int corner) {
   const bool isBottom = std::ranges::binary_search(tile.bottom, corner);
@@ -914,7 +914,7 @@ std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
     if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
           fmt::format("error: joint {} does not hold two corners together; a mesh can "
-                      "hold pivots alone",
+                      "hold only pivots",
                       nodes.size() + static_cast<std::size_t>(countsFrom)));
     }
     nodes.push_back({joint.a.tile, joint.b.tile, joint.face == model::JointFace::Both,

@@ -24,7 +24,7 @@ enum class JointStyle {
 enum class ElementFamily {
   Solid,  ///< C3D20R or C3D8I
   Shell,  ///< S8R or S4: in the middle of the thickness, or on the face that a tile's joints lie on
-  Plane,  ///< plane stress, CPS8R or CPS4, of necks alone
+  Plane,  ///< plane stress, CPS8R or CPS4, only of necks
 };
 
 /// How bricks become elements. The defaults bend as plates do, in sheets of up to 468 squares: a
@@ -46,7 +46,7 @@ struct ElementRule {
 /// Joints, family and radius stay as they are.
 ElementRule coarsest(ElementRule rule);
 
-/// A prism on a quadrilateral, or the quadrilateral alone. Nodes in the order of Abaqus: bottom
+/// A prism on a quadrilateral, or only the quadrilateral. Nodes in the order of Abaqus: bottom
 /// corners, top corners, then of quadratic ones the middles of the bottom edges, of the top edges
 /// and of the upright edges; of shells and plane elements the corners, then the middles.
 struct Element {
@@ -82,7 +82,7 @@ struct TileElements {
 struct JointNodes {
   int tileA = 0;         ///< its number, from 0
   int tileB = 0;         ///< its number, from 0
-  bool isHinge = false;  ///< it goes through the thickness: tiles turn about its line alone
+  bool isHinge = false;  ///< it goes through the thickness: tiles turn only about its line
   std::vector<int> a;    ///< of tile A, nodes from 0
   std::vector<int> b;    ///< of tile B, each that of the same place
 };
@@ -98,7 +98,7 @@ struct NodeCluster {
 struct PatchSpring {
   int cluster = 0;       ///< the joint, as a number of ElementMesh::clusters
   int patchA = 0;        ///< of the cluster's patches
-  int patchB = 0;        ///< likewise, of the other tile
+  int patchB = 0;        ///< that of the other tile
   double stiffness = 0;  ///< N m/rad
   double moment = 0;     ///< on B in the mesh's state, and on A in reverse; N m
 };
@@ -127,8 +127,7 @@ struct ElementMesh {
 };
 
 /// Throws InputError for numbers of elements and sizes that are out of range or contradict each
-/// other, whatever the bricks. Ranges: perEdge 0 to 64, through 1 to 64, lengths from 0; NaN is
-/// refused.
+/// other, for any bricks. Ranges: perEdge [0, 64], through [1, 64], lengths >= 0; NaN is refused.
 void requireValidRule(const ElementRule& rule);
 
 /// Elements along an edge when nobody chose and there are not too many of them.
@@ -144,12 +143,12 @@ int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rul
 bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule);
 
 /// Divides all bricks at the given poses. Four-sided tiles become grids, triangles and other
-/// polygons (fanned round the centre of area) three grids a triangle; all elements stand on
+/// polygons (fanned round the centre of area) three grids per triangle; all elements are built on
 /// quadrilaterals, because wedges bend badly. Corners of tiles lie where the bricks have them, to
 /// the last bit; with JointStyle::Shared, where corners meet, at their mean.
 ///
 /// Shells lie in the middle of tiles whose joints go through the thickness and share nodes there,
-/// since such tiles turn in their plane alone. Where all joints of a tile lie on one face, so do
+/// since such tiles turn only in their plane. If all joints of a tile lie on one face, so do
 /// its shells, offset by half a thickness (S8R and S4 with OFFSET), and as shells that share a node
 /// would bend as one, each has its own: clusters stay, to be tied by equations. Elements are
 /// shorter towards the edges of four-sided tiles, see neck_sheet.cpp.
@@ -180,9 +179,9 @@ int referenceNode(const ElementMesh& mesh, std::size_t cluster);
 Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster);
 
 // ------------------------------------------------------------------------------------------------
-// How a tile is divided into quadrilaterals; a brick's elements stand on these.
+// How a tile is divided into quadrilaterals; a brick's elements are built on these.
 
-/// A point of a tile as a mean of its vertices; number n of an n-gon stands for the tile's centre.
+/// A point of a tile as a mean of its vertices; number n of an n-gon is the tile's centre.
 struct FootprintPoint {
   std::array<int, 4> bases{};       ///< vertices, or n for the centre
   std::array<double, 4> weights{};  ///< sum 1, unused ones 0
@@ -214,11 +213,11 @@ struct Footprint {
 /// + 1) points.
 Footprint gridFootprint(int first, int second, bool isGraded = false);
 
-/// A tile of any number of sides as triangles (a triangle alone, others fanned round the centre),
-/// each cut through the middles of its sides into three quadrilaterals, and these into grids of
-/// halfPerEdge x halfPerEdge: 2 halfPerEdge cells along each edge of the tile. `sides` is at least
-/// 3, halfPerEdge at least 1. 3 halfPerEdge^2 cells for a triangle, `sides` times as many for
-/// others.
+/// A tile of any number of sides as triangles (a triangle as it is, others fanned round the
+/// centre), each cut through the middles of its sides into three quadrilaterals, and these into
+/// grids of halfPerEdge x halfPerEdge: 2 halfPerEdge cells along each edge of the tile. `sides` is
+/// at least 3, halfPerEdge at least 1. 3 halfPerEdge^2 cells for a triangle, `sides` times as many
+/// for others.
 Footprint fanFootprint(int sides, int halfPerEdge);
 
 /// A concave tile as these triangles of its vertices, anticlockwise, each divided as those of a

@@ -10,8 +10,8 @@
 //     $Elements        blocks, elements, least and largest number; by block: dimension, entity,
 //                      kind, count, then number and nodes of each
 //
-// An element belongs to an entity and an entity to groups: an element need not stand in the
-// file once for each of its groups, as in the older format 2.2. A node stands in one block only:
+// An element belongs to an entity and an entity to groups: an element need not be in the file once
+// for each of its groups, as in the older format 2.2. A node is in one block only:
 // the first that has it, points of joints before parts.
 //
 // Groups are few by default, because Gmsh reads thousands of them slowly.
@@ -122,7 +122,7 @@ class GmshText {
     return groups_.back().number;
   }
 
-  /// One entity for each node of a joint, whatever the number of joints that share it.
+  /// One entity for each node of a joint, for any number of joints that share it.
   void addJoints() {
     for (std::size_t j = 0; j < mesh_.joints.size(); ++j) {
       for (const auto& [nodes, ending] :
@@ -232,7 +232,7 @@ class GmshText {
 
   void appendNodes(std::string& text) const {
     std::vector<bool> isWritten(mesh_.nodes.size());
-    // Nodes keep the numbers of the mesh, from 1, in whichever block they stand.
+    // Nodes keep the numbers of the mesh, from 1, in any block.
     appendText(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
                mesh_.nodes.size());
     const auto appendBlock = [&](int dimension, int entity, const std::vector<int>& nodes) {

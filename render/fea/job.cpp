@@ -253,8 +253,8 @@ std::vector<std::vector<Quaternion>> turnsOf(const std::vector<int>& tiles,
   return turns;
 }
 
-/// What residual forces are compared with. Tiles on ideal hinges move without any force, so that
-/// programs, which compare with the mean force, would wait for rounding to vanish. The numbers are
+/// What residual forces are compared with. Tiles on ideal hinges move without any force: programs,
+/// which compare with the mean force, would wait for rounding to vanish. The numbers are
 /// those of *CONTROLS in both programs: R_n = 0.005, the share of the mean force below which
 /// residuals have converged, C_n = 0.01 for corrections, q_0 and q_u, the mean force at the start
 /// and throughout, here E t^2 / 10^6 (N), R_P = 0.02, and the share below which forces count as
@@ -511,7 +511,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
   const bool hasBoth = periodic.axes[0] && periodic.axes[1];
   for (int direction = 0; direction < directions; ++direction) {
-    // Shear of the sheet is held: the control nodes move along their own axes alone.
+    // Shear of the sheet is held: the control nodes move only along their own axes.
     if (direction != axis) appendText(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
     if (hasBoth && direction != 1) appendText(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
   }
@@ -534,7 +534,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
 // and spin to the point and B_t holds the rows of R that belong to u_t. A joint asks that two tiles
 // move alike at its middle and, where it goes through the thickness along d, that they turn its
 // line alike, s w x d with a length s of the tiles' size: J u = 0. (Two points a thickness apart
-// would ask the same, but of thin bricks so softly that what they hold looks free.)
+// would require the same, but for thin bricks so softly that a held motion would count as free.)
 //
 // What J leaves free is the first-order motions of rigid tiles. job.h finds as many
 // unknowns as there are of them, and holding these leaves none (compare C. Farhat, M. Geradin, On
@@ -545,7 +545,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
 // strains nothing that is rounding times |u|; where corners that meet are g apart, J is wrong by
 // g / s, and it is up to g / s |u|. |u| is about the root of the number of unknowns n. Free is
 // hence what lies below root(n) (1e-8 + g / s), but never above 1e-3: a motion that opens joints by
-// more than a thousandth of what it moves is none of a mechanism, whatever g.
+// more than a thousandth of what it moves is not that of a mechanism, for any g.
 
 namespace {
 
@@ -585,7 +585,7 @@ std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
   return isJoint;
 }
 
-/// Whether six displacements fix a tile whatever its turn: their equations' least singular value,
+/// Whether six displacements fix a tile at any turn: their equations' least singular value,
 /// with spins scaled by the tile's size. What falls below is driven by nine.
 constexpr double kLeastGrip = 0.1;
 /// So many of a tile's turns are looked at.
@@ -771,8 +771,8 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
           rowsOf(motions[joint.tileB], -1)};
 }
 
-/// What ties ask of tiles while control nodes rest; one body alone where `motions` has one. u_node
-/// = u_leader, since the control nodes stand still.
+/// What ties require of tiles while control nodes rest; one body if `motions` has one. u_node =
+/// u_leader, since the control nodes do not move.
 std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
                                         const std::vector<TileMotion>& motions) {
   std::vector<int> owner(mesh.nodes.size());
@@ -792,7 +792,7 @@ std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
   return equations;
 }
 
-/// Whether springs stand wherever tiles turn against each other: no mechanism is left.
+/// Whether there are springs wherever tiles turn against each other: no mechanism is left.
 bool hasSpringsEverywhere(const ElementMesh& mesh) {
   std::vector<bool> hasSpring(mesh.clusters.size());
   for (const PatchSpring& spring : mesh.springs) hasSpring[spring.cluster] = true;

@@ -18,12 +18,12 @@ namespace kirireel::fea {
 /// A job on a mesh deck.
 struct DeckJob {
   std::string sets;  ///< node sets that the job needs at the end of its mesh deck: readers of
-                     ///< meshes know sets beside their nodes alone
+                     ///< meshes know sets only next to their nodes
   std::string text;  ///< of the job itself, which includes the mesh deck
 };
 
 /// A job that includes the mesh deck of this name and runs as it is: the sheet is held
-/// by leastSupports alone and pulled apart, along its longest axis, by 1 N at each end (the nodes
+/// only by leastSupports and pulled apart, along its longest axis, by 1 N at each end (the nodes
 /// of XMIN and XMAX, or of another axis, that are not held). The force passes its joints.
 /// Asks for displacements, stresses, strains and reactions. A template to be edited. `meshFile` is
 /// written into *INCLUDE as it is. Throws what leastSupports throws. The cost is that of
@@ -78,7 +78,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
                     const std::string& meshFile);
 
 // ------------------------------------------------------------------------------------------------
-// Which displacements to hold so that a sheet of hinged tiles can stand a static step.
+// Which displacements to hold for a static step of a sheet of hinged tiles.
 
 /// A displacement of a node along an axis of the world.
 struct NodeDisplacement {
@@ -102,8 +102,8 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 
 /// The fewest displacements that leave the sheet no way to move without strain, were its tiles
 /// rigid: six for the motions of the whole and one for each mechanism of the first order. None of
-/// them takes load from another; the reactions follow from equilibrium alone. Where springs stand
-/// at all hinges no mechanism is left. `fixedTiles` are held by other means already. Sorted. Throws
+/// them takes load from another; the reactions follow only from equilibrium. With springs at all
+/// hinges no mechanism is left. `fixedTiles` are held by other means already. Sorted. Throws
 /// InputError as tileDisplacements does. Costs a sparse QR factorisation of six unknowns a tile
 /// (job.h).
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
@@ -130,7 +130,7 @@ struct FreeColumn {
   int unknown = 0;  ///< 0 to 5
 };
 
-/// The unknowns without which the equations have the solution zero alone, as many as the matrix has
+/// The unknowns without which the equations have only the solution zero, as many as the matrix has
 /// nullity. A column counts as free where elimination leaves it shorter than `tolerance`, in the
 /// equations' own measure. Tiles that are fixed have no unknowns. Each tile's together, in the
 /// order of elimination. `isFixed` has tileCount entries. The tolerance has the unit of the

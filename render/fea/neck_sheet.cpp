@@ -229,7 +229,7 @@ RegionMesh readMesh(const std::string& text, std::size_t regions) {
   return mesh;
 }
 
-/// All cells anticlockwise, whatever Gmsh made of a region, and no points that no cell uses. The
+/// All cells anticlockwise, for any orientation in Gmsh, and no points that no cell uses. The
 /// cross product of the diagonals is twice the signed area.
 void tidy(RegionMesh& mesh) {
   std::vector<int> numbers(mesh.points.size(), -1);

@@ -25,7 +25,7 @@ extern char** environ;
 namespace kirireel::fea {
 
 WorkFolder::WorkFolder() {
-  // mkdtemp replaces the six X and makes the folder for its user alone (mode 0700).
+  // mkdtemp replaces the six X and makes the folder only for its user (mode 0700).
   std::string name = (std::filesystem::temp_directory_path() / "kirireel-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw OutputError(fmt::format("{}: error: cannot be made ({})", name,
@@ -77,7 +77,7 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
 
 // ------------------------------------------------------------------------------------------------
 // Gmsh runs as `gmsh -2 sheet.geo -format msh22 -o sheet.msh -nt 1 -v 2 -nopopup`: -2 meshes
-// surfaces, format 2.2 is the one that is simplest to read, -v 2 logs errors and warnings alone,
+// surfaces, format 2.2 is the one that is simplest to read, -v 2 logs only errors and warnings,
 // and one thread keeps the mesh the same from run to run. It is run as a program and not linked, so
 // that it has to be there for sheets with necks only.
 
@@ -119,7 +119,7 @@ std::string meshedByGmsh(const std::string& geometry) {
 
 namespace {
 
-/// The rows "node ux uy uz" that stand below "displacements ... for set NAME" in a .dat file.
+/// The rows "node ux uy uz" below "displacements ... for set NAME" in a .dat file.
 std::vector<Vector3> displacementsOf(const std::string& data, const std::string& set) {
   std::vector<Vector3> found;
   const std::size_t title = data.find("for set " + set + " ");

@@ -33,7 +33,7 @@ std::string writtenText(const std::string& file);
 /// Runs a program, looked for on the path, with its output in the file `log`, and waits for it. It
 /// runs in the folder of that file, where it may leave files of its own.
 /// Returns how it ended, as waitpid says: 0 when all is well. Throws InputError when there is no
-/// such program; `advice` says how to mend that. `words` are the program's name and its arguments,
+/// such program; `advice` says what to do then. `words` are the program's name and its arguments,
 /// none of them read by a shell.
 int runProgram(std::vector<std::string> words, const std::string& log, const std::string& advice);
 
@@ -52,8 +52,8 @@ std::string meshedByGmsh(const std::string& geometry);
 /// deck's unit of length; the job has keywords of CalculiX and pulls along this axis, `meshText` is
 /// the mesh deck that it includes. Runs `ccx` in a folder of its own. Throws InputError when there
 /// is no such program, RunError with its last words when it fails. `axis` is 0, 1 or 2. The folder
-/// is removed whatever happens. It takes as long as ccx does: a sparse direct factorisation of
-/// three unknowns a node.
+/// is removed in any case. It takes as long as ccx does: a sparse direct factorisation of three
+/// unknowns per node.
 double openingByCalculix(const std::string& meshText, std::string jobText, int axis);
 
 }  // namespace kirireel::fea

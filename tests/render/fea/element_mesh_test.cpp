@@ -81,12 +81,12 @@ TEST(ElementMesh, RefusesImpossibleRules) {
             "lengths");
   EXPECT_EQ(
       refusal(layout, {.family = fea::ElementFamily::Plane}),
-      "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
+      "error: plane elements are made only of one sheet with necks; give --joints neck with a "
       "--neck-width, or leave --plane-stress out");
-  EXPECT_EQ(refusal(layout, {.joints = fea::JointStyle::Patch,
-                             .family = fea::ElementFamily::Shell}),
-            "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
-            "leave --joints out, or choose neck");
+  EXPECT_EQ(
+      refusal(layout, {.joints = fea::JointStyle::Patch, .family = fea::ElementFamily::Shell}),
+      "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
+      "leave --joints out, or choose neck");
   test::Layout mixed = test::hingedSquares();
   mixed.joints[0].face = model::JointFace::Top;
   EXPECT_EQ(refusal(mixed, {.family = fea::ElementFamily::Shell}),
@@ -104,26 +104,23 @@ TEST(ElementMesh, RefusesMoreElementsThanFit) {
 
 TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   const Layout layout = test::hingedSquares();
-  EXPECT_EQ(
-      refusal(layout, {.perEdge = 4, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
-      "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
-      "use 5 elements per edge or a larger radius");
-  EXPECT_EQ(
-      refusal(layout, {.perEdge = 5, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
-      "accepted");
-  EXPECT_EQ(
-      refusal(layout, {.perEdge = 8, .joints = fea::JointStyle::Patch, .patchRadius = 0.8}),
-      "error: joint patches of radius 0.8 m overlap on tile 0; choose one below 0.5 m, half "
-      "the distance of its nearest corners");
+  EXPECT_EQ(refusal(layout, {.perEdge = 4, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
+            "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
+            "use 5 elements per edge or a larger radius");
+  EXPECT_EQ(refusal(layout, {.perEdge = 5, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
+            "accepted");
+  EXPECT_EQ(refusal(layout, {.perEdge = 8, .joints = fea::JointStyle::Patch, .patchRadius = 0.8}),
+            "error: joint patches of radius 0.8 m overlap on tile 0; choose one below 0.5 m, half "
+            "the distance of its nearest corners");
 }
 
 TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {
   Layout layout = test::hingedSquares();
   layout.joints[2].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(layout),
-            "error: joint 2 does not hold two corners together; a mesh can hold pivots alone");
+            "error: joint 2 does not hold two corners together; a mesh can hold only pivots");
   EXPECT_EQ(refusal(layout, {.countsFrom = 1}),
-            "error: joint 3 does not hold two corners together; a mesh can hold pivots alone");
+            "error: joint 3 does not hold two corners together; a mesh can hold only pivots");
 }
 
 TEST(ElementMesh, RefusesToTieATileToItself) {
