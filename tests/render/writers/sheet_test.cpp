@@ -142,8 +142,8 @@ TEST(CutPattern, SaysWhatHasNone) {
             "side: reverse its vertices");
   model.joints[1].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(model, 0.1),
-            "error: joint 1 does not hold two corners together; a cut pattern knows hinges at "
-            "corners alone");
+            "error: joint 1 does not hold two corners together; a cut pattern has hinges only "
+            "at corners");
 }
 
 TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
@@ -164,8 +164,8 @@ TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
             "side: reverse its vertices");
   model.joints[1].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(model, 0.1),
-            "error: joint 2 does not hold two corners together; a cut pattern knows hinges at "
-            "corners alone");
+            "error: joint 2 does not hold two corners together; a cut pattern has hinges only "
+            "at corners");
 }
 
 TEST(CutPattern, DrawsLayersInSvgAndDxf) {
