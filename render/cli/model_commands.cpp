@@ -182,7 +182,7 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addTargetOption(group, order.target);
   addReadOptions(group, order.reading);
   // The default has to stand in the scene before the option is added, which shows it in the help.
-  order.scene.brick.thickness = scene::openScene().brick.thickness;
+  order.scene = scene::openScene();
   group.setting(scene::sceneSetting("thickness"), order.scene);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });

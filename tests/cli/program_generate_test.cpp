@@ -163,6 +163,15 @@ TEST(ProgramInspect, TellsWhatAModelIs) {
   EXPECT_NE(text.find("in the plane: 1 degree of freedom"), std::string::npos) << text;
 }
 
+// A run decides on contacts by a search, which inspect does not make.
+TEST(ProgramInspect, LeavesContactsToTheRun) {
+  for (const char* name : {"cap", "fan", "cube_to_sphere"}) {
+    EXPECT_THAT(runKirireel({"inspect", (kData / name).string()}).out,
+                testing::HasSubstr("contacts off (unless bricks meet on the way)"))
+        << name;
+  }
+}
+
 TEST(ProgramInspect, PaintsNumbers) {
   const ScratchFolder scratch;
   const std::string picture = (scratch / "numbers.png").string();
