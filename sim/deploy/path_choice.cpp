@@ -41,6 +41,7 @@
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run.h"
 #include "sim/model/contact.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/sheet.h"
 
@@ -571,7 +572,8 @@ std::string turnedWarning(const scene::Scene& scene) {
   const auto count = static_cast<int>(model.tiles.size());
   const int turned = model::countTurnedOver(model.tiles, *model.target);
   const double flat = 1e-9 * model::modelSize(model);
-  const bool areFlat = model::liesFlat(model.tiles, flat) && model::liesFlat(*model.target, flat);
+  const std::optional<model::SheetFrame> frame = model::sheetFrame(model.tiles, flat);
+  const bool areFlat = frame && model::isParallel(*frame, *model.target, flat);
   if (turned == 0 || (!areFlat && turned < count)) return "";
   return fmt::format(
       "the target is turned over: {} of {} tiles face the other way there than at the start",
