@@ -23,6 +23,7 @@
 #include "sim/model/convex_parts.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/sheet_frame.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::report {

@@ -29,6 +29,7 @@
 #include "sim/deploy/forces.h"
 #include "sim/model/contact.h"
 #include "sim/model/model_checks.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/run_curves.h"
 

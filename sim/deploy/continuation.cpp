@@ -43,6 +43,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::deploy {

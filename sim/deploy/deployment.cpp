@@ -31,6 +31,7 @@
 #include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/run_drive.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 #include "sim/trajectory/sheet.h"

@@ -28,6 +28,7 @@
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/run_figures.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::deploy {

@@ -22,6 +22,7 @@
 #include "sim/mechanics/load_path.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/stiffness.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 
 namespace kirireel::deploy {

@@ -42,6 +42,7 @@
 #include "sim/deploy/run.h"
 #include "sim/model/contact.h"
 #include "sim/model/sheet_frame.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/sheet.h"
 

@@ -17,6 +17,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/mechanics/extrapolation.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
 

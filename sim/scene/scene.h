@@ -277,17 +277,6 @@ void scaleLengths(Scene& scene, double factor);
 /// What drives a model by default: Target where it has one, else Expansion.
 Drive defaultDrive(const model::Model& model);
 
-/// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
-/// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
-/// obstacles, friction, a timeline, other springs or damping than the usual, another solver). Else
-/// `reason` says what does.
-bool isQuasiStatic(const Scene& scene, std::string& reason);
-
-/// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes
-/// at one height, no tile faces the other way at the target, and nothing pushes out of the plane
-/// (see the reasons returned). Costs a look at all vertices.
-Needs sceneNeeds(const Scene& scene);
-
 /// The lowest z of start and target: where the ground lies unless told otherwise, metres.
 double lowestPoint(const model::Model& model);
 

@@ -24,6 +24,7 @@
 #include "sim/model/stiffness.h"
 #include "sim/model/text_table.h"
 #include "sim/scene/conditions.h"
+#include "sim/scene/scene_needs.h"
 
 namespace kirireel::scene {
 namespace {

@@ -14,6 +14,7 @@
 #include "sim/engines/bullet_world.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
+#include "sim/scene/scene_needs.h"
 
 namespace kirireel::study {
 namespace {

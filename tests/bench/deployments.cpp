@@ -34,6 +34,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/sheet.h"
 #include "tests/bench/string_method.h"
 #include "tests/support/drawn_models.h"

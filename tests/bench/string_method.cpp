@@ -27,6 +27,7 @@
 
 #include "sim/deploy/continuation.h"
 #include "sim/model/isometry.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/scene/scene_needs.h"
 #include "tests/bench/engines/other_worlds.h"
 
 namespace kirireel::bench {

@@ -16,6 +16,7 @@
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/run_curves.h"
 #include "tests/support/drawn_models.h"
 

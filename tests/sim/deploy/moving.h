@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/deploy/dynamics.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::test {

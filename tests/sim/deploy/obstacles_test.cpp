@@ -9,6 +9,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/model/lattice.h"
+#include "sim/scene/scene_needs.h"
 #include "tests/sim/deploy/moving.h"
 
 namespace kirireel {

@@ -5,6 +5,7 @@
 #include "sim/deploy/path_choice.h"
 #include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
+#include "sim/scene/scene_needs.h"
 
 namespace kirireel {
 namespace {

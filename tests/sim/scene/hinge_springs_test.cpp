@@ -8,6 +8,7 @@
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
 #include "sim/model/stiffness.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/support/files.h"
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/model/lattice.h"
+#include "sim/scene/scene_needs.h"
 
 namespace kirireel {
 namespace {
