@@ -158,18 +158,19 @@ struct RunSummary : PictureReport {
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.
   std::optional<double> leftOutFrom;
-  scene::Needs needs;                             ///< what was modelled, and why
-  scene::PathSettings path;                       ///< that was taken
-  std::string pathReason;                         ///< one short phrase: why
-  deploy::Accuracy accuracy;                      ///< gaps, errors and overlaps
-  std::optional<double> timeError;                ///< tiles; see deploy::DeploymentResult
-  double assembledError = -1;                     ///< metres; negative when not computed
-  std::vector<deploy::BlockingPair> blocking;     ///< bricks in each other's way at the target
-  std::vector<std::string> warnings;              ///< about the target, one line each
-  std::vector<trajectory::Event> events;          ///< what the timeline did, and how the run ended
-  deploy::DeployCost deployCost;                  ///< of the run itself
-  std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
-  std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring
+  scene::Needs needs;                              ///< what was modelled, and why
+  scene::PathSettings path;                        ///< that was taken
+  std::string pathReason;                          ///< one short phrase: why
+  std::vector<deploy::PathEvaluation> candidates;  ///< kinematic paths that were tried, in order
+  deploy::Accuracy accuracy;                       ///< gaps, errors and overlaps
+  std::optional<double> timeError;                 ///< tiles; see deploy::DeploymentResult
+  double assembledError = -1;                      ///< metres; negative when not computed
+  std::vector<deploy::BlockingPair> blocking;      ///< bricks in each other's way at the target
+  std::vector<std::string> warnings;               ///< about the target, one line each
+  std::vector<trajectory::Event> events;           ///< what the timeline did, and how the run ended
+  deploy::DeployCost deployCost;                   ///< of the run itself
+  std::optional<mechanics::LoadCurve> loadCurve;   ///< of a scene with grips
+  std::optional<model::Elasticity> elasticity;     ///< absent where no hinge has a spring
   std::string leftOut;  ///< why nothing was exported that was to be; mostly empty
   std::vector<output::FileDigest> digests;  ///< of all files but summary.json
 };

@@ -143,6 +143,7 @@ void noteResult(const deploy::DeploymentResult& result, double endTime, RunSumma
   summary.timeError = result.timeError;
   summary.path = result.path;
   summary.pathReason = result.pathReason;
+  summary.candidates = result.candidates;
   summary.assembledError = result.assembledError;
   summary.blocking = result.blocking;
   summary.warnings = result.warnings;

@@ -99,6 +99,23 @@ Json elasticityJson(const std::optional<model::Elasticity>& elasticity) {
   return json;
 }
 
+/// Lengths in metres, work in multiplications.
+Json candidatesJson(const std::vector<deploy::PathEvaluation>& candidates) {
+  Json json = Json::array();
+  for (const deploy::PathEvaluation& path : candidates) {
+    json.push_back({{"candidate", path.candidate},
+                    {"end", deploy::toString(path.end)},
+                    {"error", path.error},
+                    {"overlap_growth", path.overlapGrowth},
+                    {"overlap_growth_at_end", path.overlapGrowthAtEnd},
+                    {"opening", path.opening},
+                    {"rough_frames", path.roughFrames},
+                    {"length", path.length},
+                    {"work", path.work}});
+  }
+  return json;
+}
+
 /// Times in simulated seconds; what a kind of path does not have is null.
 Json pathJson(const scene::Scene& scene, const RunSummary& summary) {
   const scene::PathSettings& path = summary.path;
@@ -108,6 +125,7 @@ Json pathJson(const scene::Scene& scene, const RunSummary& summary) {
                    : isWalked ? "continuation"
                               : "straight"},
           {"reason", summary.pathReason},
+          {"candidates", candidatesJson(summary.candidates)},
           {"search_seconds", summary.deployCost.searchSeconds},
           {"search_budget", summary.deployCost.searchBudget},
           {"open_time", onlyIf(isGuided && path.openTime > 0, path.openTime)},

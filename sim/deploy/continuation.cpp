@@ -63,6 +63,8 @@ constexpr double kGrowth = 1.3;
 // Moves towards one place of the guide, and towards the goal.
 constexpr int kMovesAState = 4;
 constexpr int kMovesAtGoal = 300;
+// Moves towards the goal before compliant joints close.
+constexpr int kMovesToSettle = 60;
 // A move longer than so many states of the guide is made again, shorter.
 constexpr double kLongestMove = 3;
 // A move shorter than this part of a state needs no further one.
@@ -73,8 +75,6 @@ constexpr double kNoMove = 1e-10;
 constexpr int kStuckPlaces = 8;
 // An error at the end above this part of a tile: another state may be nearer to the target.
 constexpr double kFarError = 1e-6;
-// While opening, a move shorter than this part of its reach halves the reach.
-constexpr double kOpened = 0.1;
 // A move that fails, is too long, or leads away from its place, aims at half of the way, and so on
 // down to these parts of it; the next moves aim farther again.
 constexpr double kLeastAim = 1e-6;
@@ -82,9 +82,7 @@ constexpr double kLeastGood = 1.0 / 16;
 constexpr double kAimGrowth = 1.5;
 // Of the distance from a place, or of a tile: so little is neither nearer nor farther.
 constexpr double kNoFarther = 1e-6;
-// The weight of turns where they are as good as free.
-constexpr double kFreeTurns = 1e-4;
-// While opening, the place is so many reaches away, and below this reach the bricks are stuck.
+// While extending, the place is so many reaches away, and below this reach the bricks are stuck.
 constexpr double kReach = 5;
 constexpr double kLeastReach = 1e-6;
 // Towards full extension, places are at first this part of the usual distance away, and at most so
@@ -110,13 +108,6 @@ constexpr double kNearStart[] = {1e4, 1e3, 1e2};
 // A saddle is left by a turn of so many radians, and where that gains so much extent.
 constexpr double kNudge = 0.02;
 constexpr double kMoreExtent = 1e-6;
-
-// The root mean square distance of the bottom's vertices from the centre of mass, metres.
-double gyrationRadius(const model::Brick& brick) {
-  double sum = 0;
-  for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
-  return std::sqrt(sum / static_cast<double>(brick.bottom.size()));
-}
 
 /// The same bricks with the metric of the path in place of their masses.
 std::vector<model::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
@@ -301,7 +292,7 @@ class Continuation {
   }
 
   /// Follows the given states from the first, closed, to the last.
-  // A leap off the singular start, room where that is asked for, then state by state.
+  // A leap off the singular start, then state by state.
   MechanismPath along(std::vector<Poses> states) {
     states.front() = poses_;
     for (const Poses& state : states) symmetries_.keepThoseOf(state);
@@ -313,31 +304,8 @@ class Continuation {
     stateLength_ = path_.guideLength / count;
     if (stateLength_ > 0) {
       if (settings_.leap > 0 && !settings_.areJointsCompliant()) leap(guide);
-      if (open()) {
-        progress_ = 0;
-        follow(PathGuide(mechanism_.bricks(), {poses_, guide.end()}), 1 / count);
-      } else {
-        follow(guide, 1 / count);
-      }
+      follow(guide, 1 / count);
     }
-    return finish();
-  }
-
-  /// Goes on from given states to the one nearest to a goal.
-  MechanismPath beyond(std::vector<Poses> states, const Poses& goal) {
-    path_.states.clear();
-    path_.lengths.clear();
-    for (Poses& state : states) {
-      poses_ = std::move(state);
-      keep();
-    }
-    mechanism_.restart(poses_);
-    symmetries_.keepThoseOf(poses_);
-    symmetries_.keepThoseOf(goal);
-    path_.guideLength = pathDistance(mechanism_.bricks(), path_.states.front(), goal);
-    stateLength_ = path_.guideLength / kLeastStates;
-    progress_ = 1;
-    goTo(goal);
     return finish();
   }
 
@@ -465,23 +433,6 @@ class Continuation {
     progress_ = settings_.leap;
   }
 
-  /// Moves the tiles apart, turns free. Returns whether that was asked for.
-  bool open() {
-    if (settings_.opening <= 0) return false;
-    Mechanism loose(scene_, {.turnWeight = kFreeTurns}, poses_);
-    const double end = path_.length() + settings_.opening * tile_;
-    double reach = kFirstProgress * tile_;
-    while (path_.length() < end && mayGoOn() && reach > kLeastReach * tile_) {
-      const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
-      const double moved =
-          loose.move(poses_, spread(poses_, pieces_, kReach * reach / whole), reach, budget_);
-      mechanism_.restore(symmetries_, poses_);
-      keep();
-      reach = moved > kOpened * reach ? std::min(kGrowth * reach, stateLength_) : 0.3 * reach;
-    }
-    return true;
-  }
-
   void follow(const PathGuide& guide, double largest) {
     double advance = progress_ > 0 ? std::min(progress_, largest) : kFirstProgress;
     int still = 0;
@@ -494,10 +445,13 @@ class Continuation {
         if (moveTowards(place) < kShortMove * wanted) break;
       }
       still = path_.length() - before < kShortMove * wanted ? still + 1 : 0;
-      path_.isStuck = still >= kStuckPlaces;
+      // Compliant joints may wait for their guide for long before they give way.
+      path_.isStuck = still >= kStuckPlaces && (isRounded() || !settings_.areJointsCompliant());
     }
     if (settings_.areJointsCompliant()) {
-      for (int i = 0; i < kMovesAState && mayGoOn(); ++i) moveTowards(guide.end());
+      for (int i = 0; i < kMovesToSettle && mayGoOn(); ++i) {
+        if (moveTowards(guide.end()) < noMove()) break;
+      }
       mechanism_.holdJoints(closedStiffness_);
     }
     goTo(guide.end());
@@ -659,6 +613,12 @@ MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, do
 
 }  // namespace
 
+double gyrationRadius(const model::Brick& brick) {
+  double sum = 0;
+  for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
+  return std::sqrt(sum / static_cast<double>(brick.bottom.size()));
+}
+
 trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
                                           const std::vector<model::Brick>& bricks,
                                           std::span<const model::Pivot> pivots,
@@ -696,13 +656,6 @@ MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
       Continuation(scene, guide.front(), settings, closed, budget, goesOn).along(std::move(guide));
   if (!std::isfinite(closed) || settings.areJointsCompliant()) return path;
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
-}
-
-MechanismPath continueTo(const scene::Scene& scene, std::vector<Poses> states, const Poses& goal,
-                         SearchBudget& budget, const PathObserver& goesOn) {
-  const double closed = roundedJointStiffness(scene.model);
-  Continuation path(scene, states.front(), {}, closed, budget, goesOn);
-  return path.beyond(std::move(states), goal);
 }
 
 MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,

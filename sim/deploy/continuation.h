@@ -41,11 +41,13 @@ struct MechanismPath {
   double length() const { return lengths.back(); }
 };
 
+/// The root mean square distance of a brick's bottom vertices from its centre of mass, metres.
+double gyrationRadius(const model::Brick& brick);
+
 /// How far two states of the same bricks are apart, metres: the root of the mean over bricks of
 ///   |dx|^2 + w rho^2 |dphi|^2,
-/// dx the move of the centre of mass, dphi the turn in radians, rho the root mean square distance
-/// of the brick's bottom vertices from its centre of mass, and w `turnWeight`: 1 in the length of a
-/// path.
+/// dx the move of the centre of mass, dphi the turn in radians, rho its gyrationRadius(), and w
+/// `turnWeight`: 1 in the length of a path.
 double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight = 1);
 
@@ -64,8 +66,6 @@ struct ContinuationSettings {
   /// Of turns against places, times rho^2, in what "nearest" means: a tile turns as its guide does,
   /// and where it stands follows.
   double turnWeight = 100;
-  /// Tiles first move away from their common centre for a path of so many mean edges.
-  double opening = 0;
   /// A singular start is left by a leap, contacts left out: the first state is sought at this
   /// progress of the guide. 0: the first moves are tiny instead, and grow.
   double leap = 1.0 / 60;
@@ -91,12 +91,6 @@ using PathObserver = std::function<bool(double progress)>;
 MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn = {});
-
-/// A path of states that are there already, `states`, and on from the last of them to the state
-/// nearest to a goal, joints exact, among the contacts that the scene asks for. Ends where it is
-/// nearest to the scene's target.
-MechanismPath continueTo(const scene::Scene& scene, std::vector<Poses> states, const Poses& goal,
-                         SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// A path from the first state of a guide, whose joints are closed, as near as the mechanism comes
 /// to the last; joints exact, among the contacts that the scene asks for. The scene's target is

@@ -4,10 +4,8 @@
 // 2. A scene with grips is followed through its equilibria and ends here (loading.cpp).
 // 3. The target is looked at: can rigid tiles reach it, where do joint-closed states come nearest,
 //    which bricks would overlap there.
-// 4. A scene that is geometry is searched for a path of the mechanism (geometric_path.cpp). One
-//    that keeps bricks apart is walked.
-// 5. Else ways of dynamics are tried (path_choice.cpp). A run that arrives in a scene that is
-//    geometry becomes a path again and is walked; otherwise the scene is run by its dynamics.
+// 4. A scene that is geometry takes a path of the mechanism (planner.cpp), which is played back.
+// 5. Any other scene is run by its dynamics (path_choice.cpp).
 //
 // The search is paid from one budget of counted work, so that the same path is taken on every
 // machine. With checkpoints, the trials of step 5 are kept as they end, and the run itself between
@@ -28,6 +26,7 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
 #include "sim/deploy/path_choice.h"
+#include "sim/deploy/planner.h"
 #include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/run_drive.h"
@@ -111,18 +110,16 @@ struct Search {
   AssembledState nearest;
   std::vector<BlockingPair> blocking;
   std::vector<std::string> warnings;
-  GeometricPaths geometric;
-  const GeometricPath* walked = nullptr;  ///< the one that is taken, if any
-  std::optional<GeometricPath> traced;    ///< of the dynamics that arrive
-  PathChoice choice;                      ///< of the dynamics where none is
+  PlannedPath planned;
+  PathChoice choice;  ///< of the dynamics if there is no planned path
   double misfit = 0;                      ///< to which tiles fit, metres; 0 if the path is exact
 };
 
 /// Without a target, tiles that joints hold fast cannot be driven by anything that they were given.
-void requireMotion(const scene::Scene& scene, const GeometricPaths& found) {
-  const std::optional<GeometricPath>& path = found.clear ? found.clear : found.through;
+void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
+  const MechanismPath& path = planned.path->path;
   const double tile = model::tileSize(scene.model);
-  if (!path || farthestMove(path->path.states.front(), path->path.states.back(), tile) > 0) return;
+  if (path.isCutShort || farthestMove(path.states.front(), path.states.back(), tile) > 0) return;
   const trajectory::Freedom freedom =
       scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
   const trajectory::Mobility left =
@@ -179,16 +176,18 @@ double misfitOf(const scene::Scene& scene) {
 void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
             Search& found) {
   constexpr double kShorter = 0.98;
-  found.geometric = findExtension(scene, budget, watch);
+  found.planned = planExtension(scene, budget, watch);
   const double misfit = misfitOf(scene);
   if (misfit == 0) return;
   scene::Scene loose = scene;
   loose.model.rounding = misfit;
-  GeometricPaths other = findExtension(loose, budget, watch);
-  const double length = found.geometric.clear ? found.geometric.clear->path.length() : 0;
-  if (!other.clear || other.clear->path.length() < kShorter * length) return;
-  found.geometric = std::move(other);
-  found.geometric.clear->isFitMeasured = true;
+  PlannedPath other = planExtension(loose, budget, watch);
+  if (!isCollisionFree(loose, *other.path)) return;
+  const bool isFree = isCollisionFree(scene, *found.planned.path);
+  const double length = isFree ? found.planned.path->path.length() : 0;
+  if (other.path->path.length() < kShorter * length) return;
+  found.planned = std::move(other);
+  found.planned.path->isFitMeasured = true;
   found.misfit = misfit;
 }
 
@@ -223,13 +222,12 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
           "dynamic",
           reason));
     }
-    found.geometric.trouble = reason;
+    found.planned.trouble = reason;
   } else if (scene.model.target) {
-    found.geometric =
-        findGeometricPaths(scene, {found.nearest, !found.blocking.empty()}, budget, watch);
+    found.planned = planPath(scene, found.nearest, budget, watch);
   } else {
     extend(scene, budget, watch, found);
-    requireMotion(scene, found.geometric);
+    requireMotion(scene, found.planned);
   }
 }
 
@@ -249,30 +247,6 @@ void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
       fmt::format("bricks passed through each other by up to {:.2g} m ({:.2g} tiles); "
                   "--contacts all lets them touch",
                   grown, grown / tile));
-}
-
-/// Said of a path on which bricks pass through each other, with what would show or mend it. Bricks
-/// that overlap where the path ends have no other way there; in the plane none gets room by being
-/// thinner.
-std::string passingThrough(const scene::Scene& scene, const GeometricPath& path) {
-  const double tile = model::tileSize(scene.model);
-  const std::string words = fmt::format(
-      "bricks pass through each other on the way, by up to {:.2g} m ({:.2g} tiles): ", path.grown,
-      path.grown / tile);
-  if (path.grownAtEnd > kClearShare * tile) {
-    return words + fmt::format(
-                       "they overlap by {:.2g} m where it ends, so that no path among touching "
-                       "bricks leads there; --contacts all shows how far they come",
-                       path.grownAtEnd);
-  }
-  const std::string thinner =
-      scene::sceneNeeds(scene).planar.on
-          ? ""
-          : fmt::format("thinner bricks (--thickness {:.2g}) or ", 0.25 * scene.brick.thickness);
-  return words + fmt::format(
-                     "no path among touching bricks was found; {}a longer --search may have one, "
-                     "and --contacts all shows where they lock",
-                     thinner);
 }
 
 /// Of the tolerance, in the run that measures the error in time.
@@ -345,76 +319,29 @@ DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
   return result;
 }
 
-/// Gives the scene a path of dynamics. Returns whether it is one of geometry, whose dynamics are
-/// walked as a path.
-bool becomeDynamic(scene::Scene& scene) {
-  scene::PathKind& kind = scene.path.kind;
-  if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) return false;
-  std::string reason;
-  const bool isGeometry = scene::isQuasiStatic(scene, reason);
-  kind = scene::PathKind::Dynamic;
-  if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
-  return isGeometry;
-}
-
-/// Takes a path of the mechanism, or chooses one for the dynamics and sets the scene for it.
-void chooseWay(scene::Scene& scene, Search& found, SearchBudget& budget, const TrialObserver& watch,
-               std::vector<TrialEnd>& trials) {
-  GeometricPaths& geometric = found.geometric;
-  if (geometric.clear) {
-    found.walked = &*geometric.clear;
-    return;
-  }
-  const auto sayPassingThrough = [&] {
-    found.warnings.push_back(passingThrough(scene, *found.walked));
-    watch({kAssembling, budget.share(), found.warnings.back()});
-  };
-  const auto passThrough = [&] {
-    found.walked = &*geometric.through;
-    sayPassingThrough();
-  };
-  if (!scene.model.target && geometric.through) return passThrough();
-  // Where bricks alone are in the way, dynamics may find a path on which joints stay closed.
-  if (geometric.compliant && !geometric.mayBeExact) {
-    found.walked = &*geometric.compliant;
+/// Takes the planned path, or chooses one for the dynamics and sets the scene for it.
+void selectPath(scene::Scene& scene, Search& found, SearchBudget& budget,
+                const TrialObserver& watch, std::vector<TrialEnd>& trials) {
+  if (found.planned.path) {
+    std::string warning = overlapWarning(scene, found.planned);
+    if (warning.empty()) return;
+    watch({kAssembling, budget.share(), warning});
+    found.warnings.push_back(std::move(warning));
     return;
   }
   scene::ContactFilter& contacts = scene.environment.contacts;
-  const scene::ContactFilter wanted = contacts;
-  const bool isContactOpen = wanted == scene::ContactFilter::Auto;
+  const bool isContactOpen = contacts == scene::ContactFilter::Auto;
   if (isContactOpen)
     contacts = isSearched(scene) ? scene::ContactFilter::All : scene::ContactFilter::None;
-  const bool isGeometry = becomeDynamic(scene);
-  // Where bricks pass through each other anyway, joints that dynamics may keep stiffer count more.
-  const bool isThroughExact = geometric.through && !geometric.through->hasCompliantJoints;
-  const TargetFindings atTarget = {found.nearest, !found.blocking.empty(), isThroughExact,
-                                   isGeometry};
-  found.choice = choosePath(scene, atTarget, budget, watch, trials);
-  const bool isExact = found.choice.isFound && !found.choice.path.jointsAreCompliant();
-  if (geometric.compliant && !isExact) {
-    found.walked = &*geometric.compliant;
-    return;
-  }
+  if (scene.path.kind == scene::PathKind::Auto) scene.path.kind = scene::PathKind::Dynamic;
+  found.choice = choosePath(scene, {found.nearest, !found.blocking.empty()}, budget, watch, trials);
   if (isContactOpen && found.choice.isClear) contacts = scene::ContactFilter::None;
-  const bool isOtherThrough = isThroughExact || !found.choice.through;
-  if (!found.choice.isFound && isContactOpen && geometric.through && isOtherThrough) {
-    return passThrough();
-  }
   if (!found.choice.isFound && isContactOpen && found.choice.through) {
     contacts = scene::ContactFilter::None;
     found.choice.path = *found.choice.through;
     found.choice.reason = found.choice.throughReason;
   }
-  const bool isRounded = std::isfinite(roundedJointStiffness(scene.model));
-  if (isGeometry && (found.choice.isFound || found.choice.through) && !isRounded) {
-    scene::Scene chosen = scene;
-    chosen.path = found.choice.path;
-    found.traced = tracedPath(chosen, found.choice, wanted, atTarget, budget, watch);
-    found.walked = &*found.traced;
-    if (found.traced->passesThrough) sayPassingThrough();
-    return;
-  }
-  if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
+  if (!found.planned.trouble.empty()) found.choice.reason += "; dynamics: " + found.planned.trouble;
 }
 
 /// Watches how deep the bricks overlap that the user lets touch, beyond the start.
@@ -450,9 +377,9 @@ class OverlapWatch {
 /// Whether the budget ended the search before it found a path on which nothing is wanting.
 bool isCutShort(const Search& found, const DeploymentResult& result, bool isOverlapping) {
   if (found.nearest.isCutShort) return true;
-  const bool isBest = found.walked && result.accuracy.jointOpeningMax == 0 &&
+  const bool isBest = found.planned.path && result.accuracy.jointOpeningMax == 0 &&
                       result.atTarget.value_or(true) && !isOverlapping;
-  return (found.geometric.isCutShort || found.choice.isCutShort) && !isBest;
+  return (found.planned.isCutShort || found.choice.isCutShort) && !isBest;
 }
 
 /// Notes why a run does not count as done, which ends its reason, too. `grown`: the overlap that
@@ -497,10 +424,10 @@ bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const S
       !scene::sceneNeeds(given).planar.on || !scene::isQuasiStatic(given, reason)) {
     return false;
   }
-  if (!found.walked) return !found.choice.isFound || found.choice.path.jointsAreCompliant();
-  const GeometricPath& path = *found.walked;
+  if (!found.planned.path) return false;
+  const GeometricPath& path = *found.planned.path;
   const bool isRounded = path.path.isRounded || std::isfinite(roundedJointStiffness(scene.model));
-  return path.passesThrough || (path.hasCompliantJoints && !isRounded);
+  return !isCollisionFree(scene, path) || (path.hasCompliantJoints && !isRounded);
 }
 
 /// Replaces scene and path by those through space, if one there keeps joints closed and bricks
@@ -513,15 +440,15 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
   SearchBudget budget(std::min(inSpace.path.searchTime, kSearchPerSecond * inSpace.stop.duration));
   Search other;
   search(inSpace, budget, watch, other);
-  if (!other.geometric.clear || other.geometric.clear->hasCompliantJoints) return;
+  const std::optional<GeometricPath>& path = other.planned.path;
+  if (!path || !isCollisionFree(inSpace, *path) || path->hasCompliantJoints) return;
   scene = inSpace;
   found = std::move(other);
-  found.walked = &*found.geometric.clear;
 }
 
 /// Of a search that was ended from within no path is known: the start alone is shown.
 void abandonSearch(scene::Scene& scene, Search& found) {
-  found.walked = nullptr;
+  found.planned.path.reset();
   found.choice = {scene.path, "the search for a path was interrupted"};
   found.choice.path.kind = scene::PathKind::Straight;
   scene::ContactFilter& contacts = scene.environment.contacts;
@@ -577,7 +504,7 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
     search(scene, budget, watchSearch, found);
     if (found.misfit > 0) scene.model.rounding = found.misfit;
     const scene::Scene whole = scene;
-    chooseWay(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
+    selectPath(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
     if (mayLeavePlane(whole, scene, found)) leavePlane(whole, scene, found, watchSearch);
   } catch (const Interrupted&) {
     goOn = false;
@@ -592,13 +519,14 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
     return observer(sample) && goOn;
   };
   DeploymentResult result =
-      found.walked
-          ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
+      found.planned.path
+          ? walk(scene, *found.planned.path, found.nearest, sampleInterval, takeSample)
           : (scene.solver.measuresTimeError ? runTwice : runDynamics)(
                 scene, found.choice, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
   const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;
-  if (isContactOpen && !found.walked) addOverlapWarning(scene, result);
+  if (isContactOpen && !found.planned.path) addOverlapWarning(scene, result);
   result.blocking = std::move(found.blocking);
+  result.candidates = std::move(found.planned.candidates);
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
   result.warnings = std::move(found.warnings);
   addShortfall(scene, found, overlaps.grown(result.accuracy), result);

@@ -10,6 +10,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/checkpoints.h"
 #include "sim/deploy/path_choice.h"
+#include "sim/deploy/path_evaluation.h"
 #include "sim/mechanics/load_path.h"
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
@@ -107,6 +108,7 @@ struct DeploymentResult {
   scene::Needs needs;                             ///< what was modelled, and why
   scene::PathSettings path;                       ///< that was taken, never Auto
   std::string pathReason;                         ///< one short phrase: why
+  std::vector<PathEvaluation> candidates;         ///< kinematic paths that were tried, in order
   /// The least target error found with joints closed, metres; negative without a target.
   double assembledError = -1;
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target

@@ -379,11 +379,4 @@ void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
   poses = std::move(mean);
 }
 
-// Velocities are averaged always: their mean is a velocity of the mean state to the first order.
-void SymmetricStates::restore(Motion& motion, Dynamics& dynamics) const {
-  if (group_.size() < 2) return;
-  restore(motion.poses, dynamics);
-  motion.velocities = model::symmetricMean(motion.velocities, group_);
-}
-
 }  // namespace kirireel::deploy

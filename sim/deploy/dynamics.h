@@ -204,9 +204,6 @@ class SymmetricStates {
   /// they cannot be stays as it is.
   void restore(Poses& poses, Dynamics& dynamics) const;
 
-  /// The same for a motion: velocities have the symmetries, too.
-  void restore(Motion& motion, Dynamics& dynamics) const;
-
  private:
   std::vector<model::Symmetry> group_;
   std::vector<model::Pivot> pivots_;

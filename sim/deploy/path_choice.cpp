@@ -64,10 +64,6 @@ constexpr double kOpeningShare = 1e-2;
 // again and again.
 constexpr double kTrialShare = 1.0 / 3;
 
-// Where bricks wedge, so much thinner ones are tried, on the first few ways.
-constexpr std::array kThinnerShares = {0.25, 0.0625};
-constexpr std::size_t kThinPaths = 3;
-
 // By this factor a later path has to come nearer than an earlier one to be taken instead.
 constexpr double kNearer = 0.99;
 
@@ -259,7 +255,6 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   Run run(scene, nearest, watch);
   running = &run;
   run.beTrial();
-  if (atTarget.isGeometry) run.keepSymmetries();
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
   TrialEnd end;
@@ -299,12 +294,6 @@ class PathSearch {
   // arrives it serves as it is.
   PathChoice find() {
     const bool fitsAtTarget = !atTarget_.isBlocked;
-    if (atTarget_.isReachedThrough) {
-      PathChoice among = findAmongBricks(
-          {{scene::PathKind::Straight}, "a path of the mechanism arrives"}, fitsAtTarget);
-      among.isCutShort = !among.isFound && isCutShort();
-      return among;
-    }
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != scene::ContactFilter::None;
     choice.isFound = last_.arrives && (!contacts || last_.keepsClear);
@@ -418,13 +407,13 @@ class PathSearch {
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool fitsAtTarget) {
-    if (const auto path = pathAmongBricks(waysOf(scene_, true), "touching bricks")) {
+    if (const auto path = pathAmongBricks(waysOf(scene_, true))) {
       return {*path, describe(*path) + " among touching bricks" + arriving(), true};
     }
     std::string reason = first.reason + " where bricks pass through each other";
     if (fitsAtTarget) {
-      const std::string found = widerJoints() + thinnerBricks();
-      reason += "; no path that was tried arrives among bricks that touch" + untried() + found;
+      reason += "; no path that was tried arrives among bricks that touch" + untried() +
+                widerJoints();
     }
     if (!nearest_) return {withExactJoints(first.path), reason};
     return {nearest_->path, fmt::format("{}; {} comes nearest among bricks that touch", reason,
@@ -432,14 +421,14 @@ class PathSearch {
   }
 
   /// The first path on which bricks arrive without overlap, joints hardly open.
-  std::optional<scene::PathSettings> pathAmongBricks(const std::vector<scene::PathSettings>& paths,
-                                                     const std::string& which) {
+  std::optional<scene::PathSettings> pathAmongBricks(
+      const std::vector<scene::PathSettings>& paths) {
     scene::Environment bricks = scene_.environment;
     // Ground and weight would decide which trial arrives; a path is sought for the mechanism alone.
     bricks.ground.reset();
     bricks.gravity.setZero();
     for (const scene::PathSettings& path : paths) {
-      const std::string what = fmt::format("{} among {}", describe(path), which);
+      const std::string what = describe(path) + " among touching bricks";
       if (!mayTry(what)) return {};
       const bool found = arrives(path, bricks, what);
       if (isOver_ || !last_.keepsClear) continue;
@@ -458,29 +447,6 @@ class PathSearch {
     if (!wide_) return "";
     return fmt::format("; {} does, but joints open by {:.2g} m", describe(wide_->path),
                        wide_->end.opening);
-  }
-
-  /// Which thinner bricks arrive, for the summary; empty when none was found.
-  std::string thinnerBricks() {
-    std::vector<scene::PathSettings> paths = waysOf(scene_, true);
-    paths.resize(kThinPaths);
-    for (const double share : kThinnerShares) {
-      if (isOver_ || budget_.isSpent()) break;
-      scene::Scene thin = scene_;
-      thin.brick.thickness *= share;
-      const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
-      TargetFindings atTarget = atTarget_;
-      atTarget.nearest = assembleAtTarget(thin, budget_);
-      PathSearch search(thin, std::move(atTarget), budget_, observer_, trials_);
-      search.count_ = count_;
-      const auto path = search.pathAmongBricks(paths, which);
-      count_ = search.count_;
-      isOver_ = search.isOver_;
-      cutShort_ += search.cutShort_;
-      isIncomplete_ = isIncomplete_ || search.isIncomplete_;
-      if (path) return fmt::format("; {} do ({})", which, describe(*path));
-    }
-    return "";
   }
 
   const scene::Scene& scene_;

@@ -9,6 +9,7 @@
 #include "sim/base/state_tape.h"
 #include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/path_evaluation.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::deploy {
@@ -60,14 +61,7 @@ using TrialObserver = std::function<bool(const SearchNews&)>;
 struct TargetFindings {
   AssembledState nearest;  ///< see assembleAtTarget()
   bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
-  /// A path is known on which the tiles arrive, but bricks pass through each other.
-  bool isReachedThrough = false;
-  /// What arrives is walked as a path of the mechanism: its states keep the model's symmetries.
-  bool isGeometry = false;
 };
-
-/// Overlap beyond that of the start, in tiles, up to which bricks count as clear of each other.
-inline constexpr double kClearShare = 1e-4;
 
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
@@ -75,7 +69,7 @@ inline constexpr double kClearShare = 1e-4;
 /// arrives where the scene's springs come to rest near the target. Where bricks run into each other
 /// on it, paths are tried with contacts, joints opening by at most a hundredth of a tile; fewer
 /// where bricks have no room at the target. Where none arrives, the one that comes nearest without
-/// overlaps is taken, and the reason says whether wider joints or thinner bricks would arrive. A
+/// overlaps is taken, and the reason says whether wider joints would arrive. A
 /// path that the scene names is kept. Springs without stiffness pull to nothing. Where nothing
 /// pulls to a target and the tiles' misfit makes exact joints lock, joints are compliant
 /// throughout. Trials are as the run itself. A trial may cost a third of what is left of the

@@ -85,9 +85,6 @@ class Run : private TimelineStage {
   /// To be called before a run that is only tried: the reason for its end is left out.
   void beTrial() { isTrial_ = true; }
 
-  /// To be called before a run of geometry alone: all its states keep the model's symmetries.
-  void keepSymmetries() { motion_.keepSymmetries(); }
-
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
   /// samples: they go to the observer. Interrupted (see sim/base/interruption.h) ends the run after
   /// its last whole step, yet is thrown by a trial.

@@ -98,10 +98,6 @@ void RunMotion::beginContactsHere() {
 }
 
 void RunMotion::beginHere() {
-  if (symmetries_) {
-    symmetries_->keepThoseOf(now_.poses);
-    symmetries_->restore(now_, *solver_);
-  }
   start_ = now_.poses;
 }
 
@@ -130,7 +126,6 @@ StepReport RunMotion::advance(const mechanics::TimedLoads& loads, bool isToToler
   StepReport report;
   for (int k = 0; k < count; ++k) {
     report += solver_->advance(now_, clock_.length() / count, loadsNow);
-    if (symmetries_) symmetries_->restore(now_, *solver_);
   }
   return report;
 }

@@ -107,9 +107,6 @@ class RunMotion {
   /// Seconds from one look at a scene's run to the next.
   static double lookOf(const scene::Scene& scene);
 
-  /// From now on states keep the symmetries that the model has and its start, see beginHere().
-  void keepSymmetries() { symmetries_.emplace(bricks_.scene); }
-
   /// The state now: one pose and one velocity a brick.
   Motion& now() { return now_; }
   /// The same, to be read.
@@ -173,7 +170,6 @@ class RunMotion {
   bool isSmooth_ = false;  // the last step kept its tolerance throughout
   std::unique_ptr<Dynamics> solver_;
   std::unique_ptr<Dynamics> projection_;  // closes joints of states within a step; made when needed
-  std::optional<SymmetricStates> symmetries_;  // that states are to keep
 };
 
 // ------------------------------------------------------------------------------------------------

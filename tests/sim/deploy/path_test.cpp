@@ -18,7 +18,6 @@ namespace kirireel {
 namespace {
 
 using ::testing::Contains;
-using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
@@ -211,22 +210,6 @@ TEST(Path, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
   EXPECT_EQ(result.pathReason, "straight pull arrives");
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 3e-11
   EXPECT_GT(result.accuracy.penetrationGrownMax, 1e-3 * model::tileSize(scene.model));
-}
-
-TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
-  scene::Scene scene;
-  scene.model = generate::makeMoebiusBand({.columns = 10});
-  scene.environment.contacts = scene::ContactFilter::All;
-  scene.brick.thickness = 0.08;
-  // As if thick bricks had wedged on every path: one arrives, but through each other.
-  std::vector<deploy::TrialEnd> trials(7);
-  trials.front().arrives = true;
-  std::vector<std::string> tried;
-  const deploy::PathChoice choice =
-      choose(scene, {deploy::assembleAtTarget(scene), false}, noteOnce(tried), trials);
-  EXPECT_THAT(choice.reason, HasSubstr("among bricks that touch; bricks 0.02 m thick do ("));
-  EXPECT_THAT(tried.back(), EndsWith("among bricks 0.02 m thick"));
-  EXPECT_TRUE(trials.back().arrives);
 }
 
 /// How a path with contacts ended.

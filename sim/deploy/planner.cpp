@@ -1,0 +1,607 @@
+// Which kinematic path a scene takes.
+//
+// There is one list of candidates (kCandidates), one evaluation (evaluate), one order (isBetter),
+// and one stop rule: the search ends at the first path that arrives with exact joints and without
+// overlaps. A candidate has a guide, contacts or none, and joints that are exact or of stiffness r
+// over that of one tile's position. Where a candidate stiffens, the path found becomes the guide of
+// the next one, with r ten times as large, for as long as joints open less.
+//
+// Overlaps are measured at the states and half way between them: where a branch of the mechanism
+// ends, a path that is followed state by state jumps, and its states alone do not show that.
+//
+// The path that is selected is shortened where it is a detour or turns back (continuation.cpp),
+// first as far as that makes tiles turn more evenly. One that stays a detour is shortened further,
+// at the cost of even turns, if that makes it none. The path stays as it was found where shortening
+// makes bricks overlap.
+#include "sim/deploy/planner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/deploy/arrival.h"
+#include "sim/deploy/assembled_state.h"
+#include "sim/deploy/continuation.h"
+#include "sim/deploy/dynamics.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::deploy {
+namespace {
+
+// ------------------------------------------------------------------------------------------------
+// The candidates.
+
+/// What a path follows.
+enum class Guide {
+  OwnMotion,     ///< each tile's own motion to the goal
+  FromTarget,    ///< the same from the goal back; near the start joints are compliant if they must
+  PreviousPath,  ///< the last path without contacts whose joints are compliant
+};
+
+struct Candidate {
+  Guide guide;
+  bool hasContacts;
+  double jointStiffness;  ///< see ContinuationSettings
+  bool stiffens = false;  ///< whether stiffer joints are tried along the path that was found
+};
+
+// In the order in which they are tried: the first brings most designs to their targets. Without
+// contacts, soft joints give the smoothest paths, which then guide those with contacts. Exact
+// joints among bricks that lie flush at the start cost most.
+constexpr auto kCandidates = std::to_array<Candidate>({
+    {Guide::OwnMotion, false, kExactJoints},
+    {Guide::FromTarget, true, kExactJoints},
+    {Guide::OwnMotion, false, 10, true},
+    {Guide::PreviousPath, true, 10},
+    {Guide::PreviousPath, true, 100},
+    {Guide::OwnMotion, true, 1e3, true},
+    {Guide::OwnMotion, true, kExactJoints},
+    {Guide::OwnMotion, true, 1e2, true},
+});
+constexpr double kStiffer = 10;
+
+/// What summary.json calls a candidate.
+std::string describe(const Candidate& candidate) {
+  const char* guide = candidate.guide == Guide::OwnMotion    ? "own motion of each tile"
+                      : candidate.guide == Guide::FromTarget ? "from the target back"
+                                                             : "previous path";
+  const std::string joints = std::isinf(candidate.jointStiffness)
+                                 ? "exact joints"
+                                 : fmt::format("joint ratio {:g}", candidate.jointStiffness);
+  return fmt::format("{}, contacts {}, {}", guide, candidate.hasContacts ? "on" : "off", joints);
+}
+
+// A candidate may cost this part of the budget, and as much again for each fifth of the guide that
+// it has followed.
+constexpr double kPathShare = 0.1;
+constexpr double kParts = 5;
+// One from the target back may cost this part: exact joints that touching bricks let through take
+// many short moves, and the others cost little.
+constexpr double kFromTargetShare = 0.75;
+// A last move to the nearest state is at most this part of a tile.
+constexpr double kLastMove = 1e-3;
+// Extending without contacts may cost this part of the budget.
+constexpr double kWithoutContactsShare = 0.6;
+// Shortening the selected path may cost this part of it.
+constexpr double kShorteningShare = 0.25;
+// Of turns against positions, times rho^2, in what a shorter path is: from where tiles turn evenly
+// to the length itself.
+constexpr auto kTurnWeights = std::to_array<double>({10, 3, 1});
+
+/// The contacts of a candidate that has them.
+scene::ContactFilter touching(scene::ContactFilter requested) {
+  return requested == scene::ContactFilter::Auto ? scene::ContactFilter::All : requested;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The evaluation.
+
+// Frames in which roughness is counted, and the angle from which a frame is rough, degrees.
+constexpr int kFrames = 360;
+constexpr double kRoughAngle = 30;
+
+/// The direction of the whole motion between two states: moves, and turns by their arc at the
+/// radius of gyration, over the tiles one after the other.
+std::vector<Vector3> directionBetween(const std::vector<model::Brick>& bricks, const Poses& from,
+                                      const Poses& to) {
+  std::vector<Vector3> direction;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    direction.push_back(to[i].position - from[i].position);
+    direction.push_back(gyrationRadius(bricks[i]) *
+                        turnBetween(from[i].rotation, to[i].rotation));
+  }
+  return direction;
+}
+
+double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+/// The frames of a path at an even pace in which the direction of the whole motion turns by more
+/// than kRoughAngle.
+int countRoughFrames(const std::vector<model::Brick>& bricks, const MechanismPath& path) {
+  if (!(path.length() > 0)) return 0;
+  const double cosine = std::cos(kRoughAngle * std::numbers::pi / 180);
+  std::size_t next = 1;
+  Poses before = path.states.front();
+  std::vector<Vector3> last;
+  int rough = 0;
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    const double length = frame * path.length() / kFrames;
+    while (next + 1 < path.states.size() && path.lengths[next] < length) ++next;
+    const double part = path.lengths[next] - path.lengths[next - 1];
+    const double share =
+        part > 0 ? std::clamp((length - path.lengths[next - 1]) / part, 0.0, 1.0) : 1;
+    Poses now = interpolate(path.states[next - 1], path.states[next], share);
+    std::vector<Vector3> direction = directionBetween(bricks, before, now);
+    const double norms = std::sqrt(dot(direction, direction) * dot(last, last));
+    if (!last.empty() && dot(direction, last) < cosine * norms) ++rough;
+    last = std::move(direction);
+    before = std::move(now);
+  }
+  return rough;
+}
+
+/// Whether the scene lets these bricks touch.
+bool mayTouch(const scene::Scene& scene) {
+  return scene.environment.contacts != scene::ContactFilter::None;
+}
+
+/// Measures a path, but for its end, error and work. The scene has the contacts that were
+/// requested.
+void evaluate(const scene::Scene& scene, GeometricPath& found) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<Poses>& states = found.path.states;
+  PathEvaluation& evaluation = found.evaluation;
+  trajectory::PenetrationMeter meter =
+      overlapMeter(scene.environment, bricks, pivots, states.front());
+  evaluation.overlapGrowth = evaluation.overlapGrowthAtEnd = evaluation.opening = 0;
+  const auto measure = [&](const Poses& state) {
+    if (mayTouch(scene)) {
+      evaluation.overlapGrowthAtEnd = meter.at(state).grown;
+      evaluation.overlapGrowth =
+          std::max(evaluation.overlapGrowth, evaluation.overlapGrowthAtEnd);
+    }
+    if (!found.hasCompliantJoints) return;
+    evaluation.opening =
+        std::max(evaluation.opening, trajectory::jointGap(pivots, state).max);
+  };
+  StatesBetween between(scene, found);
+  measure(states.front());
+  for (std::size_t k = 1; k < states.size(); ++k) {
+    measure(between.at(k, 0.5));
+    measure(states[k]);
+  }
+  evaluation.length = found.path.length();
+  evaluation.roughFrames = countRoughFrames(bricks, found.path);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The order.
+
+// Openings that differ by less than this part of a tile are alike.
+constexpr double kOpeningStep = 0.02;
+
+/// Whether a path is better than another: one that arrives without overlaps before any other; then
+/// the one that opens less in steps of kOpeningStep, then the smoother one, then the one that opens
+/// less. Of paths with overlaps the one with less, of paths that end short the one that comes
+/// nearer. Where the user asks for contacts, a path with overlaps is the last choice.
+class PathOrder {
+ public:
+  explicit PathOrder(const scene::Scene& scene)
+      : tile_(model::tileSize(scene.model)),
+        mustTouch_(mayTouch(scene) && scene.environment.contacts != scene::ContactFilter::Auto) {}
+
+  bool isBetter(const PathEvaluation& a, const PathEvaluation& b) const {
+    return keyOf(a) < keyOf(b);
+  }
+
+ private:
+  using Key = std::tuple<int, double, int, double>;
+
+  Key keyOf(const PathEvaluation& path) const {
+    const bool arrives = path.end == PathEnd::Arrived;
+    const bool isOverlapping = path.overlapGrowth > kClearShare * tile_;
+    if (arrives && !isOverlapping) {
+      return {0, std::floor(path.opening / (kOpeningStep * tile_)), path.roughFrames, path.opening};
+    }
+    if (isOverlapping && (arrives || mustTouch_)) {
+      return {mustTouch_ ? 3 : 1, path.overlapGrowth, path.roughFrames, path.opening};
+    }
+    return {2, path.error, path.roughFrames, path.opening};
+  }
+
+  double tile_;     // metres
+  bool mustTouch_;  // the user asks for contacts
+};
+
+// ------------------------------------------------------------------------------------------------
+// Improvement of the selected path.
+
+/// A path pulled tight so that tiles turn as evenly on it as they can on a path that is no detour.
+/// If every one is a detour, the one on which they turn most evenly.
+MechanismPath evenlyTight(const scene::Scene& scene, const MechanismPath& path, double mostGrown,
+                          SearchBudget& budget, const PathObserver& goesOn) {
+  std::optional<MechanismPath> mostEven;
+  for (const double turnWeight : kTurnWeights) {
+    MechanismPath pulled =
+        pulledTight(scene, mostEven.value_or(path), turnWeight, mostGrown, budget, goesOn);
+    if (!isDetour(scene, pulled)) return pulled;
+    if (!mostEven) mostEven = std::move(pulled);
+  }
+  return *std::move(mostEven);
+}
+
+/// Shortens a path that is a detour or turns back, at a part of the budget. A path with compliant
+/// joints is only cleared of the places where it turns back.
+void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budget,
+             const PathObserver& goesOn) {
+  const bool isBack = turnsBack(scene, found.path);
+  if (!isBack && (found.hasCompliantJoints || !isDetour(scene, found.path))) return;
+  const PathEvaluation& evaluation = found.evaluation;
+  const double clear = kClearShare * model::tileSize(scene.model);
+  const double mostGrown = mayTouch(scene) ? std::max(evaluation.overlapGrowth, clear)
+                                           : std::numeric_limits<double>::infinity();
+  GeometricPath shorter = found;
+  if (found.hasCompliantJoints) {
+    shorter.path = withoutKinks(scene, std::move(shorter.path), evaluation.opening, mostGrown);
+  } else {
+    // Bricks that did not meet may do so on a shorter path.
+    const bool isThrough = found.contacts == scene::ContactFilter::None && overlaps(scene, found);
+    scene::Scene among = scene;
+    among.environment.contacts =
+        isThrough ? found.contacts : touching(scene.environment.contacts);
+    SearchBudget part(
+        std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
+    shorter.path = evenlyTight(among, shorter.path, mostGrown, part, goesOn);
+    if (isDetour(scene, shorter.path)) {
+      shorter.path = withShortcuts(among, std::move(shorter.path), mostGrown, part, goesOn);
+    }
+    budget.spend(part.spent());
+  }
+  evaluate(scene, shorter);
+  if (shorter.evaluation.overlapGrowth <= mostGrown) found = std::move(shorter);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The words about a path, for the summary.
+
+const char* const kShortening = "shorter paths along the one that was found";
+const char* const kExtending = "the path to full extension";
+
+/// Says why a path was selected and why bricks have contacts on it, from its figures.
+void addReasons(const scene::Scene& scene, GeometricPath& found) {
+  const bool isTouching = found.contacts != scene::ContactFilter::None;
+  const bool isOverlapping = overlaps(scene, found);
+  found.contactReason =
+      !mayTouch(scene)              ? "not asked for"
+      : isTouching && isOverlapping ? "bricks meet on the way, and some overlap all the same"
+      : isTouching                  ? "bricks meet on the way"
+      : isOverlapping ? "bricks pass through each other, no path among touching ones was found"
+                      : "no bricks meet on the way";
+  const bool isOpen = found.hasCompliantJoints && !found.path.isRounded;
+  const double opening = found.evaluation.opening;
+  found.reason = fmt::format(
+      "a path of the mechanism{}{}", isTouching ? " among touching bricks" : "",
+      isOpen ? fmt::format(" with compliant joints, which open by up to {:.2g} m ({:.2g} tiles): "
+                           "none with exact joints was found",
+                           opening, opening / model::tileSize(scene.model))
+             : ", nothing given needs dynamics");
+}
+
+// ------------------------------------------------------------------------------------------------
+// The search.
+
+class Planner {
+ public:
+  Planner(const scene::Scene& scene, const AssembledState& nearest, SearchBudget& budget,
+          const TrialObserver& observer)
+      : scene_(scene),
+        nearest_(nearest),
+        order_(scene),
+        budget_(budget),
+        observer_(observer),
+        tile_(model::tileSize(scene.model)),
+        start_(model::startPoses(scene.model.tiles,
+                                 model::makeBricks(scene.model.tiles, scene.brick))) {}
+
+  PlannedPath find() {
+    for (const Candidate& candidate : kCandidates) {
+      if (planned_.path && (isOver_ || !isWorthTrying(candidate))) continue;
+      if (planned_.path && budget_.isSpent()) {
+        planned_.isCutShort = true;
+        break;
+      }
+      tryCandidate(candidate);
+      if (isExact(*planned_.path) && isCollisionFree(scene_, *planned_.path)) break;
+    }
+    if (planned_.path->evaluation.end == PathEnd::Arrived) {
+      shorten(scene_, *planned_.path, budget_, [&](double) { return tell(kShortening); });
+    }
+    // A candidate that ran out of budget matters only if no other is collision-free.
+    planned_.isCutShort =
+        planned_.isCutShort ||
+        (!isCollisionFree(scene_, *planned_.path) &&
+         std::ranges::any_of(planned_.candidates, [](const PathEvaluation& candidate) {
+           return candidate.end == PathEnd::OutOfBudget;
+         }));
+    addReasons(scene_, *planned_.path);
+    return std::move(planned_);
+  }
+
+ private:
+  static bool isExact(const GeometricPath& found) {
+    return !found.hasCompliantJoints || found.path.isRounded;
+  }
+
+  bool isWorthTrying(const Candidate& candidate) {
+    if (candidate.hasContacts && !mayTouch(scene_)) return false;
+    // Exact joints that lead nowhere do so among touching bricks, too.
+    const bool firstArrives = planned_.candidates.front().end == PathEnd::Arrived;
+    if (std::isinf(candidate.jointStiffness) && !firstArrives && !isBlocked()) return false;
+    // Bricks that overlap at the goal keep any path with contacts from it: one with contacts shows
+    // where the sheet stops.
+    if (isBlocked()) {
+      return candidate.hasContacts ? candidate.guide == Guide::OwnMotion &&
+                                         std::isinf(candidate.jointStiffness)
+                                   : !firstArrives;
+    }
+    if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
+    // The softest joints come last.
+    const bool isSoftest = &candidate == &kCandidates.back();
+    return !isSoftest || !isCollisionFree(scene_, *planned_.path);
+  }
+
+  /// Whether bricks that may touch overlap at the goal by more than at the start.
+  bool isBlocked() {
+    if (!isBlocked_) isBlocked_ = mayTouch(scene_) && growthAt(nearest_.poses) > clear();
+    return *isBlocked_;
+  }
+
+  double clear() const { return kClearShare * tile_; }
+
+  /// How much overlaps of bricks that may touch have grown at a state, metres.
+  double growthAt(const Poses& state) const {
+    const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
+    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks);
+    return overlapMeter(scene_.environment, bricks, pivots, start_).at(state).grown;
+  }
+
+  void tryCandidate(Candidate candidate) {
+    std::vector<Poses> guide = candidate.guide == Guide::PreviousPath
+                                   ? previous_
+                                   : std::vector<Poses>{start_, nearest_.poses};
+    std::optional<PathEvaluation> last;
+    while (true) {
+      GeometricPath found = follow(candidate, guide);
+      const PathEvaluation evaluation = found.evaluation;
+      const bool arrives = evaluation.end == PathEnd::Arrived;
+      if (arrives) guide = found.path.states;
+      const bool isBack = candidate.guide == Guide::FromTarget;
+      consider(std::move(found), isBack && !arrives);
+      const bool isStiffer = !last || evaluation.opening < last->opening;
+      if (!candidate.stiffens || !arrives || !isStiffer || isOver_) break;
+      if (!candidate.hasContacts) previous_ = guide;
+      if (candidate.hasContacts && evaluation.overlapGrowth > clear()) break;
+      last = evaluation;
+      candidate.jointStiffness *= kStiffer;
+      candidate.guide = Guide::PreviousPath;
+    }
+  }
+
+  /// Follows a guide and evaluates the path.
+  GeometricPath follow(const Candidate& candidate, const std::vector<Poses>& guide) {
+    scene::Scene trial = scene_;
+    GeometricPath found;
+    found.contacts = candidate.hasContacts ? touching(scene_.environment.contacts)
+                                           : scene::ContactFilter::None;
+    trial.environment.contacts = found.contacts;
+    found.evaluation.candidate = describe(candidate);
+    found.evaluation.hasContacts = candidate.hasContacts;
+    SearchBudget part(budget_.left() / kWorkPerSecond);
+    const bool isBack = candidate.guide == Guide::FromTarget;
+    const auto goesOn = [&](double progress) {
+      const double share =
+          isBack ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
+      return tell(found.evaluation.candidate) && part.spentSeconds() <= share * budget_.seconds();
+    };
+    found.hasCompliantJoints =
+        !std::isinf(candidate.jointStiffness) || isBack;
+    if (isBack) {
+      found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, goesOn);
+    } else {
+      // Where bricks lie flush at the start, a jump off it would jam them.
+      ContinuationSettings settings;
+      if (candidate.hasContacts || found.hasCompliantJoints) settings.leap = 0;
+      settings.jointStiffness = candidate.jointStiffness;
+      found.path = continueAlong(trial, guide, settings, part, goesOn);
+      endAtNearest(found.path);
+    }
+    if (closedStart_.empty()) closedStart_ = found.path.states.front();
+    found.hasCompliantJoints = found.hasCompliantJoints || found.path.isRounded;
+    budget_.spend(part.spent());
+    found.evaluation.work = part.spent();
+    found.evaluation.error = found.path.error;
+    found.evaluation.end = endOf(found.path);
+    evaluate(scene_, found);
+    if (!found.path.isRounded && found.evaluation.opening <= kExactShare * tile_) {
+      found.hasCompliantJoints = false;
+    }
+    return found;
+  }
+
+  /// A path that comes near to the known nearest state ends there, unless bricks overlap deeper in
+  /// it. Tiles of rounded coordinates come near to it within the rounding's reach: in a singular
+  /// state, a gap of that size is a turn by its square root.
+  void endAtNearest(MechanismPath& path) const {
+    if (path.isStuck || path.isCutShort) return;
+    if (isNearest(scene_.model, path.error, nearest_.error)) return;
+    const bool isRounded = std::isfinite(roundedJointStiffness(scene_.model));
+    const double reach =
+        isRounded ? std::sqrt(roundedReach(scene_.model) * tile_) : kLastMove * tile_;
+    if (farthestMove(path.states.back(), nearest_.poses, tile_) > reach) return;
+    const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
+    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks);
+    const double gap = trajectory::jointGap(pivots, nearest_.poses).max;
+    if (!isRounded && gap > kExactShare * tile_) return;
+    const double grown = growthAt(path.states.back());
+    if (mayTouch(scene_) && growthAt(nearest_.poses) > std::max(grown, clear())) return;
+    path.lengths.push_back(path.length() +
+                           pathDistance(bricks, path.states.back(), nearest_.poses));
+    path.states.push_back(nearest_.poses);
+    path.error = nearest_.error;
+    path.isRounded = isRounded;
+  }
+
+  PathEnd endOf(const MechanismPath& path) const {
+    if (path.isCutShort) return PathEnd::OutOfBudget;
+    if (path.isStuck) return PathEnd::Stuck;
+    const double limit = arrivalLimit(scene_.model, nearest_.error) + roundedReach(scene_.model);
+    return path.error <= limit ? PathEnd::Arrived : PathEnd::Short;
+  }
+
+  /// Notes a path, and selects it if it is the best so far and begins at the start.
+  void consider(GeometricPath found, bool isWithoutStart) {
+    const PathEvaluation& evaluation = found.evaluation;
+    planned_.candidates.push_back(evaluation);
+    if (isWithoutStart) return;
+    if (planned_.path && !order_.isBetter(evaluation, planned_.path->evaluation)) return;
+    planned_.path = std::move(found);
+  }
+
+  /// Reports what is being tried. Returns whether to continue.
+  bool tell(const std::string& what) {
+    isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
+    return !isOver_;
+  }
+
+  const scene::Scene& scene_;
+  const AssembledState& nearest_;
+  PathOrder order_;
+  SearchBudget& budget_;
+  const TrialObserver& observer_;
+  double tile_;                  // metres
+  Poses start_, closedStart_;    // as read, and with closed joints
+  std::vector<Poses> previous_;  // the last path without contacts and with compliant joints
+  std::optional<bool> isBlocked_;
+  PlannedPath planned_;
+  bool isOver_ = false;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Full extension.
+
+/// The path to full extension with these contacts, at a share of the rest of the budget.
+GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts, double share,
+                        SearchBudget& budget, const TrialObserver& observer) {
+  scene::Scene trial = scene;
+  trial.environment.contacts = contacts;
+  SearchBudget part(share * budget.left() / kWorkPerSecond);
+  GeometricPath found;
+  found.path = continueToExtension(trial, part, [&](double) {
+    return !observer || observer({kExtending, budget.share()});
+  });
+  budget.spend(part.spent());
+  found.hasCompliantJoints = found.path.isRounded;
+  found.contacts = contacts;
+  found.evaluation.candidate =
+      fmt::format("full extension, contacts {}",
+                  contacts == scene::ContactFilter::None ? "off" : "on");
+  found.evaluation.hasContacts = contacts != scene::ContactFilter::None;
+  found.evaluation.work = part.spent();
+  found.evaluation.end = found.path.isCutShort ? PathEnd::OutOfBudget : PathEnd::Arrived;
+  evaluate(scene, found);
+  return found;
+}
+
+}  // namespace
+
+bool overlaps(const scene::Scene& scene, const GeometricPath& found) {
+  return found.evaluation.overlapGrowth > kClearShare * model::tileSize(scene.model);
+}
+
+bool isCollisionFree(const scene::Scene& scene, const GeometricPath& found) {
+  return found.evaluation.end == PathEnd::Arrived && !overlaps(scene, found);
+}
+
+std::string toString(PathEnd end) {
+  switch (end) {
+    case PathEnd::Arrived:
+      return "arrived";
+    case PathEnd::Short:
+      return "short";
+    case PathEnd::Stuck:
+      return "stuck";
+    case PathEnd::OutOfBudget:
+      return "out_of_budget";
+  }
+  return "unknown";
+}
+
+PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest,
+                     SearchBudget& budget, const TrialObserver& observer) {
+  return Planner(scene, nearest, budget, observer).find();
+}
+
+// Flush bricks may hold each other. Where the scene leaves contacts open, a sheet that does not
+// move is no answer.
+PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
+                          const TrialObserver& observer) {
+  const scene::ContactFilter requested = scene.environment.contacts;
+  PlannedPath planned;
+  const auto consider = [&](GeometricPath found) {
+    planned.candidates.push_back(found.evaluation);
+    planned.isCutShort = planned.isCutShort || found.path.isCutShort;
+    const bool isHeld = requested == scene::ContactFilter::Auto && planned.path &&
+                        !isExtension(scene, found.path);
+    const bool isBetter = !planned.path || PathOrder(scene).isBetter(
+                                               found.evaluation, planned.path->evaluation);
+    if (isBetter && !isHeld) planned.path = std::move(found);
+  };
+  consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
+  if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
+    consider(extension(scene, touching(requested), 1, budget, observer));
+  }
+  shorten(scene, *planned.path, budget,
+          [&](double) { return !observer || observer({kShortening, budget.share()}); });
+  addReasons(scene, *planned.path);
+  return planned;
+}
+
+std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned) {
+  if (!overlaps(scene, *planned.path)) return "";
+  const double tile = model::tileSize(scene.model);
+  const PathEvaluation& path = planned.path->evaluation;
+  const std::string words = fmt::format("tiles overlap by up to {:.2g} m ({:.2g} tiles) on the path",
+                                        path.overlapGrowth, path.overlapGrowth / tile);
+  if (path.overlapGrowthAtEnd > kClearShare * tile) {
+    const auto touching = std::ranges::find_if(planned.candidates, [](const auto& candidate) {
+      return candidate.hasContacts;
+    });
+    const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;
+    return words + fmt::format(", and by {:.2g} m at its end. {}--contacts all shows where the "
+                               "sheet stops",
+                               path.overlapGrowthAtEnd,
+                               isStopKnown ? fmt::format("With contacts it ends {:.3g} m short of "
+                                                         "the target. ",
+                                                         touching->error)
+                                           : "");
+  }
+  const std::string thinner = scene::sceneNeeds(scene).planar.on
+                                  ? ""
+                                  : fmt::format("--thickness {:.2g}, ", 0.25 * scene.brick.thickness);
+  return words + fmt::format(". No collision-free path was found. Try {}a larger --search, or "
+                             "--contacts all to see where the sheet stops",
+                             thinner);
+}
+
+}  // namespace kirireel::deploy

@@ -1,0 +1,41 @@
+/// Which kinematic path a scene takes: all candidates, their evaluation and their order.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/deploy/geometric_path.h"
+#include "sim/deploy/path_choice.h"
+#include "sim/deploy/path_evaluation.h"
+
+namespace kirireel::deploy {
+
+/// The path that was selected, and all that were tried.
+struct PlannedPath {
+  std::optional<GeometricPath> path;       ///< absent if the scene needs dynamics
+  std::vector<PathEvaluation> candidates;  ///< in the order in which they were tried
+  bool isCutShort = false;                 ///< the budget or the caller ended a candidate
+  std::string trouble;                     ///< why there is no path, for the summary
+};
+
+/// Whether a path arrives and no bricks that may touch overlap on it.
+bool isCollisionFree(const scene::Scene& scene, const GeometricPath& found);
+
+/// Whether bricks that may touch overlap on a path by more than rounding.
+bool overlaps(const scene::Scene& scene, const GeometricPath& found);
+
+/// Tries the candidates from the start to the state nearest to the target, until one arrives with
+/// exact joints and without overlaps. If none does, selects the best one. The result is never
+/// empty.
+PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest,
+                     SearchBudget& budget, const TrialObserver& observer);
+
+/// The path to full extension of a scene without a target.
+PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
+                          const TrialObserver& observer);
+
+/// A warning about overlaps on the selected path, with suggestions; empty if there are none.
+std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned);
+
+}  // namespace kirireel::deploy
