@@ -16,7 +16,7 @@
 #include "render/picture/grid.h"
 #include "render/picture/state_painter.h"
 #include "sim/base/files.h"
-#include "sim/deploy/deployment.h"
+#include "sim/deploy/result.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::record {

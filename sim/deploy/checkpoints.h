@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/base/state_tape.h"
-#include "sim/deploy/path_choice.h"
+#include "sim/deploy/search.h"
 
 namespace kirireel::deploy {
 

@@ -112,7 +112,7 @@ struct Search {
   std::vector<std::string> warnings;
   PlannedPath planned;
   PathChoice choice;  ///< of the dynamics if there is no planned path
-  double misfit = 0;                      ///< to which tiles fit, metres; 0 if the path is exact
+  double misfit = 0;  ///< to which tiles fit, metres; 0 if the path is exact
 };
 
 /// Without a target, tiles that joints hold fast cannot be driven by anything that they were given.
@@ -456,22 +456,6 @@ void abandonSearch(scene::Scene& scene, Search& found) {
 }
 
 }  // namespace
-
-std::string toString(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::Settled:
-      return "settled";
-    case Outcome::Locked:
-      return "locked";
-    case Outcome::OutOfTime:
-      return "out_of_time";
-    case Outcome::Diverged:
-      return "diverged";
-    case Outcome::Interrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
 
 DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
                               const SampleObserver& observer, const TrialObserver& searching,

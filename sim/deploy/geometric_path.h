@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sim/deploy/continuation.h"
-#include "sim/deploy/deployment.h"
 #include "sim/deploy/path_evaluation.h"
+#include "sim/deploy/result.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel::deploy {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/deploy/deployment.h"
+#include "sim/deploy/result.h"
 #include "sim/mechanics/load_path.h"
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"

@@ -29,6 +29,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::deploy {
@@ -113,8 +114,7 @@ std::vector<Vector3> directionBetween(const std::vector<model::Brick>& bricks, c
   std::vector<Vector3> direction;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     direction.push_back(to[i].position - from[i].position);
-    direction.push_back(gyrationRadius(bricks[i]) *
-                        turnBetween(from[i].rotation, to[i].rotation));
+    direction.push_back(gyrationRadius(bricks[i]) * turnBetween(from[i].rotation, to[i].rotation));
   }
   return direction;
 }
@@ -168,12 +168,10 @@ void evaluate(const scene::Scene& scene, GeometricPath& found) {
   const auto measure = [&](const Poses& state) {
     if (mayTouch(scene)) {
       evaluation.overlapGrowthAtEnd = meter.at(state).grown;
-      evaluation.overlapGrowth =
-          std::max(evaluation.overlapGrowth, evaluation.overlapGrowthAtEnd);
+      evaluation.overlapGrowth = std::max(evaluation.overlapGrowth, evaluation.overlapGrowthAtEnd);
     }
     if (!found.hasCompliantJoints) return;
-    evaluation.opening =
-        std::max(evaluation.opening, trajectory::jointGap(pivots, state).max);
+    evaluation.opening = std::max(evaluation.opening, trajectory::jointGap(pivots, state).max);
   };
   StatesBetween between(scene, found);
   measure(states.front());
@@ -258,8 +256,7 @@ void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budg
     // Bricks that did not meet may do so on a shorter path.
     const bool isThrough = found.contacts == scene::ContactFilter::None && overlaps(scene, found);
     scene::Scene among = scene;
-    among.environment.contacts =
-        isThrough ? found.contacts : touching(scene.environment.contacts);
+    among.environment.contacts = isThrough ? found.contacts : touching(scene.environment.contacts);
     SearchBudget part(
         std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
     shorter.path = evenlyTight(among, shorter.path, mostGrown, part, goesOn);
@@ -351,9 +348,9 @@ class Planner {
     // Bricks that overlap at the goal keep any path with contacts from it: one with contacts shows
     // where the sheet stops.
     if (isBlocked()) {
-      return candidate.hasContacts ? candidate.guide == Guide::OwnMotion &&
-                                         std::isinf(candidate.jointStiffness)
-                                   : !firstArrives;
+      return candidate.hasContacts
+                 ? candidate.guide == Guide::OwnMotion && std::isinf(candidate.jointStiffness)
+                 : !firstArrives;
     }
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
     // The softest joints come last.
@@ -402,20 +399,18 @@ class Planner {
   GeometricPath follow(const Candidate& candidate, const std::vector<Poses>& guide) {
     scene::Scene trial = scene_;
     GeometricPath found;
-    found.contacts = candidate.hasContacts ? touching(scene_.environment.contacts)
-                                           : scene::ContactFilter::None;
+    found.contacts =
+        candidate.hasContacts ? touching(scene_.environment.contacts) : scene::ContactFilter::None;
     trial.environment.contacts = found.contacts;
     found.evaluation.candidate = describe(candidate);
     found.evaluation.hasContacts = candidate.hasContacts;
     SearchBudget part(budget_.left() / kWorkPerSecond);
     const bool isBack = candidate.guide == Guide::FromTarget;
     const auto goesOn = [&](double progress) {
-      const double share =
-          isBack ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
+      const double share = isBack ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
       return tell(found.evaluation.candidate) && part.spentSeconds() <= share * budget_.seconds();
     };
-    found.hasCompliantJoints =
-        !std::isinf(candidate.jointStiffness) || isBack;
+    found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
     if (isBack) {
       found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, goesOn);
     } else {
@@ -513,9 +508,8 @@ GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts
   budget.spend(part.spent());
   found.hasCompliantJoints = found.path.isRounded;
   found.contacts = contacts;
-  found.evaluation.candidate =
-      fmt::format("full extension, contacts {}",
-                  contacts == scene::ContactFilter::None ? "off" : "on");
+  found.evaluation.candidate = fmt::format("full extension, contacts {}",
+                                           contacts == scene::ContactFilter::None ? "off" : "on");
   found.evaluation.hasContacts = contacts != scene::ContactFilter::None;
   found.evaluation.work = part.spent();
   found.evaluation.end = found.path.isCutShort ? PathEnd::OutOfBudget : PathEnd::Arrived;
@@ -547,8 +541,8 @@ std::string toString(PathEnd end) {
   return "unknown";
 }
 
-PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest,
-                     SearchBudget& budget, const TrialObserver& observer) {
+PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest, SearchBudget& budget,
+                     const TrialObserver& observer) {
   return Planner(scene, nearest, budget, observer).find();
 }
 
@@ -561,18 +555,19 @@ PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
   const auto consider = [&](GeometricPath found) {
     planned.candidates.push_back(found.evaluation);
     planned.isCutShort = planned.isCutShort || found.path.isCutShort;
-    const bool isHeld = requested == scene::ContactFilter::Auto && planned.path &&
-                        !isExtension(scene, found.path);
-    const bool isBetter = !planned.path || PathOrder(scene).isBetter(
-                                               found.evaluation, planned.path->evaluation);
+    const bool isHeld =
+        requested == scene::ContactFilter::Auto && planned.path && !isExtension(scene, found.path);
+    const bool isBetter =
+        !planned.path || PathOrder(scene).isBetter(found.evaluation, planned.path->evaluation);
     if (isBetter && !isHeld) planned.path = std::move(found);
   };
   consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, touching(requested), 1, budget, observer));
   }
-  shorten(scene, *planned.path, budget,
-          [&](double) { return !observer || observer({kShortening, budget.share()}); });
+  shorten(scene, *planned.path, budget, [&](double) {
+    return !observer || observer({kShortening, budget.share()});
+  });
   addReasons(scene, *planned.path);
   return planned;
 }
@@ -581,27 +576,30 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
   if (!overlaps(scene, *planned.path)) return "";
   const double tile = model::tileSize(scene.model);
   const PathEvaluation& path = planned.path->evaluation;
-  const std::string words = fmt::format("tiles overlap by up to {:.2g} m ({:.2g} tiles) on the path",
-                                        path.overlapGrowth, path.overlapGrowth / tile);
+  const std::string words =
+      fmt::format("tiles overlap by up to {:.2g} m ({:.2g} tiles) on the path", path.overlapGrowth,
+                  path.overlapGrowth / tile);
   if (path.overlapGrowthAtEnd > kClearShare * tile) {
-    const auto touching = std::ranges::find_if(planned.candidates, [](const auto& candidate) {
-      return candidate.hasContacts;
-    });
+    const auto touching = std::ranges::find_if(
+        planned.candidates, [](const auto& candidate) { return candidate.hasContacts; });
     const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;
-    return words + fmt::format(", and by {:.2g} m at its end. {}--contacts all shows where the "
-                               "sheet stops",
-                               path.overlapGrowthAtEnd,
-                               isStopKnown ? fmt::format("With contacts it ends {:.3g} m short of "
-                                                         "the target. ",
-                                                         touching->error)
-                                           : "");
+    return words + fmt::format(
+                       ", and by {:.2g} m at its end. {}--contacts all shows where the "
+                       "sheet stops",
+                       path.overlapGrowthAtEnd,
+                       isStopKnown ? fmt::format("With contacts it ends {:.3g} m short of "
+                                                 "the target. ",
+                                                 touching->error)
+                                   : "");
   }
-  const std::string thinner = scene::sceneNeeds(scene).planar.on
-                                  ? ""
-                                  : fmt::format("--thickness {:.2g}, ", 0.25 * scene.brick.thickness);
-  return words + fmt::format(". No collision-free path was found. Try {}a larger --search, or "
-                             "--contacts all to see where the sheet stops",
-                             thinner);
+  const std::string thinner =
+      scene::sceneNeeds(scene).planar.on
+          ? ""
+          : fmt::format("--thickness {:.2g}, ", 0.25 * scene.brick.thickness);
+  return words + fmt::format(
+                     ". No collision-free path was found. Try {}a larger --search, or "
+                     "--contacts all to see where the sheet stops",
+                     thinner);
 }
 
 }  // namespace kirireel::deploy

@@ -8,7 +8,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/continuation.h"
-#include "sim/deploy/deployment.h"
+#include "sim/deploy/result.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 

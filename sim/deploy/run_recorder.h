@@ -8,7 +8,7 @@
 
 #include "sim/base/state_tape.h"
 #include "sim/deploy/checkpoints.h"
-#include "sim/deploy/deployment.h"
+#include "sim/deploy/result.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/deploy/run_mechanics.h"
 #include "sim/deploy/run_motion.h"

@@ -99,6 +99,37 @@ TEST(Boundaries, OnlyContactsAndEnginesIncludeBullet) {
   EXPECT_FALSE(usersOf(kBullet).empty());
 }
 
+/// "sim/deploy/run" of run.h and run.cpp.
+std::string unitOf(const std::string& path) {
+  return path.substr(0, path.rfind('.'));
+}
+
+// A unit is a header with its source. Units that include each other, directly or through others,
+// can only be read and changed together.
+TEST(Boundaries, NoUnitsIncludeEachOther) {
+  std::map<std::string, std::set<std::string>> included;
+  for (const SourceFile& file : sources()) {
+    for (const std::string& header : file.includes) {
+      if (unitOf(header) != unitOf(file.path)) included[unitOf(file.path)].insert(unitOf(header));
+    }
+  }
+  // What each unit reaches grows until nothing is added.
+  std::map<std::string, std::set<std::string>> reached = included;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (auto& [unit, others] : reached) {
+      const std::size_t before = others.size();
+      for (const std::string& other : std::set<std::string>(others)) {
+        const auto found = reached.find(other);
+        if (found != reached.end()) others.insert(found->second.begin(), found->second.end());
+      }
+      grows = grows || others.size() > before;
+    }
+  }
+  EXPECT_GT(reached.size(), 100U);
+  for (const auto& [unit, others] : reached) EXPECT_FALSE(others.contains(unit)) << unit;
+}
+
 // What the three main jobs do not need can change, or go, without them.
 TEST(Boundaries, LeavesAreIncludedByFewModules) {
   const std::map<std::string, std::set<std::string>> allowed = {{"sim/generate/", {"sim/study/"}},

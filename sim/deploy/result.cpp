@@ -1,0 +1,21 @@
+#include "sim/deploy/result.h"
+
+namespace kirireel::deploy {
+
+std::string toString(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::Settled:
+      return "settled";
+    case Outcome::Locked:
+      return "locked";
+    case Outcome::OutOfTime:
+      return "out_of_time";
+    case Outcome::Diverged:
+      return "diverged";
+    case Outcome::Interrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+}  // namespace kirireel::deploy
