@@ -16,6 +16,7 @@
 #include "sim/model/lattice.h"
 #include "sim/model/model_formats.h"
 #include "sim/model/read_model.h"
+#include "sim/model/sheet_frame.h"
 #include "tests/sim/model/temporary_folder.h"
 
 namespace kirireel {
@@ -616,6 +617,33 @@ void expectSame(const model::Model& a, const model::Model& b, const std::string&
   }
 }
 
+/// Through planar files, which hold no target, no faces and no place in space: distances stay.
+void expectPlanarRoundTrip(model::Model model, const std::string& name) {
+  if (!model::sheetFrame(model.tiles, 1e-9 * model::modelSize(model))) return;
+  const TemporaryFolder folder;
+  model::writeModel(model, folder.path() / "a_vertices.txt");
+  std::vector<std::string> warnings;
+  const model::Model read =
+      model::readModel(folder.path() / "a_vertices.txt", std::nullopt, warnings);
+  ASSERT_EQ(read.tiles.size(), model.tiles.size()) << name;
+  for (std::size_t i = 0; i < read.tiles.size(); ++i) {
+    ASSERT_EQ(read.tiles[i].vertices.size(), model.tiles[i].vertices.size()) << name;
+    for (std::size_t k = 0; k < read.tiles[i].vertices.size(); ++k) {
+      for (const std::size_t corner : {std::size_t{0}, std::size_t{1}}) {
+        EXPECT_NEAR((read.tiles[i].vertices[k] - read.tiles[0].vertices[corner]).norm(),
+                    (model.tiles[i].vertices[k] - model.tiles[0].vertices[corner]).norm(),
+                    1e-12 * model::modelSize(model))
+            << name;
+      }
+    }
+  }
+  ASSERT_EQ(read.joints.size(), model.joints.size()) << name;
+  for (std::size_t k = 0; k < read.joints.size(); ++k) {
+    EXPECT_EQ(read.joints[k].a, model.joints[k].a) << name;
+    EXPECT_EQ(read.joints[k].b, model.joints[k].b) << name;
+  }
+}
+
 /// Through each format that can hold the model.
 void expectRoundTrips(const model::Model& model, const std::string& name) {
   const TemporaryFolder folder;
@@ -628,6 +656,7 @@ void expectRoundTrips(const model::Model& model, const std::string& name) {
     std::vector<std::string> warnings;
     expectSame(model::readModel(folder.path() / file, std::nullopt, warnings), model, name + file);
   }
+  if (hasPivots) expectPlanarRoundTrip(model, name + "planar");
 }
 
 TEST(RoundTrips, ModelsOfData) {
