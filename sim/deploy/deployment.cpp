@@ -26,6 +26,7 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
 #include "sim/deploy/path_choice.h"
+#include "sim/deploy/plane_motion.h"
 #include "sim/deploy/planner.h"
 #include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
@@ -125,17 +126,7 @@ void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
   const trajectory::Mobility left =
       trajectory::mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
   if (!left.isCounted || left.freedoms > 0) return;
-  if (freedom == trajectory::Freedom::Plane && !scene.solver.planar) {
-    const trajectory::Mobility out = trajectory::mobility(
-        scene.model, scene.model.tiles, trajectory::Freedom::Space, scene.brick.thickness);
-    if (out.isCounted && out.freedoms > 0) {
-      throw InputError(
-          fmt::format("error: this sheet has no motion in its plane, {} out of it: give a target, "
-                      "gravity, a pull or a drive (--target, --gravity, [[timeline]] or "
-                      "[[velocity]] in scene.toml)",
-                      out.freedoms));
-    }
-  }
+  requireDriveOutOfPlane(scene);
   throw InputError(
       "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
       "motion but that of the whole; give --target, other joints (--joints-file), or what moves "
@@ -465,6 +456,7 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == scene::SolverKind::Bullet) checkpoints = nullptr;
   if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
+  leaveLockedPlane(scene);
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
   const double startSeconds = threadCpuSeconds() - searchSeconds;

@@ -375,6 +375,24 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
   EXPECT_NO_THROW(deploy::deploy(extended, 0.1, nullptr));
 }
 
+// A locked sheet leaves its plane in every kind of run, if something moves it.
+TEST(Deploy, LeavesAPlaneThatLocksTheSheet) {
+  scene::Scene scene = truss();
+  scene.stop.duration = 0.1;
+  scene.path.kind = scene::PathKind::Dynamic;
+  EXPECT_THAT(errorOf(scene, 0.1), testing::HasSubstr("no motion in its plane, 3 out of it: give"));
+  scene.velocities = {{.tiles = {}, .linear = {1, 0, 0}, .angular = {}, .where = {}}};
+  const deploy::DeploymentResult inSpace = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_FALSE(inSpace.needs.planar.on);
+  EXPECT_EQ(inSpace.needs.planar.reason, "no motion in its plane, 3 out of it");
+  scene.solver.planar = true;
+  EXPECT_TRUE(deploy::deploy(scene, 0.1, nullptr).needs.planar.on);
+  // Without its last joint the truss is a chain that moves in its plane.
+  scene.solver.planar.reset();
+  scene.model.joints.pop_back();
+  EXPECT_TRUE(deploy::deploy(scene, 0.1, nullptr).needs.planar.on);
+}
+
 TEST(Outcome, HasAName) {
   EXPECT_EQ(deploy::toString(deploy::Outcome::Settled), "settled");
   EXPECT_EQ(deploy::toString(deploy::Outcome::Locked), "locked");

@@ -1,0 +1,59 @@
+// Mobility of flat sheets in the plane and in space: the rank of the joints' Jacobian at the start.
+// A sheet that fits to a tolerance only may seem locked, because its redundant joints are
+// independent to all digits. Such a sheet is not counted here: its misfit shows as a least singular
+// value that is small but not zero.
+#include "sim/deploy/plane_motion.h"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/sheet.h"
+
+namespace kirireel::deploy {
+namespace {
+
+/// Motions beyond those of the whole; -1 if they cannot be counted.
+int motions(const scene::Scene& scene, trajectory::Freedom freedom) {
+  constexpr double kFits = 1e-4;  // in tiles; below, the joints may be redundant but for a misfit
+  const trajectory::Mobility found =
+      trajectory::mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
+  const bool isCertain = found.rank == 0 || found.leastKept > kFits;
+  return found.isCounted && isCertain ? found.freedoms : -1;
+}
+
+}  // namespace
+
+int motionsOutOfPlane(const scene::Scene& scene) {
+  if (scene.solver.planar || !scene::sceneNeeds(scene).planar.on) return 0;
+  if (motions(scene, trajectory::Freedom::Plane) != 0) return 0;
+  return std::max(0, motions(scene, trajectory::Freedom::Space));
+}
+
+void requireDriveOutOfPlane(const scene::Scene& scene) {
+  const int count = motionsOutOfPlane(scene);
+  if (count == 0) return;
+  throw InputError(
+      fmt::format("error: this sheet has no motion in its plane, {} out of it: give a target, "
+                  "gravity, a pull or a drive (--target, --gravity, [[timeline]] or "
+                  "[[velocity]] in scene.toml)",
+                  count));
+}
+
+void leaveLockedPlane(scene::Scene& scene) {
+  if (scene.model.target) return;
+  std::string reason;
+  const scene::PathKind kind = scene.path.kind;
+  const bool isGeometry = kind == scene::PathKind::Auto || kind == scene::PathKind::Continuation;
+  const bool isDriven = !scene::isQuasiStatic(scene, reason);
+  if (isGeometry && !isDriven) return;
+  if (!isDriven) return requireDriveOutOfPlane(scene);
+  if (const int count = motionsOutOfPlane(scene); count > 0) {
+    scene.spaceReason = fmt::format("no motion in its plane, {} out of it", count);
+  }
+}
+
+}  // namespace kirireel::deploy

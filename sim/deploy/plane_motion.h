@@ -1,0 +1,22 @@
+/// Flat sheets whose joints leave them no motion in their plane.
+#pragma once
+
+#include "sim/scene/scene.h"
+
+namespace kirireel::deploy {
+
+/// The motions out of its plane of a planar scene that has none in it. 0 if the scene is in space,
+/// `--planar on` keeps it in its plane, it has a motion there, or the motions cannot be counted.
+/// Costs up to two singular value decompositions of the joints' Jacobian.
+int motionsOutOfPlane(const scene::Scene& scene);
+
+/// Throws InputError if nothing moves a sheet without target that can only leave its plane: see
+/// motionsOutOfPlane().
+void requireDriveOutOfPlane(const scene::Scene& scene);
+
+/// Takes a planar scene without target out of its plane if it has no motion there: sets
+/// Scene::spaceReason. Throws InputError if nothing moves it. Scenes that a geometric path serves
+/// stay as they are.
+void leaveLockedPlane(scene::Scene& scene);
+
+}  // namespace kirireel::deploy
