@@ -13,6 +13,8 @@
 #include "render/record/summary.h"
 #include "render/report/inspection.h"
 #include "sim/generate/families.h"
+#include "sim/model/cut_pattern.h"
+#include "sim/model/drawing.h"
 #include "sim/model/isometry.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/read_model.h"
@@ -169,7 +171,21 @@ model::Model readOrDraw(const InspectOrder& order) {
                         order.picture);
     }
     throw;
+  } catch (const model::DrawingFault& fault) {
+    if (!order.picture.empty()) {
+      picture::writePng(report::faultPicture(fault, kStateSize), order.picture);
+    }
+    throw;
   }
+}
+
+/// Of a drawing, the lines that are not cut. A target moves the start away from its drawing.
+std::optional<std::vector<model::DrawnPath>> ignoredLines(const InspectOrder& order,
+                                                          const model::Model& model) {
+  const std::filesystem::path file = findModel(order.model);
+  if (!model::isDrawing(file) || model.target) return std::nullopt;
+  std::vector<std::string> known;  // readOrDraw() printed them
+  return model::readDrawnSheet(file, order.reading, known).ignored;
 }
 
 }  // namespace
@@ -188,7 +204,7 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
   output.value("--picture", "FILE", "",
                "paint both states with numbers into a PNG file, what was mended marked; or a tile "
-               "that crosses itself",
+               "that crosses itself; or a drawing that is no sheet",
                [&order](const scene::TypedValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
@@ -210,8 +226,10 @@ int carryOut(const InspectOrder& order) {
   const report::Inspection inspection = inspectWithProgress(scene);
   fmt::print("{}", order.printJson ? report::inspectionJson(inspection)
                                    : report::inspectionText(inspection));
-  if (!order.picture.empty())
-    picture::writePng(report::numberedPicture(scene, kStateSize), order.picture);
+  if (!order.picture.empty()) {
+    picture::writePng(report::numberedPicture(scene, kStateSize, ignoredLines(order, scene.model)),
+                      order.picture);
+  }
   return kExitDone;
 }
 

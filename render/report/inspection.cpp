@@ -270,6 +270,7 @@ namespace {
 
 constexpr picture::Colour kTileNumber = {20, 30, 44};
 constexpr picture::Colour kVertexNumber = {150, 30, 30};
+constexpr picture::Colour kIgnoredLine = {30, 90, 200};
 
 std::vector<Vector3> allVertices(const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> points;
@@ -305,11 +306,42 @@ Vector3 middleBy(const model::Tile& tile, int vertex) {
   return model::tileCentroid(tile);
 }
 
+/// A line as a loop at a height: an open one leads there and back.
+model::Tile loopOf(const model::DrawnPath& path, double height) {
+  model::Tile loop;
+  for (const model::Vector2& point : path.points) {
+    loop.vertices.emplace_back(point.x(), point.y(), height);
+  }
+  if (path.isClosed) return loop;
+  for (auto k = std::ssize(path.points) - 2; k > 0; --k) {
+    loop.vertices.push_back(loop.vertices[static_cast<std::size_t>(k)]);
+  }
+  return loop;
+}
+
+/// Lines and dots without a sheet.
+picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> dots,
+                           picture::FrameSize size) {
+  const std::vector<Vector3> points = allVertices(lines);
+  picture::CameraFit fit;
+  fit.view = picture::defaultView(points);
+  fit.aspect = size.aspect();
+  fit.orthographic = true;
+  picture::Style style;
+  style.markSize = 0.03;
+  style.overlay = style.edge;  // so that dots stand out
+  picture::PictureItems items;
+  items.overlay = std::move(lines);
+  items.marks = std::move(dots);
+  return picture::Painter(size, {}, style).paint(items, picture::fitCamera(points, fit));
+}
+
 /// One state: picture and numbers from one camera.
 class StatePicture {
  public:
   StatePicture(const std::vector<model::Tile>& tiles, const model::Model& model,
-               const model::BrickRule& rule, picture::FrameSize size)
+               const model::BrickRule& rule, picture::FrameSize size,
+               const std::optional<std::vector<model::DrawnPath>>& ignored = {})
       : tiles_(tiles), order_(model.fileOrder), size_(size) {
     const std::vector<Vector3> points = allVertices(tiles);
     picture::CameraFit fit;
@@ -326,7 +358,16 @@ class StatePicture {
         items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
       }
     }
-    frame_ = picture::Painter(size, bricks, picture::Style{}).paint(items, camera_);
+    if (ignored) {
+      const double above = 2 * rule.thickness;  // no brick hides them
+      for (const model::Joint& joint : model.joints) {
+        items.marks.push_back(tiles[joint.a.tile].vertices[joint.a.vertex]);
+      }
+      for (const model::DrawnPath& path : *ignored) items.overlay.push_back(loopOf(path, above));
+    }
+    picture::Style style;
+    style.overlay = kIgnoredLine;
+    frame_ = picture::Painter(size, bricks, style).paint(items, camera_);
   }
 
   /// To be called once: it gives the frame away.
@@ -388,10 +429,12 @@ class StatePicture {
 
 }  // namespace
 
-picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize) {
+picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize,
+                               const std::optional<std::vector<model::DrawnPath>>& ignored) {
   std::vector<picture::GridPicture> pictures;
   pictures.push_back(
-      {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize).numbered(), "start"});
+      {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize, ignored).numbered(),
+       "start"});
   if (scene.model.target) {
     pictures.push_back(
         {StatePicture(*scene.model.target, scene.model, scene.brick, stateSize).numbered(),
@@ -402,16 +445,15 @@ picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize sta
 
 picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
                                picture::FrameSize size) {
-  picture::CameraFit fit;
-  fit.view = picture::defaultView(tile.vertices);
-  fit.aspect = size.aspect();
-  fit.orthographic = true;
-  picture::Style style;
-  style.markSize = 0.03;
-  picture::PictureItems items;
-  items.overlay = {tile};
-  items.marks = {place};
-  return picture::Painter(size, {}, style).paint(items, picture::fitCamera(tile.vertices, fit));
+  return linePicture({tile}, {place}, size);
+}
+
+picture::Frame faultPicture(const model::DrawingFault& fault, picture::FrameSize size) {
+  std::vector<model::Tile> lines;
+  for (const model::DrawnPath& path : fault.lines()) lines.push_back(loopOf(path, 0));
+  std::vector<Vector3> dots;
+  for (const model::Vector2& place : fault.places()) dots.emplace_back(place.x(), place.y(), 0);
+  return linePicture(std::move(lines), std::move(dots), size);
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/picture/frame.h"
+#include "sim/model/drawing.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/sheet.h"
@@ -69,7 +70,14 @@ std::string inspectionJson(const Inspection& inspection);
 /// in its middle, each vertex's number inside its corner. Throws OutputError when no graphics
 /// context can be made or the font is missing.
 /// Corners that a reader mended are marked. `stateSize`: pixels of one state's picture.
-picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize);
+/// `ignored`: of a drawing, the lines that are not cut. They are laid over its start, and its
+/// hinges have dots.
+picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize,
+                               const std::optional<std::vector<model::DrawnPath>>& ignored = {});
+
+/// A drawing that is no sheet: its lines, and a dot at each place of the fault. Throws OutputError
+/// when no graphics context can be made.
+picture::Frame faultPicture(const model::DrawingFault& fault, picture::FrameSize size);
 
 /// A polygon that makes no tile: its sides as lines, and where two of them meet as a dot. Throws
 /// OutputError when no graphics context can be made. `place`: where two sides cross, metres.

@@ -373,6 +373,9 @@ class SheetMaker {
   static std::string millimetres(double metres) { return fmt::format("{:.4g} mm", metres * 1e3); }
 
   InputError fault(const std::string& what) const { return inputErrorAt({file_}, what); }
+  DrawingFault faultAt(std::vector<Vector2> places, const std::string& what) const {
+    return {fault(what), drawing_.paths, std::move(places)};
+  }
 
   /// Short pieces of cuts that run over the border of their sheet.
   void dropBeyondBorder(const Arrangement& lines, double scale) {
@@ -418,10 +421,10 @@ class SheetMaker {
     for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
     for (const CutRay& ray : rays_) {
       if (ray.hit < kNever && hasFace) continue;
-      throw fault(
-          fmt::format("the outline is open: the line that ends at {} leads out of the "
-                      "sheet; close the outline, or end the line at it",
-                      drawing_.place(ray.from)));
+      throw faultAt({ray.from},
+                    fmt::format("the outline is open: the line that ends at {} leads out of the "
+                                "sheet; close the outline, or end the line at it",
+                                drawing_.place(ray.from)));
     }
     if (!hasFace) throw fault("there are no lines of a sheet in it; draw its outline and its cuts");
   }
@@ -475,10 +478,10 @@ class SheetMaker {
       const int node = *whole.nodeAt(rays_[k].from);
       const int cycle = whole.cycleOf(whole.leaving(node)[0]);
       if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
-        throw fault(
-            fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
-                        "it, or give --widest-neck if a neck is there",
-                        drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
+        throw faultAt({rays_[k].from},
+                      fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
+                                  "it, or give --widest-neck if a neck is there",
+                                  drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
       }
       ++leftOut_["cut that ends within a tile"];
     }
@@ -526,8 +529,10 @@ class SheetMaker {
       }
       const int left = faceOf_[whole.cycleOf(*half)], right = faceOf_[whole.cycleOf(*half ^ 1)];
       if (left < 0 || right < 0) {
-        throw fault(fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it",
-                                drawing_.place(ray.from), ray.stop * 1e3));
+        throw faultAt(
+            {ray.from},
+            fmt::format("the outline is open at {}, {:.4g} mm from the next line; close it",
+                        drawing_.place(ray.from), ray.stop * 1e3));
       }
       const int node = whole.to(*half);
       std::vector<Between>& others = known[std::minmax(left, right)];
@@ -537,11 +542,14 @@ class SheetMaker {
         continue;
       }
       if (!others.empty()) {
-        throw fault(fmt::format(
-            "the strip of material at {} has necks to its neighbour at {} and "
-            "{}: it can only bend, and is no rigid tile; see docs/drawings.md",
-            drawing_.place(inner(whole, faces_[left])),
-            drawing_.place(whole.at(others.front().node)), drawing_.place(whole.at(node))));
+        const Vector2 strip = inner(whole, faces_[left]);
+        const Vector2 first = whole.at(others.front().node), second = whole.at(node);
+        throw faultAt(
+            {strip, first, second},
+            fmt::format("the strip of material at {} has necks to its neighbour at {} "
+                        "and {}: it can only bend, and is no rigid tile; see "
+                        "docs/drawings.md",
+                        drawing_.place(strip), drawing_.place(first), drawing_.place(second)));
       }
       others.push_back({node, ray.width()});
       hasNeck_[left] = hasNeck_[right] = true;
@@ -600,10 +608,10 @@ class SheetMaker {
       }
       const bool isShared = facesOf[partOf(f)] > 1;
       if (isShared && (isLikeTile || sheets.empty())) {
-        throw fault(
-            fmt::format("the piece at {} hangs by nothing; let a cut round it stop short "
-                        "of the line that it runs into",
-                        drawing_.place(inner(whole, faces_[f]))));
+        const Vector2 piece = inner(whole, faces_[f]);
+        throw faultAt({piece}, fmt::format("the piece at {} hangs by nothing; let a cut round it "
+                                           "stop short of the line that it runs into",
+                                           drawing_.place(piece)));
       }
       if (isWithin)
         ++leftOut_["hole in a tile"];
@@ -782,6 +790,16 @@ class CutPatternReader {
     collectGroups();
   }
 
+  /// Lines of groups that are not cut, after read().
+  std::vector<DrawnPath> ignoredLines() const {
+    std::vector<DrawnPath> lines = notChosen_;
+    for (const DrawnPath* path :
+         pathsOf([](const LineGroup& group) { return group.role != "cut"; })) {
+      lines.push_back(*path);
+    }
+    return lines;
+  }
+
   Model read(std::vector<std::string>& warnings) {
     if (groups_.empty())
       throw inputErrorAt({file_}, "no line is left to cut; choose fewer lines to ignore");
@@ -794,8 +812,12 @@ class CutPatternReader {
       reading = sheetOf(pathsOf([](const LineGroup& group) { return group.role == "cut"; }));
     } catch (const InputError& error) {
       if (groups_.size() < 2) throw;
-      throw InputError(
+      const InputError longer(
           fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(), describeGroups()));
+      if (const auto* const fault = dynamic_cast<const DrawingFault*>(&error)) {
+        throw DrawingFault(longer, fault->lines(), fault->places());
+      }
+      throw longer;
     }
     const TileTable table = patternTable(file_, reading.model.tiles);
     checkTiles(table);
@@ -832,7 +854,7 @@ class CutPatternReader {
       const bool isIgnored = isNamed(path, settings_.ignore, &used);
       const bool isCut = settings_.cut.empty() || isNamed(path, settings_.cut, &used);
       if (isIgnored || !isCut) {
-        ++notChosen_;
+        notChosen_.push_back(path);
         continue;
       }
       auto group = std::ranges::find_if(groups_, [&](const LineGroup& one) {
@@ -957,12 +979,16 @@ class CutPatternReader {
     }
   }
 
+  static double distanceTo(const PlaneSegment& line, const Vector2& point) {
+    const Vector2 along = line.second - line.first;
+    const double share = std::clamp(
+        (point - line.first).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+    return (line.first + share * along - point).norm();
+  }
+
   bool meet(const PlaneSegment& a, const PlaneSegment& b) const {
     const auto near = [&](const Vector2& point, const PlaneSegment& line) {
-      const Vector2 along = line.second - line.first;
-      const double share = std::clamp(
-          (point - line.first).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-      return (line.first + share * along - point).norm() <= tolerance_;
+      return distanceTo(line, point) <= tolerance_;
     };
     if (near(a.first, b) || near(a.second, b) || near(b.first, a) || near(b.second, a)) return true;
     const auto side = [](const PlaneSegment& line, const Vector2& point) {
@@ -1101,7 +1127,9 @@ class CutPatternReader {
                           (drawing_.flattening + tolerance_) * 1e3);
     std::map<std::string, int> leftOut = reading.leftOut;
     for (const auto& [what, count] : drawing_.ignored) leftOut[what] += count;
-    if (notChosen_ > 0) leftOut["line that was not chosen"] += notChosen_;
+    if (!notChosen_.empty()) {
+      leftOut["line that was not chosen"] += static_cast<int>(notChosen_.size());
+    }
     std::vector<std::string> texts;
     for (const auto& [what, count] : leftOut) texts.push_back(fmt::format("{} x {}", count, what));
     if (!texts.empty()) text += fmt::format("; left out: {}", fmt::join(texts, ", "));
@@ -1113,7 +1141,7 @@ class CutPatternReader {
   const fs::path& file_;
   double tolerance_;
   std::vector<LineGroup> groups_;
-  int notChosen_ = 0;
+  std::vector<DrawnPath> notChosen_;
 };
 
 }  // namespace
@@ -1133,8 +1161,15 @@ void rescale(Drawing& drawing, const LengthUnit& unit) {
   drawing.unitName = unit.name;
 }
 
+/// `ignored` becomes the lines that are not cut.
 Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSettings& settings,
-                     std::vector<std::string>& warnings) {
+                     std::vector<std::string>& warnings, std::vector<DrawnPath>& ignored) {
+  const auto readAs = [&](const ReadSettings& used) {
+    CutPatternReader reader(drawing, used, file);
+    Model model = reader.read(warnings);
+    ignored = reader.ignoredLines();
+    return model;
+  };
   // Smaller ones are points, and have no tolerance that a double can tell.
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
@@ -1157,19 +1192,24 @@ Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSet
       });
       if (hasHinges) others.ignore = {"hinges"};
       try {
-        return CutPatternReader(drawing, others, file).read(warnings);
+        return readAs(others);
       } catch (const InputError&) {
         throw error;
       }
     }
   }
-  return CutPatternReader(drawing, settings, file).read(warnings);
+  return readAs(settings);
 }
 
 }  // namespace
 
 Model readCutPattern(const fs::path& file, const ReadSettings& settings,
                      std::vector<std::string>& warnings) {
+  return readDrawnSheet(file, settings, warnings).model;
+}
+
+DrawnSheet readDrawnSheet(const fs::path& file, const ReadSettings& settings,
+                          std::vector<std::string>& warnings) {
   Drawing drawing = readDrawing(file);
   const std::optional<LengthUnit> declared = findLengthUnit(drawing.unitName);
   if (!declared && settings.unit) rescale(drawing, *settings.unit);
@@ -1177,9 +1217,10 @@ Model readCutPattern(const fs::path& file, const ReadSettings& settings,
   const LengthUnit unit = settings.unit.value_or(declared.value_or(millimetre()));
   ReadSettings inMetres = settings;
   inMetres.neckWidth *= unit.metres;
-  Model model = readDrawnModel(drawing, file, inMetres, warnings);
-  model.unit = unit;
-  return model;
+  DrawnSheet sheet;
+  sheet.model = readDrawnModel(drawing, file, inMetres, warnings, sheet.ignored);
+  sheet.model.unit = unit;
+  return sheet;
 }
 
 }  // namespace kirireel::model

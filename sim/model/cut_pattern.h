@@ -29,6 +29,17 @@ std::vector<std::vector<Vector2>> closedRings(const std::vector<const DrawnPath*
 /// Without lines where the rings have no narrow slots.
 CutLines slotLines(const std::vector<std::vector<Vector2>>& rings, double tolerance);
 
+/// A drawing as a sheet.
+struct DrawnSheet {
+  Model model;                     ///< as readCutPattern() returns it
+  std::vector<DrawnPath> ignored;  ///< lines that are not cut, metres
+};
+
+/// Like readCutPattern(), with the lines that it ignores. Throws DrawingFault for a drawing that is
+/// no sheet, if the fault has a place.
+DrawnSheet readDrawnSheet(const std::filesystem::path& file, const ReadSettings& settings,
+                          std::vector<std::string>& warnings);
+
 /// A pattern that `kirireel export` left, whose layers say which lines are hinges.
 Model ownPattern(const Drawing& drawing, const std::filesystem::path& file,
                  std::vector<std::string>& warnings);

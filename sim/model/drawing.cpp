@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/text_table.h"
 
@@ -122,6 +121,11 @@ void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file
   throw inputErrorAt({file}, fmt::format("the drawing has more than {} points; leave out what is "
                                          "not to be cut",
                                          kMostDrawnPoints));
+}
+
+bool isDrawing(const std::filesystem::path& file) {
+  const std::string ending = endingOf(file);
+  return ending == ".svg" || ending == ".dxf";
 }
 
 Drawing readDrawing(const std::filesystem::path& file) {

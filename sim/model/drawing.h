@@ -6,9 +6,12 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "sim/base/error.h"
 
 namespace kirireel::model {
 
@@ -41,6 +44,26 @@ struct Drawing {
   /// The diagonal of the box round all lines, metres; 0 without lines.
   double size() const;
 };
+
+/// A drawing that is no sheet: a picture shows the fault better than a message.
+class DrawingFault : public InputError {
+ public:
+  /// With the message, the drawing's lines, and where the fault is, metres.
+  DrawingFault(const InputError& error, std::vector<DrawnPath> lines, std::vector<Vector2> places)
+      : InputError(error), lines_(std::move(lines)), places_(std::move(places)) {}
+
+  /// All lines of the drawing.
+  const std::vector<DrawnPath>& lines() const { return lines_; }
+  /// One place or more, metres.
+  const std::vector<Vector2>& places() const { return places_; }
+
+ private:
+  std::vector<DrawnPath> lines_;
+  std::vector<Vector2> places_;
+};
+
+/// Whether a file is a drawing by its ending.
+bool isDrawing(const std::filesystem::path& file);
 
 /// Reads an SVG or DXF file by its ending. Throws InputError for text that is neither, numbers that
 /// are none, and drawings of more than 2 million points.

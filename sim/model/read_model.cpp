@@ -15,6 +15,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
+#include "sim/model/drawing.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
@@ -34,11 +35,6 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   throw inputErrorAt({path},
                      "this file has its joints within; leave --joints-file out, or convert "
                      "the model to a folder");
-}
-
-bool isDrawing(const fs::path& path) {
-  const std::string ending = endingOf(path);
-  return ending == ".svg" || ending == ".dxf";
 }
 
 /// Options of one format are refused for another.

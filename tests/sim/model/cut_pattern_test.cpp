@@ -1,4 +1,6 @@
 // Cut patterns of others as models: drawings made here, with what their designs are known to be.
+#include "sim/model/cut_pattern.h"
+
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -389,6 +391,65 @@ TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
               HasSubstr("it can only bend, and is no rigid tile"));
   EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
               HasSubstr("--cut and --ignore choose"));
+}
+
+/// The drawing's fault; none for a sheet.
+std::optional<DrawingFault> faultOf(const std::string& text) {
+  const TemporaryFolder folder;
+  folder.write("a.svg", text);
+  std::vector<std::string> warnings;
+  try {
+    readDrawnSheet(folder.path() / "a.svg", {}, warnings);
+  } catch (const DrawingFault& fault) {
+    return fault;
+  }
+  return std::nullopt;
+}
+
+TEST(CutPatterns, FaultsHaveTheirPlaceAndTheDrawing) {
+  const auto open = faultOf(page("<path d=\"M0 0H40V20H0M20 0V18\"/>"));
+  ASSERT_TRUE(open);
+  ASSERT_EQ(open->places().size(), 1U);
+  // The open end is a corner of the drawing's only closed box.
+  EXPECT_EQ(open->lines().size(), 2U);
+  bool isAnEnd = false;
+  for (const DrawnPath& line : open->lines()) {
+    isAnEnd |= (line.points.front() - open->places()[0]).norm() < 1e-9;
+  }
+  EXPECT_TRUE(isAnEnd);
+  const auto loose = faultOf(page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>"));
+  ASSERT_TRUE(loose);
+  Eigen::AlignedBox2d box;
+  for (const DrawnPath& line : loose->lines()) {
+    for (const Vector2& point : line.points) box.extend(point);
+  }
+  // The left third: 20 of 60 mm wide.
+  const Vector2 within = loose->places().at(0) - box.min();
+  EXPECT_NEAR(within.x(), 0.01, 1e-9);
+  EXPECT_NEAR(within.y(), 0.01, 1e-9);
+  // The message with the list of lines keeps the place.
+  EXPECT_TRUE(
+      faultOf(page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>"
+                   "<path stroke=\"red\" d=\"M30 0V18\"/>")));
+  EXPECT_FALSE(faultOf(page("<path d=\"M0 0H40V20H0ZM20 0V18\"/>")));
+}
+
+TEST(CutPatterns, ListsTheLinesThatItIgnores) {
+  const TemporaryFolder folder;
+  folder.write("a.svg", page("<path d=\"M0 0H40V20H0ZM20 0V18\"/>"
+                             "<path stroke=\"blue\" d=\"M8 8H12\"/>"
+                             "<path stroke=\"blue\" d=\"M28 8H32\"/>"));
+  std::vector<std::string> warnings;
+  for (const bool isChosen : {false, true}) {
+    ReadSettings settings;
+    if (isChosen) settings.ignore = {"blue"};
+    const DrawnSheet sheet = readDrawnSheet(folder.path() / "a.svg", settings, warnings);
+    EXPECT_EQ(sheet.model.tiles.size(), 2U);
+    ASSERT_EQ(sheet.ignored.size(), 2U);
+    for (const DrawnPath& line : sheet.ignored) {
+      EXPECT_NEAR((line.points.back() - line.points.front()).norm(), 0.004, 1e-9);
+    }
+  }
 }
 
 }  // namespace
