@@ -788,6 +788,7 @@ class CutPatternReader {
         tolerance_(std::clamp(std::max(1.5 * drawing.rounding, 1.2 * drawing.flattening),
                               1e-7 * drawing.size(), 1e-4 * drawing.size())) {
     collectGroups();
+    takeDoubledLines();
   }
 
   /// Lines of groups that are not cut, after read().
@@ -896,6 +897,27 @@ class CutPatternReader {
     std::vector<PlaneSegment> segments;
     for (const DrawnPath* path : paths) appendSegments(*path, segments);
     return segments;
+  }
+
+  /// Lines drawn twice may be off each other by more than the tolerance: raises it to that. Slots
+  /// are wider than kTwice of their drawing.
+  void takeDoubledLines() {
+    constexpr double kTwice = 1e-5;  // of the drawing's size
+    const double most = kTwice * drawing_.size();
+    if (tolerance_ >= most) return;
+    const std::vector<PlaneSegment> segments =
+        segmentsOf(pathsOf([](const LineGroup&) { return true; }));
+    double apart = 0;
+    visitNearSegments(segments, most, [&](int i, int j) {
+      const auto lengthOf = [&](int k) { return (segments[k].second - segments[k].first).norm(); };
+      const bool isFirstShorter = lengthOf(i) < lengthOf(j);
+      const PlaneSegment& one = segments[isFirstShorter ? i : j];
+      const PlaneSegment& other = segments[isFirstShorter ? j : i];
+      if ((one.second - one.first).norm() < 100 * most) return;
+      const double off = std::max(distanceTo(other, one.first), distanceTo(other, one.second));
+      if (off <= most) apart = std::max(apart, off);
+    });
+    tolerance_ = std::max(tolerance_, 1.5 * apart);
   }
 
   /// Short straight continuations of open ends of the other lines, and dashed lines.

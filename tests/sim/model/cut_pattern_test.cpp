@@ -393,6 +393,22 @@ TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
               HasSubstr("--cut and --ignore choose"));
 }
 
+// A second copy of all slits, off by 5e-6 of the drawing's size at most, with all digits.
+TEST(CutPatterns, ReadsLinesThatAreDrawnTwiceNotQuiteAlike) {
+  const SlitGrid grid(4, [] { return 1.5; });
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> off(-4e-4, 4e-4);
+  std::string text = closedPath(grid.outline());
+  for (const auto& [from, to] : grid.slits) {
+    text += path(from, to);
+    text += path(from + Point(off(random), off(random)), to + Point(off(random), off(random)));
+  }
+  const Reading reading = read("a.svg", page(text));
+  EXPECT_EQ(reading.refusal, "");
+  EXPECT_EQ(reading.model.tiles.size(), 16U) << reading.note;
+  EXPECT_EQ(reading.model.joints.size(), 24U) << reading.note;
+}
+
 /// The drawing's fault; none for a sheet.
 std::optional<DrawingFault> faultOf(const std::string& text) {
   const TemporaryFolder folder;
