@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "render/picture/style.h"
-#include "render/record/inspection.h"
+#include "render/report/inspection.h"
 
 namespace kirireel {
 namespace {
@@ -22,7 +22,7 @@ TEST(FaultPicture, HasADotAtTheFault) {
   model::DrawnPath slit;
   slit.points = {{3, 0}, {3, 1}};
   const model::DrawingFault fault(InputError("error"), {outline, slit}, {{1, 1.5}});
-  const picture::Frame frame = record::faultPicture(fault, {400, 400});
+  const picture::Frame frame = report::faultPicture(fault, {400, 400});
   const picture::Style style;
   Eigen::AlignedBox2d lines;
   Eigen::Vector2d dots(0, 0);
