@@ -266,14 +266,12 @@ std::vector<Conflict> conflicts() {
   add(kGrips, {"pull"}, kObstacle, {"box", "sphere"});
   add(kGrips, {"pull"}, kPath, {"dynamic", "straight", "guided"});
   add(kGrips, {"pull"}, kTimeline, {"pins", "pause"});
-  add(kGrips, {"pull"}, kPins, {"first", "two"});
   add(kGrips, {"pull"}, kTolerance, {"fine"});
   add(kGrips, {"pull"}, kSpelling, {"PyKirigami"});
   add(kGrips, {"pull"}, kPlanar, {"off"});
   add(kGrips, {"pull"}, kModel, {"upright", "spatial", "jointless"});
   add(kHinges, {"ligaments"}, kPlanar, {"off"});
   add(kHinges, {"ligaments"}, kObstacle, {"box", "sphere"});
-  add(kHinges, {"ligaments"}, kGravity, {"oblique"});
   add(kHinges, {"ligaments"}, kModel, {"upright", "spatial"});
   add(kHinges, {"stiffness", "ligaments"}, kModel, {"jointless"});
   add(kObstacle, {"box", "sphere"}, kPlanar, {"on"});
