@@ -32,6 +32,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 
 namespace kirireel::fea {
@@ -753,32 +754,6 @@ bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
 
 namespace {
 
-/// Sets of nodes that grow together; each is known by its lowest node.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-
-  /// The lowest number stays the root: clusters and their order depend on the mesh and not on the
-  /// order of joints.
-  int lowest(int node) {
-    while (parent_[node] != node) {
-      parent_[node] = parent_[parent_[node]];
-      node = parent_[node];
-    }
-    return node;
-  }
-
-  void join(int a, int b) {
-    const auto [low, high] = std::minmax({lowest(a), lowest(b)});
-    parent_[high] = low;
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 /// Edges run from the bottom to the top; a shell has one node there.
 std::vector<int> nodesAt(const std::vector<int>& edge, model::JointFace face) {
   if (face == model::JointFace::Bottom) return {edge.front()};
@@ -791,7 +766,7 @@ void joinAll(const JointNodes& joint, JointStyle style, DisjointSets& sets) {
     // Patches lie on the two faces; nothing in between is held.
     const bool isInside = k > 0 && k + 1 < joint.a.size();
     if (style == JointStyle::Patch && isInside) continue;
-    sets.join(joint.a[k], joint.b[k]);
+    sets.unite(joint.a[k], joint.b[k]);
   }
 }
 
@@ -930,7 +905,7 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
   std::vector<int> place(mesh.nodes.size(), -1);
   std::vector<NodeCluster> clusters;
   for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
-    const int lowest = sets.lowest(node);
+    const int lowest = sets.lowestOf(node);
     // The lowest itself enters with the first node that is joined to it; single nodes make no
     // cluster.
     if (lowest == node) continue;
