@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/deploy/deployment.h"
 #include "sim/model/lattice.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
@@ -183,7 +184,8 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.hinges.areLigaments = true;
   scene.grips.clear();
   scene.solver.planar = false;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments works only in the plane, but --planar is off"));
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("--ligaments works only in the plane, but --planar is off"));
   scene = turnedUnit();
   scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
   scene.hinges.areLigaments = true;
