@@ -432,7 +432,8 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
   Search other;
   search(inSpace, budget, watch, other);
   const std::optional<GeometricPath>& path = other.planned.path;
-  if (!path || !isCollisionFree(inSpace, *path) || path->hasCompliantJoints) return;
+  if (!path || !isCollisionFree(inSpace, *path)) return;
+  if (path->evaluation.opening > kOpenJoints * model::tileSize(given.model)) return;
   scene = inSpace;
   found = std::move(other);
 }

@@ -511,8 +511,6 @@ PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
 
 namespace {
 
-// Data that are rounded to three digits leave gaps of this part of a tile.
-constexpr double kTorn = 1e-3;
 // A start that was moved less, in tiles, stayed where it was.
 constexpr double kMovedShare = 1e-6;
 // Bounds that differ less are one.
@@ -526,7 +524,7 @@ bool isWanted(const scene::Scene& scene) {
 std::string tornWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
-  if (gap <= kTorn * tile) return "";
+  if (gap <= kOpenJoints * tile) return "";
   return fmt::format(
       "the target is torn: its own joints are open by {:.3g} m there ({:.2g} tiles), so that "
       "closed joints cannot reach it",

@@ -8,6 +8,9 @@ namespace kirireel::deploy {
 
 /// Overlap beyond that of the start, in tiles, up to which bricks count as clear of each other.
 inline constexpr double kClearShare = 1e-4;
+/// Joints that are open by more, in tiles, count as open: data that are rounded to three digits
+/// leave such gaps.
+inline constexpr double kOpenJoints = 1e-3;
 
 /// How a path ends.
 enum class PathEnd {

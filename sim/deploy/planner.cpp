@@ -82,8 +82,8 @@ std::string describe(const Candidate& candidate) {
 // it has followed.
 constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
-// One from the target back may cost this part: exact joints that touching bricks let through take
-// many short moves, and the others cost little.
+// One from the target back may cost this part if exact joints are known to arrive without contacts:
+// those that touching bricks let through take many short moves, and the others cost little.
 constexpr double kFromTargetShare = 0.75;
 // A last move to the nearest state is at most this part of a tile.
 constexpr double kLastMove = 1e-3;
@@ -343,19 +343,25 @@ class Planner {
   bool isWorthTrying(const Candidate& candidate) {
     if (candidate.hasContacts && !mayTouch(scene_)) return false;
     // Exact joints that lead nowhere do so among touching bricks, too.
-    const bool firstArrives = planned_.candidates.front().end == PathEnd::Arrived;
-    if (std::isinf(candidate.jointStiffness) && !firstArrives && !isBlocked()) return false;
+    const bool isExactAlong =
+        std::isinf(candidate.jointStiffness) && candidate.guide != Guide::FromTarget;
+    if (isExactAlong && !firstArrives() && !isBlocked()) return false;
     // Bricks that overlap at the goal keep any path with contacts from it: one with contacts shows
     // where the sheet stops.
     if (isBlocked()) {
       return candidate.hasContacts
                  ? candidate.guide == Guide::OwnMotion && std::isinf(candidate.jointStiffness)
-                 : !firstArrives;
+                 : !firstArrives();
     }
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
     // The softest joints come last.
     const bool isSoftest = &candidate == &kCandidates.back();
     return !isSoftest || !isCollisionFree(scene_, *planned_.path);
+  }
+
+  /// Whether the first candidate, whose joints are exact, arrives.
+  bool firstArrives() const {
+    return !planned_.candidates.empty() && planned_.candidates.front().end == PathEnd::Arrived;
   }
 
   /// Whether bricks that may touch overlap at the goal by more than at the start.
@@ -407,7 +413,8 @@ class Planner {
     SearchBudget part(budget_.left() / kWorkPerSecond);
     const bool isBack = candidate.guide == Guide::FromTarget;
     const auto goesOn = [&](double progress) {
-      const double share = isBack ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
+      const double share =
+          isBack && firstArrives() ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
       return tell(found.evaluation.candidate) && part.spentSeconds() <= share * budget_.seconds();
     };
     found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;

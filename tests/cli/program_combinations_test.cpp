@@ -277,7 +277,6 @@ std::vector<Conflict> conflicts() {
   add(kObstacle, {"box", "sphere"}, kPlanar, {"on"});
   add(kPath, {"continuation"}, kPins, {"first", "two"});
   add(kPath, {"continuation"}, kSpelling, {"PyKirigami"});
-  add(kActuation, {"boundary"}, kModel, {"upright"});
   return all;
 }
 

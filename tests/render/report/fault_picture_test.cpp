@@ -22,13 +22,14 @@ TEST(FaultPicture, HasADotAtTheFault) {
   model::DrawnPath slit;
   slit.points = {{3, 0}, {3, 1}};
   const model::DrawingFault fault(InputError("error"), {outline, slit}, {{1, 1.5}});
-  const picture::Frame frame = report::faultPicture(fault, {400, 400});
+  constexpr int kSize = 1200;  // lines are some pixels wide
+  const picture::Frame frame = report::faultPicture(fault, {kSize, kSize});
   const picture::Style style;
   Eigen::AlignedBox2d lines;
   Eigen::Vector2d dots(0, 0);
   int count = 0;
-  for (int y = 0; y < 400; ++y) {
-    for (int x = 0; x < 400; ++x) {
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) {
       const Eigen::Vector2d at(x, -y);
       if (isNear(frame.at(x, y), style.edge)) lines.extend(at);
       if (!isNear(frame.at(x, y), style.mark)) continue;
@@ -36,7 +37,7 @@ TEST(FaultPicture, HasADotAtTheFault) {
       ++count;
     }
   }
-  ASSERT_GT(count, 20);  // 0.03 of 400 pixels wide
+  ASSERT_GT(count, 200);  // 0.03 of the picture wide
   const Eigen::Vector2d share = (dots / count - lines.min()).cwiseQuotient(lines.sizes());
   EXPECT_NEAR(share.x(), 0.25, 0.02);
   EXPECT_NEAR(share.y(), 0.75, 0.02);
