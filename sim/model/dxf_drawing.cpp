@@ -8,11 +8,13 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/length_unit.h"
 #include "sim/model/drawing.h"
 
 namespace kirireel::model {
@@ -165,21 +167,21 @@ class DxfReader {
   }
 
   void readHeader() {
-    struct Unit {
-      double metres;
-      const char* name;
-    };
-    static const std::map<int, Unit> kUnits = {
-        {1, {0.0254, "in"}}, {2, {0.3048, "ft"}},   {4, {1e-3, "mm"}},     {5, {1e-2, "cm"}},
-        {6, {1, "m"}},       {8, {2.54e-8, "uin"}}, {9, {2.54e-5, "mil"}}, {10, {0.9144, "yd"}},
-        {13, {1e-6, "um"}},  {14, {0.1, "dm"}}};
+    // Units that only drawings have; the others are lengthUnits().
+    static const std::vector<LengthUnit> kOthers = {
+        {"uin", 2.54e-8, 8}, {"mil", 2.54e-5, 9}, {"yd", 0.9144, 10}, {"dm", 0.1, 14}};
     int unit = 0;
     if (const auto given = header_.find("$INSUNITS"); given != header_.end()) {
       unit = static_cast<int>(std::clamp(drawnNumber(given->second, file_), 0.0, 99.0));
     }
-    const auto known = kUnits.find(unit);
-    drawing_.unit = known == kUnits.end() ? 1e-3 : known->second.metres;
-    drawing_.unitName = known == kUnits.end() ? "units" : known->second.name;
+    drawing_.unit = 1e-3;
+    drawing_.unitName = "units";
+    for (const std::vector<LengthUnit>* units : {&lengthUnits(), &kOthers}) {
+      const auto known = std::ranges::find(*units, unit, &LengthUnit::dxfNumber);
+      if (unit == 0 || known == units->end()) continue;
+      drawing_.unit = known->metres;
+      drawing_.unitName = known->name;
+    }
   }
 
   void addEntities(const std::vector<DxfEntity>& entities, const DxfContext& context) {

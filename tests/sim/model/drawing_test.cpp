@@ -293,6 +293,9 @@ TEST(DxfDrawing, UnitsLayersAndColours) {
   EXPECT_EQ(size(6), 1);
   EXPECT_EQ(size(4), 1e-3);
   EXPECT_EQ(size(1), 0.0254);
+  EXPECT_EQ(size(7), 1e3);
+  EXPECT_EQ(size(10), 0.9144);
+  EXPECT_EQ(size(12), 1e-9);
   EXPECT_EQ(size(0), 1e-3);
   const std::string tables =
       section("TABLES",
