@@ -530,6 +530,27 @@ void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>
   drawing.tileOf = std::move(pieces.tileOf);
 }
 
+/// Says how many edges no face has as a side: they tell nothing of the tiles.
+void warnOfLooseEdges(const FoldSheet& drawing, const fs::path& file,
+                      std::vector<std::string>& warnings) {
+  std::set<std::pair<int, int>> sides;
+  for (const std::vector<int>& face : drawing.faces) {
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      sides.insert(std::minmax(face[k], face[(k + 1) % face.size()]));
+    }
+  }
+  const auto isLoose = [&](const Crease& crease) {
+    return !sides.contains(std::minmax(crease.from, crease.to));
+  };
+  const auto count = std::ranges::count_if(drawing.creases, isLoose);
+  if (count == 0) return;
+  const auto first = std::ranges::find_if(drawing.creases, isLoose) - drawing.creases.begin();
+  warnings.push_back(
+      fmt::format("{}: warning: {} edges are sides of no face and are not read, edge {} is the "
+                  "first; split the faces there, or delete the edges",
+                  file.string(), count, first));
+}
+
 /// A joint of another kind than the pivot that it was read as.
 Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
              const std::vector<Tile>& tiles) {
@@ -842,6 +863,7 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
   FoldSheet& drawing = model.drawing.emplace(reader.drawing(states.front()));
   findTiles(reader, states, drawing);
   reader.warnOfIgnored(settings, warnings);
+  warnOfLooseEdges(drawing, file, warnings);
   const CornerNumbers& outlines = drawing.outlines;
   const TileTable start = tableOf(file, outlines, states.front());
   checkTiles(start);

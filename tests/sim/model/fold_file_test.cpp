@@ -387,6 +387,24 @@ TEST(FoldFile, CountsWhatIsNotRead) {
       "have no order of layers");
 }
 
+TEST(FoldFile, CountsEdgesOfNoFace) {
+  // One edge inside a face, and one that leaves the sheet.
+  json file = json::parse(R"({"vertices_coords": [[0,0],[1,0],[1,1],[0,1],[2,2]],
+      "edges_vertices": [[0,1],[1,2],[2,3],[3,0],[0,2],[2,4]],
+      "edges_assignment": ["B","B","B","B","F","F"], "edges_foldAngle": [0,0,0,0,0,0],
+      "faces_vertices": [[0,1,2,3]]})");
+  const ReadSheet read = readText(file.dump());
+  EXPECT_EQ(read.said,
+            "@/a.fold: warning: 2 edges are sides of no face and are not read, edge 4 is the "
+            "first; split the faces there, or delete the edges");
+  EXPECT_EQ(read.model.tiles.size(), 1U);
+  for (const char* key : {"edges_vertices", "edges_assignment", "edges_foldAngle"}) {
+    file[key].erase(5);
+  }
+  file["faces_vertices"] = json::parse("[[0,1,2],[0,2,3]]");
+  EXPECT_EQ(readText(file.dump()).said, "");
+}
+
 TEST(FoldFile, KeepsVerticesEdgesLettersAndAngles) {
   json slit = json::parse(R"({"vertices_coords": [[0,0],[2,0],[2,2],[1,2],[0,2],[1,1],[9,9]],
       "faces_vertices": [[0,1,2,3,5,3,4]], "edges_vertices": [[2,1],[0,1],[2,3],[3,5],[3,4],[4,0]],
