@@ -201,13 +201,34 @@ std::string_view takeLine(std::string_view& text) {
   return line;
 }
 
+/// The number of a corner that a row starts with.
+std::size_t cornerOf(std::string_view row) {
+  std::size_t corner = 0;
+  std::from_chars(row.data(), row.data() + row.size(), corner);
+  return corner;
+}
+
 /// Appends the coordinates of the corner whose number a row starts with, shortest digits that read
 /// back to the same doubles.
 void appendCorner(std::string& text, std::string_view row, const std::vector<Vector3>& corners) {
-  unsigned corner = 0;
-  std::from_chars(row.data(), row.data() + row.size(), corner);
-  const Vector3& point = corners.at(corner);
+  const Vector3& point = corners.at(cornerOf(row));
   appendText(text, "{} {} {}\n", point.x(), point.y(), point.z());
+}
+
+/// Appends a row "f  1//1 2//1 3//1" with `rows` in place of the numbers of its vertices.
+void appendFace(std::string& text, std::string_view line, const std::vector<std::size_t>& rows) {
+  while (!line.empty()) {
+    const std::size_t digit = std::min(line.find_first_of("0123456789"), line.size());
+    text.append(line.substr(0, digit));
+    line.remove_prefix(digit);
+    if (line.empty()) break;
+    text += std::to_string(rows.at(cornerOf(line) - 1));
+    line.remove_prefix(std::min(line.find_first_not_of("0123456789"), line.size()));
+    const std::size_t next = std::min(line.find(' '), line.size());
+    text.append(line.substr(0, next));
+    line.remove_prefix(next);
+  }
+  text += '\n';
 }
 
 std::string objText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
@@ -223,14 +244,25 @@ std::string objText(const std::vector<model::Brick>& bricks, const std::vector<V
   }
   const std::string numbers = exported(*sceneOf(std::move(meshes)), "objnomtl", path);
   std::string text;
+  std::vector<std::size_t> rowOf(corners.size(), 0);  // of each corner in the text, from 1
+  std::vector<std::size_t> rowsOfExporter;            // the same for each row of the exporter
+  std::size_t rows = 0;
   for (std::string_view rest = numbers; !rest.empty();) {
     checkInterruption();
     const std::string_view line = takeLine(rest);
-    // Rows "v" hold the number of a corner where x would be; "vn" and "f" stay as they are.
+    // Rows "v" hold the number of a corner where x would be. assimp 5.4 repeats a corner for each
+    // of its faces, assimp 5.2 does not.
     if (line.starts_with("v ")) {
-      const std::size_t digits = line.find_first_not_of(' ', 1);
-      text += "v ";
-      appendCorner(text, line.substr(digits), corners);
+      const std::string_view row = line.substr(line.find_first_not_of(' ', 1));
+      std::size_t& place = rowOf.at(cornerOf(row));
+      if (place == 0) {
+        place = ++rows;
+        text += "v ";
+        appendCorner(text, row, corners);
+      }
+      rowsOfExporter.push_back(place);
+    } else if (line.starts_with("f ")) {
+      appendFace(text, line, rowsOfExporter);
     } else {
       text.append(line).append("\n");
     }

@@ -288,7 +288,11 @@ COMMANDS = [
 
 # (transformation, command): why it is not met yet. One that holds is an error here.
 KNOWN = {
-    ("tiles renumbered", "circle"): "of unjoined corners at one place, the first tile's is pulled"}
+    ("tiles renumbered", "circle"): "of unjoined corners at one place, the first tile's is pulled",
+    ("quarter turn about x", "circle"): "a sheet in another plane moves in space, with other steps",
+    ("quarter turn about y", "circle"): "a sheet in another plane moves in space, with other steps",
+    ("turned over about x", "circle"): "a sheet in another plane moves in space, with other steps",
+    ("turned at random", "circle"): "a sheet in another plane moves in space, with other steps"}
 
 
 def difference(found, wanted, t, model):

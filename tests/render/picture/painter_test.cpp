@@ -573,7 +573,7 @@ TEST(Painter, PaintsTheSameIntoMemoryThatWasUsed) {
 }
 
 std::string hashUnder(const std::string& environment, const std::string& library = "") {
-  return test::outputOf("env " + environment + " " PICTURE_HASH_PROGRAM " " + library);
+  return test::outputOf("env " + environment + " '" PICTURE_HASH_PROGRAM "' " + library);
 }
 
 TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {

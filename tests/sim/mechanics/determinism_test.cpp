@@ -6,7 +6,7 @@ namespace kirireel {
 namespace {
 
 std::string hashWith(const std::string& environment) {
-  return test::outputOf(environment + " " + MOTION_HASH_PROGRAM);
+  return test::outputOf(environment + " '" + MOTION_HASH_PROGRAM + "'");
 }
 
 TEST(Determinism, SameBytesOnEveryRun) {

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 const std::filesystem::path kRoot = KIRIREEL_SOURCE_DIR;
 
 TEST(AccuracyPage, IsFilledInFromItsTables) {
-  const std::string command = (kRoot / "scripts/accuracy").string() + " --check";
+  const std::string command = "'" + (kRoot / "scripts/accuracy").string() + "' --check";
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
