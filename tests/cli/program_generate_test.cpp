@@ -110,9 +110,8 @@ TEST_P(ShippedModels, ArriveOrSayWhatIsShort) {
   const ScratchFolder scratch;
   const fs::path model = kData / GetParam().name;
   const bool hasTarget = fs::exists(model / "target.txt");
-  const ProgramEnd end =
-      runKirireel({"simulate", model.string(), "--out", scratch.path().string(), "--fps", "10",
-                   "--actuation", hasTarget ? "target" : "expansion"});
+  const ProgramEnd end = runKirireel({"simulate", model.string(), "--out", scratch.path().string(),
+                                      "--actuation", hasTarget ? "target" : "expansion"});
   const auto summary = nlohmann::json::parse(readText(scratch / "summary.json"));
   const auto& accuracy = summary["accuracy"];
   EXPECT_EQ(end.exitCode, expectedCode(summary)) << end.out << end.err;
