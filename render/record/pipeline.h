@@ -188,7 +188,7 @@ class FramePool {
 // ------------------------------------------------------------------------------------------------
 // What parts of a run cost.
 //
-// CPU seconds are those of one thread: stages which run at the same time can be told
+// CPU seconds are those of one thread: stages which run at the same time can be kept
 // apart; wall seconds are those of a clock that is never set back.
 
 /// Largest resident memory of this process so far, bytes. Never falls.

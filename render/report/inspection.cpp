@@ -263,8 +263,8 @@ std::string inspectionJson(const Inspection& inspection) {
 // tiles' numbers are 0.28 s high (7 to 40 pixels), corners' 0.14 s (6 to 20), and corners of tiles
 // below 40 pixels have none.
 //
-// A corner's number stands at 22% of the way from it into its tile: the numbers of tiles
-// that meet in a corner stand apart.
+// A corner's number is at 22% of the way from it into its tile: the numbers of tiles that meet in a
+// corner are apart.
 
 namespace {
 
@@ -329,7 +329,7 @@ picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> 
   fit.orthographic = true;
   picture::Style style;
   style.markSize = 0.03;
-  style.overlay = style.edge;  // so that dots stand out
+  style.overlay = style.edge;  // lines that differ from dots
   picture::PictureItems items;
   items.overlay = std::move(lines);
   items.marks = std::move(dots);

@@ -85,7 +85,7 @@ picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
                                picture::FrameSize size);
 
 // ------------------------------------------------------------------------------------------------
-// Which points of a model the eye sees: numbers stand on nothing that hides them.
+// Which points of a model the eye sees: numbers are not drawn over tiles that hide their places.
 
 /// Tiles seen from far away in one direction. Tiles have no thickness here.
 class LineOfSight {

@@ -215,7 +215,7 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
              shapeOf(model::withoutCorners(pieceB, corners->second.ofB, length)));
 }
 
-// Planes are told by numbers of faces and edges: pairs of as many have the same list.
+// Planes are identified by numbers of faces and edges: pairs with equal counts have the same list.
 const std::vector<SeparatingPlane>& ContactFinder::Internals::planesOf(const Outline& a,
                                                                        const Outline& b) {
   const std::array counts = {a.normals.size(), a.directions.size(), b.normals.size(),

@@ -201,8 +201,7 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
     watch({kAssembling, budget.share(), far});
   }
   scene::Scene touching = scene;
-  scene::ContactFilter& contacts = touching.environment.contacts;
-  if (contacts == scene::ContactFilter::Auto) contacts = scene::ContactFilter::All;
+  touching.environment.contacts = contactsIfOn(scene.environment.contacts);
   found.blocking = blockingPairs(touching, found.nearest.restPoses, budget);
   const scene::PathKind kind = scene.path.kind;
   if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) return;

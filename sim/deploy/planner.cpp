@@ -7,19 +7,18 @@
 // the next one, with r ten times as large, for as long as joints open less.
 //
 // Overlaps are measured at the states and half way between them: where a branch of the mechanism
-// ends, a path that is followed state by state jumps, and its states alone do not show that.
+// ends, a path that is followed state by state jumps, and its states do not show that.
 //
 // The path that is selected is shortened where it is a detour or turns back (continuation.cpp),
 // first as far as that makes tiles turn more evenly. One that stays a detour is shortened further,
-// at the cost of even turns, if that makes it none. The path stays as it was found where shortening
-// makes bricks overlap.
+// at the cost of even turns, if it is then no detour. If shortening makes bricks overlap, the path
+// stays as it was found.
 #include "sim/deploy/planner.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -95,17 +94,12 @@ constexpr double kShorteningShare = 0.25;
 // to the length itself.
 constexpr auto kTurnWeights = std::to_array<double>({10, 3, 1});
 
-/// The contacts of a candidate that has them.
-scene::ContactFilter touching(scene::ContactFilter requested) {
-  return requested == scene::ContactFilter::Auto ? scene::ContactFilter::All : requested;
-}
-
 // ------------------------------------------------------------------------------------------------
 // The evaluation.
 
-// Frames in which roughness is counted, and the angle from which a frame is rough, degrees.
+// Frames in which roughness is counted, and the angle from which a frame is rough, radians.
 constexpr int kFrames = 360;
-constexpr double kRoughAngle = 30;
+constexpr double kRoughAngle = 30 * kDegree;
 
 /// The direction of the whole motion between two states: moves, and turns by their arc at the
 /// radius of gyration, over the tiles one after the other.
@@ -129,7 +123,7 @@ double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
 /// than kRoughAngle.
 int countRoughFrames(const std::vector<model::Brick>& bricks, const MechanismPath& path) {
   if (!(path.length() > 0)) return 0;
-  const double cosine = std::cos(kRoughAngle * std::numbers::pi / 180);
+  const double cosine = std::cos(kRoughAngle);
   std::size_t next = 1;
   Poses before = path.states.front();
   std::vector<Vector3> last;
@@ -225,14 +219,14 @@ class PathOrder {
 // ------------------------------------------------------------------------------------------------
 // Improvement of the selected path.
 
-/// A path pulled tight so that tiles turn as evenly on it as they can on a path that is no detour.
+/// A path pulled tight: tiles turn on it as evenly as they can on a path that is no detour.
 /// If every one is a detour, the one on which they turn most evenly.
 MechanismPath evenlyTight(const scene::Scene& scene, const MechanismPath& path, double mostGrown,
-                          SearchBudget& budget, const PathObserver& goesOn) {
+                          SearchBudget& budget, const PathObserver& shouldContinue) {
   std::optional<MechanismPath> mostEven;
   for (const double turnWeight : kTurnWeights) {
     MechanismPath pulled =
-        pulledTight(scene, mostEven.value_or(path), turnWeight, mostGrown, budget, goesOn);
+        pulledTight(scene, mostEven.value_or(path), turnWeight, mostGrown, budget, shouldContinue);
     if (!isDetour(scene, pulled)) return pulled;
     if (!mostEven) mostEven = std::move(pulled);
   }
@@ -242,7 +236,7 @@ MechanismPath evenlyTight(const scene::Scene& scene, const MechanismPath& path, 
 /// Shortens a path that is a detour or turns back, at a part of the budget. A path with compliant
 /// joints is only cleared of the places where it turns back.
 void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budget,
-             const PathObserver& goesOn) {
+             const PathObserver& shouldContinue) {
   const bool isBack = turnsBack(scene, found.path);
   if (!isBack && (found.hasCompliantJoints || !isDetour(scene, found.path))) return;
   const PathEvaluation& evaluation = found.evaluation;
@@ -256,12 +250,13 @@ void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budg
     // Bricks that did not meet may do so on a shorter path.
     const bool isThrough = found.contacts == scene::ContactFilter::None && overlaps(scene, found);
     scene::Scene among = scene;
-    among.environment.contacts = isThrough ? found.contacts : touching(scene.environment.contacts);
+    among.environment.contacts =
+        isThrough ? found.contacts : contactsIfOn(scene.environment.contacts);
     SearchBudget part(
         std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
-    shorter.path = evenlyTight(among, shorter.path, mostGrown, part, goesOn);
+    shorter.path = evenlyTight(among, shorter.path, mostGrown, part, shouldContinue);
     if (isDetour(scene, shorter.path)) {
-      shorter.path = withShortcuts(among, std::move(shorter.path), mostGrown, part, goesOn);
+      shorter.path = withShortcuts(among, std::move(shorter.path), mostGrown, part, shouldContinue);
     }
     budget.spend(part.spent());
   }
@@ -308,8 +303,9 @@ class Planner {
         budget_(budget),
         observer_(observer),
         tile_(model::tileSize(scene.model)),
-        start_(model::startPoses(scene.model.tiles,
-                                 model::makeBricks(scene.model.tiles, scene.brick))) {}
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        start_(model::startPoses(scene.model.tiles, bricks_)) {}
 
   PlannedPath find() {
     for (const Candidate& candidate : kCandidates) {
@@ -342,17 +338,15 @@ class Planner {
 
   bool isWorthTrying(const Candidate& candidate) {
     if (candidate.hasContacts && !mayTouch(scene_)) return false;
-    // Exact joints that lead nowhere do so among touching bricks, too.
-    const bool isExactAlong =
-        std::isinf(candidate.jointStiffness) && candidate.guide != Guide::FromTarget;
-    if (isExactAlong && !firstArrives() && !isBlocked()) return false;
+    const bool hasExactJoints = std::isinf(candidate.jointStiffness);
     // Bricks that overlap at the goal keep any path with contacts from it: one with contacts shows
     // where the sheet stops.
     if (isBlocked()) {
-      return candidate.hasContacts
-                 ? candidate.guide == Guide::OwnMotion && std::isinf(candidate.jointStiffness)
-                 : !firstArrives();
+      return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && hasExactJoints
+                                   : !firstArrives();
     }
+    // Exact joints that lead nowhere do so among touching bricks, too.
+    if (hasExactJoints && candidate.guide != Guide::FromTarget && !firstArrives()) return false;
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
     // The softest joints come last.
     const bool isSoftest = &candidate == &kCandidates.back();
@@ -374,9 +368,7 @@ class Planner {
 
   /// How much overlaps of bricks that may touch have grown at a state, metres.
   double growthAt(const Poses& state) const {
-    const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
-    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks);
-    return overlapMeter(scene_.environment, bricks, pivots, start_).at(state).grown;
+    return overlapMeter(scene_.environment, bricks_, pivots_, start_).at(state).grown;
   }
 
   void tryCandidate(Candidate candidate) {
@@ -405,27 +397,27 @@ class Planner {
   GeometricPath follow(const Candidate& candidate, const std::vector<Poses>& guide) {
     scene::Scene trial = scene_;
     GeometricPath found;
-    found.contacts =
-        candidate.hasContacts ? touching(scene_.environment.contacts) : scene::ContactFilter::None;
+    found.contacts = candidate.hasContacts ? contactsIfOn(scene_.environment.contacts)
+                                           : scene::ContactFilter::None;
     trial.environment.contacts = found.contacts;
     found.evaluation.candidate = describe(candidate);
     found.evaluation.hasContacts = candidate.hasContacts;
     SearchBudget part(budget_.left() / kWorkPerSecond);
     const bool isBack = candidate.guide == Guide::FromTarget;
-    const auto goesOn = [&](double progress) {
+    const auto shouldContinue = [&](double progress) {
       const double share =
           isBack && firstArrives() ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
       return tell(found.evaluation.candidate) && part.spentSeconds() <= share * budget_.seconds();
     };
     found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
     if (isBack) {
-      found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, goesOn);
+      found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, shouldContinue);
     } else {
       // Where bricks lie flush at the start, a jump off it would jam them.
       ContinuationSettings settings;
       if (candidate.hasContacts || found.hasCompliantJoints) settings.leap = 0;
       settings.jointStiffness = candidate.jointStiffness;
-      found.path = continueAlong(trial, guide, settings, part, goesOn);
+      found.path = continueAlong(trial, guide, settings, part, shouldContinue);
       endAtNearest(found.path);
     }
     if (closedStart_.empty()) closedStart_ = found.path.states.front();
@@ -451,14 +443,12 @@ class Planner {
     const double reach =
         isRounded ? std::sqrt(roundedReach(scene_.model) * tile_) : kLastMove * tile_;
     if (farthestMove(path.states.back(), nearest_.poses, tile_) > reach) return;
-    const std::vector<model::Brick> bricks = model::makeBricks(scene_.model.tiles, scene_.brick);
-    const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks);
-    const double gap = trajectory::jointGap(pivots, nearest_.poses).max;
+    const double gap = trajectory::jointGap(pivots_, nearest_.poses).max;
     if (!isRounded && gap > kExactShare * tile_) return;
     const double grown = growthAt(path.states.back());
     if (mayTouch(scene_) && growthAt(nearest_.poses) > std::max(grown, clear())) return;
     path.lengths.push_back(path.length() +
-                           pathDistance(bricks, path.states.back(), nearest_.poses));
+                           pathDistance(bricks_, path.states.back(), nearest_.poses));
     path.states.push_back(nearest_.poses);
     path.error = nearest_.error;
     path.isRounded = isRounded;
@@ -491,7 +481,9 @@ class Planner {
   PathOrder order_;
   SearchBudget& budget_;
   const TrialObserver& observer_;
-  double tile_;                  // metres
+  double tile_;  // metres
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
   Poses start_, closedStart_;    // as read, and with closed joints
   std::vector<Poses> previous_;  // the last path without contacts and with compliant joints
   std::optional<bool> isBlocked_;
@@ -525,6 +517,10 @@ GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts
 }
 
 }  // namespace
+
+scene::ContactFilter contactsIfOn(scene::ContactFilter requested) {
+  return requested == scene::ContactFilter::Auto ? scene::ContactFilter::All : requested;
+}
 
 bool overlaps(const scene::Scene& scene, const GeometricPath& found) {
   return found.evaluation.overlapGrowth > kClearShare * model::tileSize(scene.model);
@@ -570,7 +566,7 @@ PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
   };
   consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
-    consider(extension(scene, touching(requested), 1, budget, observer));
+    consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
   }
   shorten(scene, *planned.path, budget, [&](double) {
     return !observer || observer({kShortening, budget.share()});

@@ -19,6 +19,9 @@ struct PlannedPath {
   std::string trouble;                     ///< why there is no path, for the summary
 };
 
+/// The contacts of a path that has them: all, if the scene leaves them open.
+scene::ContactFilter contactsIfOn(scene::ContactFilter requested);
+
 /// Whether a path arrives and no bricks that may touch overlap on it.
 bool isCollisionFree(const scene::Scene& scene, const GeometricPath& found);
 
@@ -28,8 +31,8 @@ bool overlaps(const scene::Scene& scene, const GeometricPath& found);
 /// Tries the candidates from the start to the state nearest to the target, until one arrives with
 /// exact joints and without overlaps. If none does, selects the best one. The result is never
 /// empty.
-PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest,
-                     SearchBudget& budget, const TrialObserver& observer);
+PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest, SearchBudget& budget,
+                     const TrialObserver& observer);
 
 /// The path to full extension of a scene without a target.
 PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,

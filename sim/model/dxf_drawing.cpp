@@ -23,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kFullCircle = 2 * std::numbers::pi;
-constexpr double kDxfDegree = std::numbers::pi / 180;
 constexpr int kDeepestBlock = 20;
 
 struct DxfEntity {
@@ -271,7 +270,7 @@ class DxfReader {
                          static_cast<double>(k / columns) * number(entity, 45, 0.0));
       inner.transform = outer;
       inner.transform.translate(point(entity, 10))
-          .rotate(number(entity, 50, 0.0) * kDxfDegree)
+          .rotate(number(entity, 50, 0.0) * kDegree)
           .translate(step)
           .scale(Vector2(number(entity, 41, 1.0), number(entity, 42, 1.0)))
           .translate(-base);
@@ -364,9 +363,9 @@ class DxfReader {
       const Vector2 centre = point(entity, 10);
       const double radius = number(entity, 40);
       const bool isArc = type == "ARC";
-      const double from = isArc ? number(entity, 50) * kDxfDegree : 0;
+      const double from = isArc ? number(entity, 50) * kDegree : 0;
       double sweep =
-          isArc ? std::fmod(number(entity, 51) * kDxfDegree - from, kFullCircle) : kFullCircle;
+          isArc ? std::fmod(number(entity, 51) * kDegree - from, kFullCircle) : kFullCircle;
       if (sweep <= 0) sweep += kFullCircle;
       path.isClosed = !isArc;
       if (isArc) path.points.push_back(centre + radius * Vector2(std::cos(from), std::sin(from)));

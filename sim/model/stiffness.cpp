@@ -84,7 +84,6 @@ double halfCotangent(double angle) {
 /// The table's row for a pair of equal tiles: between its angles, and a little beyond, Lagrange's
 /// polynomial through all of them.
 CornerNeckRow rowOf(double width, const NeckCorner& tile) {
-  constexpr double kDegree = std::numbers::pi / 180;
   constexpr std::size_t kWidths = kCornerNeckTable.size() / kCornerNeckAngles;
   const double angle = std::clamp(tile.angle, 30 * kDegree, 150 * kDegree);
   std::array<CornerNeckRow, kCornerNeckAngles> rows;
