@@ -111,8 +111,7 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
     throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
   }
   // Sheets that are not flat are pulled along x and y.
-  const model::SheetFrame frame =
-      model::sheetFrame(model.tiles, 1e-9 * model::modelSize(model)).value_or(model::SheetFrame{});
+  const model::SheetFrame frame = model::sheetFrame(model).value_or(model::SheetFrame{});
   const std::vector<model::Corner> hull =
       model.hull ? *model.hull : model::outlineCorners(model::toFrame(frame, model.tiles));
   std::vector<Vector3> corners;

@@ -412,8 +412,8 @@ class PathSearch {
     }
     std::string reason = first.reason + " where bricks pass through each other";
     if (fitsAtTarget) {
-      reason += "; no path that was tried arrives among bricks that touch" + untried() +
-                widerJoints();
+      reason +=
+          "; no path that was tried arrives among bricks that touch" + untried() + widerJoints();
     }
     if (!nearest_) return {withExactJoints(first.path), reason};
     return {nearest_->path, fmt::format("{}; {} comes nearest among bricks that touch", reason,
@@ -536,7 +536,7 @@ std::string turnedWarning(const scene::Scene& scene) {
   const model::Model& model = scene.model;
   const auto count = static_cast<int>(model.tiles.size());
   const int turned = model::countTurnedOver(model.tiles, *model.target);
-  const double flat = 1e-9 * model::modelSize(model);
+  const double flat = model::flatTolerance(model);
   const std::optional<model::SheetFrame> frame = model::sheetFrame(model.tiles, flat);
   const bool areFlat = frame && model::isParallel(*frame, *model.target, flat);
   if (turned == 0 || (!areFlat && turned < count)) return "";

@@ -809,16 +809,18 @@ class CutPatternReader {
       findEngraving();
     }
     SheetReading reading;
+    const auto withGroups = [this](const InputError& error) {
+      return InputError(
+          fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(), describeGroups()));
+    };
     try {
       reading = sheetOf(pathsOf([](const LineGroup& group) { return group.role == "cut"; }));
+    } catch (const DrawingFault& fault) {
+      if (groups_.size() < 2) throw;
+      throw DrawingFault(withGroups(fault), fault.lines(), fault.places());
     } catch (const InputError& error) {
       if (groups_.size() < 2) throw;
-      const InputError longer(
-          fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(), describeGroups()));
-      if (const auto* const fault = dynamic_cast<const DrawingFault*>(&error)) {
-        throw DrawingFault(longer, fault->lines(), fault->places());
-      }
-      throw longer;
+      throw withGroups(error);
     }
     const TileTable table = patternTable(file_, reading.model.tiles);
     checkTiles(table);

@@ -43,6 +43,7 @@
 #include "sim/model/faces.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/model_formats.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel::model {
@@ -1080,20 +1081,12 @@ std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector
 
 std::optional<Vector3> sheetNormal(const Model& model) {
   const std::vector<Tile>& tiles = model.tiles;
-  const double flat = 1e-9 * modelSize(model);
-  const Vector3 first = tileNormal(tiles.front()), origin = tiles.front().vertices.front();
-  Vector3 sum = Vector3::Zero();
-  double sameSide = 0, total = 0;
-  for (const Tile& tile : tiles) {
-    const Vector3 area = tileArea(tile) * tileNormal(tile);
-    const double along = area.dot(first);
-    sum += along < 0 ? Vector3(-area) : area;
-    sameSide += along;
-    total += std::abs(along);
-  }
+  const double flat = flatTolerance(model);
+  const Vector3 origin = tiles.front().vertices.front();
   const bool isLevel = liesFlat(tiles, flat);
+  Vector3 normal = meanNormal(tiles, isLevel ? Vector3::UnitZ() : tileNormal(tiles.front()));
   // A level sheet keeps all digits.
-  Vector3 normal = isLevel ? Vector3(0, 0, first.z() < 0 ? -1 : 1) : Vector3(sum.normalized());
+  if (isLevel) normal = Vector3(0, 0, normal.z() < 0 ? -1 : 1);
   // Both the coordinates and the normal that comes of them are rounded.
   const double tolerance = std::max(flat, 2 * roundingOf(tiles));
   for (const Tile& tile : tiles) {
@@ -1101,8 +1094,6 @@ std::optional<Vector3> sheetNormal(const Model& model) {
       if (std::abs(normal.dot(vertex - origin)) > (isLevel ? 2 * flat : tolerance)) return {};
     }
   }
-  const bool isDraw = std::abs(sameSide) <= 1e-9 * total;
-  if (isDraw ? isLevel && normal.z() < 0 : sameSide < 0) normal = -normal;
   return normal;
 }
 

@@ -120,8 +120,7 @@ RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   if (!model.target) return {};
   const std::vector<Vector3> start = allVertices(model.tiles);
   const std::vector<Vector3> target = allVertices(*model.target);
-  // Heights that differ by less than a billionth of the sheet come from rounding.
-  const double tolerance = 1e-9 * modelSize(model);
+  const double tolerance = flatTolerance(model);
   // Both states have to lie flat: one that folds up may well start upside down.
   const std::optional<SheetFrame> frame = sheetFrame(model.tiles, tolerance);
   const bool planar = frame && isParallel(*frame, *model.target, tolerance);

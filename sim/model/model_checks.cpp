@@ -426,7 +426,7 @@ std::string countOf(std::size_t count, const char* what) {
 }
 
 /// How far vertices of a flat sheet may be from its plane, metres.
-double flatTolerance(const std::vector<Tile>& tiles, double size) {
+double flatToleranceAsRead(const std::vector<Tile>& tiles, double size) {
   // Numbers that were rounded may differ by their last digit; the factor leaves room for what a
   // double cannot hold of it.
   return std::max(kLevelStart * size, 1.01 * roundingOf(tiles));
@@ -567,7 +567,8 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
 // Decided for the start alone: a tile keeps its vertices' order in every state.
 void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
   const double size = modelSize(model);
-  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, flatTolerance(model.tiles, size));
+  const std::optional<SheetFrame> frame =
+      sheetFrame(model.tiles, flatToleranceAsRead(model.tiles, size));
   if (!frame) return;
   std::vector<bool> clockwise(model.tiles.size());
   std::transform(model.tiles.begin(), model.tiles.end(), clockwise.begin(),
@@ -577,7 +578,7 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
   // In a sheet that leaves the plane, the side on which bricks grow decides which face a joint lies
   // on. To turn all tiles round would swap top and bottom.
   const bool isFolded =
-      model.target && !isParallel(*frame, *model.target, flatTolerance(*model.target, size));
+      model.target && !isParallel(*frame, *model.target, flatToleranceAsRead(*model.target, size));
   if (isFolded && count == std::ssize(model.tiles)) {
     warnings.push_back(
         fmt::format("{}: warning: all tiles run clockwise seen from above, so that bricks grow "

@@ -427,7 +427,7 @@ std::string planarJointText(const std::vector<Joint>& joints) {
 /// plane.
 SheetFrame requirePlanar(const Model& model, const fs::path& file) {
   const int first = model.fileOrder.countsFrom;
-  const std::optional<SheetFrame> frame = sheetFrame(model.tiles, 1e-9 * modelSize(model));
+  const std::optional<SheetFrame> frame = sheetFrame(model);
   if (!frame) {
     throw InputError(
         fmt::format("{}: error: planar files hold x and y only, and the start is not flat; convert "

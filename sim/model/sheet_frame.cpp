@@ -13,26 +13,34 @@ namespace {
 /// Parts of the whole area that decide about the upper side.
 constexpr double kEvenArea = 1e-9;
 
-Vector3 areaVector(const Tile& tile) {
-  return tileArea(tile) * tileNormal(tile);
+// Of the model's size: differences that come from rounding.
+constexpr double kFlat = 1e-9;
+
+}  // namespace
+
+double flatTolerance(const Model& model) {
+  return kFlat * modelSize(model);
 }
 
-/// Unit, to the side of most of the area.
-Vector3 meanNormal(const std::vector<Tile>& tiles) {
+Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven) {
   const Vector3 first = tileNormal(tiles.front());
   Vector3 sum = Vector3::Zero();
   double sameSide = 0, total = 0;
   for (const Tile& tile : tiles) {
-    const Vector3 area = areaVector(tile);
+    const Vector3 area = tileArea(tile) * tileNormal(tile);
     const double along = area.dot(first);
     sum += along < 0 ? Vector3(-area) : area;
     sameSide += along;
     total += std::abs(along);
   }
-  return (sameSide < -kEvenArea * total ? -1 : 1) * sum.normalized();
+  const bool isEven = std::abs(sameSide) <= kEvenArea * total;
+  const bool isOpposite = isEven ? sum.dot(ifEven) < 0 : sameSide < 0;
+  return (isOpposite ? -1 : 1) * sum.normalized();
 }
 
-}  // namespace
+std::optional<SheetFrame> sheetFrame(const Model& model) {
+  return sheetFrame(model.tiles, flatTolerance(model));
+}
 
 std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance) {
   SheetFrame frame;
@@ -41,7 +49,7 @@ std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tole
     return frame;
   }
   frame.origin = tiles.front().vertices.front();
-  frame.normal = meanNormal(tiles);
+  frame.normal = meanNormal(tiles, tileNormal(tiles.front()));
   // A normal that faces straight down has no shortest rotation; the sheet is turned over about x.
   const Vector3 axis = Vector3::UnitZ().cross(frame.normal);
   const double angle = std::atan2(axis.norm(), frame.normal.z());

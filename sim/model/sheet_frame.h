@@ -37,6 +37,16 @@ struct SheetFrame {
 /// tile, each with an area.
 std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance);
 
+/// The same for the start of a model, to flatTolerance().
+std::optional<SheetFrame> sheetFrame(const Model& model);
+
+/// How far vertices of a flat state of a model may be from its plane, metres.
+double flatTolerance(const Model& model);
+
+/// The unit normal of tiles that lie near one plane, to the side from which most of their area has
+/// its vertices anticlockwise; to the side of `ifEven` if no side has more. At least one tile.
+Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven);
+
 /// Whether all vertices lie in one plane parallel to the frame's, to the tolerance in metres.
 bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double tolerance);
 

@@ -78,7 +78,7 @@ Need planarNeed(const Scene& scene) {
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   if (!scene.spaceReason.empty()) return {false, scene.spaceReason};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};
-  const double tolerance = 1e-9 * model::modelSize(scene.model);
+  const double tolerance = model::flatTolerance(scene.model);
   if (!model::liesFlat(scene.model.tiles, tolerance)) {
     return {false, model::sheetFrame(scene.model.tiles, tolerance)
                        ? "the start does not lie in a horizontal plane"

@@ -21,6 +21,7 @@
 #include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/model/stiffness.h"
 #include "sim/model/text_table.h"
 #include "sim/scene/conditions.h"
@@ -821,7 +822,7 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
                     scene.solver.planar ? "--planar is off" : planar.reason));
   }
   // --planar on keeps bricks in horizontal planes; it does not make tiles lie in one.
-  if (!model::liesFlat(scene.model.tiles, 1e-9 * model::modelSize(scene.model))) {
+  if (!model::liesFlat(scene.model.tiles, model::flatTolerance(scene.model))) {
     throw InputError(
         "error: --ligaments works only in the plane, but the start is not flat. Remove "
         "--ligaments, or turn the model into the plane of x and y");

@@ -525,8 +525,7 @@ void requireRanges(const Scene& scene) {
     }
   }
   if (!scene.solver.planar.value_or(false) || scene.model.tiles.empty()) return;
-  const std::optional<model::SheetFrame> frame =
-      model::sheetFrame(scene.model.tiles, 1e-9 * model::modelSize(scene.model));
+  const std::optional<model::SheetFrame> frame = model::sheetFrame(scene.model);
   if (!frame || frame->isHorizontal()) return;
   throw InputError(
       "error: --planar on keeps tiles at their heights, but the sheet lies in a plane that is not "

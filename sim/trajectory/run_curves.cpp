@@ -92,8 +92,7 @@ class ShapeMeter final : public SampleMeter {
   explicit ShapeMeter(const Subject& subject)
       : subject_(subject),
         // Sheets that are not flat at the start are seen along z.
-        frame_(model::sheetFrame(subject.model.tiles, 1e-9 * model::modelSize(subject.model))
-                   .value_or(model::SheetFrame{})),
+        frame_(model::sheetFrame(subject.model).value_or(model::SheetFrame{})),
         sidesAtStart_(boxSides(model::toFrame(frame_, subject.model.tiles))) {}
 
   std::vector<Channel> channels() const override {

@@ -258,7 +258,6 @@ using Sparse = Eigen::SparseMatrix<double>;
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
 // A dense decomposition takes O(n^3).
-constexpr double kFlatSheet = 1e-9;  // of its size, from its plane
 constexpr int kMostDenseUnknowns = 900;
 constexpr int kMostUnknowns = 60'000;
 
@@ -431,7 +430,7 @@ Mobility mobility(const model::Model& model, const std::vector<model::Tile>& sta
                   double thickness) {
   // In the plane the equations are those of x, y and turns about z in the sheet's own axes.
   const std::optional<model::SheetFrame> frame =
-      freedom == Freedom::Plane ? model::sheetFrame(state, kFlatSheet * model::modelSize(model))
+      freedom == Freedom::Plane ? model::sheetFrame(state, model::flatTolerance(model))
                                 : std::nullopt;
   const JointJacobian equations(model, frame ? model::toFrame(*frame, state) : state, freedom,
                                 thickness);
