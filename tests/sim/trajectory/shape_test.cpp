@@ -284,7 +284,7 @@ TEST_F(RunCurvesOfSquares, HaveNoKineticEnergyWithoutDynamics) {
 
 TEST_F(RunCurvesOfSquares, AreStraightBetweenSamples) {
   const trajectory::RunCurves between = trajectory::curvesAt(curves_, {0, 0.0125, 0.025, 1});
-  const trajectory::Curve& width = curveNamed(between, "width_m");
+  const trajectory::Curve width = curveNamed(between, "width_m");
   EXPECT_EQ(width.values[0], at("width_m", 0));
   EXPECT_NEAR(width.values[1], 0.5 * (at("width_m", 0) + at("width_m", 1)), 1e-14);
   EXPECT_EQ(width.values[3], at("width_m", kSamples - 1));
