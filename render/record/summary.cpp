@@ -110,6 +110,8 @@ Json candidatesJson(const std::vector<deploy::PathEvaluation>& candidates) {
                     {"overlap_growth_at_end", path.overlapGrowthAtEnd},
                     {"opening", path.opening},
                     {"rough_frames", path.roughFrames},
+                    {"step_change", path.stepChange},
+                    {"largest_turn_deg", path.largestTurn / kDegree},
                     {"length", path.length},
                     {"work", path.work}});
   }

@@ -25,16 +25,19 @@ std::string toString(PathEnd end);
 
 /// One candidate and its figures. Lengths in metres.
 struct PathEvaluation {
-  std::string candidate;            ///< guide, contacts and joints, one short phrase
-  bool hasContacts = false;         ///< whether bricks were kept apart
-  PathEnd end = PathEnd::Short;     ///< how it ends
-  double error = 0;                 ///< target error of its last state; 0 without a target
-  double overlapGrowth = 0;         ///< deepest beyond the start, at and half way between states
-  double overlapGrowthAtEnd = 0;    ///< the same in the last state
-  double opening = 0;               ///< largest of any joint, where joints are compliant
-  int roughFrames = 0;              ///< of 360, in which the whole motion turns by over 30 degrees
-  double length = 0;                ///< see pathDistance()
-  double work = 0;                  ///< see SearchBudget
+  std::string candidate;          ///< guide, contacts and joints, one short phrase
+  bool hasContacts = false;       ///< whether bricks were kept apart
+  PathEnd end = PathEnd::Short;   ///< how it ends
+  double error = 0;               ///< target error of its last state; 0 without a target
+  double overlapGrowth = 0;       ///< deepest beyond the start, at and half way between states
+  double overlapGrowthAtEnd = 0;  ///< the same in the last state
+  double opening = 0;             ///< largest of any joint, where joints are compliant
+  int roughFrames = 0;            ///< of 360, in which the whole motion turns by over 30 degrees
+  double stepChange = 0;          ///< largest change of a vertex's step from frame to frame, over
+                                  ///< the usual step
+  double largestTurn = 0;         ///< of the velocities of all tiles together, radians per frame
+  double length = 0;              ///< see pathDistance()
+  double work = 0;                ///< see SearchBudget
 };
 
 }  // namespace kirireel::deploy

@@ -9,10 +9,11 @@
 // Overlaps are measured at the states and half way between them: where a branch of the mechanism
 // ends, a path that is followed state by state jumps, and its states do not show that.
 //
-// The path that is selected is shortened where it is a detour or turns back (continuation.cpp),
-// first as far as that makes tiles turn more evenly. One that stays a detour is shortened further,
-// at the cost of even turns, if it is then no detour. If shortening makes bricks overlap, the path
-// stays as it was found.
+// The selected path is improved as a whole if it is rough, overlaps or opens joints
+// (smoothing.cpp). Before that it is shortened where it is a detour or turns back
+// (continuation.cpp), first as far as that makes tiles turn more evenly. One that stays a detour is
+// shortened further, at the cost of even turns, if it is then no detour. If shortening makes bricks
+// overlap, the path stays as it was found.
 #include "sim/deploy/planner.h"
 
 #include <algorithm>
@@ -28,6 +29,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/smoothing.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
@@ -101,16 +103,16 @@ constexpr auto kTurnWeights = std::to_array<double>({10, 3, 1});
 constexpr int kFrames = 360;
 constexpr double kRoughAngle = 30 * kDegree;
 
-/// The direction of the whole motion between two states: moves, and turns by their arc at the
-/// radius of gyration, over the tiles one after the other.
-std::vector<Vector3> directionBetween(const std::vector<model::Brick>& bricks, const Poses& from,
-                                      const Poses& to) {
-  std::vector<Vector3> direction;
+/// The velocities of all tiles from one state to another, by the time between them: moves, and
+/// turns by their arc at the radius of gyration.
+std::vector<Vector3> velocitiesBetween(const std::vector<model::Brick>& bricks, const Poses& from,
+                                       const Poses& to) {
+  std::vector<Vector3> velocities;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    direction.push_back(to[i].position - from[i].position);
-    direction.push_back(gyrationRadius(bricks[i]) * turnBetween(from[i].rotation, to[i].rotation));
+    velocities.push_back(to[i].position - from[i].position);
+    velocities.push_back(gyrationRadius(bricks[i]) * turnBetween(from[i].rotation, to[i].rotation));
   }
-  return direction;
+  return velocities;
 }
 
 double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
@@ -119,15 +121,25 @@ double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
   return sum;
 }
 
-/// The frames of a path at an even pace in which the direction of the whole motion turns by more
-/// than kRoughAngle.
-int countRoughFrames(const std::vector<model::Brick>& bricks, const MechanismPath& path) {
-  if (!(path.length() > 0)) return 0;
-  const double cosine = std::cos(kRoughAngle);
+/// The vertices of all tiles.
+std::vector<Vector3> verticesOf(const std::vector<model::Brick>& bricks, const Poses& poses) {
+  std::vector<Vector3> vertices;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (const Vector3& point : bricks[i].bottom) vertices.push_back(poses[i].apply(point));
+  }
+  return vertices;
+}
+
+/// Measures how unevenly the tiles move from frame to frame along a path at an even pace.
+void measureRoughness(const std::vector<model::Brick>& bricks, const MechanismPath& path,
+                      PathEvaluation& evaluation) {
+  evaluation.roughFrames = 0;
+  evaluation.stepChange = evaluation.largestTurn = 0;
+  if (!(path.length() > 0)) return;
   std::size_t next = 1;
   Poses before = path.states.front();
-  std::vector<Vector3> last;
-  int rough = 0;
+  std::vector<Vector3> vertices = verticesOf(bricks, before), steps, velocities;
+  std::vector<double> meanSteps;
   for (int frame = 1; frame <= kFrames; ++frame) {
     const double length = frame * path.length() / kFrames;
     while (next + 1 < path.states.size() && path.lengths[next] < length) ++next;
@@ -135,13 +147,34 @@ int countRoughFrames(const std::vector<model::Brick>& bricks, const MechanismPat
     const double share =
         part > 0 ? std::clamp((length - path.lengths[next - 1]) / part, 0.0, 1.0) : 1;
     Poses now = interpolate(path.states[next - 1], path.states[next], share);
-    std::vector<Vector3> direction = directionBetween(bricks, before, now);
-    const double norms = std::sqrt(dot(direction, direction) * dot(last, last));
-    if (!last.empty() && dot(direction, last) < cosine * norms) ++rough;
-    last = std::move(direction);
+    std::vector<Vector3> there = verticesOf(bricks, now);
+    std::vector<Vector3> fresh = velocitiesBetween(bricks, before, now);
+    if (!velocities.empty()) {
+      const double norms = std::sqrt(dot(fresh, fresh) * dot(velocities, velocities));
+      const double cosine = norms > 0 ? std::clamp(dot(fresh, velocities) / norms, -1.0, 1.0) : 1;
+      const double turn = std::acos(cosine);
+      evaluation.largestTurn = std::max(evaluation.largestTurn, turn);
+      if (turn > kRoughAngle) ++evaluation.roughFrames;
+    }
+    double sum = 0;
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      const Vector3 step = there[k] - vertices[k];
+      sum += step.norm();
+      if (frame == 1) {
+        steps.push_back(step);
+        continue;
+      }
+      evaluation.stepChange = std::max(evaluation.stepChange, (step - steps[k]).norm());
+      steps[k] = step;
+    }
+    meanSteps.push_back(sum / static_cast<double>(there.size()));
     before = std::move(now);
+    vertices = std::move(there);
+    velocities = std::move(fresh);
   }
-  return rough;
+  const auto middle = meanSteps.begin() + kFrames / 2;
+  std::ranges::nth_element(meanSteps, middle);
+  evaluation.stepChange = *middle > 0 ? evaluation.stepChange / *middle : 0;
 }
 
 /// Whether the scene lets these bricks touch.
@@ -174,7 +207,7 @@ void evaluate(const scene::Scene& scene, GeometricPath& found) {
     measure(states[k]);
   }
   evaluation.length = found.path.length();
-  evaluation.roughFrames = countRoughFrames(bricks, found.path);
+  measureRoughness(bricks, found.path, evaluation);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -264,10 +297,48 @@ void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budg
   if (shorter.evaluation.overlapGrowth <= mostGrown) found = std::move(shorter);
 }
 
+// A path is smooth if no step changes by more than this part of the usual step, and if the
+// velocities of all tiles together turn by no more than this from frame to frame, radians.
+constexpr double kSmoothStepChange = 0.2;
+constexpr double kSmoothTurn = 10 * kDegree;
+// Bricks that overlap by more than this part of a tile are not pushed apart: another path is
+// needed.
+constexpr double kSmallOverlap = 0.1;
+
+/// Improves a path as a whole if it is rough, overlaps or opens joints. Keeps the improved path if
+/// it is smoother, and if neither its overlaps nor its openings are larger than those of the found
+/// one by more than what counts as none. Returns the figures of the improved path, if there is one.
+std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& found,
+                                      SearchBudget& budget, const PathObserver& shouldContinue) {
+  const PathEvaluation& before = found.evaluation;
+  const double tile = model::tileSize(scene.model);
+  const double clear = kClearShare * tile;
+  const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
+  if (isSmooth && before.overlapGrowth <= clear && before.opening == 0) return std::nullopt;
+  const double spent = budget.spent();
+  GeometricPath better = found;
+  if (mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile) {
+    better.contacts = contactsIfOn(scene.environment.contacts);
+  }
+  better.path = smoothed(scene, found, better.contacts, budget, shouldContinue);
+  evaluate(scene, better);
+  PathEvaluation& after = better.evaluation;
+  after.candidate = "the selected path, improved as a whole";
+  after.work = budget.spent() - spent;
+  const PathEvaluation improved = after;
+  if (after.overlapGrowth <= std::max(before.overlapGrowth, clear) &&
+      after.opening <= std::max(before.opening, kOpenJoints * tile) &&
+      after.stepChange < before.stepChange) {
+    found = std::move(better);
+  }
+  return improved;
+}
+
 // ------------------------------------------------------------------------------------------------
 // The words about a path, for the summary.
 
 const char* const kShortening = "shorter paths along the one that was found";
+const char* const kSmoothing = "improvement of the path as a whole";
 const char* const kExtending = "the path to full extension";
 
 /// Says why a path was selected and why bricks have contacts on it, from its figures.
@@ -319,6 +390,9 @@ class Planner {
     }
     if (planned_.path->evaluation.end == PathEnd::Arrived) {
       shorten(scene_, *planned_.path, budget_, [&](double) { return tell(kShortening); });
+      const auto improved =
+          improve(scene_, *planned_.path, budget_, [&](double) { return tell(kSmoothing); });
+      if (improved) planned_.candidates.push_back(*improved);
     }
     // A candidate that ran out of budget matters only if no other is collision-free.
     planned_.isCutShort =
@@ -571,6 +645,10 @@ PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
   shorten(scene, *planned.path, budget, [&](double) {
     return !observer || observer({kShortening, budget.share()});
   });
+  const auto improved = improve(scene, *planned.path, budget, [&](double) {
+    return !observer || observer({kSmoothing, budget.share()});
+  });
+  if (improved) planned.candidates.push_back(*improved);
   addReasons(scene, *planned.path);
   return planned;
 }
