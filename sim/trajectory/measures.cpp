@@ -93,14 +93,16 @@ double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& moti
 
 namespace {
 
-// Below this sine two directions count as parallel: they give the same separating axes.
+// Below this sine the product of two directions has no direction of its own.
 constexpr double kParallelSine = 1e-9;
+// Below this sine, that of rounding, two edges give the same separating axis.
+constexpr double kSameAxisSine = 1e-14;
 // Bricks are in one layer where their faces are apart by no more than this part of their thickness.
 constexpr double kSameLayer = 1e-6;
 
 // Of unit vectors, either way round.
-bool isParallel(const Vector3& a, const Vector3& b) {
-  return a.cross(b).squaredNorm() < kParallelSine * kParallelSine;
+bool isParallel(const Vector3& a, const Vector3& b, double sine = kParallelSine) {
+  return a.cross(b).squaredNorm() < sine * sine;
 }
 
 /// What of a convex piece of a brick decides its overlaps, in brick axes.
@@ -121,7 +123,9 @@ Prism prismOf(const model::Brick& brick, int number) {
     // A rectangle has two directions of edges and not four: the number of axes falls with their
     // product.
     const bool known = std::any_of(prism.directions.begin() + 1, prism.directions.end(),
-                                   [&](const Vector3& other) { return isParallel(edge, other); });
+                                   [&](const Vector3& other) {
+                                     return isParallel(edge, other, kSameAxisSine);
+                                   });
     if (!known) prism.directions.push_back(edge);
   }
   return prism;
