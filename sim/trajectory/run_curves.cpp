@@ -33,8 +33,8 @@ constexpr ShapeCurve kShapeCurves[] = {
     {"width_m", "width", "m", "of the box around the tiles along x"},
     {"height_m", "height", "m", "of the box around the tiles along y"},
     {"depth_m", "depth", "m", "of the box around the tiles along z"},
-    {"hull_area_m2", "hull_area", "m^2", "within the tiles' convex outline seen along z"},
-    {"covered_area_m2", "covered_area", "m^2", "of tiles that lie in one horizontal plane"},
+    {"hull_area_m2", "hull_area", "m^2", "within the convex outline of the tiles"},
+    {"covered_area_m2", "covered_area", "m^2", "of tiles that lie in one plane"},
     {"hull_perimeter_m", "hull_perimeter", "m", "of the convex outline"},
     {"porosity", "porosity", "1", "1 - covered / hull"},
     {"poissons_ratio", "poissons_ratio", "1", "since the start, of logarithmic strains"},
@@ -318,7 +318,8 @@ HullSize hullSize(const std::vector<model::Tile>& tiles) {
 }
 
 std::optional<double> coveredArea(const std::vector<model::Tile>& tiles) {
-  if (!model::liesFlat(tiles, kFlatOfBox * boxSides(tiles).norm())) return std::nullopt;
+  const Vector3 sides = boxSides(tiles);
+  if (sides.z() > kFlatOfBox * sides.norm()) return std::nullopt;
   std::vector<std::vector<Eigen::Vector2d>> outlines;
   for (const model::Tile& tile : tiles) {
     std::vector<Eigen::Vector2d>& outline = outlines.emplace_back();

@@ -22,6 +22,7 @@ import json
 import math
 import os
 import sys
+from fractions import Fraction
 
 import h5py
 import numpy as np
@@ -137,6 +138,15 @@ def convex_parts(corners, normal):
     return parts
 
 
+def orientation(a, b, c):
+    """The cross product of b - a and c - a: exact if rounding may decide its sign."""
+    first, second = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
+    if abs(first - second) > 1e-9 * (abs(first) + abs(second)):
+        return first - second
+    a, b, c = ([Fraction(x) for x in p] for p in (a, b, c))
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
 def hull(points):
     points = sorted(set(map(tuple, points)))
     if len(points) < 3:
@@ -145,8 +155,7 @@ def hull(points):
     def half(ordered):
         chain = []
         for p in ordered:
-            while len(chain) > 1 and (chain[-1][0] - chain[-2][0]) * (p[1] - chain[-2][1]) <= \
-                    (chain[-1][1] - chain[-2][1]) * (p[0] - chain[-2][0]):
+            while len(chain) > 1 and orientation(chain[-2], chain[-1], p) <= 0:
                 chain.pop()
             chain.append(p)
         return chain
@@ -450,6 +459,26 @@ def check_overlaps(run, table, few):
                   max(0.0, (most - 1.1 * largest) / (1e-6 * run.tile)))
 
 
+def sheet_axes(run):
+    """Rows: x and y in the plane of a start that is flat, and its normal; else those of the world.
+
+    The normal of a plane that is not horizontal has most of the area anticlockwise. x and y follow from
+    the shortest rotation of z onto it.
+    """
+    flat = 1e-9 * np.linalg.norm(np.ptp(run.vertices, axis=0))
+    areas = np.array([newell(run.vertices[a:b]) for a, b in zip(run.first[:-1], run.first[1:])])
+    side = areas @ areas[0]
+    turned = np.where(side[:, None] < 0, -areas, areas).sum(0)
+    n = turned / np.linalg.norm(turned) * (-1 if side.sum() < -1e-9 * np.abs(side).sum() else 1)
+    heights = (run.vertices - run.vertices[0]) @ n
+    if np.abs(run.vertices[:, 2] - run.vertices[0, 2]).max() <= flat or np.abs(heights).max() > flat:
+        return np.eye(3)
+    axis = np.array([-n[1], n[0], 0])
+    axis = axis / np.linalg.norm(axis) if axis.any() else np.array([1.0, 0, 0])
+    x = matrices(rotation_of(math.atan2(np.hypot(n[0], n[1]), n[2]) * axis))[:, 0]
+    return np.array([x, np.cross(n, x), n])
+
+
 def check_curves(run, table):
     if "curves" not in run.file:
         return
@@ -459,6 +488,9 @@ def check_curves(run, table):
     sides = np.array([v.max(0) - v.min(0) for v in tiles])
     for axis, name in enumerate(("width", "height", "depth")):
         table.add(name, c[name][:], sides[:, axis], run.tile)
+    frame = sheet_axes(run)
+    tiles = [(v - run.vertices[0]) @ frame.T for v in tiles]
+    sides = np.array([v.max(0) - v.min(0) for v in tiles])
     area, around, covered = (np.full(count, np.nan) for _ in range(3))
     for k, v in enumerate(tiles):
         h = hull(v[:, :2])
@@ -472,7 +504,7 @@ def check_curves(run, table):
     table.add("covered area", c["covered_area"][:], covered, run.tile ** 2)
     with np.errstate(all="ignore"):
         table.add("porosity", c["porosity"][:], 1 - covered / area, 1.0, RELATIVE)
-        start = np.ptp(run.vertices, axis=0)
+        start = np.ptp(run.vertices @ frame.T, axis=0)
         strain = np.log(sides / start)
         ratio = np.where(np.abs(strain[:, 0]) < 1e-3, np.nan, -strain[:, 1] / strain[:, 0])
     table.add("Poisson's ratio", c["poissons_ratio"][:], ratio, 1.0, RELATIVE)

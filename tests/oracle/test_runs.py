@@ -23,7 +23,8 @@ PROGRAM = os.environ["KIRIREEL_PROGRAM"]
 GROUND = ["--gravity", "-9.81", "--ground", "--duration", "0.5"]
 VARIANTS = [[], GROUND, ["--contacts", "none"], ["--contacts", "none"] + GROUND]
 QUICK = [("tessellation_4x4", v) for v in ([], GROUND, ["--path", "guided"])] + [
-    ("nonrigid", ["--planar", "off", "--fps", "30"]), ("stars", ["--fps", "30"])]
+    ("nonrigid", ["--planar", "off", "--fps", "30"]), ("nonrigid", ["--contacts", "none", "--fps", "60"]),
+    ("moebius", ["--contacts", "none", "--fps", "30"]), ("square_to_circle", []), ("stars", ["--fps", "30"])]
 FAMILIES = [
     ("tessellation", ["--rows", "{2-4}", "--columns", "{2-4}", "--skew", "{0-25}"]),
     ("cylinder", ["--half-columns", "{3-4}", "--rows", "{2-3}"])]
