@@ -7,6 +7,7 @@
 // target's own open joints. Only when none of them holds is the thickness blamed.
 #include "render/cli/report.h"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -144,7 +145,9 @@ std::string describePenetration(const scene::Scene& scene, const record::RunSumm
     text += fmt::format(", in the corners that joined bricks share; {:.3g} m outside of them",
                         accuracy.penetrationOutsidePivotsMax);
   }
-  if (accuracy.penetrationGrownMax < kWhole * accuracy.penetrationOutsidePivotsMax) {
+  const auto [less, more] =
+      std::minmax(accuracy.penetrationGrownMax, accuracy.penetrationOutsidePivotsMax);
+  if (less < kWhole * more) {
     text += fmt::format(", {:.3g} m more than at the start", accuracy.penetrationGrownMax);
   }
   return text + "\n";

@@ -1370,12 +1370,8 @@ trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
   return sample;
 }
 
-// p(s) = straight(s) + b(s) (p(1/3) - straight(1/3)) + b(1 - s) (p(2/3) - straight(2/3)) with
-// b(s) = 27/2 s (1 - s) (2/3 - s), rotations by rotation vectors. Joints open by the fourth power
-// of the turn.
 std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Poses& to) {
-  std::vector<Poses> moments;
-  if (!(largestTurn(from, to) <= kMostTurnBetween)) return moments;  // also when not a number
+  if (!(largestTurn(from, to) <= kMostTurnBetween)) return {};  // also when not a number
   const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
                                          interpolate(from, to, 2.0 / 3)};
   std::array<Poses, 2> closed = straight;
@@ -1385,6 +1381,17 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
     for (Poses& poses : closed) gap = std::max(gap, solverFor(from, to).assemble(poses));
     if (gap > kClosedJoints * tileSize_) closed = straight;
   }
+  return momentsThrough(from, closed, to);
+}
+
+// p(s) = straight(s) + b(s) (p(1/3) - straight(1/3)) + b(1 - s) (p(2/3) - straight(2/3)) with
+// b(s) = 27/2 s (1 - s) (2/3 - s), rotations by rotation vectors. Joints open by the fourth power
+// of the turn.
+std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,
+                                  const Poses& to) {
+  const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
+                                         interpolate(from, to, 2.0 / 3)};
+  std::vector<Poses> moments;
   for (int k = 1; k <= kMomentsBetween; ++k) {
     const double share = static_cast<double>(k) / (kMomentsBetween + 1);
     const double whole = 13.5 * share * (1 - share);
@@ -1392,8 +1399,8 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
     Poses& poses = moments.emplace_back(interpolate(from, to, share));
     for (std::size_t i = 0; i < poses.size(); ++i) {
       Vector3 turn = Vector3::Zero();
-      for (int third = 0; third < 2; ++third) {
-        const Pose &open = straight[third][i], &shut = closed[third][i];
+      for (std::size_t third = 0; third < 2; ++third) {
+        const Pose &open = straight[third][i], &shut = thirds[third][i];
         poses[i].position += bulges[third] * (shut.position - open.position);
         turn += bulges[third] * turnBetween(open.rotation, shut.rotation);
       }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -193,6 +194,11 @@ MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double
 inline constexpr int kMomentsBetween = 10;
 /// Radians. Joints of momentsBetween() open by less than 1e-7 of a tile then.
 inline constexpr double kMostTurnBetween = 0.05;
+
+/// States at kMomentsBetween equal shares of the way between two states, by the cubic through them
+/// and the states at a third and at two thirds of the way.
+std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,
+                                  const Poses& to);
 
 /// Finds states between two samples of one run. The mechanism has no straight ways: half way
 /// between two closed states, places taken straight and rotations by the shortest turn, its joints

@@ -80,7 +80,11 @@ class Walk {
     poses_ = &found_.path.states[state];
     StepReport report;
     report.steps = 1;
-    figures_.observe(time_, *poses_, report, found_.hasCompliantJoints);
+    const StatesWithin within = {
+        before,
+        momentsThrough(found_.path.states[state - 1],
+                       {between_.at(state, 1.0 / 3), between_.at(state, 2.0 / 3)}, *poses_)};
+    figures_.observe(time_, *poses_, report, found_.hasCompliantJoints, within);
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
       if (!(due <= time_) || isAskedToEnd_) return;

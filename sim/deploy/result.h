@@ -49,11 +49,13 @@ struct Accuracy {
   /// No arrangement of rigid tiles has a smaller error; see rigidBound().
   double rigidBound = 0;
   double springsRestError = 0;  ///< where springs rest near the target, no contacts in their way
-  /// Deepest in any step or sample, and at ten moments between two samples; see
+  /// Deepest in any sample, and at ten moments between two samples; see
   /// StateInterpolator::momentsBetween().
   double penetrationMax = 0;
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
-  double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
+  /// Of that, what any pair has beyond its start, at the end of any step and at ten moments within
+  /// it. It does not depend on the samples, and decides whether a run counts as done.
+  double penetrationGrownMax = 0;
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {

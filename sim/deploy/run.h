@@ -83,7 +83,10 @@ class Run : private TimelineStage {
   Run& operator=(const Run&) = delete;
 
   /// To be called before a run that is only tried: the reason for its end is left out.
-  void beTrial() { isTrial_ = true; }
+  void beTrial() {
+    isTrial_ = true;
+    recorder_.beTrial();
+  }
 
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
   /// samples: they go to the observer. Interrupted (see sim/base/interruption.h) ends the run after

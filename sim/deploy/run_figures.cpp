@@ -1,10 +1,11 @@
-// Figures of a run, measured at its start, after each step, at each sample and between samples. A
-// maximum or minimum keeps the state in which it was reached: it can be computed again from the
-// trajectory. Sums (mean gap, cost) follow from the steps' records. Records wait for the next
-// sample, which takes those up to its own time along.
+// Figures of a run, measured at its start, after and within each step, at each sample and between
+// samples. A maximum or minimum keeps the state in which it was reached: it can be computed again
+// from the trajectory. Sums (mean gap, cost) follow from the steps' records. Records wait for the
+// next sample, which takes those up to its own time along.
 #include "sim/deploy/run_figures.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "sim/trajectory/measures.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 // Joints with gaps below this part of a tile are closed.
 constexpr double kClosedShare = 1e-9;
+// Larger than any depth of a figure that is not asked for, metres.
+constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
 // Of a state that is none of the run's.
 constexpr double kNoTime = -1;
 
@@ -43,14 +46,31 @@ void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
       trajectory::targetError(model::bottomTiles(bricks_, asRead_), bricks_, start);
   accuracy_.targetErrorStart = accuracy_.targetErrorMin = targetErrorOf(start);
   if (model_.target) accuracy_.rigidBound = trajectory::rigidBound(model_.tiles, *model_.target);
-  observe(0, start, {}, jointsAreCompliant);
+  observe(0, start, {}, jointsAreCompliant, {});
 }
 
-// Measures the state after a step. `report` is that step's cost.
+// Measures the state after a step, and states within it. `report` is that step's cost.
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
-                         bool jointsAreCompliant) {
+                         bool jointsAreCompliant, const StatesWithin& within) {
   // What may be ended from within comes first, while nothing has changed.
-  const trajectory::PenetrationDepths overlaps = overlaps_->atLeast(deepest(), poses);
+  const bool isStart = gaps_.count == 0;
+  double grown = accuracy_.penetrationGrownMax, grownAt = time;
+  const Poses* grownIn = isStart ? &poses : nullptr;
+  const auto measure = [&](double moment, const Poses& measured) {
+    const double depth = overlaps_->atLeast({kAnyDepth, kAnyDepth, grown}, measured).grown;
+    if (!(depth > grown)) return;
+    grown = depth;
+    grownAt = moment;
+    grownIn = &measured;
+  };
+  const std::vector<Poses>& states = within.states;
+  const double interval = (time - within.begin) / (static_cast<double>(states.size()) + 1);
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    measure(within.begin + interval * static_cast<double>(k + 1), states[k]);
+  }
+  measure(time, poses);
+  trajectory::PenetrationDepths atStart;
+  if (isStart) atStart = overlaps_->at(poses);
   const TimedPoses state = {time, poses};
   cost_.took += report;
   const trajectory::JointGap gap = trajectory::jointGap(pivots_, poses);
@@ -60,22 +80,17 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   raise(&Accuracy::jointGapMax, gap.max, state);
   isCompliant_ = jointsAreCompliant;
   if (isCompliant_) raise(&Accuracy::jointOpeningMax, gap.max, state);
-  raiseOverlaps(overlaps, state);
+  if (isStart) raiseOverlaps(atStart, state);
+  if (grownIn) raise(&Accuracy::penetrationGrownMax, grown, {grownAt, *grownIn});
   observeTarget(state, gap);
   ++gaps_.count;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
-}
-
-trajectory::PenetrationDepths RunFigures::deepest() const {
-  return {accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
-          accuracy_.penetrationGrownMax};
 }
 
 void RunFigures::raiseOverlaps(const trajectory::PenetrationDepths& depths,
                                const TimedPoses& state) {
   raise(&Accuracy::penetrationMax, depths.whole, state);
   raise(&Accuracy::penetrationOutsidePivotsMax, depths.outsidePivots, state);
-  raise(&Accuracy::penetrationGrownMax, depths.grown, state);
 }
 
 void RunFigures::keepState(const char* figure, const TimedPoses& state) {
@@ -111,6 +126,10 @@ double RunFigures::targetErrorOf(const Poses& poses) const {
   return model_.target ? trajectory::targetError(*model_.target, bricks_, poses) : 0;
 }
 
+bool RunFigures::areClosed(const Poses& poses) const {
+  return trajectory::jointGap(pivots_, poses).max <= kClosedShare * tileSize_;
+}
+
 // At both ends of the last step.
 bool RunFigures::wereClosed() const {
   return std::max(gaps_.before, gaps_.now) <= kClosedShare * tileSize_;
@@ -127,8 +146,10 @@ trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
   const double interval = (time - lastSample_.time) / (static_cast<double>(states.size()) + 1);
   states.push_back(poses);
   std::vector<trajectory::PenetrationDepths> depths;
+  trajectory::PenetrationDepths deepest = {accuracy_.penetrationMax,
+                                           accuracy_.penetrationOutsidePivotsMax, kAnyDepth};
   for (const Poses& state : states) {
-    depths.push_back(overlaps_->atLeast(depths.empty() ? deepest() : depths.back(), state));
+    deepest = depths.emplace_back(overlaps_->atLeast(deepest, state));
   }
   trajectory::Sample sample;
   sample.time = time;

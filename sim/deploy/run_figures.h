@@ -26,6 +26,12 @@ struct TimedState {
   Poses poses;      ///< one a brick
 };
 
+/// States within a step, at equal times from each other and from its ends.
+struct StatesWithin {
+  double begin = 0;           ///< when the step begins, seconds
+  std::vector<Poses> states;  ///< in order
+};
+
 /// Joint gaps of the states that a run measured, metres.
 struct GapRecord {
   long count = 0;         ///< of states, the start included
@@ -34,9 +40,10 @@ struct GapRecord {
   double now = 0;         ///< largest gap of the last state
 };
 
-/// Measures the start of a run, the end of each step, each sample and moments between two samples.
-/// A figure that one state decides keeps that state. All others follow from the steps' records, so
-/// they can be computed again.
+/// Measures a run. Samples, and moments between two samples, decide the deepest overlaps of what is
+/// recorded. The ends of steps, and moments within them, decide how far overlaps grow: that figure
+/// does not depend on the frame rate. A figure that one state decides keeps that state. All others
+/// follow from the steps' records, so they can be computed again.
 class RunFigures {
  public:
   /// `asRead`: where the bricks stand before joints are closed. `nearest`: see assembleAtTarget().
@@ -47,9 +54,10 @@ class RunFigures {
 
   /// Measures the start, its joints closed unless they are compliant (`jointsAreCompliant`).
   void begin(const Poses& start, bool jointsAreCompliant);
-  /// Measures the state that a step led to at a time, seconds. Where it is ended from within (see
-  /// sim/base/interruption.h) nothing has changed.
-  void observe(double time, const Poses& poses, const StepReport& report, bool jointsAreCompliant);
+  /// Measures the state that a step led to at a time, seconds, and states within the step. If it is
+  /// interrupted (see sim/base/interruption.h), nothing has changed.
+  void observe(double time, const Poses& poses, const StepReport& report, bool jointsAreCompliant,
+               const StatesWithin& within);
   /// Counts work beside the steps, in multiplications.
   void addWork(double work) { cost_.took.work += work; }
 
@@ -67,11 +75,13 @@ class RunFigures {
   bool seesAllPairs() const { return overlaps_->seesAllPairs(); }
   /// Whether the joints were closed at the start and at the end of the last step.
   bool wereClosed() const;
+  /// Whether the joints of a state are closed.
+  bool areClosed(const Poses& poses) const;
   /// The record of the last step.
   const trajectory::StepRecord& lastStep() const { return steps_.back(); }
 
   /// A sample of these poses with its measures, and the steps up to its time since the one before.
-  /// The sample, and moments between it and the sample before, count in the largest figures.
+  /// The sample, and moments between it and the sample before, decide the deepest overlaps.
   trajectory::Sample sampleAt(double time, Poses poses);
   /// Makes a sample the end of the run, though later steps were measured. Which states the figures
   /// up to it were reached in is not known.
@@ -86,8 +96,6 @@ class RunFigures {
   void transferStates(StateTape& tape);
 
  private:
-  /// The largest overlaps so far, metres.
-  trajectory::PenetrationDepths deepest() const;
   void raiseOverlaps(const trajectory::PenetrationDepths& depths, const TimedPoses& state);
   void keepState(const char* figure, const TimedPoses& state);
   void raise(double Accuracy::*figure, double value, const TimedPoses& state);

@@ -4,7 +4,10 @@
 // before it goes on.
 #include "sim/deploy/run_recorder.h"
 
+#include <array>
 #include <utility>
+
+#include "sim/deploy/continuation.h"
 
 namespace kirireel::deploy {
 
@@ -38,7 +41,21 @@ void RunRecorder::endStep(const StepReport& report, bool isToTolerance) {
 }
 
 void RunRecorder::observe(const StepReport& report, bool jointsAreCompliant) {
-  figures_.observe(clock_.time(), motion_.poses(), report, jointsAreCompliant);
+  figures_.observe(clock_.time(), motion_.poses(), report, jointsAreCompliant, statesWithin());
+}
+
+// Trials are measured at the ends of their steps only.
+StatesWithin RunRecorder::statesWithin() {
+  if (isTrial_) return {};
+  const double begin = clock_.time() - clock_.length();
+  const Poses before = motion_.posesAt(begin);
+  const bool isClosed = figures_.areClosed(before) && figures_.areClosed(motion_.poses());
+  std::array<Poses, 2> thirds;
+  for (std::size_t k = 0; k < thirds.size(); ++k) {
+    const double time = begin + static_cast<double>(k + 1) / 3 * clock_.length();
+    thirds[k] = isClosed ? motion_.closedPosesAt(time, forces_.pinned()) : motion_.posesAt(time);
+  }
+  return {begin, momentsThrough(before, thirds, motion_.poses())};
 }
 
 void RunRecorder::showStep() {

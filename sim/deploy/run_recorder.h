@@ -36,6 +36,9 @@ class RunRecorder {
               const ActingForces& forces, const RunObservers& observers,
               const AssembledState& nearest, Checkpoints* checkpoints);
 
+  /// To be called before a run that is only tried.
+  void beTrial() { isTrial_ = true; }
+
   /// Measures and shows the start; `jointsAreCompliant`: they are compliant on purpose.
   void begin(bool jointsAreCompliant);
   /// To be called before a step, once springs are set for it.
@@ -78,6 +81,7 @@ class RunRecorder {
   void transfer(StateTape& tape);
 
  private:
+  StatesWithin statesWithin();
   void takeSample(double time, Poses poses);
   void transferAsOfSample(StateTape& tape);
 
@@ -91,6 +95,7 @@ class RunRecorder {
   std::vector<trajectory::Event> events_;
   long sampleCount_ = 0;       // samples taken
   double lastSampleTime_ = 0;  // seconds
+  bool isTrial_ = false;
   bool isAskedToEnd_ = false;
   bool isOver_ = false;  // ended among samples that were shown again
 };

@@ -191,7 +191,7 @@ TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
   const deploy::DeploymentResult seldom = deploy::deploy(scene, 1, nullptr);
   // The largest gap covers samples, too, which are between the path's states. Measured: 1.5e-13.
   EXPECT_NEAR(often.accuracy.jointGapMax, seldom.accuracy.jointGapMax, 1e-12);
-  EXPECT_EQ(often.accuracy.penetrationMax, seldom.accuracy.penetrationMax);
+  EXPECT_EQ(often.accuracy.penetrationGrownMax, seldom.accuracy.penetrationGrownMax);
   EXPECT_EQ(often.cost.took.steps, seldom.cost.took.steps);
   EXPECT_EQ(often.trajectory.samples.back().time, seldom.trajectory.samples.back().time);
 }

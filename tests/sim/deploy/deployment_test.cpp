@@ -88,10 +88,9 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
 /// All figures of a run but those that count samples, and its end, as numbers.
 std::vector<double> figuresOf(deploy::DeploymentResult& result) {
   StateTape tape;
-  for (const auto largest :
-       {&deploy::Accuracy::jointGapMax, &deploy::Accuracy::jointOpeningMax,
-        &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::penetrationMax,
-        &deploy::Accuracy::penetrationOutsidePivotsMax, &deploy::Accuracy::penetrationGrownMax}) {
+  for (const auto largest : {&deploy::Accuracy::jointGapMax, &deploy::Accuracy::jointOpeningMax,
+                             &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::penetrationMax,
+                             &deploy::Accuracy::penetrationOutsidePivotsMax}) {
     std::erase_if(result.trajectory.figureStates, [&](const trajectory::FigureState& state) {
       return state.figure == nameOfField(largest);
     });
@@ -185,33 +184,64 @@ TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
   EXPECT_LE(result.assembledError, accuracy.targetErrorEnd);
 }
 
-// Bricks that pass through each other, on a path of few states and in a run of long steps.
+// Bricks that pass through each other.
+scene::Scene overlappingScene(scene::PathKind kind) {
+  scene::Scene scene = smallScene();
+  scene.path.kind = kind;
+  scene.environment.contacts = scene::ContactFilter::None;
+  scene.model.tiles.push_back({{{0.1, 0.1, -0.3}, {0.9, 0.2, 0.4}, {0.5, 0.7, 0.3}}});
+  scene.model.target->push_back(scene.model.tiles.back());
+  scene.solver.planar = false;
+  return scene;
+}
+
+// On a path of few states and in a run of long steps, at any frame rate.
 TEST(Deploy, LargestFiguresCoverSamplesAndMomentsBetween) {
   for (const scene::PathKind kind : {scene::PathKind::Continuation, scene::PathKind::Straight}) {
-    scene::Scene scene = smallScene();
-    scene.path.kind = kind;
-    scene.environment.contacts = scene::ContactFilter::None;
-    scene.model.tiles.push_back({{{0.1, 0.1, -0.3}, {0.9, 0.2, 0.4}, {0.5, 0.7, 0.3}}});
-    scene.model.target->push_back(scene.model.tiles.back());
-    scene.solver.planar = false;
-    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
-    const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
-    deploy::StateInterpolator interpolator(result.trajectory);
-    double deepest = 0, gap = 0;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-      deepest = std::max(deepest, samples[k].penetration);
-      gap = std::max(gap, samples[k].jointGap);
-      if (k == 0) continue;
-      for (const Poses& poses :
-           interpolator.momentsBetween(samples[k - 1].poses, samples[k].poses)) {
-        deepest = std::max(deepest,
-                           trajectory::deepestPenetration(result.trajectory.bricks, poses).depth);
+    for (const double interval : {1.0 / 240, 1.0 / 24, 1.0 / 7}) {
+      const deploy::DeploymentResult result =
+          deploy::deploy(overlappingScene(kind), interval, nullptr);
+      const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
+      deploy::StateInterpolator interpolator(result.trajectory);
+      double deepest = 0, gap = 0;
+      for (std::size_t k = 0; k < samples.size(); ++k) {
+        deepest = std::max(deepest, samples[k].penetration);
+        gap = std::max(gap, samples[k].jointGap);
+        if (k == 0) continue;
+        for (const Poses& poses :
+             interpolator.momentsBetween(samples[k - 1].poses, samples[k].poses)) {
+          deepest = std::max(deepest,
+                             trajectory::deepestPenetration(result.trajectory.bricks, poses).depth);
+        }
       }
+      EXPECT_GT(deepest, 0.01);
+      EXPECT_GE(result.accuracy.penetrationMax, deepest);
+      EXPECT_LE(result.accuracy.penetrationMax, 1.1 * deepest + 1e-6) << interval;
+      EXPECT_GE(result.accuracy.jointGapMax, gap);
+    }
+  }
+}
+
+// The figure that decides the exit code is that of the path.
+TEST(Deploy, HowFarOverlapsGrowDoesNotDependOnTheFrameRate) {
+  for (const scene::PathKind kind : {scene::PathKind::Continuation, scene::PathKind::Straight}) {
+    const scene::Scene scene = overlappingScene(kind);
+    const deploy::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
+    double deepest = 0;
+    const std::vector<model::Brick>& bricks = often.trajectory.bricks;
+    trajectory::PenetrationMeter meter(bricks, model::makePivots(scene.model.joints, bricks),
+                                       scene.environment.pivotZone,
+                                       model::startPoses(scene.model.tiles, bricks),
+                                       trajectory::kRoundingOverlap * model::tileSize(scene.model));
+    for (const trajectory::Sample& sample : often.trajectory.samples) {
+      deepest = std::max(deepest, meter.at(sample.poses).grown);
     }
     EXPECT_GT(deepest, 0.01);
-    EXPECT_GE(result.accuracy.penetrationMax, deepest);
-    EXPECT_LE(result.accuracy.penetrationMax, 1.1 * deepest + 1e-6);
-    EXPECT_GE(result.accuracy.jointGapMax, gap);
+    EXPECT_NEAR(often.accuracy.penetrationGrownMax / deepest, 1, 0.02);
+    for (const double interval : {1.0 / 60, 1.0 / 7}) {
+      EXPECT_EQ(deploy::deploy(scene, interval, nullptr).accuracy.penetrationGrownMax,
+                often.accuracy.penetrationGrownMax);
+    }
   }
 }
 
