@@ -12,8 +12,6 @@
 // 5. *Tiles* are the faces between lines and necks. A face without a neck is no tile: it falls out,
 //    or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
 // 6. *Joints* are at the far ends of the necks, where the design's vertices are.
-#include "sim/model/cut_pattern.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -30,6 +28,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
+#include "sim/model/cut_pattern.h"
 #include "sim/model/model_formats.h"
 
 namespace kirireel::model {
@@ -352,11 +351,12 @@ class SheetMaker {
     std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
                                    model.tiles.size() == 1 ? "" : "s", model.joints.size(),
                                    model.joints.size() == 1 ? "" : "s");
-    if (!widths_.empty()) {
-      const auto [narrowest, widest] = std::ranges::minmax(widths_);
-      text += widest - narrowest <= 0.01 * widest
-                  ? fmt::format(", necks {}", millimetres(widest))
-                  : fmt::format(", necks {:.4g} to {}", narrowest * 1e3, millimetres(widest));
+    if (!joints_.empty()) {
+      const auto [narrowest, widest] = std::ranges::minmax_element(joints_, {}, &FaceJoint::width);
+      text += widest->width - narrowest->width <= 0.01 * widest->width
+                  ? fmt::format(", necks {}", millimetres(widest->width))
+                  : fmt::format(", necks {:.4g} to {}", narrowest->width * 1e3,
+                                millimetres(widest->width));
     }
     if (cuts_.kerf > 0) text += fmt::format(", slots {}", millimetres(cuts_.kerf));
     if (moved_ > tolerance_) text += fmt::format(", cuts bent by up to {}", millimetres(moved_));
@@ -517,7 +517,7 @@ class SheetMaker {
   void addJoints(const Arrangement& whole) {
     struct Between {
       int node;
-      double width;
+      std::size_t joint;  // of joints_
     };
     std::map<std::pair<int, int>, std::vector<Between>> known;
     for (const CutNeck& neck : necks_) {
@@ -538,7 +538,7 @@ class SheetMaker {
       std::vector<Between>& others = known[std::minmax(left, right)];
       const auto same = std::ranges::find(others, node, &Between::node);
       if (same != others.end()) {
-        same->width += ray.width();  // from both sides
+        joints_[same->joint].width += ray.width();  // from both sides
         continue;
       }
       if (!others.empty()) {
@@ -551,14 +551,9 @@ class SheetMaker {
                         "docs/drawings.md",
                         drawing_.place(strip), drawing_.place(first), drawing_.place(second)));
       }
-      others.push_back({node, ray.width()});
+      others.push_back({node, joints_.size()});
       hasNeck_[left] = hasNeck_[right] = true;
-      joints_.push_back({*half, left, right});
-    }
-    for (const auto& [pair, between] : known) {
-      for (const Between& one : between) {
-        widths_.push_back(one.width);
-      }
+      joints_.push_back({*half, left, right, ray.width()});
     }
   }
 
@@ -661,13 +656,15 @@ class SheetMaker {
     for (const FaceJoint& joint : joints_) {
       const auto a = cornerAt.find(next(joint.half)), b = cornerAt.find(joint.half ^ 1);
       if (a == cornerAt.end() || b == cornerAt.end()) continue;
-      model.joints.push_back({a->second, b->second, JointFace::Both});
+      Joint& made = model.joints.emplace_back(Joint{a->second, b->second, JointFace::Both});
+      made.neck = {joint.width, cuts_.kerf, cuts_.kerf};
     }
     return model;
   }
 
   struct FaceJoint {
     int half, left, right;
+    double width;  // of the neck, metres
   };
 
   /// Half edges whose starts stay corners: joints, and what a straight line is off from by more
@@ -726,7 +723,6 @@ class SheetMaker {
   std::vector<int> faceOf_;    // by cycles
   std::vector<bool> hasNeck_;  // of faces
   std::vector<FaceJoint> joints_;
-  std::vector<double> widths_;  // of necks, metres
   double moved_ = 0;
 };
 

@@ -8,7 +8,8 @@
 // 2. Faces: faces_vertices, else faces_edges, else the faces of the planar drawing (faces.h). Slits
 //    and repeated vertices are removed, and faces that J edges join become one tile.
 // 3. Joints: the key kirireel:joints, if it exists ([tile, vertex, tile, vertex, face, kind]
-//    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (model_formats.h).
+//    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (model_formats.h). The
+//    key kirireel:necks has their necks ([joint, width, length, kerf] for each, in frame_unit).
 // 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle. M and
 //    V edges of a flat sheet without an angle fold by 180 degrees, or by the requested fraction.
 //    The sheet may lie in any plane; its upper side is where its faces run anticlockwise. A flat
@@ -51,6 +52,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kJoints = "kirireel:joints";
+constexpr const char* kNecks = "kirireel:necks";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
 constexpr const char* kTarget = "kirireel:target";
 
@@ -155,6 +157,25 @@ class FoldReader {
 
   /// Kirireel's own list of joints; null when there is none.
   const Json* ownJoints() const { return find(kJoints); }
+
+  /// Gives the rows of Kirireel's own list of joints their necks.
+  void addNecks(JointTable& table) const {
+    const Json* list = find(kNecks);
+    if (list == nullptr) return;
+    for (const Json& entry : *list) {
+      const bool isNeck = entry.is_array() && entry.size() == 4 && fitsInt(entry[0]) &&
+                          std::ranges::all_of(entry, [](const Json& v) { return v.is_number(); });
+      if (!isNeck) {
+        throw fault(
+            fmt::format("{} has an entry that is no neck; write joint, width, length and "
+                        "kerf",
+                        kNecks));
+      }
+      setNeck(entry[0].get<int>(),
+              {entry[1].get<double>(), entry[2].get<double>(), entry[3].get<double>()}, {file_},
+              table);
+    }
+  }
 
   /// The target of a deployment's file, whose frames are samples of a run; null in other files,
   /// empty without a target.
@@ -588,6 +609,7 @@ std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tile
     }
     row.kind = static_cast<JointKind>(kind);
   }
+  reader.addNecks(table);
   dropRepeatedJoints(table, model, warnings);
   std::vector<Joint> joints = checkedJoints(table, tiles);
   for (std::size_t k = 0; k < joints.size(); ++k) {
@@ -812,6 +834,16 @@ Json jointRows(const std::vector<Joint>& joints) {
   return rows;
 }
 
+/// Of joints that have one.
+Json neckRows(const std::vector<Joint>& joints) {
+  Json rows = Json::array();
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const Neck& neck = joints[k].neck;
+    if (neck) rows.push_back({k, neck.width, neck.length, neck.kerf});
+  }
+  return rows;
+}
+
 /// A frame that has all of the key frame but its coordinates.
 Json stateFrame(const std::string& title, Json coordinates) {
   Json frame;
@@ -926,6 +958,7 @@ std::string foldText(const Model& inOrder, const std::vector<FoldState>& samples
   }
   if (!frames.empty()) json["file_frames"] = std::move(frames);
   json[kJoints] = jointRows(model.joints);
+  if (Json necks = neckRows(model.joints); !necks.empty()) json[kNecks] = std::move(necks);
   if (model.pulledTiles) json[kPulled] = *model.pulledTiles;
   return jsonText(json) + "\n";
 }

@@ -258,7 +258,12 @@ void scaleLengths(Model& model, double factor) {
   if (model.drawing) {
     for (Vector3& vertex : model.drawing->vertices) vertex *= factor;
   }
-  for (Joint& joint : model.joints) joint.apart *= factor;
+  for (Joint& joint : model.joints) {
+    joint.apart *= factor;
+    for (double* length : {&joint.neck.width, &joint.neck.length, &joint.neck.kerf}) {
+      *length *= factor;
+    }
+  }
   model.rounding *= factor;
 }
 
@@ -276,7 +281,12 @@ Model inUnit(Model model, const LengthUnit& unit) {
   if (model.drawing) {
     for (Vector3& vertex : model.drawing->vertices) vertex = kirireel::inUnit(vertex, unit);
   }
-  for (Joint& joint : model.joints) joint.apart = kirireel::inUnit(joint.apart, unit);
+  for (Joint& joint : model.joints) {
+    joint.apart = kirireel::inUnit(joint.apart, unit);
+    for (double* length : {&joint.neck.width, &joint.neck.length, &joint.neck.kerf}) {
+      *length = kirireel::inUnit(*length, unit);
+    }
+  }
   model.rounding = kirireel::inUnit(model.rounding, unit);
   model.unit = unit;
   return model;

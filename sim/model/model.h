@@ -46,6 +46,25 @@ enum class JointKind {
   Fixed,  ///< the two tiles keep the placement to each other that they start with
 };
 
+/// The material that stays at a joint of a sheet that is cut: a neck beside the end of a cut.
+struct Neck {
+  double width = 0;   ///< from the end of the cut to the joint, metres, > 0; 0: unknown
+  double length = 0;  ///< from tile to tile across the cut, metres, >= kerf
+  double kerf = 0;    ///< width of the cuts, metres, >= 0
+
+  bool operator==(const Neck&) const = default;
+
+  /// Whether the neck is known.
+  explicit operator bool() const { return width > 0; }
+
+  /// For files; see base/fields.h.
+  static constexpr auto fields() {
+    return describeFields<Neck>(field("width", &Neck::width, "m"),
+                                field("length", &Neck::length, "m"),
+                                field("kerf", &Neck::kerf, "m"));
+  }
+};
+
 /// Two corners that stay together: one row of constraints.txt; or two tiles tied in another way.
 struct Joint {
   Corner a;                            ///< of the one tile
@@ -56,13 +75,14 @@ struct Joint {
                                     ///< joints, metres; a link's has a length
   /// Whether the two are parts of one tile that bends between them: they never touch.
   bool isWithinTile = false;
+  Neck neck;  ///< of a pivot; unknown unless a drawing or a file has it
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
-    return describeFields<Joint>(field("a", &Joint::a), field("b", &Joint::b),
-                                 field("face", &Joint::face), field("kind", &Joint::kind),
-                                 field("apart", &Joint::apart, "m"),
-                                 field("is_within_tile", &Joint::isWithinTile));
+    return describeFields<Joint>(
+        field("a", &Joint::a), field("b", &Joint::b), field("face", &Joint::face),
+        field("kind", &Joint::kind), field("apart", &Joint::apart, "m"),
+        field("is_within_tile", &Joint::isWithinTile), field("neck", &Joint::neck));
   }
 };
 

@@ -388,9 +388,12 @@ double lastPlace(const std::vector<Tile>& tiles) {
   return std::pow(10.0, place);
 }
 
-// Whether that power of ten came from rounding, or is what was meant.
 double roundingOf(const std::vector<Tile>& tiles) {
-  const double place = lastPlace(tiles);
+  return roundingOf(tiles, lastPlace(tiles));
+}
+
+// Whether that power of ten came from rounding, or is what was meant.
+double roundingOf(const std::vector<Tile>& tiles, double place) {
   if (place == 0 || place > kCoarse * tileSize(modelOf(tiles))) return 0;
   if (place < kFine) return place;
   std::int64_t step = 0, largest = 0;
@@ -668,7 +671,11 @@ void checkTwoTiles(const JointTable& table, const JointRow& row) {
 Joint toJoint(const JointRow& row) {
   return {{row.values[0], row.values[1]},
           {row.values[2], row.values[3]},
-          static_cast<JointFace>(row.values[4])};
+          static_cast<JointFace>(row.values[4]),
+          JointKind::Pivot,
+          Vector3::Zero(),
+          false,
+          row.neck};
 }
 
 }  // namespace
@@ -691,6 +698,27 @@ bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, i
     }
     return true;
   });
+}
+
+void setNeck(int joint, const Neck& neck, const FileLocation& location, JointTable& table) {
+  if (joint < 0 || joint >= std::ssize(table.rows)) {
+    throw inputErrorAt(location, fmt::format("a neck names joint {}, but there are joints 0-{}; "
+                                             "correct the number",
+                                             joint, std::ssize(table.rows) - 1));
+  }
+  // Neither numbers that are none nor those beyond any sheet.
+  const bool isPossible = neck.width > 0 && neck.kerf >= 0 && neck.length >= neck.kerf &&
+                          neck.width <= kMaxCoordinate && neck.length <= kMaxCoordinate;
+  if (!isPossible) {
+    throw inputErrorAt(
+        location, fmt::format("the neck of joint {} is {} wide and {} long, its kerf {}; a width "
+                              "is > 0, a kerf >= 0 and a length at least the kerf: correct them",
+                              joint, neck.width, neck.length, neck.kerf));
+  }
+  if (table.rows[joint].neck) {
+    throw inputErrorAt(location, fmt::format("joint {} has two necks; delete one of them", joint));
+  }
+  table.rows[joint].neck = neck;
 }
 
 std::vector<Joint> checkedJoints(const JointTable& table, const TileTable& tiles) {

@@ -91,6 +91,8 @@ double lastPlace(const std::vector<Tile>& tiles);
 /// at least), or when the last place is too coarse for tiles of that size to be roundings of
 /// anything.
 double roundingOf(const std::vector<Tile>& tiles);
+/// The same of tiles whose last place is known, metres: corners of a drawing's lines.
+double roundingOf(const std::vector<Tile>& tiles, double place);
 
 /// How far apart corners may be that are one, metres: one unit of the last place along each axis,
 /// by which two roundings of one point can differ, but never a visible part of a tile; and at least
@@ -109,6 +111,7 @@ struct JointRow {
   std::array<int, 5> values{};   ///< tile A, vertex A, tile B, vertex B, from 0; face
   std::array<int, 5> columns{};  ///< where each stands, from 1; 0 for a face that is not written
   JointKind kind = JointKind::Pivot;  ///< what it keeps
+  Neck neck;                          ///< unknown where the file has none, in the file's unit
 };
 
 /// The rows of one file.
@@ -117,6 +120,11 @@ struct JointTable {
   std::vector<JointRow> rows;  ///< in the file's order
   int countsFrom = 0;          ///< the file's first tile and vertex
 };
+
+/// Gives the row of a joint, from 0, the neck that its file has: width > 0, length >= kerf >= 0.
+/// Throws InputError at this place for other lengths, a joint that does not exist, and a second
+/// neck of one joint.
+void setNeck(int joint, const Neck& neck, const FileLocation& location, JointTable& table);
 
 /// Whether all tiles and vertices of the rows are there, after adding `shift` to their numbers.
 /// `shift` is added to tile and vertex numbers alike. Costs O(rows).

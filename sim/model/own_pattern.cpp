@@ -82,7 +82,7 @@ double angleOf(const Vector2& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
-struct Neck {
+struct DrawnNeck {
   Vector2 joint;   ///< m
   Vector2 middle;  ///< h
 };
@@ -115,7 +115,7 @@ class PatternReader {
       const double length = (points_[side.to] - points_[side.from]).norm();
       if (isRounded_) sameDirection_ = std::max(sameDirection_, 2 * tolerance_ / length);
     }
-    for (const Neck& neck : necks_) {
+    for (const DrawnNeck& neck : necks_) {
       const double length = (neck.middle - neck.joint).norm();
       if (isRounded_) sameDirection_ = std::max(sameDirection_, tolerance_ / length);
     }
@@ -146,7 +146,7 @@ class PatternReader {
   // One joint for each hinge that was drawn.
   std::vector<Joint> joints() {
     std::vector<Joint> joints;
-    for (const Neck& neck : necks_) joints.push_back(jointAt(neck));
+    for (const DrawnNeck& neck : necks_) joints.push_back(jointAt(neck));
     return joints;
   }
 
@@ -210,7 +210,7 @@ class PatternReader {
       ++uses[ends.add(line.from)];
       ++uses[ends.add(line.to)];
     }
-    for (const Neck& neck : necks_) points_.add(neck.joint);
+    for (const DrawnNeck& neck : necks_) points_.add(neck.joint);
     for (const DrawnLine& line : lines_) {
       const auto wholeEnd = [&](const Vector2& end, const Vector2& other) {
         const std::optional<int> known = shortened_.find(end);
@@ -228,8 +228,8 @@ class PatternReader {
 
   // The nearest joint in the direction in which a line ends.
   Vector2 jointAhead(const Vector2& end, const Vector2& other) const {
-    const Neck* nearest = nullptr;
-    for (const Neck& neck : necks_) {
+    const DrawnNeck* nearest = nullptr;
+    for (const DrawnNeck& neck : necks_) {
       if (!pointsAt(neck.joint, other, end)) continue;
       if (!nearest || (neck.joint - end).norm() < (nearest->joint - end).norm()) nearest = &neck;
     }
@@ -301,7 +301,7 @@ class PatternReader {
   }
 
   /// Step 4.
-  Joint jointAt(const Neck& neck) {
+  Joint jointAt(const DrawnNeck& neck) {
     const int place = *points_.find(neck.joint);
     const double towards = angleOf(neck.middle - neck.joint);
     std::optional<Corner> before, after;
@@ -329,7 +329,9 @@ class PatternReader {
       throw patternFault(
           file_, fmt::format("the hinge at {} joins no two tiles", drawing_.place(neck.joint)));
     }
-    return {*before, *after, JointFace::Both};
+    Joint joint{*before, *after, JointFace::Both};
+    joint.neck.width = (neck.middle - neck.joint).norm();
+    return joint;
   }
 
   std::vector<DrawnLine> lines_;
@@ -339,7 +341,7 @@ class PatternReader {
   double tolerance_;                              // metres
   double sameDirection_ = kSamePatternDirection;  // radians
   Vector2 origin_;
-  std::vector<Neck> necks_;
+  std::vector<DrawnNeck> necks_;
   std::vector<int> neckAt_;  // by the numbers of their middles
   PointNumbers shortened_{1, {0, 0}};
   std::vector<int> shortenedBy_;

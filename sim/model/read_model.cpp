@@ -140,7 +140,7 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
   Model model = isFile                 ? readFile(path, target, settings, warnings)
                 : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", settings, warnings)
                                        : readModelFolder(path, settings, warnings);
-  model.rounding = roundingOf(model.tiles);
+  if (!isDrawing(path)) model.rounding = roundingOf(model.tiles);
   model.areCoplanarJoined = settings.joinCoplanar;
   applyUnit(model, path, settings, warnings);
   if (settings.strict) {
@@ -205,6 +205,10 @@ const std::string kPullPurpose =
 
 const std::string kHullPurpose =
     "write one corner of the sheet's outside a line, \"tile vertex\", in order, at least 3";
+
+const std::string kNeckPurpose =
+    "write one neck a line, \"joint width length kerf\", joints being rows of constraints.txt, "
+    "from 0";
 
 void requireFolder(const fs::path& folder) {
   const std::string mend = "give a folder that holds vertices.txt and constraints.txt";
@@ -328,6 +332,22 @@ JointTable readJointRows(const fs::path& file, Model& model, std::vector<std::st
   return table;
 }
 
+/// The necks of the joints of constraints.txt.
+void readNecks(const fs::path& file, JointTable& joints) {
+  TextTable text(file, kNeckPurpose);
+  TextLine line;
+  while (text.next(line)) {
+    if (line.fields.size() != 4) {
+      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a neck; {}",
+                                                          line.fields.size(), kNeckPurpose));
+    }
+    const auto at = [&](std::size_t k) { return text.at(line, line.fields[k]); };
+    const auto length = [&](std::size_t k) { return parseCoordinate(line.fields[k], at(k)); };
+    const int joint = parseWholeNumber(line.fields[0], at(0), "a joint number");
+    setNeck(joint, {length(1), length(2), length(3)}, {file, line.number}, joints);
+  }
+}
+
 // Numbers from 0, as many on a line as the user likes.
 std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   TextTable text(file, kPullPurpose);
@@ -423,6 +443,16 @@ std::string jointText(const std::vector<Joint>& joints) {
   return text;
 }
 
+/// Empty if no joint has a neck.
+std::string neckText(const std::vector<Joint>& joints) {
+  std::string text;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const Neck& neck = joints[k].neck;
+    if (neck) text += fmt::format("{} {} {} {}\n", k, neck.width, neck.length, neck.kerf);
+  }
+  return text;
+}
+
 std::string hullText(const std::vector<Corner>& hull) {
   std::string text;
   for (const Corner& corner : hull) text += fmt::format("{} {}\n", corner.tile, corner.vertex);
@@ -449,6 +479,8 @@ Model readModelFolder(const fs::path& folder, const ReadSettings& settings,
   notePadding(tiles, model, warnings);
 
   JointTable joints = readJointRows(jointsFileOf(folder, settings), model, warnings);
+  const bool hasOwnJoints = joints.file.lexically_normal().filename() == "constraints.txt";
+  if (hasOwnJoints && fs::exists(folder / "necks.txt")) readNecks(folder / "necks.txt", joints);
   mendBase(joints, tiles, model, warnings);
   dropRepeatedJoints(joints, model, warnings);
   model.joints = checkedJoints(joints, tiles);
@@ -495,6 +527,7 @@ void writeModelFolder(const Model& inOrder, const fs::path& folder) {
   const std::vector<std::pair<const char*, std::string>> files = {
       {"vertices.txt", tilesText(model.tiles)},
       {"constraints.txt", jointText(model.joints)},
+      {"necks.txt", neckText(model.joints)},
       {"target.txt", model.target ? tilesText(*model.target) : ""},
       {"pull.txt",
        model.pulledTiles ? fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")) : ""},

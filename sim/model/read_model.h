@@ -37,13 +37,14 @@ void writeModel(const Model& model, const std::filesystem::path& path);
 
 // ------------------------------------------------------------------------------------------------
 // PyKirigami's model folders: vertices.txt, constraints.txt, and optionally target.txt, pull.txt,
-// hull.txt.
+// hull.txt. necks.txt is Kirireel's own.
 
 /// Reads a model folder and checks it.
 ///
 /// vertices.txt and target.txt hold one tile a line, "x y z" for each vertex; constraints.txt holds
 /// "tileA vertexA tileB vertexB [face]" a line, 0-based, face 1 bottom, 2 top, 3 both, 1 if absent;
-/// pull.txt lists tile numbers; hull.txt lists the corners round the outside, "tile vertex" a line.
+/// pull.txt lists tile numbers; hull.txt lists the corners round the outside, "tile vertex" a line;
+/// necks.txt lists "joint width length kerf", joints being rows of constraints.txt, from 0.
 /// Blank lines and lines starting with '#' are passed over. A model of
 /// loose tiles says so by a constraints.txt with nothing but a comment.
 ///

@@ -159,8 +159,21 @@ void writeJoints(ArrayWriter& file, const std::vector<model::Joint>& joints) {
   for (std::size_t k = 0; k < joints.size(); ++k) {
     if (joints[k].isWithinTile) within.push_back(static_cast<int>(k));
   }
-  if (within.empty()) return;
-  file.write("model/joints_within_tiles", std::span<const int>(within), {within.size()});
+  if (!within.empty()) {
+    file.write("model/joints_within_tiles", std::span<const int>(within), {within.size()});
+  }
+  std::vector<int> necked;
+  std::vector<double> necks;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const model::Neck& neck = joints[k].neck;
+    if (!neck) continue;
+    necked.push_back(static_cast<int>(k));
+    necks.insert(necks.end(), {neck.width, neck.length, neck.kerf});
+  }
+  if (necked.empty()) return;
+  file.write("model/necked_joints", std::span<const int>(necked), {necked.size()});
+  writeArray(file, "model/necks", necks, {necked.size(), 3}, "m");
+  file.setAttribute("model/necks", "columns", std::string("width, length, kerf"));
 }
 
 // How many vertices each tile has: what splits the flat list of vertices into tiles again.
@@ -637,14 +650,25 @@ class SubjectReader {
                         static_cast<model::JointKind>(within(row[5], 0, 2, "kind")),
                         Vector3(&apart[3 * k])});
     }
-    if (!file_.has("model/joints_within_tiles")) return joints;
-    for (const int joint : file_.integers("model/joints_within_tiles")) {
-      if (joint < 0 || static_cast<std::size_t>(joint) >= count) {
-        file_.refuse(
-            fmt::format("model/joints_within_tiles names joint {}, which is not there", joint));
+    // Calls visit(k, joint) for each joint that an array names.
+    const auto forEachNamed = [&](const char* name, const auto& visit) {
+      if (!file_.has(name)) return;
+      std::size_t k = 0;
+      for (const int joint : file_.integers(name)) {
+        if (joint < 0 || static_cast<std::size_t>(joint) >= count) {
+          file_.refuse(fmt::format("{} names joint {}, which is not there", name, joint));
+        }
+        visit(k++, joints[static_cast<std::size_t>(joint)]);
       }
-      joints[static_cast<std::size_t>(joint)].isWithinTile = true;
-    }
+    };
+    forEachNamed("model/joints_within_tiles",
+                 [](std::size_t, model::Joint& joint) { joint.isWithinTile = true; });
+    if (!file_.has("model/necked_joints")) return joints;
+    const std::size_t necked = file_.integers("model/necked_joints").size();
+    const std::vector<double> necks = numbers("model/necks", {necked, 3});
+    forEachNamed("model/necked_joints", [&](std::size_t k, model::Joint& joint) {
+      joint.neck = {necks[3 * k], necks[3 * k + 1], necks[3 * k + 2]};
+    });
     return joints;
   }
 

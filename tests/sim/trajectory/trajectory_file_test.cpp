@@ -162,6 +162,7 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   written.model.foldAngles = {{{0, 1}, 0.5}, {{1, 0}, 0.5}};
   std::mt19937_64 generator(2);
   written.pairForces = test::pairForces({}, randomLigaments(generator));
+  written.model.joints[3].neck = {0.1, 1e-300, 1.0 / 3};
   written.model.joints.push_back(model::makeFixedJoint(written.model.tiles, 0, 5));
   for (trajectory::Sample& sample : written.samples) {
     sample.mechanics->jointForces.emplace_back(1, 2, 3);
