@@ -170,10 +170,13 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   // Lengths of necks and patches are metres of the model, whatever the deck's unit.
   length("--patch-radius", "a quarter of the shortest edge",
          "of rigid patches; below half of an edge", elements.patchRadius);
-  length("--neck-width", "", "of necks: the material that stays at a joint", elements.neck.width);
-  length("--neck-length", "the kerf", "of necks, from tile to tile", elements.neck.length);
+  length("--neck-width", "the model's", "of necks: the material that stays at a joint",
+         elements.neck.width);
+  length("--neck-length", "the model's, else the kerf", "of necks, from tile to tile",
+         elements.neck.length);
   length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
-  length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
+  length("--kerf", "the model's, else 0", "width of the cuts of a sheet with necks",
+         elements.neck.kerf);
   // --shells and --plane-stress exclude each other with some joints; the element rule says so.
   group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
              [&elements] { elements.family = fea::ElementFamily::Shell; });
@@ -268,7 +271,8 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       });
   addStateOptions(group, settings);
   group
-      .value("--hinge-width", "METRES", "tile size / 20", "of the necks in cut patterns (svg, dxf)",
+      .value("--hinge-width", "METRES", "the model's, else tile size / 20",
+             "of the necks in cut patterns (svg, dxf)",
              [&settings](const scene::TypedValue& typed) {
                settings.hingeWidth = scene::parseNumber(typed, {1e-12, 1e9});
              })

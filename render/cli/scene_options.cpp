@@ -319,7 +319,8 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
         settings.ignore);
   group
       .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "LENGTH", "found",
-             "widest neck of a drawing: how far its cuts may stop short of the next line",
+             "widest gap of a drawing that counts as a neck: cuts that stop short of the next line "
+             "by more end within a tile; necks keep their own widths",
              [&settings](const scene::TypedValue& typed) {
                settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
              })

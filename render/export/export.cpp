@@ -47,12 +47,10 @@
 namespace kirireel::exports {
 namespace {
 
-/// A hinge width of 0 means a twentieth of the tiles' mean edge.
 std::vector<writers::PatternLine> patternOf(const model::Model& model,
                                             const ExportSettings& settings) {
-  constexpr double kHingeOfTile = 0.05;
   const double width = settings.hingeWidth;
-  return writers::cutPattern(model, width != 0 ? width : kHingeOfTile * model::tileSize(model));
+  return writers::cutPattern(model, width != 0 ? std::optional(width) : std::nullopt);
 }
 
 class Exporter;

@@ -23,7 +23,7 @@ struct ExportSettings {
   std::vector<std::string> formats;                        ///< of exportFormatNames()
   fea::ElementRule elements;                               ///< of decks and meshes
   fea::DeckSettings decks;                                 ///< how decks are written
-  double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
+  double hingeWidth = 0;  ///< of cut patterns, metres; 0: see writers::cutPattern()
   /// Of files whose formats leave the unit open; absent: millimetres for STL and DXF, else the
   /// model's unit. GLB is in metres, SVG in millimetres; decks have DeckSettings::unit.
   std::optional<LengthUnit> unit;

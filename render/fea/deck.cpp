@@ -61,17 +61,28 @@ const char* jointWord(const ElementMesh& mesh) {
   return "rigid patches that turn about shared reference nodes";
 }
 
+/// "0.1" or "0.1 to 0.2", metres: one length of all necks.
+std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*length) {
+  if (mesh.neckShapes.empty()) return deckNumber(mesh.rule.neck.*length);
+  double least = mesh.neckShapes.front().shape.*length, most = least;
+  for (const MeshNeck& neck : mesh.neckShapes) {
+    least = std::min(least, neck.shape.*length);
+    most = std::max(most, neck.shape.*length);
+  }
+  return most > least ? deckNumber(least) + " to " + deckNumber(most) : deckNumber(least);
+}
+
 /// What hinges' springs would be in place of necks: a user can check the order of
 /// magnitude: E (Pa), t thickness, w width and L length of the necks (m), see
 /// sim/model/stiffness.h.
 void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                          double thickness) {
-  const writers::NeckShape& neck = mesh.rule.neck;
-  const double length = std::max(neck.length, neck.kerf);
   std::vector<double> found;
-  for (const std::array<model::NeckCorner, 2>& tiles : mesh.neckCorners) {
-    found.push_back(
-        model::neckStiffness(settings.material.youngs, thickness, neck.width, length, tiles));
+  double length = 0;
+  for (const auto& [corners, shape] : mesh.neckShapes) {
+    found.push_back(model::neckStiffness(settings.material.youngs, thickness, shape.width,
+                                         shape.length, corners));
+    length = std::max(length, shape.length);
   }
   if (found.empty()) return;
   const auto [least, most] = std::ranges::minmax(found);
@@ -106,13 +117,13 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
       "nodes.\n";
   if (mesh.rule.joints == JointStyle::Neck) {
     // Sheets with necks have no ideal hinges, so the warnings below do not concern them.
-    const writers::NeckShape& neck = mesh.rule.neck;
     appendText(
         text,
         "** The flat start as it is cut, in one piece: necks {} m wide and {} m long, fillets of "
         "{} m,\n** kerf {} m.\n",
-        deckNumber(neck.width), deckNumber(std::max(neck.length, neck.kerf)),
-        deckNumber(neck.radius), deckNumber(neck.kerf));
+        neckLengths(mesh, &writers::NeckShape::width),
+        neckLengths(mesh, &writers::NeckShape::length), deckNumber(mesh.rule.neck.radius),
+        neckLengths(mesh, &writers::NeckShape::kerf));
     appendNeckStiffness(text, mesh, settings, origin.thickness);
     return;
   }

@@ -38,7 +38,7 @@ struct ElementRule {
   double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0 for a quarter of the shortest edge
   double size = 0;         ///< the longest that elements are along edges, metres; 0 for `perEdge`
   ElementFamily family = ElementFamily::Solid;  ///< solids, shells or plane elements
-  writers::NeckShape neck;                      ///< of JointStyle::Neck
+  writers::NeckShape neck;                      ///< of JointStyle::Neck, see writers::shapeAt()
   int countsFrom = 0;  ///< the first tile's number in messages: as the model's file counts
 };
 
@@ -110,15 +110,20 @@ struct PeriodicTie {
   std::array<int, 2> times{};  ///< how often it follows the control nodes of x and y: 0 or 1
 };
 
+/// The neck at a joint of JointStyle::Neck.
+struct MeshNeck {
+  std::array<model::NeckCorner, 2> corners;  ///< of both tiles
+  writers::NeckShape shape;                  ///< as writers::shapeAt() has it
+};
+
 /// A mesh of all bricks. Coordinates in metres, world axes.
 struct ElementMesh {
-  ElementRule rule;                 ///< a patch radius of 0 replaced by the one in use
-  std::vector<Vector3> nodes;       ///< places, in the order of their numbers
-  std::vector<Element> elements;    ///< tile by tile
-  std::vector<TileElements> tiles;  ///< one a brick
-  std::vector<TileElements> necks;  ///< of JointStyle::Neck: those with an area of their own
-  /// Of JointStyle::Neck: the corners of both tiles at each neck, one a joint.
-  std::vector<std::array<model::NeckCorner, 2>> neckCorners;
+  ElementRule rule;                   ///< a patch radius of 0 replaced by the one in use
+  std::vector<Vector3> nodes;         ///< places, in the order of their numbers
+  std::vector<Element> elements;      ///< tile by tile
+  std::vector<TileElements> tiles;    ///< one a brick
+  std::vector<TileElements> necks;    ///< of JointStyle::Neck: those with an area of their own
+  std::vector<MeshNeck> neckShapes;   ///< of JointStyle::Neck, one a joint
   std::vector<JointNodes> joints;     ///< one a joint
   std::vector<NodeCluster> clusters;  ///< in order of their first node; none are left when shared
   std::vector<PatchSpring> springs;   ///< of JointStyle::Patch, see deck.h

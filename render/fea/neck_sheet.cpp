@@ -337,15 +337,17 @@ std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule&
 
 namespace {
 
-std::vector<std::array<model::NeckCorner, 2>> neckCornersOf(const model::Model& model,
-                                                            double thickness) {
+std::vector<MeshNeck> necksOf(const model::Model& model, double thickness,
+                              const writers::NeckShape& shape) {
   const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, {.thickness = thickness});
   const auto at = [&](const model::Corner& corner) {
     return model::neckCorner(bricks[static_cast<std::size_t>(corner.tile)], corner.vertex);
   };
-  std::vector<std::array<model::NeckCorner, 2>> corners;
-  for (const model::Joint& joint : model.joints) corners.push_back({at(joint.a), at(joint.b)});
-  return corners;
+  std::vector<MeshNeck> necks;
+  for (const model::Joint& joint : model.joints) {
+    necks.push_back({{at(joint.a), at(joint.b)}, writers::shapeAt(joint, shape)});
+  }
+  return necks;
 }
 
 }  // namespace
@@ -359,7 +361,7 @@ ElementMesh makeNeckMesh(const model::Model& model, double thickness, const Elem
   tidy(region);
   ElementMesh mesh;
   mesh.rule = rule;
-  mesh.neckCorners = neckCornersOf(model, thickness);
+  mesh.neckShapes = necksOf(model, thickness, rule.neck);
   PrismLayers layers(mesh, region.cells, levelsOf(region, outline.sheet, thickness, rule));
   const std::vector<std::vector<FootprintSide>> sides = freeSides(region);
   for (std::size_t k = 0; k < regions; ++k) {

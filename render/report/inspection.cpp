@@ -131,6 +131,44 @@ Json stateJson(const StateInspection& state) {
   return json;
 }
 
+NeckInspection inspectNecks(const model::Model& model) {
+  NeckInspection necks;
+  for (const model::Joint& joint : model.joints) {
+    if (!joint.neck) continue;
+    if (necks.count++ == 0) necks.least = necks.most = joint.neck;
+    for (double model::Neck::*length :
+         {&model::Neck::width, &model::Neck::length, &model::Neck::kerf}) {
+      necks.least.*length = std::min(necks.least.*length, joint.neck.*length);
+      necks.most.*length = std::max(necks.most.*length, joint.neck.*length);
+    }
+  }
+  return necks;
+}
+
+/// "necks: 24, 1.05 to 1.06 mm wide, 0.3 mm long, kerf 0.3 mm".
+std::string necksText(const NeckInspection& necks, const LengthUnit& unit) {
+  const auto range = [&](double model::Neck::*length) {
+    const std::string least = lengthText(necks.least.*length, unit);
+    const std::string most = lengthText(necks.most.*length, unit);
+    return least == most ? least : fmt::format("{} to {}", least, most);
+  };
+  return fmt::format("necks: {}, {} wide, {} long, kerf {}\n", necks.count,
+                     range(&model::Neck::width), range(&model::Neck::length),
+                     range(&model::Neck::kerf));
+}
+
+/// Null without necks.
+Json necksJson(const NeckInspection& necks) {
+  if (necks.count == 0) return {};
+  const auto range = [&](double model::Neck::*length) {
+    return Json::array({necks.least.*length, necks.most.*length});
+  };
+  return {{"count", necks.count},
+          {"width", range(&model::Neck::width)},
+          {"length", range(&model::Neck::length)},
+          {"kerf", range(&model::Neck::kerf)}};
+}
+
 std::string needText(const char* name, const scene::Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
@@ -173,6 +211,7 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
     ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
   }
   for (const model::Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
+  inspection.necks = inspectNecks(model);
   for (std::size_t tile = 0; tile < model.tileNames.size(); ++tile) {
     const std::string& name = model.tileNames[tile];
     if (!name.empty()) inspection.tilesByName[name].push_back(static_cast<int>(tile));
@@ -207,6 +246,7 @@ std::string inspectionText(const Inspection& inspection) {
       countsText(inspection.tilesByVertices, "{} with {} vertices"),
       countsText(inspection.jointsByKind, "{} {}"), lengthText(inspection.size, unit, 4),
       lengthText(inspection.tileSize, unit, 4), lengthText(inspection.suggestedThickness, unit, 2));
+  if (inspection.necks.count > 0) text += necksText(inspection.necks, unit);
   if (inspection.rounding > 0) {
     text += fmt::format("coordinates are rounded to {}: singular values below {:.2g} are zero\n",
                         lengthText(inspection.rounding, unit, 6), inspection.zeroSingularValue);
@@ -238,6 +278,7 @@ std::string inspectionJson(const Inspection& inspection) {
     json["tiles"][fmt::format("{}", vertices)] = count;
   }
   json["joints"] = Json(inspection.jointsByKind);
+  json["necks"] = necksJson(inspection.necks);
   json["names"] = Json(inspection.tilesByName);
   json["size"] = inspection.size;
   json["tile_size"] = inspection.tileSize;

@@ -27,6 +27,13 @@ struct StateInspection {
   trajectory::Mobility inSpace;                 ///< of the mechanism in space
 };
 
+/// The necks of a model's joints, metres.
+struct NeckInspection {
+  int count = 0;      ///< joints with a neck
+  model::Neck least;  ///< the least of each length
+  model::Neck most;   ///< the largest of each
+};
+
 /// Everything that is told of a model. Tiles in it count from 0; `countsFrom` is what the text
 /// adds.
 struct Inspection {
@@ -34,6 +41,7 @@ struct Inspection {
   LengthUnit unit;                          ///< of its file; the text has it, JSON is in metres
   std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
   std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
+  NeckInspection necks;                     ///< of those with one
   std::map<std::string, std::vector<int>> tilesByName;  ///< of groups and materials in its file
   double size = 0;                                      ///< diagonal of the start, metres
   double tileSize = 0;                                  ///< mean edge, metres

@@ -128,7 +128,8 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 
 namespace {
 
-constexpr double kSameEdge = 1e-4;  ///< of the tile size, within which edges coincide
+constexpr double kSameEdge = 1e-4;     ///< of the tile size, within which edges coincide
+constexpr double kHingeOfTile = 0.05;  ///< width of a hinge of which nothing is said
 
 /// How much shorter edges are at their ends than in the model, metres.
 using Trims = std::map<EdgeEnd, double>;
@@ -142,10 +143,11 @@ double trimAt(const Trims& trims, const EdgeEnd& end) {
 /// Works in the sheet's plane; all lengths in metres.
 class PatternMaker {
  public:
-  PatternMaker(const model::Model& model, double hingeWidth)
+  PatternMaker(const model::Model& model, std::optional<double> hingeWidth)
       : tiles_(flatSheet(model).tiles),
         first_(model.fileOrder.countsFrom),
         width_(hingeWidth),
+        usualWidth_(kHingeOfTile * model::tileSize(model)),
         same_(kSameEdge * model::tileSize(model)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
@@ -162,7 +164,8 @@ class PatternMaker {
   void addHinge(const model::Joint& joint, std::size_t number) {
     requirePivot(joint, static_cast<std::size_t>(first_) + number);
     const CornerGap gap = narrowGap(tiles_, joint);
-    const double trim = width_ / std::cos(gap.angle / 2);
+    const double width = width_.value_or(joint.neck ? joint.neck.width : usualWidth_);
+    const double trim = width / std::cos(gap.angle / 2);
     const Vector2 middle = 0.5 * (corner(joint.a) + corner(joint.b));
     const Vector2 ends[] = {middle + trim * directionFrom(tiles_, gap.first),
                             middle + trim * directionFrom(tiles_, gap.second)};
@@ -170,6 +173,7 @@ class PatternMaker {
       double& kept = trims_[end];
       kept = std::max(kept, trim);
     }
+    widest_ = std::max(widest_, width);
     lines_.push_back({PatternLayer::Hinges, middle, 0.5 * (ends[0] + ends[1])});
     if (gap.angle > kClosedAngle) lines_.push_back({PatternLayer::Cuts, ends[0], ends[1]});
   }
@@ -227,7 +231,7 @@ class PatternMaker {
       throw InputError(
           fmt::format("error: hinges {} m wide leave nothing to cut of edge {} of tile "
                       "{}, {:.3g} m long; choose a smaller --hinge-width",
-                      width_, first_ + edge, first_ + tile, length));
+                      widest_, first_ + edge, first_ + tile, length));
     }
     const Vector2 along = (to - from) / length;
     lines_.push_back({twin ? PatternLayer::Slits : PatternLayer::Cuts, from + atStart * along,
@@ -235,9 +239,11 @@ class PatternMaker {
   }
 
   std::vector<FlatTile> tiles_;
-  int first_;  ///< number of tiles, edges and joints in messages
-  double width_;
-  double same_;  ///< metres within which points coincide
+  int first_;                    ///< number of tiles, edges and joints in messages
+  std::optional<double> width_;  ///< of all hinges
+  double usualWidth_;            ///< of joints without a neck
+  double widest_ = 0;            ///< of all hinges so far
+  double same_;                  ///< metres within which points coincide
   Trims trims_;
   std::multimap<std::pair<long, long>, std::pair<int, int>> edges_;  ///< by their middles
   std::vector<PatternLine> lines_;
@@ -259,12 +265,12 @@ constexpr LayerLook kLooks[] = {
 
 }  // namespace
 
-std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth) {
-  if (!(hingeWidth > 0)) {
+std::vector<PatternLine> cutPattern(const model::Model& model, std::optional<double> hingeWidth) {
+  if (hingeWidth && !(*hingeWidth > 0)) {
     throw InputError(
         fmt::format("error: hinges cannot be {} m wide; give a positive --hinge-width, "
                     "or the sheet falls apart",
-                    hingeWidth));
+                    *hingeWidth));
   }
   return PatternMaker(model, hingeWidth).take();
 }
@@ -367,6 +373,7 @@ constexpr int kArcLines = 6;            ///< of a quarter circle
 struct Misfit {
   enum Kind { TooWide, TooShort, TooRound } kind = TooWide;
   std::string where;
+  NeckShape shape;  ///< of the neck, or of the widest where several may be meant
 };
 
 /// The z of the cross product.
@@ -420,10 +427,16 @@ struct CornerPoints {
 class OutlineMaker {
  public:
   OutlineMaker(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape)
-      : model_(model), shape_(shape), tiny_(kShortestLine * model::tileSize(model)) {
+      : model_(model), tiny_(kShortestLine * model::tileSize(model)) {
     outline_.sheet = sheet;
-    outline_.neckWidth = shape.width;
-    shape_.length = std::max(shape.length, shape.kerf);
+    outline_.neckWidth = kInfinite;
+    kerf_ = shape.kerf;
+    for (const model::Joint& joint : model.joints) {
+      shapes_.push_back(shapeAt(joint, shape));
+      outline_.neckWidth = std::min(outline_.neckWidth, shapes_.back().width);
+      kerf_ = std::max(kerf_, shapes_.back().kerf);
+    }
+    if (shapes_.empty()) outline_.neckWidth = shape.width;
   }
 
   /// Throws Misfit.
@@ -431,6 +444,7 @@ class OutlineMaker {
     for (const FlatTile& tile : tiles()) corners_.emplace_back(tile.size());
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       const CornerGap gap = narrowGap(tiles(), model_.joints[j]);
+      shape_ = shapes_[j];
       shape_.length > 0 ? addBeam(gap, j) : addWeb(gap);
     }
     for (std::size_t t = 0; t < tiles().size(); ++t) addTile(static_cast<int>(t));
@@ -505,7 +519,7 @@ class OutlineMaker {
     const Vector2 before = tile[(vertex + sides - 1) % sides] - tile[vertex];
     double angle = std::atan2(cross(after, before), after.dot(before));
     if (angle < 0) angle += 2 * std::numbers::pi;
-    return {half, half + angle, shape_.kerf / 2};
+    return {half, half + angle, kerf_ / 2};
   }
 
   /// A neck with length: a strip between two ports that are cut into the tiles. The second tile is
@@ -525,7 +539,7 @@ class OutlineMaker {
     const double bottom = std::max(wedges[0].bottom(x), wedges[1].bottom(x));
     const double top = std::min(wedges[0].top(x), wedges[1].top(x));
     if (top - bottom < shape_.width - tiny_) {
-      throw Misfit{Misfit::TooShort, fmt::format("joint {}", numberOf(joint))};
+      throw Misfit{Misfit::TooShort, fmt::format("joint {}", numberOf(joint)), shape_};
     }
     const double low = std::max(std::min(-shape_.width / 2, top - shape_.width), bottom);
     const NeckEnd ends[] = {endOf(wedges[0], low, joint), endOf(wedges[1], low, joint)};
@@ -557,7 +571,7 @@ class OutlineMaker {
   NeckEnd endOf(const Wedge& wedge, double low, std::size_t joint) const {
     const double x = shape_.length / 2;
     const double high = low + shape_.width;
-    const double depth = std::max({shape_.width, shape_.radius, shape_.kerf});
+    const double depth = std::max({shape_.width, shape_.radius, kerf_});
     const double radius = shape_.radius;
     const double roomAbove = wedge.top(x) - high;
     const double roomBelow = low - wedge.bottom(x);
@@ -565,7 +579,7 @@ class OutlineMaker {
     end.roundAbove = radius > 0 && roomAbove > tiny_;
     end.roundBelow = radius > 0 && roomBelow > tiny_;
     if ((end.roundAbove && roomAbove < radius) || (end.roundBelow && roomBelow < radius)) {
-      throw Misfit{Misfit::TooRound, fmt::format("joint {}", numberOf(joint))};
+      throw Misfit{Misfit::TooRound, fmt::format("joint {}", numberOf(joint)), shape_};
     }
     end.high = {x, end.roundAbove ? high + radius : high};
     end.low = {x, end.roundBelow ? low - radius : low};
@@ -622,7 +636,7 @@ class OutlineMaker {
     };
     const Vector2 a = inward((vertex + sides - 1) % sides);
     const Vector2 b = inward(vertex);
-    return addPoint(points[vertex] + shape_.kerf / 2 * (a + b) / (1 + a.dot(b)), false);
+    return addPoint(points[vertex] + kerf_ / 2 * (a + b) / (1 + a.dot(b)), false);
   }
 
   /// Chains in the order of corners make the tile's loop.
@@ -652,8 +666,13 @@ class OutlineMaker {
     const Vector2 along = points[(edge + 1) % points.size()] - points[edge];
     const Vector2 rest = outline_.points[to] - outline_.points[from];
     if (rest.dot(along.normalized()) > tiny_) return;
-    throw Misfit{Misfit::TooWide,
-                 fmt::format("edge {} of tile {}", numberOf(edge), numberOf(tile))};
+    throw Misfit{Misfit::TooWide, fmt::format("edge {} of tile {}", numberOf(edge), numberOf(tile)),
+                 widest()};
+  }
+
+  NeckShape widest() const {
+    const auto found = std::ranges::max_element(shapes_, {}, &NeckShape::width);
+    return found == shapes_.end() ? NeckShape{.kerf = kerf_} : *found;
   }
 
   /// No two lines of a tile's outline may cross.
@@ -667,14 +686,18 @@ class OutlineMaker {
       for (std::size_t b = a + 2; b < count; ++b) {
         if (b + 1 == count && a == 0) continue;
         const bool crosses = side(a, b) * side(a, b + 1) < 0 && side(b, a) * side(b, a + 1) < 0;
-        if (crosses) throw Misfit{Misfit::TooWide, fmt::format("tile {}", numberOf(tile))};
+        if (crosses) {
+          throw Misfit{Misfit::TooWide, fmt::format("tile {}", numberOf(tile)), widest()};
+        }
       }
     }
   }
 
   const model::Model& model_;
-  NeckShape shape_;
-  double tiny_;  ///< metres
+  std::vector<NeckShape> shapes_;  ///< of each joint
+  NeckShape shape_;                ///< of the joint at hand
+  double kerf_;                    ///< the widest of all, metres
+  double tiny_;                    ///< metres
   NeckOutline outline_;
   std::vector<std::vector<CornerPoints>> corners_;
 };
@@ -710,6 +733,9 @@ bool fits(const model::Model& model, const FlatSheet& sheet, const NeckShape& sh
 std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet, NeckShape shape,
                               double NeckShape::*length, double good) {
   double bad = shape.*length;
+  for (const model::Joint& joint : model.joints) {
+    bad = std::max(bad, shapeAt(joint, shape).*length);
+  }
   shape.*length = good;
   if (!fits(model, sheet, shape)) return std::nullopt;
   for (int k = 0; k < 12; ++k) {
@@ -734,25 +760,35 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
   } else if (misfit.kind == Misfit::TooShort) {
     // The least of the lengths doubled from width / 64 that fits, or else one that does not.
     NeckShape longer = shape;
-    longer.length = shape.width / 64;
+    longer.length = misfit.shape.width / 64;
     while (longer.length < size && !fits(model, sheet, longer)) longer.length *= 2;
     offer(&NeckShape::length, longer.length, "a --neck-length of") ||
         offer(&NeckShape::width, 1e-6 * size, "a --neck-width of");
   } else {
     offer(&NeckShape::width, 1e-6 * size, "a --neck-width of") ||
-        offer(&NeckShape::length, shape.kerf, "a --neck-length of");
+        offer(&NeckShape::length, misfit.shape.kerf, "a --neck-length of");
   }
   throw InputError(fmt::format(
       "error: {}: a neck {} m wide and {} m long with fillets of {} m and a kerf of {} m does not "
       "fit{}",
-      misfit.where, shape.width, std::max(shape.length, shape.kerf), shape.radius, shape.kerf,
+      misfit.where, misfit.shape.width, misfit.shape.length, misfit.shape.radius, misfit.shape.kerf,
       cure));
 }
 
 }  // namespace
 
+NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape) {
+  NeckShape own = shape;
+  if (own.width == 0) own.width = joint.neck.width;
+  if (own.length == 0) own.length = joint.neck.length;
+  if (own.kerf == 0) own.kerf = joint.neck.kerf;
+  own.length = std::max(own.length, own.kerf);
+  return own;
+}
+
 NeckOutline neckOutline(const model::Model& model, const NeckShape& shape) {
-  requirePossible(shape);
+  if (model.joints.empty()) requirePossible(shape);
+  for (const model::Joint& joint : model.joints) requirePossible(shapeAt(joint, shape));
   const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], first + j);
   const FlatSheet sheet = flatSheet(model);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <compare>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,13 +83,13 @@ struct PatternLine {
 
 /// The lines of the model's start. Around each joint a neck of material stays: the narrower gap
 /// between its two tiles ends the hinge width (metres, positive) before the joint: the sheet stays
-/// in one piece. Edges are shared if they coincide as a whole, within 1e-4 of the
-/// tile size.
+/// in one piece. Without a width it is that of each joint's neck, else a twentieth of the tile
+/// size. Edges are shared if they coincide as a whole, within 1e-4 of the tile size.
 ///
 /// Throws InputError for a start that is not flat or has tiles on both faces, joints that are not
 /// hinges at a corner, and a width at which an edge would not be cut at all. Hinges first, then
 /// edges in the order of tiles. Costs a lookup an edge.
-std::vector<PatternLine> cutPattern(const model::Model& model, double hingeWidth);
+std::vector<PatternLine> cutPattern(const model::Model& model, std::optional<double> hingeWidth);
 
 /// The lines as an SVG in millimetres at true size, a group a layer. A margin of 5 mm stays around
 /// the pattern. Digits read back to the same doubles.
@@ -119,13 +120,18 @@ std::string planarObjText(const std::vector<model::Tile>& tiles);
 //        (joint below)      Without length and kerf the neck is what the slit leaves: the line, or
 //                           the triangle across an open gap, between the joint and the slit's end.
 
-/// The material that stays between two tiles. Lengths in metres.
+/// The material that stays between two tiles. Lengths in metres. A width, length or kerf of 0 is
+/// that of each joint's neck in the model (model::Neck), if it has one.
 struct NeckShape {
   double width = 0;   ///< of the neck, positive
   double length = 0;  ///< from tile to tile; less than the kerf counts as the kerf
   double radius = 0;  ///< of the fillets where the neck meets its tiles; at most half the length
   double kerf = 0;    ///< what the cutter takes away: tiles lose half of it along each edge
 };
+
+/// The shape of the neck at a joint: what the shape leaves open is the model's. The length is at
+/// least the kerf.
+NeckShape shapeAt(const model::Joint& joint, const NeckShape& shape);
 
 /// The regions of a sheet. Regions that share a line share its two points; a shut slit has points
 /// of its own on either side.
@@ -135,7 +141,7 @@ struct NeckOutline {
   std::vector<bool> isAtNeck;           ///< for each point
   std::vector<std::vector<int>> tiles;  ///< each tile's points, anticlockwise
   std::vector<std::vector<int>> necks;  ///< the same for the necks that have an area
-  double neckWidth = 0;                 ///< metres
+  double neckWidth = 0;                 ///< of the narrowest neck, metres
 };
 
 /// The outline of a model's start with necks of this shape.

@@ -139,15 +139,14 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
     const Pivot& pivot = *shared.first;
     const Brick& brick = bricks[static_cast<std::size_t>(pivot.brickA)];
     const CommonLine line = commonLine(shared.points, kSameHingePoint * meanEdge(brick));
-    if (planar) {
-      if (line.isPoint) found.hinges.push_back(cornerHinge(bricks, pivot));
+    // A line along the thickness is a corner with both faces joined, one in the tile an edge.
+    const bool isAcross = std::abs(line.direction.dot(brick.normal)) > std::sqrt(0.5);
+    if (isAcross || (planar && line.isPoint)) {
+      found.hinges.push_back(cornerHinge(bricks, pivot));
     } else if (line.isPoint) {
       found.ballJoints.emplace_back(pivot.brickA, pivot.brickB);
-    } else if (!line.direction.isZero()) {
-      // A line along the thickness is a corner with both faces joined, one in the tile an edge.
-      const bool isAcross = std::abs(line.direction.dot(brick.normal)) > std::sqrt(0.5);
-      found.hinges.push_back(isAcross ? cornerHinge(bricks, pivot)
-                                      : foldHinge(bricks, pivot, line.direction));
+    } else if (!planar && !line.direction.isZero()) {
+      found.hinges.push_back(foldHinge(bricks, pivot, line.direction));
     }
   }
   return found;

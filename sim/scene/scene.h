@@ -78,7 +78,7 @@ struct OwnHingeSpring {
 /// A neck of the sheet's material at each corner where tiles turn against each other, as thick as
 /// the bricks: see neckStiffness().
 struct HingeNeck {
-  double width = 0;      ///< metres, above 0
+  double width = 0;      ///< metres, above 0; 0: each joint has the neck of the model
   double length = 0;     ///< metres, from 0
   double youngs = 0;     ///< modulus, Pa, above 0
   double poisson = 0.3;  ///< ratio, from 0 to below 0.5
@@ -144,6 +144,12 @@ enum class PathKind {
   Guided,    ///< each tile is guided along its own rigid motion, by its turn more than by its place
 };
 
+/// Where a run leads.
+enum class Destination {
+  Auto,    ///< to the target, without one to full extension
+  Closed,  ///< through full extension to the second compact state; a target is ignored
+};
+
 /// The path to the target. Straight pulling has local minima in which hard models lock.
 struct PathSettings {
   PathKind kind = PathKind::Dynamic;  ///< how tiles get there
@@ -164,6 +170,7 @@ struct PathSettings {
   double walkTime = 6;
   /// Equilibria that grips lead through, at the least, while the load grows from 0 to 1; from 1.
   int loadSteps = 1;
+  Destination to = Destination::Auto;  ///< where the path leads
 
   /// Whether joints are springs from the start on.
   bool jointsAreCompliant() const { return std::isfinite(jointStiffness); }

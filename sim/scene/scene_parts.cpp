@@ -184,7 +184,34 @@ void align(Scene& scene, const std::vector<int>& held) {
 
 }  // namespace
 
+namespace {
+
+/// Necks of the model's own need one at each joint.
+void requireNecks(const Scene& scene) {
+  if (!scene.hinges.neck || scene.hinges.neck->width > 0) return;
+  const model::Model& model = scene.model;
+  const auto without = std::ranges::find_if(model.joints, [](const model::Joint& joint) {
+    return joint.kind == model::JointKind::Pivot && !joint.neck;
+  });
+  if (without == model.joints.end()) return;
+  const int first = model.fileOrder.countsFrom;
+  throw InputError(fmt::format(
+      "error: --hinge-neck has a material only, but the model has no neck at the joint between "
+      "tiles {} and {}; give width, length and Young's modulus, for example 0.1,0.3,2e9",
+      first + without->a.tile, first + without->b.tile));
+}
+
+}  // namespace
+
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings) {
+  requireNecks(scene);
+  if (scene.path.to == Destination::Closed) {
+    if (!parts.targets.empty()) {
+      throw InputError("error: --to closed finds its own end, and --target names another; use one");
+    }
+    scene.model.target.reset();
+    scene.model.waypoints.clear();
+  }
   addTargets(parts.targets, scene, warnings);
   readTimelineTargets(scene, warnings);
   Timeline entries = scene.timeline;
@@ -473,11 +500,25 @@ std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corner
   return edges;
 }
 
+/// The scene's neck at a joint: the model's unless the scene has a width.
+HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
+  HingeNeck neck = *scene.hinges.neck;
+  if (neck.width > 0) return neck;
+  neck.width = joint.neck.width;
+  neck.length = std::max(joint.neck.length, joint.neck.kerf);
+  return neck;
+}
+
 /// What the hinges of a scene have of which no line of its file says more.
 class UsualSprings {
  public:
   UsualSprings(const Scene& scene, const std::vector<model::Brick>& bricks)
       : scene_(scene), bricks_(bricks) {
+    if (scene.hinges.neck) {
+      for (const model::Joint& joint : scene.model.joints) {
+        if (joint.kind == model::JointKind::Pivot) jointAt_.emplace(cornersOf(joint), &joint);
+      }
+    }
     if (!scene.hinges.panels) return;
     common_ = commonCorners(scene.model.joints);
     for (const model::Joint& joint : scene.model.joints) {
@@ -524,8 +565,16 @@ class UsualSprings {
     return edgesBetween(common_.at({a, b}), tile(a), tile(b));
   }
 
+  using CornerPair = std::pair<std::pair<int, int>, std::pair<int, int>>;
+  static CornerPair cornersOf(const model::Joint& joint) {
+    return std::minmax(std::pair(joint.a.tile, joint.a.vertex),
+                       std::pair(joint.b.tile, joint.b.vertex));
+  }
+
   double neckStiffnessAt(const model::Hinge& hinge) const {
-    const HingeNeck& neck = *scene_.hinges.neck;
+    const HingeNeck neck = neckAt(
+        scene_,
+        *jointAt_.at(cornersOf({{hinge.brickA, hinge.cornerA}, {hinge.brickB, hinge.cornerB}})));
     const double thickness = scene_.brick.thickness;
     const bool isShut = hinge.start <= kAngleRounding;
     if (!isShut) return model::neckStiffness(neck.youngs, thickness, neck.width, neck.length);
@@ -569,6 +618,7 @@ class UsualSprings {
   const std::vector<model::Brick>& bricks_;
   std::map<TilePair, std::set<std::pair<int, int>>> common_;
   std::set<TilePair> bends_;
+  std::map<CornerPair, const model::Joint*> jointAt_;  // of necks
 };
 
 /// The lines of the file by their tiles, the lower first.
@@ -695,7 +745,7 @@ std::array<model::NeckCorner, 2> neckCorners(const model::Pivot& pivot,
 /// other.
 model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
                            const Scene& scene) {
-  const HingeNeck& neck = *scene.hinges.neck;
+  const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
   const Vector3 across =
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
@@ -713,9 +763,10 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
 /// A neck without a length at the end of a shut slit, as the pin that its tiles make of it.
 model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
                       const Vector3& slit, const Scene& scene) {
-  const model::CornerNeck neck =
-      model::cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness, scene.hinges.neck->width,
-                        neckCorners(pivot, bricks));
+  const HingeNeck material =
+      neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
+  const model::CornerNeck neck = model::cornerNeck(material.youngs, scene.brick.thickness,
+                                                   material.width, neckCorners(pivot, bricks));
   model::Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
                       pivot.pointA, pivot.pointB, Vector3::Zero()};
   pin.across = slit.cross(Vector3::UnitZ());
@@ -732,7 +783,7 @@ model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>
 /// gives as its tiles do, and others where ligaments are asked for.
 void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const Scene& scene,
              std::vector<model::Pivot>& pivots, std::vector<model::Ligament>& ligaments) {
-  const HingeNeck& neck = *scene.hinges.neck;
+  const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
     // Its axis is beside the corner.

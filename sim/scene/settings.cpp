@@ -265,9 +265,10 @@ SettingGroup hingeSettings() {
            "folds")
            .with(isDirect, kDirect),
        special(
-           "hinge_neck", "WIDTH,LENGTH,E[,NU]", "",
-           "necks at all corners in place of a stiffness: metres, metres, Young's modulus in "
-           "Pa and Poisson's ratio (0.3), as thick as the bricks",
+           "hinge_neck", "[WIDTH,LENGTH,]E[,NU]", "",
+           "necks at all corners in place of a stiffness: metres, metres (both absent: the "
+           "model's own necks), Young's modulus in Pa and Poisson's ratio (0.3), as thick as the "
+           "bricks",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.neck = parseNeck(typed); },
            [](const Scene& scene) { return scene.hinges.neck ? neckText(*scene.hinges.neck) : ""; })
            .with(isDirect, kDirect),
@@ -304,7 +305,13 @@ SettingGroup hingeSettings() {
 SettingGroup pathSettings() {
   return {"Path to the target",
           "actuation",
-          {choice<&Scene::path, &PathSettings::kind>(
+          {choice<&Scene::path, &PathSettings::to>(
+               "to",
+               Choices<Destination>{{"auto", Destination::Auto}, {"closed", Destination::Closed}},
+               "where the sheet goes: auto to the target, without one to full extension; closed "
+               "ignores the target and goes on beyond full extension until the tiles meet again, "
+               "the second compact state of a sheet with one motion"),
+           choice<&Scene::path, &PathSettings::kind>(
                "path",
                Choices<PathKind>{{"auto", PathKind::Auto},
                                  {"continuation", PathKind::Continuation},
@@ -628,14 +635,21 @@ Vector3 parseGravity(const TypedValue& value) {
 
 HingeNeck parseNeck(const TypedValue& value) {
   const std::vector<std::string_view> parts = split(value.text, ',');
-  if (parts.size() != 3 && parts.size() != 4) {
+  if (parts.empty() || parts.size() > 4) {
     throw valueError(value, "width, length and Young's modulus, for example 0.1,0.3,2e9");
   }
   const auto part = [&](std::size_t k, const Range& range) {
     return parseNumber({value.name, std::string(parts[k])}, range);
   };
-  HingeNeck neck{part(0, {1e-9, 1e6}), part(1, {0, 1e6}), part(2, {1e-9, 1e15})};
-  if (parts.size() == 4) neck.poisson = part(3, {0, 0.5, true});
+  // Up to two numbers are the material alone.
+  const std::size_t material = parts.size() > 2 ? 2 : 0;
+  HingeNeck neck;
+  if (material > 0) {
+    neck.width = part(0, {1e-9, 1e6});
+    neck.length = part(1, {0, 1e6});
+  }
+  neck.youngs = part(material, {1e-9, 1e15});
+  if (parts.size() > material + 1) neck.poisson = part(material + 1, {0, 0.5, true});
   return neck;
 }
 
@@ -697,6 +711,7 @@ std::string vectorText(const Vector3& vector) {
 
 std::string neckText(const HingeNeck& neck) {
   const auto& [width, length, youngs, poisson] = neck;
+  if (width == 0) return quotedText(fmt::format("{},{}", youngs, poisson));
   return quotedText(fmt::format("{},{},{},{}", width, length, youngs, poisson));
 }
 

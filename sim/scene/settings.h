@@ -55,6 +55,7 @@ long parseInteger(const TypedValue& value, Range range);
 /// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
 Vector3 parseGravity(const TypedValue& value);
 
+/// "2e9" or "2e9,0.3": Young's modulus, above 0, and Poisson's ratio of the model's necks; or
 /// "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": a neck's width, length, Young's modulus, each above 0, and
 /// Poisson's ratio.
 HingeNeck parseNeck(const TypedValue& value);

@@ -101,6 +101,62 @@ TEST(CutPattern, KeepsANeckOfTheChosenWidthAtEachJoint) {
   EXPECT_NEAR(sums[writers::PatternLayer::Hinges], 4 * width, 1e-12);
 }
 
+TEST(CutPattern, KeepsTheNecksOfTheModel) {
+  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  double sum = 0;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    model.joints[j].neck.width = 0.02 + 0.01 * static_cast<double>(j);
+    sum += model.joints[j].neck.width;
+  }
+  std::map<writers::PatternLayer, double> sums = lengths(writers::cutPattern(model, std::nullopt));
+  EXPECT_NEAR(sums[writers::PatternLayer::Hinges], sum, 1e-12);
+  EXPECT_NEAR(sums[writers::PatternLayer::Slits], 4 - sum, 1e-12);
+  // Without necks a twentieth of the tile size, and what the user says wins.
+  model.joints[0].neck = {};
+  sums = lengths(writers::cutPattern(model, std::nullopt));
+  EXPECT_NEAR(sums[writers::PatternLayer::Hinges], sum - 0.02 + 0.05, 1e-12);
+  sums = lengths(writers::cutPattern(model, 0.07));
+  EXPECT_NEAR(sums[writers::PatternLayer::Hinges], 4 * 0.07, 1e-12);
+}
+
+TEST(NeckOutlines, HaveTheNecksOfTheModel) {
+  model::Model model = model::makeTessellation(shapeOf(2, 2, 0));
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    model.joints[j].neck = {0.02 + 0.01 * static_cast<double>(j), 0.01, 0.01};
+  }
+  const auto areaOf = [](const writers::NeckOutline& outline, const std::vector<int>& loop) {
+    double area = 0;
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const writers::Vector2& a = outline.points[loop[k]];
+      const writers::Vector2& b = outline.points[loop[(k + 1) % loop.size()]];
+      area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+    }
+    return area;
+  };
+  const writers::NeckOutline outline = writers::neckOutline(model, {});
+  ASSERT_EQ(outline.necks.size(), model.joints.size());
+  EXPECT_EQ(outline.neckWidth, 0.02);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    EXPECT_NEAR(std::abs(areaOf(outline, outline.necks[j])), 0.01 * model.joints[j].neck.width,
+                1e-12);
+  }
+  // What the user says wins: a width for all of them, their lengths stay.
+  const writers::NeckOutline wide = writers::neckOutline(model, {.width = 0.1});
+  for (const std::vector<int>& neck : wide.necks) {
+    EXPECT_NEAR(std::abs(areaOf(wide, neck)), 0.01 * 0.1, 1e-12);
+  }
+  // Without a neck and a width there is none.
+  model.joints[2].neck = {};
+  try {
+    writers::neckOutline(model, {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: necks cannot be 0 m wide; give a positive --neck-width, or the sheet "
+                 "falls apart");
+  }
+}
+
 TEST(CutPattern, ClosesOpenGapsWithALine) {
   // Opened by theta, each joint's gap ends where its chord is the width away from the joint.
   const double theta = 0.4;

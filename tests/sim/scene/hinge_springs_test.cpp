@@ -98,6 +98,29 @@ TEST_F(HingeSpringsOfAScene, AreAsStiffAsNecks) {
   }
 }
 
+TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
+  scene_.brick.thickness = 0.02;
+  scene_.hinges.neck = scene::HingeNeck{.youngs = 2e9};
+  EXPECT_THAT(refusal(), HasSubstr("--hinge-neck has a material only, but the model has no neck at "
+                                   "the joint between tiles"));
+  for (model::Joint& joint : scene_.model.joints) {
+    joint.neck = {0.05 + 0.01 * (joint.a.tile + joint.b.tile), 0.3, 0};
+  }
+  const auto expectWidths = [&](const auto& widthOf) {
+    const std::vector<model::HingeSpring> found = springs();
+    ASSERT_EQ(found.size(), 4u);
+    for (const model::HingeSpring& spring : found) {
+      EXPECT_EQ(
+          spring.stiffness,
+          model::neckStiffness(2e9, 0.02, widthOf(spring.hinge.brickA + spring.hinge.brickB), 0.3));
+    }
+  };
+  expectWidths([](int tiles) { return 0.05 + 0.01 * tiles; });
+  // What the user says wins.
+  scene_.hinges.neck = scene::HingeNeck{0.1, 0.3, 2e9};
+  expectWidths([](int) { return 0.1; });
+}
+
 TEST_F(HingeSpringsOfAScene, MayBeAtSomeHingesAlone) {
   const std::vector<model::HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 1u);
