@@ -12,6 +12,8 @@
 // 5. *Tiles* are the faces between lines and necks. A face without a neck is no tile: it falls out,
 //    or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
 // 6. *Joints* are at the far ends of the necks, where the design's vertices are.
+#include "sim/model/cut_pattern.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -28,7 +30,6 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
-#include "sim/model/cut_pattern.h"
 #include "sim/model/model_formats.h"
 
 namespace kirireel::model {
@@ -39,6 +40,8 @@ namespace fs = std::filesystem;
 constexpr double kNever = std::numeric_limits<double>::infinity();
 // How far off its direction a cut's aim may be, of the distance to it.
 constexpr double kAim = 0.03;
+// The end of a cut beyond a line is a slip up to this part of a tile.
+constexpr double kStub = 0.25;
 
 double lengthOf(const DrawnPath& path) {
   double length = 0;
@@ -83,8 +86,9 @@ struct CutRay {
 /// Steps 3 and 4.
 class RayTracer {
  public:
-  RayTracer(const Arrangement& lines, bool hasCurves, double tolerance)
-      : lines_(lines), hasCurves_(hasCurves), tolerance_(tolerance) {
+  /// `curveError`: how far straight pieces of a curve may be off it, metres; 0 without curves.
+  RayTracer(const Arrangement& lines, double curveError, double tolerance)
+      : lines_(lines), curveError_(curveError), tolerance_(tolerance) {
     for (int node = 0; node < std::ssize(lines.nodes()); ++node) {
       if (lines.leaving(node).size() == 1) rays_.push_back(rayAt(node));
     }
@@ -175,13 +179,15 @@ class RayTracer {
       ray.along = (ray.from - lines_.at(last)).normalized();
     }
     ray.straight = (ray.from - lines_.at(last)).norm();
-    // The tangent at the end of a curve is half a turn further than its last piece.
-    if (hasCurves_ && lines_.leaving(last).size() == 2) {
+    // The tangent at the end of a curve is half a turn further than its last piece. A piece of
+    // length L that turns by a is off its curve by L a / 8.
+    if (curveError_ > 0 && lines_.leaving(last).size() == 2) {
       for (const int half : lines_.leaving(last)) {
         const Vector2 before = lines_.at(last) - lines_.at(lines_.to(half));
         const double turn = std::atan2(crossOf(before, ray.along), before.dot(ray.along));
         const double ratio = before.norm() / ray.straight;
-        if (std::abs(turn) < 0.8 && ratio > 0.5 && ratio < 2) {
+        const bool isCurve = ray.straight * std::abs(turn) <= 8 * curveError_;
+        if (isCurve && std::abs(turn) < 0.8 && ratio > 0.5 && ratio < 2) {
           ray.along = Eigen::Rotation2Dd(turn / 2) * ray.along;
         }
       }
@@ -249,7 +255,7 @@ class RayTracer {
   }
 
   const Arrangement& lines_;
-  bool hasCurves_;
+  double curveError_;  // metres
   double tolerance_;
   std::vector<CutRay> rays_;
   std::vector<Vector2> stops_;
@@ -329,14 +335,16 @@ class SheetMaker {
 
   Model make() {
     const Arrangement lines(cuts_.lines, tolerance_);
-    rays_ = RayTracer(lines, drawing_.flattening > 0 || cuts_.kerf > 0, tolerance_).run();
+    // Pieces of a curve that an editor straightened are off it by less than half a slot.
+    const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
+    rays_ = RayTracer(lines, curveError, tolerance_).run();
     findTips(rays_, cuts_, tolerance_);
     const double scale = tileScale(cuts_.lines, rays_, tolerance_);
     dropBeyondBorder(lines, scale);
     requireClosed(lines);
     takeNecks(scale);
     Arrangement whole = arranged();
-    requireInside(whole);
+    requireInside(lines, whole, scale);
     whole.dropBridges();
     findFaces(whole);
     addJoints(whole);
@@ -377,6 +385,43 @@ class SheetMaker {
     return {fault(what), drawing_.paths, std::move(places)};
   }
 
+  /// The end of a cut back to where other lines meet it.
+  struct Stub {
+    int node = 0, before = -1;  // where they meet it, and the node next to that
+    double length = 0;
+  };
+
+  static Stub stubOf(const Arrangement& lines, int end) {
+    Stub stub{end, -1, 0};
+    for (bool goesOn = true; goesOn;) {
+      goesOn = false;
+      for (const int half : lines.leaving(stub.node)) {
+        if (lines.to(half) == stub.before) continue;
+        stub.length += (lines.at(lines.to(half)) - lines.at(stub.node)).norm();
+        stub.before = stub.node;
+        stub.node = lines.to(half);
+        goesOn = lines.leaving(stub.node).size() == 2;
+        break;
+      }
+    }
+    return stub;
+  }
+
+  /// A cut that crosses a line and ends a little beyond it leaves no neck there.
+  void requireNoCrossing(const Arrangement& lines, const CutRay& ray, double scale) const {
+    const auto [node, before, length] = stubOf(lines, ray.node);
+    if (lines.leaving(node).size() < 4 || length > kStub * scale || length < 2 * cuts_.kerf) return;
+    const Vector2 along = (lines.at(before) - lines.at(node)).normalized();
+    const bool crosses = std::ranges::any_of(lines.leaving(node), [&](int half) {
+      return (lines.at(lines.to(half)) - lines.at(node)).normalized().dot(along) < -0.99;
+    });
+    if (!crosses) return;
+    throw faultAt({lines.at(node)},
+                  fmt::format("a cut crosses a line at {} and ends {:.4g} mm beyond it; end it "
+                              "there, or short of the line so that a neck stays",
+                              drawing_.place(lines.at(node)), length * 1e3));
+  }
+
   /// Short pieces of cuts that run over the border of their sheet.
   void dropBeyondBorder(const Arrangement& lines, double scale) {
     const std::vector<int> parts = lines.parts();
@@ -388,20 +433,8 @@ class SheetMaker {
       ringParts.push_back(parts[lines.from(lines.cycles()[c][0])]);
     }
     const auto isBeyond = [&](const CutRay& ray) {
-      double length = 0;
-      int node = ray.node, before = -1;
-      for (bool goesOn = true; goesOn;) {
-        goesOn = false;
-        for (const int half : lines.leaving(node)) {
-          if (lines.to(half) == before || (before >= 0 && lines.leaving(node).size() > 2)) continue;
-          length += (lines.at(lines.to(half)) - lines.at(node)).norm();
-          before = node;
-          node = lines.to(half);
-          goesOn = lines.leaving(node).size() == 2;
-          break;
-        }
-      }
-      if (lines.leaving(node).size() < 3 || length > 0.25 * scale) return false;
+      const auto [node, before, length] = stubOf(lines, ray.node);
+      if (lines.leaving(node).size() < 3 || length > kStub * scale) return false;
       bool isOfSheet = false;
       for (std::size_t k = 0; k < rings.size(); ++k) {
         isOfSheet |= ringParts[k] == parts[ray.node];
@@ -467,7 +500,7 @@ class SheetMaker {
   }
 
   /// An end outside all faces is of an open outline; others end within a tile.
-  void requireInside(const Arrangement& whole) {
+  void requireInside(const Arrangement& lines, const Arrangement& whole, double scale) {
     const std::vector<int> parts = whole.parts();
     std::set<int> closed;
     for (int c = 0; c < std::ssize(whole.cycles()); ++c) {
@@ -483,6 +516,7 @@ class SheetMaker {
                                   "it, or give --widest-neck if a neck is there",
                                   drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
       }
+      requireNoCrossing(lines, rays_[k], scale);
       ++leftOut_["cut that ends within a tile"];
     }
   }
@@ -1043,6 +1077,7 @@ class CutPatternReader {
     const auto rings = closedRings(paths, tolerance_, areAllClosed);
     CutLines cuts;
     if (areAllClosed && !rings.empty()) cuts = slotLines(rings, tolerance_);
+    if (!cuts.lines.empty()) requireSimple(rings);
     if (cuts.lines.empty()) {
       takeReliefs(paths, rings, cuts);
       cuts.lines = segmentsOf(paths);
@@ -1056,6 +1091,46 @@ class CutPatternReader {
     reading.found = (cuts.kerf > 0 ? "slots: " : "slits: ") + maker.found(reading.model);
     reading.leftOut = maker.leftOut();
     return reading;
+  }
+
+  /// Outlines of sheets and slots do not cross themselves. Of lines that meet more than two at a
+  /// place it is not known which ones make an outline.
+  void requireSimple(const std::vector<std::vector<Vector2>>& rings) const {
+    PointNumbers numbers(tolerance_, rings.front().front());
+    std::vector<int> uses;
+    for (const std::vector<Vector2>& ring : rings) {
+      for (const Vector2& point : ring) {
+        const int number = numbers.add(point);
+        uses.resize(numbers.count());
+        ++uses[number];
+      }
+    }
+    for (const std::vector<Vector2>& ring : rings) {
+      const bool isShared = std::ranges::any_of(
+          ring, [&](const Vector2& point) { return uses[*numbers.find(point)] > 1; });
+      if (isShared) continue;
+      std::vector<PlaneSegment> sides;
+      for (std::size_t k = 0; k < ring.size(); ++k) {
+        sides.emplace_back(ring[k], ring[(k + 1) % ring.size()]);
+      }
+      visitNearSegments(sides, tolerance_, [&](int i, int j) {
+        const Vector2 u = sides[i].second - sides[i].first, v = sides[j].second - sides[j].first;
+        const double area = crossOf(u, v);
+        if (area == 0) return;
+        const Vector2 apart = sides[j].first - sides[i].first;
+        const double s = crossOf(apart, v) / area, t = crossOf(apart, u) / area;
+        const auto isInside = [&](double share, const Vector2& side) {
+          return std::min(share, 1 - share) * side.norm() > tolerance_;
+        };
+        if (!isInside(s, u) || !isInside(t, v)) return;
+        const Vector2 place = sides[i].first + s * u;
+        throw DrawingFault(
+            inputErrorAt({file_}, fmt::format("an outline crosses itself at {}; draw it without "
+                                              "the crossing",
+                                              drawing_.place(place))),
+            drawing_.paths, {place});
+      });
+    }
   }
 
   /// Crosses and the like beside the sheet.
@@ -1240,6 +1315,8 @@ DrawnSheet readDrawnSheet(const fs::path& file, const ReadSettings& settings,
   DrawnSheet sheet;
   sheet.model = readDrawnModel(drawing, file, inMetres, warnings, sheet.ignored);
   sheet.model.unit = unit;
+  // Corners where lines meet have more digits than the lines.
+  sheet.model.rounding = roundingOf(sheet.model.tiles, drawing.rounding);
   return sheet;
 }
 

@@ -20,8 +20,8 @@ struct CutLines {
   std::map<std::string, int> leftOut;  ///< what is no cut, and how often
 };
 
-/// Closed chains of the paths' lines, and whether all paths are in one. Lines whose ends meet, two
-/// at each place, make one.
+/// Closed chains of the paths' lines, and whether all paths are in one. Lines whose ends meet, an
+/// even number at each place, make one.
 std::vector<std::vector<Vector2>> closedRings(const std::vector<const DrawnPath*>& paths,
                                               double tolerance, bool& areAllClosed);
 

@@ -27,6 +27,19 @@ namespace {
 
 using SlotRing = std::vector<Vector2>;
 
+/// How often a ring goes round a point, anticlockwise.
+int windingNumber(const SlotRing& ring, const Vector2& point) {
+  int turns = 0;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const Vector2 a = ring[k] - point, b = ring[(k + 1) % ring.size()] - point;
+    if ((a.y() <= 0) == (b.y() <= 0)) continue;
+    const double side = model::crossOf(a, b);
+    if (a.y() <= 0 && side > 0) ++turns;
+    if (b.y() <= 0 && side < 0) --turns;
+  }
+  return turns;
+}
+
 /// A calculation of GEOS with what it made.
 class GeosPlane {
  public:
@@ -48,10 +61,8 @@ class GeosPlane {
     GEOSGeometry* shell = GEOSGeom_createLinearRing_r(handle_, points);
     GEOSGeometry* whole = shell ? GEOSGeom_createPolygon_r(handle_, shell, nullptr, 0) : nullptr;
     if (!whole) throw InputError("error: an outline of the drawing is no polygon");
-    // Outlines that cross themselves become what they go round.
-    if (GEOSisValid_r(handle_, whole) == 1) return keep(whole);
     keep(whole);
-    return keep(GEOSMakeValid_r(handle_, whole));
+    return GEOSisValid_r(handle_, whole) == 1 ? whole : wound(whole, ring);
   }
   GEOSGeometry* united(const std::vector<SlotRing>& rings) {
     std::vector<GEOSGeometry*> parts;
@@ -84,6 +95,25 @@ class GeosPlane {
   }
 
  private:
+  /// Of an outline that crosses or touches itself: all that it goes round, in either sense.
+  GEOSGeometry* wound(const GEOSGeometry* whole, const SlotRing& ring) {
+    const GEOSGeometry* line = keep(GEOSBoundary_r(handle_, whole));
+    const GEOSGeometry* noded = keep(GEOSUnaryUnion_r(handle_, line));
+    const GEOSGeometry* faces = keep(GEOSPolygonize_r(handle_, &noded, 1));
+    std::vector<GEOSGeometry*> parts;
+    for (int k = 0; k < GEOSGetNumGeometries_r(handle_, faces); ++k) {
+      const GEOSGeometry* face = GEOSGetGeometryN_r(handle_, faces, k);
+      const GEOSGeometry* point = keep(GEOSPointOnSurface_r(handle_, face));
+      Vector2 inside;
+      GEOSGeomGetX_r(handle_, point, &inside.x());
+      GEOSGeomGetY_r(handle_, point, &inside.y());
+      if (windingNumber(ring, inside) != 0) parts.push_back(GEOSGeom_clone_r(handle_, face));
+    }
+    const GEOSGeometry* all = keep(GEOSGeom_createCollection_r(
+        handle_, GEOS_GEOMETRYCOLLECTION, parts.data(), static_cast<unsigned>(parts.size())));
+    return keep(GEOSUnaryUnion_r(handle_, all));
+  }
+
   GEOSGeometry* keep(GEOSGeometry* one) {
     if (!one) throw InputError("error: the outlines of the drawing cross in too many ways");
     made_.push_back(one);
@@ -175,6 +205,19 @@ double medianWidth(std::vector<FacingEdges> pairs) {
   return 0;
 }
 
+/// Where two centre lines meet that end near a place: where they cross, if that is nearby.
+Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, double near) {
+  constexpr double kLeastBend = 0.01;  // radians; straighter lines cross anywhere
+  if (lines.size() != 2) return place;
+  const Vector2 u = (lines[0].second - lines[0].first).normalized();
+  const Vector2 v = (lines[1].second - lines[1].first).normalized();
+  const double sine = model::crossOf(u, v);
+  if (std::abs(sine) < kLeastBend) return place;
+  const Vector2 apart = lines[1].first - lines[0].first;
+  const Vector2 bend = lines[0].first + model::crossOf(apart, v) / sine * u;
+  return (bend - place).norm() <= near ? bend : place;
+}
+
 /// Rings round one outline that itself has rings in it. The largest ring comes first.
 void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
   const auto holdsFrom = [&](std::size_t outer) {
@@ -209,23 +252,39 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
     at[ends.back().second].push_back(static_cast<int>(k));
   }
   std::vector<bool> isTaken(open.size(), false);
+  // Where more than two lines end, as where outlines touch or overlap, the straightest goes on.
+  const auto nextAt = [&](int node, const Vector2& along) {
+    int next = -1;
+    double straightest = -2;
+    for (const int path : at[node]) {
+      if (isTaken[path] || at[node].size() % 2 == 1) continue;
+      const std::vector<Vector2>& points = open[path]->points;
+      const bool isForward = ends[path].first == node;
+      const Vector2 first =
+          isForward ? points[1] - points[0] : points[points.size() - 2] - points.back();
+      const double turn = first.normalized().dot(along);
+      if (turn <= straightest) continue;
+      straightest = turn;
+      next = path;
+    }
+    return next;
+  };
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (isTaken[k]) continue;
     SlotRing ring;
-    std::vector<int> chain;
-    int path = static_cast<int>(k), node = ends[k].first;
-    while (!isTaken[path]) {
+    const int start = ends[k].first;
+    int node = start;
+    for (int path = static_cast<int>(k); path >= 0;) {
       isTaken[path] = true;
-      chain.push_back(path);
       const bool isForward = ends[path].first == node;
       std::vector<Vector2> points = open[path]->points;
       if (!isForward) std::ranges::reverse(points);
       ring.insert(ring.end(), points.begin(), points.end() - 1);
       node = isForward ? ends[path].second : ends[path].first;
-      if (at[node].size() != 2) break;
-      path = at[node][0] == path ? at[node][1] : at[node][0];
+      path = node == start ? -1
+                           : nextAt(node, (points.back() - points[points.size() - 2]).normalized());
     }
-    const bool closes = node == ends[k].first && at[node].size() == 2 && ring.size() > 2;
+    const bool closes = node == start && at[start].size() % 2 == 0 && ring.size() > 2;
     if (closes) {
       rings.push_back(std::move(ring));
     } else {
@@ -265,15 +324,20 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     return pair.width > 2.5 * cuts.kerf || pair.length < 0.25 * cuts.kerf;
   });
   PointNumbers ends(0.25 * cuts.kerf, border.front().first);
-  std::vector<int> uses;
+  std::vector<std::vector<PlaneSegment>> linesAt;
+  std::vector<std::pair<int, int>> centreLines;
   for (const FacingEdges& pair : pairs) {
     const int first = ends.add(pair.middle.first), last = ends.add(pair.middle.second);
-    uses.resize(ends.count());
+    linesAt.resize(ends.count());
     if (first == last) continue;
-    ++uses[first];
-    ++uses[last];
-    cuts.lines.emplace_back(ends[first], ends[last]);
+    linesAt[first].push_back(pair.middle);
+    linesAt[last].push_back(pair.middle);
+    centreLines.emplace_back(first, last);
   }
+  std::vector<Vector2> places = ends.points();
+  for (int k = 0; k < ends.count(); ++k) places[k] = bendOf(linesAt[k], places[k], cuts.kerf);
+  for (const auto& [first, last] : centreLines)
+    cuts.lines.emplace_back(places[first], places[last]);
   std::vector<SlotRing> holes;
   const std::vector<SlotRing> outlines =
       plane.rings(plane.grown(plane.grown(material, 0.6 * cuts.kerf), -0.6 * cuts.kerf), &holes);
@@ -282,9 +346,9 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     // A hole at the end of one slot relieves it; several slots may end at a hole of the design.
     int slots = 0;
     for (int k = 0; k < ends.count(); ++k) {
-      if (uses[k] != 1) continue;
-      double nearest = isWithinRing(hole, ends[k]) ? 0 : 1e9;
-      for (const Vector2& point : hole) nearest = std::min(nearest, (point - ends[k]).norm());
+      if (linesAt[k].size() != 1) continue;
+      double nearest = isWithinRing(hole, places[k]) ? 0 : 1e9;
+      for (const Vector2& point : hole) nearest = std::min(nearest, (point - places[k]).norm());
       slots += nearest < 1.5 * cuts.kerf ? 1 : 0;
     }
     if (slots == 0) ++cuts.leftOut["hole in a tile"];
