@@ -22,6 +22,7 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/closing.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
@@ -48,6 +49,7 @@ constexpr double kAssemblingShare = 0.3;
 
 // What is tried before any path.
 constexpr const char* kAssembling = "the state nearest to the target";
+constexpr const char* kClosing = "the path beyond full extension";
 
 /// An entry that could never happen is a mistake.
 void requireInTime(const scene::Timeline& timeline, double duration) {
@@ -182,6 +184,22 @@ void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   found.misfit = misfit;
 }
 
+/// Goes on from full extension to the second compact state, where the scene leads there.
+void closeAgain(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
+                Search& found) {
+  if (scene.path.to != scene::Destination::Closed || found.planned.isCutShort) return;
+  scene::Scene fitted = scene;
+  if (found.misfit > 0) fitted.model.rounding = found.misfit;
+  GeometricPath& path = *found.planned.path;
+  continueUntilClosed(
+      fitted, budget,
+      [&](double share) {
+        return watch({kClosing, share});
+      },
+      path);
+  found.planned.isCutShort = path.path.isCutShort;
+}
+
 /// Looks at the target, and for a path of the mechanism where the scene is one for it.
 void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
             Search& found) {
@@ -204,8 +222,19 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   touching.environment.contacts = contactsIfOn(scene.environment.contacts);
   found.blocking = blockingPairs(touching, found.nearest.restPoses, budget);
   const scene::PathKind kind = scene.path.kind;
-  if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) return;
+  const bool isClosing = scene.path.to == scene::Destination::Closed;
+  if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) {
+    if (!isClosing) return;
+    throw InputError(
+        "error: --to closed follows the motion of the sheet as geometry; remove --path, or use "
+        "--path continuation");
+  }
   if (std::string reason; !scene::isQuasiStatic(scene, reason)) {
+    if (isClosing) {
+      throw InputError(fmt::format(
+          "error: --to closed follows the motion of the sheet as geometry, but {}; remove that",
+          reason));
+    }
     if (kind == scene::PathKind::Continuation) {
       throw InputError(fmt::format(
           "error: --path continuation is geometry alone, but {}; leave that away, or give --path "
@@ -218,6 +247,7 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   } else {
     extend(scene, budget, watch, found);
     requireMotion(scene, found.planned);
+    closeAgain(scene, budget, watch, found);
   }
 }
 

@@ -142,6 +142,8 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
   std::string words = "the path ends at full extension";
   if (scene.model.target) {
     words = endNearTarget(scene, found, error, nearest);
+  } else if (!found.closedWords.empty()) {
+    words = found.closedWords;
   } else if (found.path.endsAtOpenJoints) {
     words = fmt::format(
         "the path ends at the last state with closed joints: beyond it they open by more than ten "

@@ -18,6 +18,7 @@ struct GeometricPath {
   scene::ContactFilter contacts = scene::ContactFilter::None;  ///< that bricks had on it
   std::string contactReason;                                   ///< why, for the summary
   std::string reason;                                          ///< why this path, for the summary
+  std::string closedWords;  ///< of a path to the second compact state: how it ends
   PathEvaluation evaluation;                                   ///< its figures
   bool hasCompliantJoints = false;                             ///< joints may be open on the way
   /// Model::rounding is not the last digit of coordinates but how closely the tiles fit.
