@@ -63,13 +63,15 @@ const char* jointWord(const ElementMesh& mesh) {
 
 /// "0.1" or "0.1 to 0.2", metres: one length of all necks.
 std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*length) {
-  if (mesh.neckShapes.empty()) return deckNumber(mesh.rule.neck.*length);
-  double least = mesh.neckShapes.front().shape.*length, most = least;
+  double least = mesh.rule.neck.*length, most = least;
+  if (!mesh.neckShapes.empty()) least = most = mesh.neckShapes.front().shape.*length;
   for (const MeshNeck& neck : mesh.neckShapes) {
     least = std::min(least, neck.shape.*length);
     most = std::max(most, neck.shape.*length);
   }
-  return most > least ? deckNumber(least) + " to " + deckNumber(most) : deckNumber(least);
+  // Lengths of a drawing have noise in their last digits.
+  const std::string from = fmt::format("{:.6g}", least), to = fmt::format("{:.6g}", most);
+  return from == to ? from : from + " to " + to;
 }
 
 /// What hinges' springs would be in place of necks: a user can check the order of

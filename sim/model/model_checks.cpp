@@ -707,12 +707,13 @@ void setNeck(int joint, const Neck& neck, const FileLocation& location, JointTab
                                              joint, std::ssize(table.rows) - 1));
   }
   // Neither numbers that are none nor those beyond any sheet.
-  const bool isPossible = neck.width > 0 && neck.kerf >= 0 && neck.length >= neck.kerf &&
+  const bool isPossible = neck.width > neck.kerf / 2 && neck.kerf >= 0 && neck.length >= neck.kerf &&
                           neck.width <= kMaxCoordinate && neck.length <= kMaxCoordinate;
   if (!isPossible) {
     throw inputErrorAt(
         location, fmt::format("the neck of joint {} is {} wide and {} long, its kerf {}; a width "
-                              "is > 0, a kerf >= 0 and a length at least the kerf: correct them",
+                              "is > half the kerf, a kerf >= 0 and a length at least the kerf: "
+                              "correct them",
                               joint, neck.width, neck.length, neck.kerf));
   }
   if (table.rows[joint].neck) {

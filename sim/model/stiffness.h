@@ -5,11 +5,17 @@
 
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
+#include "sim/model/model.h"
 
 namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
 // How stiffly a neck of material joins two tiles, as springs.
+
+/// What stays of a neck's width, metres: at the joint, too, a cut takes half a kerf.
+inline double materialWidth(const Neck& neck) {
+  return neck.width - neck.kerf / 2;
+}
 
 /// The moment per angle, N m/rad, of a neck in the sheet's plane between two tiles with a shut slit
 /// beside it, as flat_sheet.h draws it:

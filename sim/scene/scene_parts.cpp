@@ -504,7 +504,7 @@ std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corner
 HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
   HingeNeck neck = *scene.hinges.neck;
   if (neck.width > 0) return neck;
-  neck.width = joint.neck.width;
+  neck.width = model::materialWidth(joint.neck);
   neck.length = std::max(joint.neck.length, joint.neck.kerf);
   return neck;
 }

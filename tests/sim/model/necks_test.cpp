@@ -102,7 +102,7 @@ TEST(Necks, OfFilesAreChecked) {
             "number");
   EXPECT_EQ(refusal("0 0 0 0\n"),
             "/necks.txt:1: error: the neck of joint 0 is 0 wide and 0 long, its kerf 0; a width is "
-            "> 0, a kerf >= 0 and a length at least the kerf: correct them");
+            "> half the kerf, a kerf >= 0 and a length at least the kerf: correct them");
   EXPECT_THAT(refusal("0 0.1 0.1 0.2\n"), HasSubstr("0.1 wide and 0.1 long, its kerf 0.2"));
   EXPECT_EQ(refusal("0 0.1 0 0\n0 0.1 0 0\n"),
             "/necks.txt:2: error: joint 0 has two necks; delete one of them");
