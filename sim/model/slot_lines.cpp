@@ -6,9 +6,9 @@
 // 2. *Facing edges*: two edges of M's border that run in opposite directions with nothing but
 //    removed material between them. Their distance, the median over their lengths, is the kerf k.
 // 3. *Centre lines* run midway between facing edges, where both are there.
-// 4. *Outline*: M closed by 0.6 k (dilation and erosion with mitred corners, J. Serra, Image
-//    Analysis and Mathematical Morphology, 1982), which fills slots and their mouths and gives
-//    straight edges back as they were. Holes that stay are wider than slots.
+// 4. *Outline*: M closed by 0.6 k or more (dilation and erosion with mitred corners, J. Serra,
+//    Image Analysis and Mathematical Morphology, 1982), which fills slots and their mouths and
+//    gives straight edges back as they were. Holes that stay are wider than slots.
 //
 // Where slots meet, centre lines end half a kerf before each other: sheetOfCuts() extends them, as
 // it extends all ends, and finds no material on the way.
@@ -338,9 +338,20 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
   for (int k = 0; k < ends.count(); ++k) places[k] = bendOf(linesAt[k], places[k], cuts.kerf);
   for (const auto& [first, last] : centreLines)
     cuts.lines.emplace_back(places[first], places[last]);
-  std::vector<SlotRing> holes;
-  const std::vector<SlotRing> outlines =
-      plane.rings(plane.grown(plane.grown(material, 0.6 * cuts.kerf), -0.6 * cuts.kerf), &holes);
+  std::vector<SlotRing> outlines, holes;
+  const auto isFilled = [&](const FacingEdges& pair) {
+    if (pair.width > 1.1 * cuts.kerf) return true;  // wider than most slots
+    const Vector2 middle = 0.5 * (pair.middle.first + pair.middle.second);
+    const auto holdsIt = [&](const SlotRing& ring) { return isWithinRing(ring, middle); };
+    return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
+  };
+  // Mitred buffers of GEOS may be wrong: then slots stay open, and another distance does better.
+  for (const double share : {0.6, 0.7, 0.85, 1.0}) {
+    holes.clear();
+    const double distance = share * cuts.kerf;
+    outlines = plane.rings(plane.grown(plane.grown(material, distance), -distance), &holes);
+    if (std::ranges::all_of(pairs, isFilled)) break;
+  }
   for (const PlaneSegment& one : segmentsOf(outlines)) cuts.lines.push_back(one);
   for (const SlotRing& hole : holes) {
     // A hole at the end of one slot relieves it; several slots may end at a hole of the design.

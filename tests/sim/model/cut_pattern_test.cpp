@@ -381,6 +381,18 @@ TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(
       read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
       HasSubstr("the piece at (10, 10) mm hangs by nothing; let a cut round it stop short"));
+  // A slit that crosses another one by mistake, and one that crosses it to cut four tiles.
+  EXPECT_THAT(
+      read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H42\"/>")).refusal,
+      HasSubstr("a.svg: error: a cut crosses a line at (40, 40) mm and ends 2 mm beyond it; end it "
+                "there, or short of the line so that a neck stays"));
+  EXPECT_EQ(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H78\"/>")).model.tiles.size(),
+            4U);
+  // A slot whose outline crosses itself.
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V40H0Z\"/><path d=\"M30 2V38H30.3V2Z\"/>"
+                                 "<path d=\"M2 20H10L10.3 20.3H2L6 19Z\"/>"))
+                  .refusal,
+              HasSubstr("an outline crosses itself at ("));
   // Ribbons.
   std::string ribbons = "<path d=\"M0 0H60V50H0Z";
   for (int row = 1; row < 5; ++row) {

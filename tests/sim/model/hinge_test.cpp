@@ -85,6 +85,29 @@ TEST(Hinges, OfRotatingSquaresOpenByTheSheetsAngle) {
   }
 }
 
+// As published folders list them: a row for the bottom faces and one for the top faces.
+TEST(Hinges, OfJointsListedFaceByFaceAreTheSame) {
+  model::Model listed = squares(3, 0.3);
+  const std::vector<model::Joint> joints = listed.joints;
+  listed.joints.clear();
+  for (model::Joint joint : joints) {
+    for (const model::JointFace face : {model::JointFace::Bottom, model::JointFace::Top}) {
+      joint.face = face;
+      listed.joints.push_back(joint);
+    }
+  }
+  const Sheet whole(squares(3, 0.3)), sheet(listed);
+  for (const bool planar : {true, false}) {
+    const model::FoundHinges wanted = whole.hinges(planar), found = sheet.hinges(planar);
+    ASSERT_EQ(found.hinges.size(), wanted.hinges.size()) << planar;
+    for (std::size_t k = 0; k < found.hinges.size(); ++k) {
+      EXPECT_EQ(found.hinges[k].cornerA, wanted.hinges[k].cornerA);
+      EXPECT_NEAR(found.hinges[k].start, wanted.hinges[k].start, 1e-12);
+      EXPECT_NEAR(found.hinges[k].most, wanted.hinges[k].most, 1e-12);
+    }
+  }
+}
+
 /// Two triangles that lie flush along an edge and turn about one of its ends.
 model::Model flushTriangles() {
   model::Model model;
