@@ -46,8 +46,11 @@ constexpr double kStill = 1e-9;
 // kNodes gaps.
 constexpr double kNearGap = 1e-3;
 constexpr std::size_t kNodes = 5;
-// Gaps below this are shut at the end, radians, beyond what the rounding of coordinates leaves.
+// Of rounded tiles from so many roots of the rounding.
+constexpr double kAboveRounding = 10;
+// Gaps below this are shut at the end, radians; of rounded tiles below so many digits.
 constexpr double kShut = 1e-6;
+constexpr double kShutDigits = 100;  // of the last digit, in tiles
 constexpr int kBisections = 40;
 // Moves that close rounded joints beyond the first order, at most.
 constexpr int kClosingMoves = 4;
@@ -142,7 +145,7 @@ class ClosingPath {
       before_ = std::exchange(last_, std::move(tried));
       keep(last_);
       if (const std::optional<std::size_t> gap = closingGap(earlier);
-          gap && gaps_[*gap] < kNearGap) {
+          gap && gaps_[*gap] < nearGap()) {
         finish(*gap);
         return;
       }
@@ -155,6 +158,13 @@ class ClosingPath {
  private:
   bool isExact() const { return std::isinf(jointStiffness_); }
 
+  /// From this gap on the end is extrapolated, radians. Rounded joints hold motions whose singular
+  /// values, which are about as large as the gap, are above the root of the rounding in tiles.
+  double nearGap() const {
+    if (isExact()) return kNearGap;
+    return std::max(kNearGap, kAboveRounding * std::sqrt(scene_.model.rounding / tile_));
+  }
+
   bool mayGoOn() { return !budget_.isSpent() && (!goesOn_ || goesOn_(budget_.share())); }
 
   void requireOneMotion() const {
@@ -162,6 +172,11 @@ class ClosingPath {
       throw InputError(
           "error: --to closed follows the motion of the sheet, but the sheet does not extend from "
           "its start; give --target, or other joints (--joints-file)");
+    }
+    if (found_.evaluation.overlapGrowth > kClearShare * tile_) {
+      throw InputError(
+          "error: --to closed: tiles overlap on the way to full extension, so that they cannot get "
+          "beyond it; give --target");
     }
     const auto half = std::ranges::lower_bound(path_.lengths, 0.5 * extension_);
     const Poses& state = path_.states[static_cast<std::size_t>(half - path_.lengths.begin())];
@@ -198,9 +213,8 @@ class ClosingPath {
 
   /// Closes the joints of a state nearby, as far as the rounding of the model's coordinates allows.
   bool close(Poses& poses) {
-    const double work = 100.0 * static_cast<double>(bricks_.size() * bricks_.size());
     if (isExact()) {
-      budget_.spend(work);
+      budget_.spend(100.0 * static_cast<double>(bricks_.size() * bricks_.size()));
       return closeInPlace(poses, *dynamics_);
     }
     const auto withoutForces = [](const Poses&, std::vector<model::Load>& loads) {
@@ -286,7 +300,7 @@ class ClosingPath {
     }
     Poses end = poseAtNoGap(nodes, states);
     Poses closed = end;
-    if (close(closed) && pathDistance(metric_, end, closed) < kNearGap * kNearGap * tile_) {
+    if (close(closed) && pathDistance(metric_, end, closed) < nearGap() * nearGap() * tile_) {
       end = std::move(closed);
     }
     keep(end);
@@ -296,7 +310,7 @@ class ClosingPath {
 
   void note(bool meetBetween) {
     const double shut =
-        kShut + (isExact() ? 0 : roundedReach(scene_.model) / tile_ + scene_.model.rounding);
+        isExact() ? kShut : std::max(kShut, kShutDigits * scene_.model.rounding / tile_);
     std::size_t count = 0;
     for (std::size_t k = 0; k < hinges_.size(); ++k) {
       count += std::min(std::abs(gaps_[2 * k]), std::abs(gaps_[2 * k + 1])) <= shut;
