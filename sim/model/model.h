@@ -48,7 +48,7 @@ enum class JointKind {
 
 /// The material that stays at a joint of a sheet that is cut: a neck beside the end of a cut.
 struct Neck {
-  double width = 0;   ///< from the end of the cut to the joint, metres, > 0; 0: unknown
+  double width = 0;   ///< from the end of the cut to the joint, metres, > kerf / 2; 0: unknown
   double length = 0;  ///< from tile to tile across the cut, metres, >= kerf
   double kerf = 0;    ///< width of the cuts, metres, >= 0
 
