@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "render/cli/command_line.h"
+#include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "sim/base/error.h"
 
@@ -19,7 +20,7 @@ using namespace kirireel::cli;
 
 /// One line on standard error, whatever line breaks the message holds. Returns the code.
 int complain(int exitCode, const std::string& message) {
-  fmt::print(stderr, "kirireel: {}\n", oneLine(message));
+  fmt::print(stderr, "kirireel: {}\n", oneLine(spellOptions(message)));
   return exitCode;
 }
 
@@ -62,8 +63,9 @@ int runProgram(const std::vector<std::string>& arguments) {
   }
 }
 
-/// Ends the process without the end functions of libraries. Some wait for threads of theirs, which may never
-/// end: with little memory, OpenBLAS's threads (FFmpeg links it) repeat forever to allocate 128 MiB.
+/// Ends the process without the end functions of libraries. Some wait for threads of theirs, which
+/// may never end: with little memory, OpenBLAS's threads (FFmpeg links it) repeat forever to
+/// allocate 128 MiB.
 [[noreturn]] void endProcess(int exitCode) {
   std::fflush(nullptr);
 #ifdef __SANITIZE_ADDRESS__

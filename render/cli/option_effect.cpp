@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
 #include "render/picture/video.h"
 #include "sim/base/error.h"
@@ -282,9 +283,11 @@ bool isDirect(const scene::Scene& scene) {
 /// What must hold for an option of this command to mean anything.
 std::vector<scene::Condition> conditionsOf(const std::string& option) {
   // Of a model's parts, which are no settings.
-  if (option == "--pin" || option == "--link") return {{isDirect, "--solver direct"}};
+  if (option == "--pin" || option == "--link") return {{isDirect, "`solver = direct`"}};
   for (const scene::SettingGroup& group : scene::sceneSettings()) {
-    const auto found = std::ranges::find(group.settings, option, &scene::Setting::option);
+    const auto found = std::ranges::find(group.settings, option, [](const scene::Setting& setting) {
+      return optionName(setting.key);
+    });
     if (found != group.settings.end()) return found->conditions;
   }
   return {};
@@ -322,7 +325,7 @@ std::vector<const CLI::Option*> optionsOf(const OptionEffect& effect, const CLI:
 
 [[noreturn]] void refuseBeside(const std::string& option, const char* others) {
   throw InputError(
-      fmt::format("error: {} and {} say the same; leave one of them away", option, others));
+      fmt::format("error: {} and {} are equivalent. Use only one of them", option, others));
 }
 
 [[noreturn]] void refuse(const std::string& option, const char* needed) {
@@ -352,7 +355,7 @@ void requireConsistentPace(const CLI::App& command) {
   }
   if (isGiven(command, "--length") && isGiven(command, "--speed")) {
     throw InputError(
-        "error: --length is for an even pace and --speed for real time; leave one of them away");
+        "error: --length is for an even pace and --speed for real time. Remove one of them");
   }
 }
 
@@ -379,7 +382,7 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
   }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
     throw InputError(
-        "error: --auto-detect-connections is --faces pykirigami; leave one of them away");
+        "error: --auto-detect-connections is --faces pykirigami. Use only one of them");
   }
 }
 

@@ -15,6 +15,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <regex>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -110,17 +111,16 @@ OptionGroup::Statement OptionGroup::values(const std::string& name, const std::s
 }
 
 void OptionGroup::setting(const scene::Setting& setting, scene::Scene& scene) {
-  const std::string name = setting.option();
+  const std::string name = optionName(setting.key);
+  const std::string help = spellOptions(setting.help);
   // Settings stand as long as the program runs.
   const auto write = [&setting, &scene] { return setting.write(scene); };
   if (setting.isSwitch) {
-    flag(name, setting.help, [&setting, &scene, name] {
-      setting.read(scene, {name, ""});
-    }).saidAs(write);
+    flag(name, help, [&setting, &scene, name] { setting.read(scene, {name, ""}); }).saidAs(write);
     return;
   }
   Statement statement =
-      value(name, setting.unit, setting.usual, setting.help,
+      value(name, setting.unit, setting.usual, help,
             [&setting, &scene](const scene::TypedValue& typed) { setting.read(scene, typed); });
   statement.saidAs(write);
   if (!setting.words.empty()) statement.accepts(setting.words);
@@ -405,6 +405,27 @@ picture::TileOpacity parseTileOpacity(const scene::TypedValue& value) {
   const auto tiles = tilesAndRanges(std::string_view(value.text).substr(0, equals));
   if (!tiles) throw scene::valueError(value, kAllowed);
   return {*tiles, scene::parseNumber({value.name, value.text.substr(equals + 1)}, {0, 1})};
+}
+
+std::string optionName(const std::string& key) {
+  std::string name = "--" + key;
+  std::ranges::replace(name, '_', '-');
+  return name;
+}
+
+std::string spellOptions(const std::string& message) {
+  static const std::regex setting("`([a-z][a-z0-9_]*)(?: = ([^`]*))?`");
+  std::string text;
+  auto rest = message.cbegin();
+  for (std::sregex_iterator match(message.begin(), message.end(), setting), end; match != end;
+       ++match) {
+    text.append(rest, (*match)[0].first);
+    rest = (*match)[0].second;
+    const bool isOff = (*match)[2] == "false";
+    text += isOff ? optionName("no_" + (*match)[1].str()) : optionName((*match)[1]);
+    if ((*match)[2].matched && !isOff) text += " " + (*match)[2].str();
+  }
+  return text.append(rest, message.cend());
 }
 
 std::string sizeText(picture::FrameSize size) {

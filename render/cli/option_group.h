@@ -63,6 +63,13 @@ picture::TileColour parseTileColour(const scene::TypedValue& value);
 /// "3,7,10-15=0.3": numbers of tiles, or ranges of them, and how opaque they are, 0 to 1.
 picture::TileOpacity parseTileOpacity(const scene::TypedValue& value);
 
+/// The option that sets a key: "--brick-friction" for "brick_friction".
+std::string optionName(const std::string& key);
+
+/// A message of sim/ as the command line shows it: "`key`" becomes "--key", "`key = value`" becomes
+/// "--key value", and "`key = false`" becomes "--no-key".
+std::string spellOptions(const std::string& message);
+
 /// The functions below write what those above read, as values of a scene file.
 
 /// "1280x720" in quotation marks.

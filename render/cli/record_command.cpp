@@ -345,7 +345,7 @@ int carryOut(const RecordOrder& order) {
         record::record(result.scene, result.settings, [&](const record::Progress& progress) {
           const bool isShown = order.verbose || !progress.isRemarkInSummary;
           if (isShown && !progress.remark.empty()) {
-            fmt::print(stderr, "kirireel: {}\n", progress.remark);
+            printWarnings({progress.remark});
           }
           line.show(progress);
           return takeInterrupt();

@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
@@ -344,7 +345,7 @@ std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSe
   if (const std::size_t count = summary.warnings.size(); count > 0) {
     text += fmt::format("; {} warning{}: --verbose", count, count > 1 ? "s" : "");
   }
-  return text + "\n";
+  return spellOptions(text + "\n");
 }
 
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
@@ -380,7 +381,7 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
   text += describeCost(summary);
   text += fmt::format("in {}: {}\n", settings.folder.string(),
                       fmt::join(shortList(summary.files), " "));
-  return text;
+  return spellOptions(text);
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -419,7 +419,7 @@ int carryOut(const CurvesOrder& order) {
   for (const std::string& name : record::writeCurves(run, settings)) {
     fmt::print("{}\n", (settings.folder / name).string());
   }
-  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", trajectory::kNoMechanics);
+  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", spellOptions(trajectory::kNoMechanics));
   return kExitDone;
 }
 

@@ -413,7 +413,7 @@ void checkThickness(const scene::Scene& scene, std::vector<std::string>& warning
 
 void printWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
-    fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
+    fmt::print(stderr, "kirireel: {}\n", oneLine(spellOptions(warning)));
   }
 }
 

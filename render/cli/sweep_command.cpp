@@ -477,7 +477,7 @@ class RunOrders {
     if (shape_) record_.madeModel = makeModel(generate_);
     complete();
     runOrder(record_, [](const record::Progress& progress) {
-      if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
+      if (!progress.remark.empty()) printWarnings({progress.remark});
       return record::Interruption();
     });
   }

@@ -157,7 +157,7 @@ std::filesystem::path pendingName(const std::filesystem::path& finalPath) {
 void requireWritableFolder(const std::filesystem::path& folder) {
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
   throw OutputError(
-      fmt::format("{}: error: cannot write in this folder ({}); choose another with --out",
+      fmt::format("{}: error: cannot write in this folder ({}); choose another folder",
                   folder.string(), std::strerror(errno)));
 }
 
@@ -200,8 +200,7 @@ void writeTextFile(const std::filesystem::path& finalPath, const std::string& te
   stream.close();
   if (!stream) {
     throw OutputError(
-        fmt::format("{}: error: cannot be written ({}); free some space or choose "
-                    "another folder with --out",
+        fmt::format("{}: error: cannot be written ({}); free some space or choose another folder",
                     finalPath.string(), std::strerror(errno)));
   }
   pending.commit();

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuseState() {
   throw InputError(
-      "error: the checkpoint holds the state of another run; leave --resume away to start anew");
+      "error: the checkpoint holds the state of another run; remove `resume` to start again");
 }
 
 }  // namespace

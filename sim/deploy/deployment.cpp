@@ -56,9 +56,9 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
   for (const scene::TimelineEntry& entry : timeline) {
     if (entry.when.kind != scene::Occasion::Kind::AtTime || entry.when.value <= duration) continue;
     throw inputErrorAt(
-        entry.where, fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise "
-                                 "--duration",
-                                 entry.when.value, duration));
+        entry.where,
+        fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise `duration`",
+                    entry.when.value, duration));
   }
 }
 
@@ -66,13 +66,12 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
 void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpring>& springs) {
   if (!scene.hinges.panels) return;
   if (scene::sceneNeeds(scene).planar.on) {
-    throw InputError(
-        "error: tiles that bend leave their plane; leave --planar on away, or --panels");
+    throw InputError("error: tiles that bend leave their plane; remove `planar = on` or `panels`");
   }
   if (!springs.empty()) return;
   throw InputError(
-      "error: in motion --panels bends tiles that are split and folds, and there are none: split "
-      "tiles (--split-tiles all), or give folds a length scale (--panels E,NU,LENGTH); tiles that "
+      "error: in motion `panels` bends only split tiles and folds, and there are none: split tiles "
+      "(`split_tiles = all`), or give folds a length scale (`panels = E,NU,LENGTH`); tiles that "
       "stretch too need a [[grip]] in scene.toml");
 }
 
@@ -83,7 +82,7 @@ std::string rigidTilesWarning(const scene::Scene& scene) {
   const auto count = std::ranges::count_if(scene.model.tiles, isWhole);
   if (count == 0) return "";
   return fmt::format(
-      "{} of {} tiles have more than three corners and stay rigid in motion; --split-tiles lets "
+      "{} of {} tiles have more than three corners and stay rigid in motion; `split_tiles` lets "
       "them bend",
       count, scene.model.tiles.size());
 }
@@ -131,8 +130,8 @@ void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
   requireDriveOutOfPlane(scene);
   throw InputError(
       "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
-      "motion but that of the whole; give --target, other joints (--joints-file), or what moves "
-      "it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)");
+      "motion but that of the whole; give `target`, other joints (`joints_file`), or what moves it "
+      "as it is (`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
 }
 
 // Corners that fit to a tolerance only, in all digits: designs that an optimiser left.
@@ -236,10 +235,10 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
           reason));
     }
     if (kind == scene::PathKind::Continuation) {
-      throw InputError(fmt::format(
-          "error: --path continuation is geometry alone, but {}; leave that away, or give --path "
-          "dynamic",
-          reason));
+      throw InputError(
+          fmt::format("error: `path = continuation` supports kinematic scenes only, but {}. Remove "
+                      "it or use `path = dynamic`",
+                      reason));
     }
     found.planned.trouble = reason;
   } else if (scene.model.target) {
@@ -265,7 +264,7 @@ void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
   if (result.needs.contacts.on || grown <= kClearShare * tile) return;
   result.warnings.push_back(
       fmt::format("bricks passed through each other by up to {:.2g} m ({:.2g} tiles); "
-                  "--contacts all lets them touch",
+                  "`contacts = all` lets them touch",
                   grown, grown / tile));
 }
 
@@ -420,8 +419,7 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   }
   if (isCutShort(found, result, isOverlapping)) {
     faults.push_back(
-        fmt::format("the search for a path ended at its budget of {:.3g} s; raise "
-                    "--search",
+        fmt::format("the search for a path ended at its budget of {:.3g} s; raise `search`",
                     scene.path.searchTime));
     result.warnings.push_back(faults.back());
   }

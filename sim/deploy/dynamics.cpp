@@ -121,7 +121,7 @@ void requireFree(const std::optional<contacts::ObstacleOverlap>& overlap, int co
 void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
-      "error: obstacles need bricks that move in space; leave --planar on away, or the obstacles");
+      "error: obstacles need bricks that move in space; remove `planar = on` or the obstacles");
 }
 
 }  // namespace
@@ -266,11 +266,11 @@ std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
   std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   for (const model::Pivot& pivot : pivots) {
     if (pivot.distance == 0) continue;
-    throw InputError(fmt::format(
-        "error: tiles {} and {} are linked at a distance, which --solver bullet cannot hold; "
-        "use --solver direct",
-        scene.model.fileOrder.countsFrom + pivot.brickA,
-        scene.model.fileOrder.countsFrom + pivot.brickB));
+    throw InputError(
+        fmt::format("error: tiles {} and {} are linked at a distance, which `solver = bullet` "
+                    "cannot hold; use `solver = direct`",
+                    scene.model.fileOrder.countsFrom + pivot.brickA,
+                    scene.model.fileOrder.countsFrom + pivot.brickB));
   }
   return pivots;
 }
@@ -278,7 +278,7 @@ std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
 // Throws InputError for a scene with obstacles.
 void requireNoObstacles(const scene::Environment& environment) {
   if (environment.obstacles.empty()) return;
-  throw InputError("error: --solver bullet knows no obstacles; use --solver direct");
+  throw InputError("error: `solver = bullet` has no obstacles; use `solver = direct`");
 }
 
 }  // namespace
@@ -290,7 +290,7 @@ WorldDynamics::WorldDynamics(std::unique_ptr<engines::BrickWorld> world, int sub
 // Pinning none is allowed, since every run says so at its start.
 void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
-  throw InputError("error: --solver bullet cannot pin tiles; use --solver direct");
+  throw InputError("error: `solver = bullet` cannot pin tiles; use `solver = direct`");
 }
 
 // One step as equal substeps. The motion is written to the engine first: what was changed outside

@@ -60,28 +60,26 @@ void requireEquilibria(const scene::Scene& scene) {
   }
   if (scene.path.kind != scene::PathKind::Auto &&
       scene.path.kind != scene::PathKind::Continuation) {
-    throw InputError(
-        "error: grips are followed through equilibria; leave --path away, or the grips");
+    throw InputError("error: grips are followed through equilibria; remove `path` or the grips");
   }
   const scene::ContactFilter contacts = scene.environment.contacts;
   if (contacts == scene::ContactFilter::All || contacts == scene::ContactFilter::Unjoined) {
     throw InputError(
-        "error: equilibria under grips are without contacts; leave --contacts away, or the grips");
+        "error: equilibria under grips have no contacts; remove `contacts` or the grips");
   }
   if (const scene::Need planar = scene::sceneNeeds(scene).planar;
       !planar.on && !scene.hinges.panels) {
-    throw InputError(fmt::format(
-        "error: grips load rigid tiles only in the plane, but {}; let the tiles bend (--panels), "
-        "or leave the grips away",
-        scene.solver.planar ? "--planar is off" : planar.reason));
+    throw InputError(
+        fmt::format("error: grips load rigid tiles only in the plane, but {}; let the tiles bend "
+                    "(`panels`), or remove the grips",
+                    scene.solver.planar ? "`planar` is off" : planar.reason));
   }
   const auto isLink = [](const model::Joint& joint) {
     return joint.kind == model::JointKind::Link;
   };
   if (std::ranges::any_of(scene.model.joints, isLink)) {
     throw InputError(
-        "error: grips load sheets of tiles and joints, not of links; leave --link "
-        "away, or the grips");
+        "error: grips load sheets of tiles and joints, not of links; remove `link` or the grips");
   }
 }
 
@@ -141,9 +139,9 @@ std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
   std::vector<mechanics::Grip> held;
   for (const GripOrder& grip : grips) {
     if (grip.setting->z) {
-      throw inputErrorAt(grip.setting->where,
-                         "grips load this sheet in its plane; leave z away, or let the tiles bend "
-                         "(--panels)");
+      throw inputErrorAt(
+          grip.setting->where,
+          "grips load this sheet in its plane; remove z, or let the tiles bend (`panels`)");
     }
     held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
   }
@@ -444,12 +442,12 @@ void requireNodes(const model::Model& model) {
   for (const model::Joint& joint : model.joints) {
     if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
-          "error: tiles that bend are joined at corners; leave --fix and --link away, or --panels");
+          "error: tiles that bend are joined at corners; remove `fix` and `link`, or `panels`");
     }
     if (joint.face == model::JointFace::Both) {
       throw InputError(
           "error: tiles that bend are joined at one face, not at both as hinges through their "
-          "thickness are; give --face bottom, or leave --panels away");
+          "thickness are; set the face of each joint to 1 (bottom), or remove `panels`");
     }
   }
 }
@@ -458,10 +456,10 @@ void requireNodes(const model::Model& model) {
 void requireSpringsAlone(const model::PairForces& forces) {
   for (const std::shared_ptr<const model::PairForce>& force : forces) {
     if (force->hingeSprings()) continue;
-    throw InputError(fmt::format(
-        "error: tiles that bend (--panels) have springs at hinges, but no {}; leave one of the two "
-        "away",
-        force->name().counted));
+    throw InputError(
+        fmt::format("error: tiles that bend (`panels`) have springs at hinges, but no {}; remove "
+                    "one of the two",
+                    force->name().counted));
   }
 }
 

@@ -366,7 +366,7 @@ class PathSearch {
       parts.push_back(fmt::format("{} trial{} cut short", cutShort_, cutShort_ == 1 ? "" : "s"));
     }
     if (isIncomplete_) parts.push_back("others not made");
-    return fmt::format(" ({} by the search budget of {:.3g} s; raise --search)",
+    return fmt::format(" ({} by the search budget of {:.3g} s; raise `search`)",
                        fmt::join(parts, ", "), budget_.seconds());
   }
 

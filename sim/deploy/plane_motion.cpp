@@ -38,7 +38,7 @@ void requireDriveOutOfPlane(const scene::Scene& scene) {
   if (count == 0) return;
   throw InputError(
       fmt::format("error: this sheet has no motion in its plane, {} out of it: give a target, "
-                  "gravity, a pull or a drive (--target, --gravity, [[timeline]] or "
+                  "gravity, a pull or a drive (`target`, `gravity`, [[timeline]] or "
                   "[[velocity]] in scene.toml)",
                   count));
 }

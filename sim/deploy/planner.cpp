@@ -665,7 +665,7 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
         planned.candidates, [](const auto& candidate) { return candidate.hasContacts; });
     const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;
     return words + fmt::format(
-                       ", and by {:.2g} m at its end. {}--contacts all shows where the "
+                       ", and by {:.2g} m at its end. {}`contacts = all` shows where the "
                        "sheet stops",
                        path.overlapGrowthAtEnd,
                        isStopKnown ? fmt::format("With contacts it ends {:.3g} m short of "
@@ -676,10 +676,10 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
   const std::string thinner =
       scene::sceneNeeds(scene).planar.on
           ? ""
-          : fmt::format("--thickness {:.2g}, ", 0.25 * scene.brick.thickness);
+          : fmt::format("`thickness = {:.2g}`, ", 0.25 * scene.brick.thickness);
   return words + fmt::format(
-                     ". No collision-free path was found. Try {}a larger --search, or "
-                     "--contacts all to see where the sheet stops",
+                     ". No collision-free path was found. Try {}a larger `search`, or `contacts = "
+                     "all` to see where the sheet stops",
                      thinner);
 }
 

@@ -172,8 +172,8 @@ void Run::takeStep() {
       return end(
           {Outcome::Diverged, fmt::format("{} left all bounds at {:.4g} s; try {}",
                                           areLoose ? "a brick without joints" : "a brick", lostAt,
-                                          areLoose ? "a shorter --duration, or --actuation none"
-                                                   : "a shorter --timestep or more damping")});
+                                          areLoose ? "a shorter `duration`, or `actuation = none`"
+                                                   : "a shorter `timestep` or more damping")});
     }
     recorder_.observe(report, drive_.jointsAreCompliant());
     rest_.observe(motion_, clock_.length(), report, drive_.isOnPath());
@@ -496,7 +496,7 @@ std::string RunReasons::friction() const {
   return fmt::format(
       "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, "
       "friction "
-      "holds mu m g = {:.3g} N; lower --ground-friction or raise --spring-stiffness",
+      "holds mu m g = {:.3g} N; lower `ground_friction` or raise `spring_stiffness`",
       pull, most);
 }
 
@@ -511,7 +511,7 @@ std::string RunReasons::holdup() const {
   if (isImmobile()) {
     return fmt::format(
         "the joints leave the tiles no way to move (0 degrees of freedom); compliant joints would "
-        "(--path guided --joint-stiffness {:.1g})",
+        "(`path = guided` with `joint_stiffness = {:.1g}`)",
         kCompliantStiffness * usualStiffness(bricks_.scene.springs, bricks_.bricks));
   }
   const double error = target_.error(motion_.poses());

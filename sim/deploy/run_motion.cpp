@@ -236,7 +236,7 @@ std::string JointFit::trouble() const {
   if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
   return fmt::format(
       "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
-      "that are compliant would not (--path guided --joint-stiffness {:.2g})",
+      "that are compliant would not (`path = guided` with `joint_stiffness = {:.2g}`)",
       pushedAtStart_, misfit);
 }
 

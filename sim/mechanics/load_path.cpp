@@ -235,8 +235,8 @@ class Follower {
       // A singular H at the start means a mechanism. No load path begins there.
       if (equations.isLoose()) {
         throw RunError(
-            "error: the sheet can move without resistance; hold it with grips or --pin, and put "
-            "springs at its hinges (--hinge-stiffness)");
+            "error: the sheet can move without resistance; hold it with grips or `pin`, and put "
+            "springs at its hinges (`hinge_stiffness`)");
       }
       const Vector gaps = sheet_.residual(at.q, 0);
       if (equations.negatives() == 0 && isBalanced(forcesAt(at), gaps, at)) return at;

@@ -513,7 +513,7 @@ class SheetMaker {
       if (whole.areaOf(cycle) <= 0 && closed.contains(parts[node])) {
         throw faultAt({rays_[k].from},
                       fmt::format("the outline is open at {}, {:.4g} mm from the next line; close "
-                                  "it, or give --widest-neck if a neck is there",
+                                  "it, or give `widest_neck` if a neck is there",
                                   drawing_.place(rays_[k].from), rays_[k].stop * 1e3));
       }
       requireNoCrossing(lines, rays_[k], scale);
@@ -841,7 +841,7 @@ class CutPatternReader {
     SheetReading reading;
     const auto withGroups = [this](const InputError& error) {
       return InputError(
-          fmt::format("{} (lines: {}; --cut and --ignore choose)", error.what(), describeGroups()));
+          fmt::format("{} (lines: {}; `cut` and `ignore` choose)", error.what(), describeGroups()));
     };
     try {
       reading = sheetOf(pathsOf([](const LineGroup& group) { return group.role == "cut"; }));
@@ -911,7 +911,7 @@ class CutPatternReader {
         throw inputErrorAt(
             {file_},
             fmt::format("no line has the colour, layer or id '{}' of {}; there are {}", shown(word),
-                        words == &settings_.cut ? "--cut" : "--ignore", fmt::join(names, ", ")));
+                        words == &settings_.cut ? "`cut`" : "`ignore`", fmt::join(names, ", ")));
       }
     }
   }

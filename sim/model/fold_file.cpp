@@ -207,7 +207,7 @@ class FoldReader {
                             : states_.size() == 2 ? fmt::format(", frame {} its target", states_[1])
                                                   : "";
       warnings.push_back(fmt::format(
-          "{}: warning: of frames 0-{}, frame {} is the start{}{}; --frame N reads frame N only",
+          "{}: warning: of frames 0-{}, frame {} is the start{}{}; `frame = N` reads frame N only",
           file_.string(), count - 1, frame_, targets,
           others > 0 ? fmt::format(", and {} {} not read", others, others == 1 ? "is" : "are")
                      : ""));
@@ -350,7 +350,7 @@ class FoldReader {
     const int count = static_cast<int>(frames_.size());
     if (settings.frame && *settings.frame >= count) {
       throw fault(
-          fmt::format("there {}, not frame {}; correct --frame",
+          fmt::format("there {}, not frame {}; correct `frame`",
                       count == 1 ? "is frame 0 only" : fmt::format("are frames 0-{}", count - 1),
                       *settings.frame));
     }
@@ -638,12 +638,12 @@ bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector
   if (count > 0) {
     warnings.push_back(
         fmt::format("{}: warning: {} edges have a letter (M or V) and no angle; they fold by {:g} "
-                    "degrees, --fold FRACTION gives another fraction of 180",
+                    "degrees, `fold = FRACTION` gives another fraction of 180",
                     file.string(), count, angle));
   } else if (settings.fold) {
     throw inputErrorAt({file},
-                       "--fold is given, but no edge has a letter (M or V) without an "
-                       "angle; remove --fold, or the angles from the file");
+                       "`fold` is given, but no edge has a letter (M or V) without an "
+                       "angle; remove `fold`, or the angles from the file");
   } else if (flat > 0 && std::ranges::all_of(creases, [](const Crease& crease) {
                return crease.foldAngle.value_or(0) == 0;
              })) {
@@ -914,8 +914,8 @@ Model readFold(const fs::path& file, const ReadSettings& settings,
         foldByLetters(settings, drawing, creases, file, warnings) && !drawing.hasAngles;
   } else if (settings.fold) {
     throw inputErrorAt({file},
-                       "--fold folds a flat sheet by its letters, but the file has a target "
-                       "or a folded start; remove --fold, or choose a flat frame by --frame");
+                       "`fold` folds a flat sheet by its letters, but the file has a target "
+                       "or a folded start; remove `fold`, or choose a flat frame by `frame`");
   }
   if (folds) {
     foldAlong(creases, outlines, *normal, model, file, warnings);

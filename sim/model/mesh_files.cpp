@@ -91,7 +91,7 @@ std::vector<int> completeMesh(const CornerNumbers& ownNumbers, TileTable& table,
         });
     if (count > 1 && count < numbers.size() && areTriangles) {
       warnings.push_back(fmt::format(
-          "{}: warning: {} faces look like {} tiles cut to triangles; --join-coplanar joins faces "
+          "{}: warning: {} faces look like {} tiles cut to triangles; `join_coplanar` joins faces "
           "of one plane that share an edge",
           table.file.string(), numbers.size(), count));
     }
@@ -363,8 +363,8 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
   if (!sheet.joints.rows.empty()) {
     if (settings.joinCoplanar) {
       throw inputErrorAt({start, sheet.joints.rows.front().line},
-                         "this comment names a joint of two faces, and --join-coplanar changes "
-                         "faces; remove --join-coplanar, or these comments");
+                         "this comment names a joint of two faces, and `join_coplanar` changes "
+                         "faces; remove `join_coplanar`, or these comments");
     }
     dropRepeatedJoints(sheet.joints, model, warnings);
     model.joints = checkedJoints(sheet.joints, sheet.tiles);

@@ -461,7 +461,7 @@ void notePadding(const TileTable& table, Model& model, std::vector<std::string>&
 void refuseMends(const Model& model) {
   if (model.mends.empty()) return;
   const Mend& mend = model.mends.front();
-  throw InputError(fmt::format("{}: error: {}; {}, or leave --strict out to have it mended",
+  throw InputError(fmt::format("{}: error: {}; {}, or remove `strict` to have it repaired",
                                mend.place, mend.found, mend.advice));
 }
 

@@ -130,12 +130,13 @@ fs::path chosenList(const fs::path& named, const fs::path& vertices,
   if (lists.size() == 1) return lists.front();
   if (lists.empty()) {
     throw inputErrorAt({vertices}, fmt::format("there is no list of joints beside it; write {}, or "
-                                               "name one with --joints-file",
+                                               "name one with `joints_file`",
                                                usual.filename().string()));
   }
-  throw inputErrorAt({vertices}, fmt::format("there are {} lists of joints beside it: {}; choose "
-                                             "one with --joints-file",
-                                             lists.size(), fileNames(lists)));
+  throw inputErrorAt(
+      {vertices},
+      fmt::format("there are {} lists of joints beside it: {}; choose one with `joints_file`",
+                  lists.size(), fileNames(lists)));
 }
 
 std::optional<fs::path> chosenHull(const fs::path& named, const fs::path& joints,
@@ -481,8 +482,7 @@ Model readPlanarFiles(const fs::path& named, const ReadSettings& settings,
   makeRods(rows, model, warnings);
   if (settings.jointsFile.empty() && !place.otherJoints.empty()) {
     warnings.push_back(
-        fmt::format("{}: note: these joints were taken; beside them are {} (see "
-                    "--joints-file)",
+        fmt::format("{}: note: these joints were taken; beside them are {} (see `joints_file`)",
                     place.joints.string(), fileNames(place.otherJoints)));
   }
   model.hull = hullBeside(place, model, warnings);

@@ -32,9 +32,9 @@ const std::string kFormats =
 /// Another list of joints can only stand for one that is a file of its own.
 void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return;
-  throw inputErrorAt({path},
-                     "this file has its joints within; leave --joints-file out, or convert "
-                     "the model to a folder");
+  throw inputErrorAt(
+      {path},
+      "this file has its joints within; remove `joints_file`, or convert the model to a folder");
 }
 
 /// Options of one format are refused for another.
@@ -46,14 +46,14 @@ void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
   };
   const bool isFold = ending == ".fold";
   const char* const kDrawings = "drawings (.svg, .dxf)";
-  require(settings.frame.has_value(), isFold, "--frame", ".fold files");
-  require(settings.fold.has_value(), isFold, "--fold", ".fold files");
-  require(settings.joinCoplanar, ending == ".obj" || ending == ".ply", "--join-coplanar",
+  require(settings.frame.has_value(), isFold, "`frame`", ".fold files");
+  require(settings.fold.has_value(), isFold, "`fold`", ".fold files");
+  require(settings.joinCoplanar, ending == ".obj" || ending == ".ply", "`join_coplanar`",
           "OBJ and PLY meshes");
-  require(!settings.cut.empty(), isDrawing(path), "--cut", kDrawings);
-  require(!settings.ignore.empty(), isDrawing(path), "--ignore", kDrawings);
-  require(settings.neckWidth > 0, isDrawing(path), "--widest-neck", kDrawings);
-  require(settings.areJointsInNecks, isDrawing(path), "--joint-at", kDrawings);
+  require(!settings.cut.empty(), isDrawing(path), "`cut`", kDrawings);
+  require(!settings.ignore.empty(), isDrawing(path), "`ignore`", kDrawings);
+  require(settings.neckWidth > 0, isDrawing(path), "`widest_neck`", kDrawings);
+  require(settings.areJointsInNecks, isDrawing(path), "`joint_at`", kDrawings);
 }
 
 // A file by its ending.
@@ -124,7 +124,7 @@ void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings,
   if (isDrawing(path)) return;  // a drawing has its size, see readCutPattern()
   const std::optional<LengthUnit> declared = model.declaredUnit;
   if (settings.unit && declared && *settings.unit != *declared) {
-    warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (--unit)",
+    warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (`unit`)",
                                    path.string(), declared->name, settings.unit->name));
   }
   model.unit = settings.unit ? *settings.unit : declared.value_or(settings.undeclaredUnit);

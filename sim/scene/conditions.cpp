@@ -380,7 +380,7 @@ void checkTimeline(const Timeline& timeline, const model::Model& model) {
     if (needsTarget(entry) && !hasTarget) {
       throw inputErrorAt(entry.where,
                          "this waits for a target, but there is none; add target.txt to the model "
-                         "or name one with --target");
+                         "or name one with `target`");
     }
     // From this entry on there is a target to wait for.
     hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);

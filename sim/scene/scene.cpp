@@ -26,7 +26,7 @@ double lowestPoint(const std::vector<model::Tile>& tiles, const model::BrickRule
 std::string describe(const StartAlignment& alignment) {
   return fmt::format(
       "the start was moved by up to {:.3g} m and turned by {:.3g} degrees onto its target{} "
-      "(--no-align keeps it in its place)",
+      "(`align = false` keeps its position)",
       alignment.moved, alignment.turned / kDegree, alignment.byHeld ? ", by its pinned tiles" : "");
 }
 

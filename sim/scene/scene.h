@@ -267,7 +267,8 @@ struct Needs {
   }
 };
 
-/// "the start was moved by 1.2 m and turned by 90 degrees onto its target (--no-align keeps it)".
+/// "the start was moved by 1.2 m and turned by 90 degrees onto its target (`align = false` keeps
+/// its position)".
 std::string describe(const StartAlignment& alignment);
 
 /// A scene without a model, with what a run has unless told otherwise. It leaves to the program

@@ -107,7 +107,7 @@ void requireVertex(const model::Model& model, const model::Corner& corner, const
 // Pairs of tiles that move as one from where they stand.
 void addFixed(const std::vector<std::array<int, 2>>& pairs, model::Model& model) {
   for (const auto& [tileA, tileB] : pairs) {
-    requireTwoTiles(model, tileA, tileB, "--fix");
+    requireTwoTiles(model, tileA, tileB, "`fix`");
     const int first = model.fileOrder.countsFrom;
     model.joints.push_back(model::makeFixedJoint(model.tiles, tileA - first, tileB - first));
   }
@@ -116,16 +116,16 @@ void addFixed(const std::vector<std::array<int, 2>>& pairs, model::Model& model)
 // Pairs of corners that keep their present distance.
 void addLinks(const std::vector<std::array<int, 4>>& links, model::Model& model) {
   for (const auto& [tileA, vertexA, tileB, vertexB] : links) {
-    requireTwoTiles(model, tileA, tileB, "--link");
-    requireVertex(model, {tileA, vertexA}, "--link");
-    requireVertex(model, {tileB, vertexB}, "--link");
+    requireTwoTiles(model, tileA, tileB, "`link`");
+    requireVertex(model, {tileA, vertexA}, "`link`");
+    requireVertex(model, {tileB, vertexB}, "`link`");
     const model::Joint link =
         model::makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
                         model.fileOrder.toModel({tileB, vertexB}, model.tiles));
     // kSamePlace of model_checks.h: points as near as that are one.
     if (link.apart.norm() <= 1e-6 * model::modelSize(model)) {
       throw InputError(fmt::format(
-          "--link: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
+          "`link`: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
           "them in constraints.txt instead",
           vertexA, tileA, vertexB, tileB));
     }
@@ -217,7 +217,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   Timeline entries = scene.timeline;
   if (!parts.pinned.empty()) {
     // Tiles of --pin are pinned before all other entries.
-    entries.insert(entries.begin(), {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
+    entries.insert(entries.begin(), {Occasion{}, timeline::Pin{parts.pinned}, {"`pin`"}});
   }
   checkTimeline(entries, scene.model);
   numberAsModel(entries, scene.model);
@@ -280,8 +280,8 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
   if (!scene.grips.empty() || !scene.hinges.own.empty() ||
       std::ranges::any_of(scene.timeline, namesWholeTiles)) {
     throw InputError(
-        "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips and "
-        "files of hinges name; leave one of them out");
+        "error: `split_tiles` renumbers the tiles that drags, chains of targets, grips and files "
+        "of hinges name; remove one of the two");
   }
   const std::size_t count = scene.model.tiles.size();
   scene.model = model::splitTiles(scene.model, tiles);
@@ -377,7 +377,7 @@ void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* l
       "to {:.6g}",
       spring.rest / kDegree, first + hinge.brickA, first + hinge.brickB, hinge.least / kDegree,
       hinge.most / kDegree);
-  throw line ? inputErrorAt(line->where, message) : InputError("--hinge-rest: error: " + message);
+  throw line ? inputErrorAt(line->where, message) : InputError("`hinge_rest`: error: " + message);
 }
 
 /// Joins every two corners that joints hold together on a face, also by way of others.
@@ -451,12 +451,12 @@ model::FoundHinges requireHinges(const Scene& scene, const std::vector<model::Br
   if (found.ballJoints.empty()) {
     throw InputError(
         "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
-        "share; leave --hinge-stiffness away");
+        "share; remove `hinge_stiffness`");
   }
   throw InputError(fmt::format(
       "error: springs need hinges, but in space joints at one corner of one face are balls, which "
       "turn about no axis ({} of them); join both faces (column 5 of constraints.txt: 3), or keep "
-      "the sheet in its plane (--planar on)",
+      "the sheet in its plane (`planar = on`)",
       found.ballJoints.size()));
 }
 
@@ -796,9 +796,8 @@ void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const 
   } else if (scene.hinges.areLigaments) {
     if (neck.length == 0) {
       throw InputError(
-          "error: --ligaments needs necks with a length where no slit is shut, for a neck without "
-          "one neither stretches nor shears there; give one in --hinge-neck, or leave --ligaments "
-          "away");
+          "error: `ligaments` needs necks with a length at open slits, because a neck of length 0 "
+          "neither stretches nor shears. Give a length in `hinge_neck` or remove `ligaments`");
     }
     ligaments.push_back(ligamentAt(pivot, bricks, scene));
   } else {
@@ -869,14 +868,14 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   }
   if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
     throw InputError(
-        fmt::format("error: --ligaments works only in the plane, but {}. Remove one of them",
-                    scene.solver.planar ? "--planar is off" : planar.reason));
+        fmt::format("error: `ligaments` works only in the plane, but {}. Remove one of them",
+                    scene.solver.planar ? "`planar` is off" : planar.reason));
   }
   // --planar on keeps bricks in horizontal planes; it does not make tiles lie in one.
   if (!model::liesFlat(scene.model.tiles, model::flatTolerance(scene.model))) {
     throw InputError(
-        "error: --ligaments works only in the plane, but the start is not flat. Remove "
-        "--ligaments, or turn the model into the plane of x and y");
+        "error: `ligaments` works only in the plane, but the start is not flat. Remove "
+        "`ligaments`, or turn the model into the plane of x and y");
   }
   addJoints(scene, bricks, ties);
   return ties;

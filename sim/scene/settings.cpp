@@ -62,8 +62,8 @@ bool weighsByVolume(const Scene& scene) {
   return scene.brick.mass == model::MassRule::Prism;
 }
 
-constexpr const char* kDirect = "--solver direct";
-constexpr const char* kGuided = "--path guided";
+constexpr const char* kDirect = "`solver = direct`";
+constexpr const char* kGuided = "`path = guided`";
 constexpr const char* kOtherSprings = "springs or damping were given";
 constexpr const char* kOtherSolver = "the solver was given";
 
@@ -165,8 +165,8 @@ SettingGroup brickSettings() {
                "mass of a brick, 1 kg whatever its size or by volume")
                .needsDynamics("masses were given"),
            number<&Scene::brick, &model::BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
-                                                             "density, with --mass prism")
-               .with(weighsByVolume, "--mass prism")}};
+                                                             "density, with `mass = prism`")
+               .with(weighsByVolume, "`mass = prism`")}};
 }
 
 SettingGroup actuationSettings() {
@@ -184,11 +184,11 @@ SettingGroup actuationSettings() {
                "the centre, springs from the hull to a curve round it, nothing"),
            number<&Scene::actuation, &Actuation::boundary, &BoundaryCurve::size>(
                "boundary_size", {1e-3, 1e3}, "RATIO", "width of that curve over the hull's")
-               .with(pullsToCurve, "--actuation boundary"),
+               .with(pullsToCurve, "`actuation = boundary`"),
            number<&Scene::actuation, &Actuation::boundary, &BoundaryCurve::aspect>(
                "boundary_aspect", {1e-3, 1e3}, "RATIO",
                "its length along x over its width, 1 for a circle")
-               .with(pullsToCurve, "--actuation boundary")}};
+               .with(pullsToCurve, "`actuation = boundary`")}};
 }
 
 /// A strength of the springs in newtons, which follows from the model unless it is given.
@@ -214,11 +214,11 @@ SettingGroup springSettings() {
       {number<&Scene::springs, &Springs::frequency>(
            "spring_frequency", {1e-6, 1e6}, "HZ",
            "of a brick alone that the springs at its vertices swing, whatever its mass")
-           .without(hasFrequency, "--spring-stiffness with --torque-stiffness")
+           .without(hasFrequency, "`spring_stiffness` with `torque_stiffness`")
            .needsDynamics(kOtherSprings),
        number<&Scene::springs, &Springs::dampingRatio>("damping_ratio", {0, 1e6}, "RATIO",
                                                        "of those springs, 1 for critical damping")
-           .without(hasDampingRatio, "--force-damping with --torque-damping")
+           .without(hasDampingRatio, "`force_damping` with `torque_damping`")
            .needsDynamics(kOtherSprings),
        givenStrength<&Scene::springs, &Springs::springStiffness>(
            "spring_stiffness", "N/M", "by frequency and mass",
@@ -275,11 +275,11 @@ SettingGroup hingeSettings() {
        flag<&Scene::hinges, &HingeSettings::areLigaments>(
            "ligaments",
            "necks stretch, shear and bend, instead of bending about exact joints; in the plane")
-           .with(hasNecks, "--hinge-neck"),
+           .with(hasNecks, "`hinge_neck`"),
        special(
            "panels", "E[,NU[,LENGTH]]", "",
            "tiles that stretch and bend with [[grip]], as bars and hinges, and that bend in motion "
-           "where --split-tiles splits them: Young's modulus in Pa, Poisson's ratio (0.3), and the "
+           "where `split_tiles` splits them: Young's modulus in Pa, Poisson's ratio (0.3), and the "
            "length scale of folds in metres, which says their stiffness",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
            [](const Scene& scene) {
@@ -288,7 +288,7 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect)
            .needsSpace([](const Scene& scene) { return scene.hinges.panels.has_value(); },
                        "tiles bend"),
-       hingeRest().with(hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"),
+       hingeRest().with(hasHingeSprings, "`hinge_stiffness`, `hinge_neck` or `hinge_file`"),
        number<&Scene::hinges, &HingeSettings::damping>("hinge_damping", kFromZero, "N*M*S/RAD",
                                                        "damping of the hinges' angles")
            .with(isDirect, kDirect),
@@ -330,10 +330,10 @@ SettingGroup pathSettings() {
                "equilibria at the least on the way to the full load, with [[grip]]"),
            number<&Scene::path, &PathSettings::openTime>(
                "open_time", kFromZero, "SECONDS",
-               "of expansion from the centre first, with --path guided")
+               "of expansion from the centre first, with `path = guided`")
                .with(isGuided, kGuided),
            number<&Scene::path, &PathSettings::guideTime>("guide_time", {1e-6, 1e6}, "SECONDS",
-                                                          "of guiding, with --path guided")
+                                                          "of guiding, with `path = guided`")
                .with(isGuided, kGuided),
            givenStrength<&Scene::path, &PathSettings::guideStiffness>(
                "guide_stiffness", "N/M", "twice that of the spring frequency",
@@ -353,7 +353,7 @@ SettingGroup pathSettings() {
            number<&Scene::path, &PathSettings::searchTime>(
                "search", {0, 1e9}, "SECONDS",
                "that looking for a path may cost, of a reference core: work is counted, not timed, "
-               "so that every machine finds the same; at most 30 for each second of --duration")}};
+               "so that every machine finds the same; at most 30 for each second of `duration`")}};
 }
 
 /// The ground, put there if there is none yet.
@@ -376,7 +376,7 @@ Setting groundSwitch() {
 
 Setting groundFriction() {
   return specialNumber(
-      "ground_friction", "RATIO", "0.5", "Coulomb friction of the ground; implies --ground",
+      "ground_friction", "RATIO", "0.5", "Coulomb friction of the ground; implies `ground`",
       [](Scene& scene, const TypedValue& typed) {
         groundOf(scene).friction = parseNumber(typed, {0, 1e3});
       },
@@ -442,7 +442,7 @@ SettingGroup solverSettings() {
        flag<&Scene::solver, &SolverSettings::measuresTimeError>(
            "measure_time_error",
            "run again with a tenth of the tolerance, and report how far the two are apart")
-           .with(hasTolerance, "--tolerance above 0")
+           .with(hasTolerance, "`tolerance` above 0")
            .needsDynamics(kOtherSolver),
        number<&Scene::solver, &SolverSettings::timestep>(
            "timestep", {1e-7, 1}, "SECONDS",
@@ -455,11 +455,11 @@ SettingGroup solverSettings() {
            [](const Scene& scene) {
              return scene.solver.substeps ? fmt::format("{}", *scene.solver.substeps) : "";
            })
-           .with(mayHaveFixedSteps, "--tolerance 0")
+           .with(mayHaveFixedSteps, "`tolerance = 0`")
            .needsDynamics(kOtherSolver),
        whole<&Scene::solver, &SolverSettings::iterations>("iterations", {1, 1000000}, "COUNT",
                                                           "of Bullet's solver in each step")
-           .with(isBullet, "--solver bullet"),
+           .with(isBullet, "`solver = bullet`"),
        choice<&Scene::solver, &SolverSettings::planar>(
            "planar",
            Choices<std::optional<bool>>{{"auto", std::nullopt}, {"on", true}, {"off", false}},
@@ -500,12 +500,6 @@ Setting Setting::needsDynamics(const char* why) && {
   return std::move(*this);
 }
 
-std::string Setting::option() const {
-  std::string name = "--" + key;
-  std::ranges::replace(name, '_', '-');
-  return name;
-}
-
 const std::vector<SettingGroup>& sceneSettings() {
   static const std::vector<SettingGroup> groups = {
       brickSettings(), actuationSettings(),   springSettings(), hingeSettings(),
@@ -535,8 +529,8 @@ void requireRanges(const Scene& scene) {
   const std::optional<model::SheetFrame> frame = model::sheetFrame(scene.model);
   if (!frame || frame->isHorizontal()) return;
   throw InputError(
-      "error: --planar on keeps tiles at their heights, but the sheet lies in a plane that is not "
-      "horizontal; remove --planar, or turn the model");
+      "error: `planar = on` keeps tiles at their heights, but the sheet lies in a plane that is "
+      "not horizontal; remove `planar`, or turn the model");
 }
 
 std::string whySpace(const Scene& scene) {

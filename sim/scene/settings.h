@@ -131,13 +131,13 @@ T parseChoice(const TypedValue& value, const Choices<T>& choices) {
 /// What must hold for a setting to mean anything.
 struct Condition {
   bool (*holds)(const Scene&);  ///< whether the scene is so
-  const char* needed;           ///< the options that make it hold, as in "--solver direct"
+  const char* needed;           ///< what makes it hold, as in "`solver = direct`"
   bool isWithout = false;       ///< `needed` says the same as the setting, and must not be given
 };
 
 /// One setting of a scene.
 struct Setting {
-  std::string key;   ///< "brick_friction": of its table in scene.toml; --brick-friction
+  std::string key;   ///< unique, as in "brick_friction"; of its table in scene.toml
   std::string unit;  ///< for the help, as in "SECONDS"; of a switch empty
   std::string help;  ///< one phrase, for people
   /// Sets it to what was typed; a switch, which is not typed, to what it switches on. Throws
@@ -166,9 +166,6 @@ struct Setting {
   Setting needsSpace(bool (*holds)(const Scene&), const char* why) &&;
   /// The setting as one of dynamics.
   Setting needsDynamics(const char* why) &&;
-
-  /// The name of its option, "--brick-friction".
-  std::string option() const;
 };
 
 /// Settings that stand together in the help, and in a table of scene.toml.

@@ -201,7 +201,7 @@ std::vector<Refusal> refusals() {
       {"no velocity left", "damping of 1 a second",
        deployed([](scene::Scene& s) { s.environment.linearDamping = 1; })},
       {"no tiles", "a model without tiles", deployed([](scene::Scene& s) { s.model = {}; })},
-      {"pins in Bullet", "a link in --solver bullet", deployed([](scene::Scene& s) {
+      {"pins in Bullet", "a link in `solver = bullet`", deployed([](scene::Scene& s) {
          s.solver.kind = scene::SolverKind::Bullet;
          s.model.joints.push_back(model::makeLink(s.model.tiles, {0, 0}, {3, 2}));
        })},

@@ -183,14 +183,14 @@ std::vector<Row> finishedRows(const Table& table, const StudySettings& settings,
   if (!settings.resume || !exists(file)) return {};
   const Table earlier = readCsv(file);
   if (earlier.caption.extent != table.caption.extent) {
-    throw InputError(fmt::format(
-        "{}: error: this is a {} study, which a {} one cannot resume; use the same options or "
-        "another --out",
-        file.string(), earlier.caption.extent, table.caption.extent));
+    throw InputError(
+        fmt::format("{}: error: this is a {} study, which a {} one cannot resume; use the same "
+                    "options or another folder",
+                    file.string(), earlier.caption.extent, table.caption.extent));
   }
   if (earlier.columns.size() == table.columns.size()) return earlier.rows;
   throw InputError(
-      fmt::format("{}: error: {} columns, but this version's study has {}; leave --resume out",
+      fmt::format("{}: error: {} columns, but this version's study has {}; remove `resume`",
                   file.string(), earlier.columns.size(), table.columns.size()));
 }
 

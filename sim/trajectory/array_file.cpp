@@ -171,8 +171,7 @@ struct ArrayWriter::Internals {
     failed = true;
     const std::string reason = errno != 0 ? std::strerror(errno) : "HDF5 reports no reason";
     throw OutputError(
-        fmt::format("{}: error: cannot be written ({}); free some space or choose another folder "
-                    "with --out",
+        fmt::format("{}: error: cannot be written ({}); free some space or choose another folder",
                     shownPath.string(), reason));
   }
 

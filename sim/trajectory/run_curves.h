@@ -66,7 +66,7 @@ struct RunCurves {
 /// What is said of a run without energies and forces.
 inline constexpr const char* kNoMechanics =
     "the run has no energies and forces: a path of the mechanism is geometry, and engines do not "
-    "tell theirs; one recorded with --path dynamic has both";
+    "tell theirs; one recorded with `path = dynamic` has both";
 
 /// Measures from the poses of samples what trajectory.h5 does not have already: the channels width
 /// to opening_largest of the list above, and each joint's opening as rows. The subject must outlive

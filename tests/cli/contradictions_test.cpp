@@ -44,7 +44,7 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
        "--boundary-aspect works only with --actuation boundary."},
       {{"--density", "900"}, "--density works only with --mass prism."},
       {{"--faces", "fold", "--auto_detect_connections"},
-       "--auto-detect-connections is --faces pykirigami; leave one of them away"},
+       "--auto-detect-connections is --faces pykirigami. Use only one of them"},
       {{"--pace", "even", "--speed", "0.5"}, "--speed works only with --pace real."},
       {{"--length", "5", "--pace", "real"}, "--length works only with --pace even."},
       {{"--length", "5", "--speed", "0.5"}, "--length is for an even pace and --speed for real "},
@@ -57,8 +57,8 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
 TEST(Contradictions, NameWhatSaysTheSame) {
   EXPECT_EQ(
       refusal({"--spring-frequency", "3", "--spring-stiffness", "25", "--torque-stiffness", "25"}),
-      "error: --spring-frequency and --spring-stiffness with --torque-stiffness say the same; "
-      "leave one of them away");
+      "error: --spring-frequency and --spring-stiffness with --torque-stiffness are equivalent. "
+      "Use only one of them");
   EXPECT_EQ(
       refusal({"--damping-ratio", "1", "--force-damping", "25", "--torque-damping", "1"}),
       "error: --damping-ratio and --force-damping with --torque-damping say the same; leave one of "

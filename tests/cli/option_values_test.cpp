@@ -1,6 +1,12 @@
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/cli/command_line.h"
 #include "render/cli/option_group.h"
 
 namespace kirireel {
@@ -17,6 +23,40 @@ std::string messageOf(const Read& read) {
     return error.what();
   }
   return "";
+}
+
+TEST(OptionNames, AreMadeOfTheKeysInMessages) {
+  EXPECT_EQ(cli::spellOptions("raise `search`, or use `path = dynamic` (`align = false` keeps it)"),
+            "raise --search, or use --path dynamic (--no-align keeps it)");
+  EXPECT_EQ(cli::spellOptions("`hinge_stiffness`: error: none"), "--hinge-stiffness: error: none");
+  EXPECT_EQ(cli::spellOptions("no keys, `kirireel export` and a ` alone"),
+            "no keys, `kirireel export` and a ` alone");
+}
+
+TEST(OptionNames, ExistForAllKeysInMessages) {
+  std::set<std::string> options;
+  for (const cli::CommandDescription& command : cli::describeProgram().commands) {
+    for (const cli::OptionDescription& option : command.options) {
+      options.insert(option.names.begin(), option.names.end());
+    }
+  }
+  const std::regex key("`[a-z_]+( = [^`\"]*)?`");
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(
+           std::filesystem::path(KIRIREEL_SOURCE_DIR) / "sim")) {
+    if (entry.path().extension() != ".cpp") continue;
+    std::ifstream file(entry.path());
+    for (std::string line; std::getline(file, line);) {
+      // Comments name code in the same quotes.
+      if (line.find("//") != std::string::npos) continue;
+      for (std::sregex_iterator match(line.begin(), line.end(), key), end; match != end; ++match) {
+        const std::string spelled = cli::spellOptions(match->str());
+        EXPECT_TRUE(options.contains(spelled.substr(0, spelled.find(' ')))) << line;
+        ++count;
+      }
+    }
+  }
+  EXPECT_GT(count, 50);
 }
 
 TEST(OptionNumber, ReadsWhatPeopleType) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "render/cli/command_line.h"
+#include "render/cli/option_group.h"
 #include "sim/scene/settings.h"
 #include "tests/support/files.h"
 
@@ -22,12 +23,13 @@ struct Sample {
   Words needed = {};  ///< without which the option means nothing
 };
 
-/// What makes a setting mean something, as its conditions say: "--solver direct".
+/// What makes a setting mean something, as its conditions say: --solver direct.
 Words neededFor(const scene::Setting& setting) {
   Words words;
   for (const scene::Condition& condition : setting.conditions) {
     if (condition.isWithout || condition.holds(scene::openScene())) continue;
-    for (const std::string_view word : scene::split(condition.needed, ' '))
+    const std::string needed = cli::spellOptions(condition.needed);
+    for (const std::string_view word : scene::split(needed, ' '))
       words.emplace_back(word);
   }
   return words;
@@ -36,7 +38,7 @@ Words neededFor(const scene::Setting& setting) {
 /// The sample of a number, of words or of a switch: the first two values that it accepts and that
 /// are not its default.
 Sample sampleOf(const scene::Setting& setting) {
-  Sample sample{setting.option(), {}, neededFor(setting)};
+  Sample sample{cli::optionName(setting.key), {}, neededFor(setting)};
   if (setting.isSwitch) return sample;
   const Words values =
       setting.words.empty() ? Words{"0.5", "3", "0.25", "7", "0.001", "1000"} : setting.words;
@@ -204,7 +206,7 @@ const std::vector<Sample>& samples() {
     std::vector<Sample> made = chosenSamples();
     for (const scene::SettingGroup& group : scene::sceneSettings()) {
       for (const scene::Setting& setting : group.settings) {
-        const auto isKnown = [&](const Sample& one) { return one.option == setting.option(); };
+        const auto isKnown = [&](const Sample& one) { return one.option == cli::optionName(setting.key); };
         if (std::ranges::none_of(chosenSamples(), isKnown)) made.push_back(sampleOf(setting));
       }
     }

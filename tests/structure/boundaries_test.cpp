@@ -222,6 +222,20 @@ TEST(Boundaries, PythonStaysInItsRoom) {
   }
 }
 
+// The keys of scene files and of Python are settings' names; only the command line has options.
+TEST(Boundaries, SimulationNamesNoOption) {
+  const std::regex option("\"[^\"\n]*--[a-z][^\"\n]*\"");
+  std::vector<std::string> found;
+  for (const SourceFile& file : sources()) {
+    if (!file.path.starts_with("sim/")) continue;
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
+    for (std::sregex_iterator match(text.begin(), text.end(), option), end; match != end; ++match) {
+      found.push_back(file.path + ": " + match->str());
+    }
+  }
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST(Boundaries, EveryHeaderIsIncludedOnce) {
   for (const SourceFile& file : sources()) {
     if (!file.path.ends_with(".h")) continue;

@@ -108,10 +108,9 @@ TEST(Png, LeavesNothingOnAFullDisk) {
       picture::writePng(frame, folder / "a.png");
       ADD_FAILURE();
     } catch (const OutputError& error) {
-      EXPECT_EQ(std::string(error.what()),
-                (folder / "a.png").string() +
-                    ": error: cannot be written (File too large); free some space or choose "
-                    "another folder with --out");
+      EXPECT_EQ(std::string(error.what()), (folder / "a.png").string() +
+                                               ": error: cannot be written (File too large); free "
+                                               "some space or choose another folder");
     }
     EXPECT_TRUE(folder.isEmpty());
   }

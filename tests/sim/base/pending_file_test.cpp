@@ -70,7 +70,7 @@ TEST_F(PendingFileTest, RefusesAFolderThatIsNotThere) {
   EXPECT_EQ(messageOf([&] { writeTextFile(missing / "a.txt", "text"); }),
             missing.string() +
                 ": error: cannot write in this folder (No such file or directory); "
-                "choose another with --out");
+                "choose another folder");
 }
 
 TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
@@ -80,7 +80,7 @@ TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
   fs::permissions(folder_, fs::perms::owner_all);
   EXPECT_EQ(message, folder_.string() +
                          ": error: cannot write in this folder (Permission denied); "
-                         "choose another with --out");
+                         "choose another folder");
 }
 
 TEST_F(PendingFileTest, SaysWhenItCannotBePutInPlace) {
@@ -128,10 +128,10 @@ TEST_F(PendingFileTest, SaysWhenTheFileCannotGrow) {
     const SmallFiles limit(3);
     writeTextFile(folder_ / "a.txt", "text");
   };
-  EXPECT_EQ(messageOf(write),
-            (folder_ / "a.txt").string() +
-                ": error: cannot be written (File too large); free some space or choose "
-                "another folder with --out");
+  EXPECT_EQ(
+      messageOf(write),
+      (folder_ / "a.txt").string() +
+          ": error: cannot be written (File too large); free some space or choose another folder");
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 

@@ -67,9 +67,9 @@ TEST(StateTape, RefusesToPlayWhatItDoesNotHold) {
       tape.transfer(list);
       FAIL() << "accepted";
     } catch (const InputError& error) {
-      EXPECT_STREQ(error.what(),
-                   "error: the checkpoint holds the state of another run; leave --resume away to "
-                   "start anew");
+      EXPECT_STREQ(
+          error.what(),
+          "error: the checkpoint holds the state of another run; remove `resume` to start again");
     }
   }
 }

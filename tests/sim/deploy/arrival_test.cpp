@@ -90,8 +90,8 @@ TEST(Arrival, ASearchThatItsBudgetEndsIsAShortfall) {
   EXPECT_THAT(deploy::deploy(scene, 1, nullptr).shortfall, IsEmpty());
   scene.path.searchTime = 0.3;
   const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
-  EXPECT_THAT(run.shortfall, HasSubstr("the search for a path ended at its budget of 0.3 s; raise "
-                                       "--search"));
+  EXPECT_THAT(run.shortfall,
+              HasSubstr("the search for a path ended at its budget of 0.3 s; raise `search`"));
   EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("ended at its budget")));
 }
 

@@ -163,7 +163,7 @@ scene::Scene frustratedSheet(double thickness) {
   scene.model.foldAngles = {{{0, 1}, 0.1}, {{1, 0}, 0.1}, {{0, 3}, 0.05}, {{3, 0}, 0.05}};
   scene.brick.thickness = thickness;
   scene.hinges.panels = scene::PanelMaterial{1 / std::pow(thickness, 3), 0.3, 0.1};
-  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"--pin"}}};
+  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"`pin`"}}};
   return scene;
 }
 
@@ -252,13 +252,13 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
   scene::Scene scene = bendingSquare(1e6);
   scene.solver.planar = true;
   EXPECT_EQ(messageFor(scene),
-            "error: tiles that bend leave their plane; leave --planar on away, or --panels");
+            "error: tiles that bend leave their plane; remove `planar = on` or `panels`");
   scene = bendingSquare(1e6);
   scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.model.joints.clear();
   EXPECT_EQ(messageFor(scene),
-            "error: in motion --panels bends tiles that are split and folds, and there are none: "
-            "split tiles (--split-tiles all), or give folds a length scale (--panels E,NU,LENGTH); "
+            "error: in motion `panels` bends only split tiles and folds, and there are none: split "
+            "tiles (`split_tiles = all`), or give folds a length scale (`panels = E,NU,LENGTH`); "
             "tiles that stretch too need a [[grip]] in scene.toml");
   // Folds alone are enough, and that tiles stay rigid is said.
   scene = frustratedSheet(0.02);
@@ -269,7 +269,7 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
     return true;
   });
   EXPECT_THAT(said, HasSubstr("4 of 4 tiles have more than three corners and stay rigid in motion; "
-                              "--split-tiles lets them bend"));
+                              "`split_tiles` lets them bend"));
 }
 
 }  // namespace

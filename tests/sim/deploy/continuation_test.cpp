@@ -439,8 +439,8 @@ TEST(Continuation, SaysThatBricksHaveNoRoomAtFullExtension) {
   EXPECT_GT(run.accuracy.penetrationGrownMax,
             0.1 * model::tileSize(scene.model));  // measured: 0.84
   EXPECT_THAT(run.warnings, testing::Contains(testing::AllOf(
-                                testing::HasSubstr("m at its end. --contacts all shows"),
-                                testing::Not(testing::HasSubstr("--thickness")))));
+                                testing::HasSubstr("m at its end. `contacts = all` shows"),
+                                testing::Not(testing::HasSubstr("`thickness")))));
 }
 
 /// Two equal sheets and a loose tile: each sheet ends as it does alone, the tile stays.
@@ -563,11 +563,10 @@ TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
   EXPECT_NE(run.path.kind, scene::PathKind::Continuation);
   EXPECT_THAT(run.pathReason, testing::HasSubstr("springs or damping were given"));
   scene.path.kind = scene::PathKind::Continuation;
-  EXPECT_THAT(
-      [&] { deploy::deploy(scene, 0.5, nullptr); },
-      testing::ThrowsMessage<InputError>(
-          "error: --path continuation is geometry alone, but springs or damping were given; "
-          "leave that away, or give --path dynamic"));
+  EXPECT_THAT([&] { deploy::deploy(scene, 0.5, nullptr); },
+              testing::ThrowsMessage<InputError>(
+                  "error: `path = continuation` supports kinematic scenes only, but springs or "
+                  "damping were given. Remove it or use `path = dynamic`"));
 }
 
 TEST(Continuation, SaysWhetherPinsOrATimelineNeedDynamics) {

@@ -305,7 +305,7 @@ TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, deploy::Outcome::Diverged);
   EXPECT_THAT(result.reason, HasSubstr("a brick left all bounds at "));
-  EXPECT_THAT(result.reason, HasSubstr("try a shorter --timestep or more damping"));
+  EXPECT_THAT(result.reason, HasSubstr("try a shorter `timestep` or more damping"));
 }
 
 TEST(Deploy, ExactJointsBearTheSameStiffness) {
@@ -382,7 +382,7 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
   EXPECT_THAT([] { deploy::deploy(truss(), 0.1, nullptr); },
               testing::ThrowsMessage<InputError>(
                   "error: this sheet has no motion in its plane, 3 out of it: give a target, "
-                  "gravity, a pull or a drive (--target, --gravity, [[timeline]] or [[velocity]] "
+                  "gravity, a pull or a drive (`target`, `gravity`, [[timeline]] or [[velocity]] "
                   "in scene.toml)"));
   scene::Scene inPlane = truss();
   inPlane.solver.planar = true;
@@ -391,8 +391,8 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
         [&] { deploy::deploy(scene, 0.1, nullptr); },
         testing::ThrowsMessage<InputError>(
             "error: nothing can drive this model: it has no target, and its joints leave the tiles "
-            "no motion but that of the whole; give --target, other joints (--joints-file), or what "
-            "moves it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)"));
+            "no motion but that of the whole; give `target`, other joints (`joints_file`), or what "
+            "moves it as it is (`gravity`, [[timeline]] or [[velocity]] in scene.toml)"));
     scene.solver.planar.reset();
     scene::Scene falling = scene;
     falling.environment.gravity = {0, 0, -9.81};

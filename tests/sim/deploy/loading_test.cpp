@@ -168,7 +168,7 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene = turnedUnit();
   scene.solver.planar = false;
   EXPECT_THAT(refusalOf(scene),
-              HasSubstr("grips load rigid tiles only in the plane, but --planar is off"));
+              HasSubstr("grips load rigid tiles only in the plane, but `planar` is off"));
   scene = turnedUnit();
   scene.grips[1].turn = 0;
   EXPECT_THAT(refusalOf(scene), HasSubstr("no grip moves or pushes anything"));
@@ -185,11 +185,11 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.grips.clear();
   scene.solver.planar = false;
   EXPECT_THAT(refusalOf(scene),
-              HasSubstr("--ligaments works only in the plane, but --planar is off"));
+              HasSubstr("`ligaments` works only in the plane, but `planar` is off"));
   scene = turnedUnit();
   scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
   scene.hinges.areLigaments = true;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments needs necks with a length"));
+  EXPECT_THAT(refusalOf(scene), HasSubstr("`ligaments` needs necks with a length"));
   scene = turnedUnit();
   scene.grips[0].z = 0;
   EXPECT_THAT(refusalOf(scene), HasSubstr("grips load this sheet in its plane; leave z away"));

@@ -260,12 +260,12 @@ TEST(Obstacles, TilesAreNumberedAsInTheModelsFile) {
 TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
   scene::Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -2}, Vector3::Ones()));
   scene.solver.planar = true;
-  EXPECT_EQ(refusal(scene),
-            "error: obstacles need bricks that move in space; leave --planar on away, or the "
-            "obstacles");
+  EXPECT_EQ(
+      refusal(scene),
+      "error: obstacles need bricks that move in space; remove `planar = on` or the obstacles");
   scene.solver.planar.reset();
   scene.solver.kind = scene::SolverKind::Bullet;
-  EXPECT_EQ(refusal(scene), "error: --solver bullet knows no obstacles; use --solver direct");
+  EXPECT_EQ(refusal(scene), "error: `solver = bullet` has no obstacles; use `solver = direct`");
 }
 
 }  // namespace

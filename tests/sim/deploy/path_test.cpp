@@ -443,7 +443,7 @@ TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
   EXPECT_TRUE(std::ranges::any_of(trials, &deploy::TrialEnd::cutShort));
   EXPECT_EQ(choice.path.kind, scene::PathKind::Straight);
   EXPECT_THAT(choice.reason, HasSubstr("cut short"));
-  EXPECT_THAT(choice.reason, HasSubstr("by the search budget of 0.002 s; raise --search)"));
+  EXPECT_THAT(choice.reason, HasSubstr("by the search budget of 0.002 s; raise `search`)"));
   // Of the same work, whatever the machine does beside.
   std::vector<deploy::TrialEnd> again;
   deploy::SearchBudget same(0.002);
@@ -461,7 +461,7 @@ TEST(Path, NothingIsTriedWithoutABudget) {
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.path.kind, scene::PathKind::Straight);
   EXPECT_EQ(result.pathReason,
-            "no path was tried (others not made by the search budget of 0 s; raise --search)");
+            "no path was tried (others not made by the search budget of 0 s; raise `search`)");
 }
 
 TEST(Path, AShortRunIsSearchedForLess) {

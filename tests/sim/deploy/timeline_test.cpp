@@ -233,7 +233,7 @@ TEST(Timelines, AnEntryAfterTheEndIsRefused) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "scene.toml:3:1: error: this happens at 30 s, but the run lasts 20 s at most; "
-                 "raise --duration");
+                 "raise `duration`");
   }
 }
 

@@ -277,10 +277,10 @@ TEST(CutPatterns, OptionsChooseLines) {
   expectPlainGrid(read("a.svg", text, settings), "1 x line that was not chosen");
   settings.cut = {"green"};
   EXPECT_THAT(read("a.svg", text, settings).refusal,
-              HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of --cut; there "
+              HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of `cut`; there "
                         "are #000000, #ff0000"));
   EXPECT_THAT(read("a.obj", "v 0 0 0\n", settings).refusal,
-              HasSubstr("--cut is for drawings (.svg, .dxf) only"));
+              HasSubstr("`cut` is for drawings (.svg, .dxf) only"));
 }
 
 TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
@@ -402,7 +402,7 @@ TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal,
               HasSubstr("it can only bend, and is no rigid tile"));
   EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
-              HasSubstr("--cut and --ignore choose"));
+              HasSubstr("`cut` and `ignore` choose"));
 }
 
 // A second copy of all slits, off by 5e-6 of the drawing's size at most, with all digits.

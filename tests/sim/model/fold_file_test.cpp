@@ -105,7 +105,7 @@ TEST(FoldFile, LettersGiveTheSign) {
   const ReadSheet flat = readText(twoSquares().dump());
   EXPECT_EQ(flat.said,
             "@/a.fold: warning: 1 edges have a letter (M or V) and no angle; they fold by 180 "
-            "degrees, --fold FRACTION gives another fraction of 180");
+            "degrees, `fold = FRACTION` gives another fraction of 180");
   ASSERT_TRUE(flat.model.target);
   EXPECT_LT((cornerOf(*flat.model.target, 1, 1) - Vector3(0, 0, 0)).norm(), 1e-15);
   json mountain = twoSquares();
@@ -122,8 +122,8 @@ TEST(FoldFile, LettersGiveTheSign) {
             "@/a.fold: warning: 1 edges have a letter (M or V) and the angle 0, so nothing folds; "
             "remove edges_foldAngle to fold them by their letters");
   EXPECT_EQ(readText(edited(twoSquares(), zero).dump(), half).said,
-            "@/a.fold: error: --fold is given, but no edge has a letter (M or V) without an angle; "
-            "remove --fold, or the angles from the file");
+            "@/a.fold: error: `fold` is given, but no edge has a letter (M or V) without an angle; "
+            "remove `fold`, or the angles from the file");
   const json folded = edited(twoSquares(), {{"frame_classes", {"foldedForm"}}});
   EXPECT_FALSE(readText(folded.dump()).model.target);
   EXPECT_TRUE(readText(folded.dump()).model.foldAngles.empty());
@@ -204,7 +204,7 @@ TEST(FoldFile, StatesOfOneSheetAreTargetsInTurn) {
   EXPECT_EQ(
       sheet.said,
       "@/a.fold: warning: of frames 0-3, frame 0 is the start, frames 1, 2, 3 are targets one "
-      "after the other; --frame N reads frame N only");
+      "after the other; `frame = N` reads frame N only");
   ASSERT_EQ(sheet.model.waypoints.size(), 2U);
   EXPECT_EQ(cornerOf(sheet.model.waypoints[0], 1, 1), Vector3(1.6, 0, 0.8));
   EXPECT_EQ(cornerOf(sheet.model.waypoints[1], 1, 1), Vector3(1, 0, 1));
@@ -220,7 +220,7 @@ TEST(FoldFile, StatesOfOneSheetAreTargetsInTurn) {
   EXPECT_FALSE(second.model.target);
   one.frame = 4;
   EXPECT_EQ(readText(file.dump(), one).said,
-            "@/a.fold: error: there are frames 0-3, not frame 4; correct --frame");
+            "@/a.fold: error: there are frames 0-3, not frame 4; correct `frame`");
 }
 
 TEST(FoldFile, FramesOfTheirOwnAreModelsOfTheirOwn) {
@@ -231,8 +231,8 @@ TEST(FoldFile, FramesOfTheirOwnAreModelsOfTheirOwn) {
       {"frame_inherit": true, "frame_parent": 2, "frame_title": "the same triangle"}])");
   const ReadSheet sheet = readText(file.dump());
   EXPECT_EQ(sheet.said,
-            "@/a.fold: warning: of frames 0-3, frame 0 is the start, and 3 are not read; --frame N "
-            "reads frame N only");
+            "@/a.fold: warning: of frames 0-3, frame 0 is the start, and 3 are not read; `frame = "
+            "N` reads frame N only");
   EXPECT_EQ(sheet.model.tiles.size(), 2U);
   EXPECT_TRUE(sheet.model.target);
   model::ReadSettings settings;
@@ -572,7 +572,7 @@ TEST(MeshFile, JoinsTrianglesOfOneTile) {
     const ReadSheet apart = readText(text, {}, "a.obj");
     EXPECT_EQ(apart.model.tiles.size(), 4U);
     EXPECT_EQ(apart.said,
-              "@/a.obj: warning: 4 faces look like 2 tiles cut to triangles; --join-coplanar joins "
+              "@/a.obj: warning: 4 faces look like 2 tiles cut to triangles; `join_coplanar` joins "
               "faces of one plane that share an edge");
     const ReadSheet joined = readText(text, join, "a.obj");
     EXPECT_EQ(joined.said, "");
@@ -581,10 +581,10 @@ TEST(MeshFile, JoinsTrianglesOfOneTile) {
     EXPECT_EQ(joined.model.joints.size(), 1U);
   }
   EXPECT_EQ(readText(shared + "# joint 0 0 1 0 1\n", join, "a.obj").said,
-            "@/a.obj:12: error: this comment names a joint of two faces, and --join-coplanar "
-            "changes faces; remove --join-coplanar, or these comments");
+            "@/a.obj:12: error: this comment names a joint of two faces, and `join_coplanar` "
+            "changes faces; remove `join_coplanar`, or these comments");
   EXPECT_EQ(readText(twoSquares().dump(), join).said,
-            "@/a.fold: error: --join-coplanar is for OBJ and PLY meshes only; remove it");
+            "@/a.fold: error: `join_coplanar` is for OBJ and PLY meshes only; remove it");
 }
 
 TEST(MeshFile, TakesPaddedPly) {

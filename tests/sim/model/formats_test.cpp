@@ -482,8 +482,8 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
             "@/a.fold: error: entry 1 of file_frames is no JSON object; correct or delete it");
   // A frame that is not read may be anything.
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
-            "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 is not read; --frame N "
-            "reads frame N only");
+            "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 is not read; `frame = "
+            "N` reads frame N only");
 }
 
 TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {

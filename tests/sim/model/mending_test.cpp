@@ -113,20 +113,20 @@ TEST(Mending, StrictRefusesAndSaysHowToMend) {
                       "", strict)
                 .error,
             "@/constraints.txt:2: error: 1 joint is listed again, here that of line 1; delete what "
-            "is repeated, or leave --strict out to have it mended");
+            "is repeated, or remove `strict` to have it repaired");
   EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", ""}}, "", strict).error,
             "@/constraints.txt: error: the file is empty; write the line \"# no joints\" if they "
-            "are, or leave --strict out to have it mended");
+            "are, or remove `strict` to have it repaired");
   EXPECT_EQ(readFiles({{"vertices.txt", "0 0 0 0 1 0 1 1 0\n"}, {"constraints.txt", "# none\n"}},
                       "", strict)
                 .error,
             "@/vertices.txt:1: error: 1 of 1 tiles runs clockwise seen from above; list their "
-            "vertices anticlockwise, or leave --strict out to have it mended");
+            "vertices anticlockwise, or remove `strict` to have it repaired");
   EXPECT_EQ(
       readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "1 2 2 1\n"}}, "", strict)
           .error,
       "@/constraints.txt: error: tiles and vertices of all 1 joints count from 1, not from 0; "
-      "subtract 1 from all tile and vertex numbers, or leave --strict out to have it mended");
+      "subtract 1 from all tile and vertex numbers, or remove `strict` to have it repaired");
   // What needs no mending passes.
   EXPECT_EQ(
       readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n"}}, "", strict)
@@ -257,22 +257,23 @@ TEST(PlanarNames, SeveralListsAreChosenFrom) {
   files["a_hamiltonian_constraints.txt"] = files["a_constraints.txt"];
   Reading read = readFiles(files, "a_vertices.txt");
   EXPECT_EQ(read.model.joints.size(), 24U);
-  EXPECT_THAT(read.warnings,
-              ElementsAre("@/a_constraints.txt: note: these joints were taken; beside them are "
-                          "a_expansion_constraints.txt, a_hamiltonian_constraints.txt (see "
-                          "--joints-file)"));
+  EXPECT_THAT(
+      read.warnings,
+      ElementsAre(
+          "@/a_constraints.txt: note: these joints were taken; beside them are "
+          "a_expansion_constraints.txt, a_hamiltonian_constraints.txt (see `joints_file`)"));
   files.erase("a_constraints.txt");
-  EXPECT_EQ(readFiles(files, "a_vertices.txt").error,
-            "@/a_vertices.txt: error: there are 2 lists of joints beside it: "
-            "a_expansion_constraints.txt, a_hamiltonian_constraints.txt; choose one with "
-            "--joints-file");
+  EXPECT_EQ(
+      readFiles(files, "a_vertices.txt").error,
+      "@/a_vertices.txt: error: there are 2 lists of joints beside it: "
+      "a_expansion_constraints.txt, a_hamiltonian_constraints.txt; choose one with `joints_file`");
   model::ReadSettings settings;
   settings.jointsFile = "a_expansion_constraints.txt";
   read = readFiles(files, "a_vertices.txt", settings);
   EXPECT_EQ(read.model.joints.size(), 1U);
   EXPECT_EQ(readFiles({{"a_vertices.txt", "0 0 1 0 0 1\n"}}, "a_vertices.txt").error,
             "@/a_vertices.txt: error: there is no list of joints beside it; write "
-            "a_constraints.txt, or name one with --joints-file");
+            "a_constraints.txt, or name one with `joints_file`");
   EXPECT_EQ(readFiles({{"a_constraints.txt", "1 1 2 1\n"}}, "a_constraints.txt").error,
             "@/a_constraints.txt: error: no file of vertices beside it has a name that begins like "
             "this one; put NAME_vertices.txt there");
@@ -286,8 +287,8 @@ TEST(PlanarNames, FoldersTakeAnotherListToo) {
                        {"other.txt", "0 1 1 0 1\n"}};
   EXPECT_EQ(readFiles(files, "", settings).model.joints.size(), 1U);
   EXPECT_EQ(readFiles({{"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}}, "a.obj", settings).error,
-            "@/a.obj: error: this file has its joints within; leave --joints-file out, or convert "
-            "the model to a folder");
+            "@/a.obj: error: this file has its joints within; remove `joints_file`, or convert the "
+            "model to a folder");
 }
 
 TEST(PlanarNames, AHullThatIsWrongIsLeftOutWithAWord) {

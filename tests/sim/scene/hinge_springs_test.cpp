@@ -131,7 +131,7 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereBricksWouldLieInEachOther) {
   scene_.hinges.stiffness = 1;
   scene_.hinges.rest = -1 * kDegree;
   EXPECT_EQ(refusal(),
-            "--hinge-rest: error: a rest angle of -1 degrees closes tiles 0 and 2 into each other; "
+            "`hinge_rest`: error: a rest angle of -1 degrees closes tiles 0 and 2 into each other; "
             "give one from 0 to 180");
   scene_.hinges.rest = 181 * kDegree;
   EXPECT_THAT(refusal(), HasSubstr("a rest angle of 181 degrees closes tiles 0 and 2 "));
@@ -149,11 +149,11 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
   EXPECT_EQ(refusal(),
             "error: springs need hinges, but in space joints at one corner of one face are balls, "
             "which turn about no axis (4 of them); join both faces (column 5 of constraints.txt: "
-            "3), or keep the sheet in its plane (--planar on)");
+            "3), or keep the sheet in its plane (`planar = on`)");
   scene_.model.joints.clear();
   EXPECT_EQ(refusal(),
             "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
-            "share; leave --hinge-stiffness away");
+            "share; remove `hinge_stiffness`");
 }
 
 /// A scene of two squares side by side in a FOLD file, folded by 90 degrees along their edge.
@@ -292,7 +292,7 @@ TEST_F(HingeSpringsOfAScene, NeedNoHingesWhereTilesAlone) {
 TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
   scene::Scene scene;
   scene.model = model::makeTessellation({});
-  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{5}}, {"--pin"}},
+  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{5}}, {"`pin`"}},
                     {scene::Occasion{}, scene::timeline::Unpin{{5, 6}}, {}}};
   scene.velocities = {{{2, 5}, Vector3::UnitX(), Vector3::Zero(), {}}, {}};
   scene::splitTiles({5, 6}, scene);
@@ -312,7 +312,7 @@ TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
                                       {1, 1.1, 0},
                                       {0, 2, 0},
                                       {0.9, 1, 0}}}};
-  concave.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"--pin"}}};
+  concave.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"`pin`"}}};
   scene::splitTiles({}, concave);
   EXPECT_EQ(std::get<scene::timeline::Pin>(concave.timeline[0].action).tiles,
             (std::vector<int>{0, 1, 2, 3, 4, 5}));
@@ -331,8 +331,8 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
   scene::Scene scene;
   scene.grips.emplace_back();
   EXPECT_EQ(refusal(scene),
-            "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips "
-            "and files of hinges name; leave one of them out");
+            "error: `split_tiles` renumbers the tiles that drags, chains of targets, grips and "
+            "files of hinges name; remove one of the two");
   scene.grips.clear();
   EXPECT_EQ(refusal(scene), "accepted");
   scene.timeline = {{scene::Occasion{}, scene::timeline::Drag{}, {}}};

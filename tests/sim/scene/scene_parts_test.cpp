@@ -133,20 +133,20 @@ TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
   complete();
   EXPECT_GE(scene_.alignment.moved, 1);
   EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the start was moved by up to "));
-  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("(--no-align keeps it in its place)"));
+  EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("(`align = false` keeps its position)"));
 }
 
 TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
   parts_.pinned = {16};
-  EXPECT_EQ(refusal(), "--pin: error: the model has tiles 0-15, not 16; correct this number");
+  EXPECT_EQ(refusal(), "`pin`: error: the model has tiles 0-15, not 16; correct this number");
   parts_ = {};
   parts_.fixed = {{3, 16}};
-  EXPECT_EQ(refusal(), "--fix: error: the model has tiles 0-15, not 16; correct this number");
+  EXPECT_EQ(refusal(), "`fix`: error: the model has tiles 0-15, not 16; correct this number");
   parts_.fixed = {{3, 3}};
-  EXPECT_EQ(refusal(), "--fix: error: tile 3 cannot be joined to itself; name two tiles");
+  EXPECT_EQ(refusal(), "`fix`: error: tile 3 cannot be joined to itself; name two tiles");
   parts_ = {};
   parts_.links = {{3, 4, 5, 0}};
-  EXPECT_EQ(refusal(), "--link: error: tile 3 has vertices 0-3, not 4; correct this number");
+  EXPECT_EQ(refusal(), "`link`: error: tile 3 has vertices 0-3, not 4; correct this number");
   const model::Joint& joint = scene_.model.joints.front();
   parts_.links = {{joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex}};
   EXPECT_THAT(refusal(), HasSubstr("are at one place; join them in constraints.txt instead"));

@@ -106,7 +106,7 @@ TEST(RunStudy, DoesNotMixQuickAndFull) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
                 HasSubstr("counting.csv: error: this is a full study, which a quick one cannot "
-                          "resume; use the same options or another --out"));
+                          "resume; use the same options or another folder"));
   }
 }
 
@@ -121,7 +121,7 @@ TEST(RunStudy, DoesNotResumeWhatAnotherVersionMade) {
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("counting.csv: error: 3 columns, but this version's study "
-                                        "has 2; leave --resume out"));
+                                        "has 2; remove `resume`"));
   }
 }
 
