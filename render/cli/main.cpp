@@ -36,7 +36,8 @@ int carryOutOrder(const std::vector<std::string>& arguments) {
   // Out of the try block: errors of parsing are no errors of printing.
   const Order order = parseCommandLine(arguments);
   try {
-    const int exitCode = std::visit([](const auto& wanted) { return carryOut(wanted); }, order);
+    const int exitCode =
+        std::visit([](const auto& requested) { return carryOut(requested); }, order);
     requirePrinted();
     return exitCode;
   } catch (const std::system_error&) {

@@ -36,12 +36,12 @@ void addParameter(OptionGroup& group, const generate::FamilyParameter& parameter
   };
   const auto write = [&order, parameter] {
     const auto given = order.values.find(parameter.name);
-    return scene::numberText(given == order.values.end() ? parameter.usual : given->second);
+    return scene::numberText(given == order.values.end() ? parameter.defaultValue : given->second);
   };
   group
-      .value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.usual),
+      .value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.defaultValue),
              parameter.help, read)
-      .saidAs(write);
+      .serializedAs(write);
 }
 
 }  // namespace

@@ -62,15 +62,15 @@ std::string typedText(const CLI::Option& option) {
 
 }  // namespace
 
-OptionGroup::Statement& OptionGroup::Statement::saidAs(const Writer& write) {
+OptionGroup::Statement& OptionGroup::Statement::serializedAs(const Writer& write) {
   // CLI11's own place for the text of what an option is bound to. It is asked for after parsing, so
   // that the help does not show it.
   option_->default_function(write);
   return *this;
 }
 
-OptionGroup::Statement& OptionGroup::Statement::decidesNothing() {
-  return saidAs([] { return std::string(); });
+OptionGroup::Statement& OptionGroup::Statement::excludeFromFingerprint() {
+  return serializedAs([] { return std::string(); });
 }
 
 OptionGroup::Statement& OptionGroup::Statement::accepts(const std::vector<std::string>& words) {
@@ -85,15 +85,16 @@ OptionGroup::Statement OptionGroup::added(CLI::Option* option) {
 }
 
 OptionGroup::Statement OptionGroup::value(const std::string& name, const std::string& unit,
-                                          const std::string& usual, const std::string& help,
+                                          const std::string& defaultText, const std::string& help,
                                           const Reader& read) {
   // The default is said in words, since CLI11 would print what is bound, and nothing is bound here.
-  const std::string text = usual.empty() ? help : fmt::format("{} (default {})", help, usual);
+  const std::string text =
+      defaultText.empty() ? help : fmt::format("{} (default {})", help, defaultText);
   const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
   CLI::Option* option = command_.add_option_function<std::string>(name, readText, text)
                             ->type_name(unit)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  return added(option).saidAs([option] { return typedText(*option); });
+  return added(option).serializedAs([option] { return typedText(*option); });
 }
 
 OptionGroup::Statement OptionGroup::values(const std::string& name, const std::string& unit,
@@ -107,7 +108,7 @@ OptionGroup::Statement OptionGroup::values(const std::string& name, const std::s
           ->expected(1)
           ->allow_extra_args(false)
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  return added(option).saidAs([option] { return typedText(*option); });
+  return added(option).serializedAs([option] { return typedText(*option); });
 }
 
 void OptionGroup::setting(const scene::Setting& setting, scene::Scene& scene) {
@@ -116,13 +117,15 @@ void OptionGroup::setting(const scene::Setting& setting, scene::Scene& scene) {
   // Settings stand as long as the program runs.
   const auto write = [&setting, &scene] { return setting.write(scene); };
   if (setting.isSwitch) {
-    flag(name, help, [&setting, &scene, name] { setting.read(scene, {name, ""}); }).saidAs(write);
+    flag(name, help, [&setting, &scene, name] {
+      setting.read(scene, {name, ""});
+    }).serializedAs(write);
     return;
   }
   Statement statement =
-      value(name, setting.unit, setting.usual, help,
+      value(name, setting.unit, setting.defaultText, help,
             [&setting, &scene](const scene::TypedValue& typed) { setting.read(scene, typed); });
-  statement.saidAs(write);
+  statement.serializedAs(write);
   if (!setting.words.empty()) statement.accepts(setting.words);
 }
 
@@ -132,12 +135,12 @@ void OptionGroup::number(const std::string& name, double& target, scene::Range r
         [&target, range](const scene::TypedValue& typed) {
           target = scene::parseNumber(typed, range);
         })
-      .saidAs([&target] { return scene::numberText(target); });
+      .serializedAs([&target] { return scene::numberText(target); });
 }
 
 OptionGroup::Statement OptionGroup::flag(const std::string& name, bool& target,
                                          const std::string& help, bool given) {
-  return flag(name, help, [&target, given] { target = given; }).saidAs([&target, given] {
+  return flag(name, help, [&target, given] { target = given; }).serializedAs([&target, given] {
     return fmt::format("{}", target == given);
   });
 }
@@ -145,11 +148,11 @@ OptionGroup::Statement OptionGroup::flag(const std::string& name, bool& target,
 OptionGroup::Statement OptionGroup::flag(const std::string& name, const std::string& help,
                                          const std::function<void()>& action) {
   CLI::Option* option = command_.add_flag_callback(name, action, help);
-  return added(option).saidAs([option] { return fmt::format("{}", option->count() > 0); });
+  return added(option).serializedAs([option] { return fmt::format("{}", option->count() > 0); });
 }
 
 /// Runs the option's writer: CLI11 keeps what it gives as the default's text.
-std::string saidBy(CLI::Option& option) {
+std::string serializedValue(CLI::Option& option) {
   return option.capture_default_str()->get_default_str();
 }
 

@@ -127,10 +127,10 @@ class OptionGroup {
     /// The option's value is what `write` gives, whichever way it was set: as a scene file has it
     /// (`0.02`, `true`, `"all"`, `["3,4", "5,6"]`), read back to the last bit; "" where there is
     /// nothing to say.
-    Statement& saidAs(const Writer& write);
+    Statement& serializedAs(const Writer& write);
 
     /// The option does not decide the result, or says it in another option's words.
-    Statement& decidesNothing();
+    Statement& excludeFromFingerprint();
 
     /// Notes the only values that the option accepts, see allowedWords().
     Statement& accepts(const std::vector<std::string>& words);
@@ -142,7 +142,7 @@ class OptionGroup {
   /// An option with a value that `read` understands. `unit` and `usual` (the default, none when
   /// empty) are for the help. Given several times, the last one counts. `name` may list several
   /// names with commas, "--a,-b"; the first long one is the key of a scene file.
-  Statement value(const std::string& name, const std::string& unit, const std::string& usual,
+  Statement value(const std::string& name, const std::string& unit, const std::string& defaultText,
                   const std::string& help, const Reader& read);
 
   /// The same for an option that may be given several times; each value is read in turn. The reader
@@ -167,7 +167,7 @@ class OptionGroup {
           [&target, range](const scene::TypedValue& typed) {
             target = static_cast<Integer>(scene::parseInteger(typed, range));
           })
-        .saidAs([&target] { return fmt::format("{}", target); });
+        .serializedAs([&target] { return fmt::format("{}", target); });
   }
 
   /// One of several words; the first is the default.
@@ -181,7 +181,7 @@ class OptionGroup {
                    target = scene::parseChoice(typed, choices);
                  })
         .accepts(words)
-        .saidAs(
+        .serializedAs(
             [&target, choices] { return scene::quotedText(scene::nameOfChoice(choices, target)); });
   }
 
@@ -202,7 +202,7 @@ class OptionGroup {
 };
 
 /// What an option is set to now, see OptionGroup::Statement; "" where it says nothing about a run.
-std::string saidBy(CLI::Option& option);
+std::string serializedValue(CLI::Option& option);
 
 /// The only values that an option accepts; empty where they are no list.
 std::vector<std::string> allowedWords(CLI::Option& option);

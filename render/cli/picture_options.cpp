@@ -60,17 +60,19 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) {
                settings.gridWidth = parseLength(typed, "mm", {1, 10000});
              })
-      .saidAs([&] { return settings.gridWidth ? scene::numberText(*settings.gridWidth) : ""; });
+      .serializedAs(
+          [&] { return settings.gridWidth ? scene::numberText(*settings.gridWidth) : ""; });
   group
       .value("--font-size", "PT", "by the pictures' size", "of the grid's text in print, 7pt",
              [&](const scene::TypedValue& typed) {
                settings.fontPoints = parseLength(typed, "pt", {1, 200});
              })
-      .saidAs([&] { return settings.fontPoints ? scene::numberText(*settings.fontPoints) : ""; });
+      .serializedAs(
+          [&] { return settings.fontPoints ? scene::numberText(*settings.fontPoints) : ""; });
   group
       .value("--font", "NAME", "DejaVu Sans", "family of all text, as fc-list names it",
              [&](const scene::TypedValue& typed) { settings.font = typed.text; })
-      .saidAs([&] { return scene::quotedText(settings.font); });
+      .serializedAs([&] { return scene::quotedText(settings.font); });
   group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
   group.flag("--arrows", settings.arrows,
              "from each of the grid's pictures to the next in its row");
@@ -78,14 +80,14 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
       .value("--column-heads", "LIST", "none",
              "over the grid's columns, in place of captions, commas between them: flat,half,open",
              [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
-      .saidAs([&] {
+      .serializedAs([&] {
         return scene::quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ",")));
       });
   group
       .value("--figure", "LIST", "none",
              "the whole grid as vector graphics too: svg, pdf, as snapshots.svg, snapshots.pdf",
              [&](const scene::TypedValue& typed) { settings.pages = parsePages(typed); })
-      .saidAs([&] { return pagesText(settings.pages); });
+      .serializedAs([&] { return pagesText(settings.pages); });
 }
 
 }  // namespace
@@ -95,17 +97,17 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   group
       .value("--size", "WxH", "1280x720", "of each picture, pixels",
              [&](const scene::TypedValue& typed) { settings.size = parseSize(typed); })
-      .saidAs([&] { return sizeText(settings.size); });
+      .serializedAs([&] { return sizeText(settings.size); });
   group
       .value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
              [&](const scene::TypedValue& typed) { settings.grid = parseGrid(typed); })
-      .saidAs([&] { return gridText(settings.grid); });
+      .serializedAs([&] { return gridText(settings.grid); });
   group
       .value("--captions", "PARTS", "progress, at real pace time",
              "under the grid's pictures, and where given under the video's frames: progress, time, "
              "angle, error, gap; or none",
              [&](const scene::TypedValue& typed) { settings.captions = parseCaption(typed); })
-      .saidAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
+      .serializedAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
              "a length under the grid and the video; needs a parallel projection");
   group
@@ -113,7 +115,8 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) {
                settings.dotsPerInch = scene::parseNumber(typed, {1, 100000});
              })
-      .saidAs([&] { return settings.dotsPerInch ? scene::numberText(*settings.dotsPerInch) : ""; });
+      .serializedAs(
+          [&] { return settings.dotsPerInch ? scene::numberText(*settings.dotsPerInch) : ""; });
   addPrintOptions(group, settings);
   group.choice<record::SnapshotSpacing>(
       "--snapshots", settings.spacing,
@@ -125,7 +128,7 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
           "--frames-at", "LIST", "none",
           "the same of these moments: seconds, or shares of the motion, such as 0,1.5,50%,100%",
           [&](const scene::TypedValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
-      .saidAs([&] { return frameChoicesText(settings.chosenFrames); });
+      .serializedAs([&] { return frameChoicesText(settings.chosenFrames); });
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
@@ -135,7 +138,7 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) {
                settings.painterCount = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
-      .decidesNothing();
+      .excludeFromFingerprint();
   // Either library draws the same.
   group
       .choice<std::optional<picture::GraphicsLibrary>>(
@@ -144,14 +147,14 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
            {"osmesa", picture::GraphicsLibrary::Osmesa},
            {"egl", picture::GraphicsLibrary::Egl}},
           "library that draws off screen")
-      .decidesNothing();
+      .excludeFromFingerprint();
   addLookOptions(command, settings.look);
 }
 
 // ------------------------------------------------------------------------------------------------
 // Options of colours, drawing and camera. Angles are typed in degrees and kept in radians; lengths
-// are metres. A typed value is written back (saidAs) as the shortest number that reads to the same
-// double, so that a scene file made from an order gives the same pictures to the last bit.
+// are metres. A typed value is written back (serializedAs) as the shortest number that reads to the
+// same double, so that a scene file made from an order gives the same pictures to the last bit.
 
 namespace {
 
@@ -184,14 +187,15 @@ void addScaleOptions(OptionGroup& group, picture::Look& look) {
              [&look](const scene::TypedValue& typed) {
                look.colourLeast = scene::parseNumber(typed, {-1e12, 1e12});
              })
-      .saidAs([&look] { return look.colourLeast ? scene::numberText(*look.colourLeast) : ""; });
+      .serializedAs(
+          [&look] { return look.colourLeast ? scene::numberText(*look.colourLeast) : ""; });
   group
       .value("--colour-most", "VALUE", "the largest of the run",
              "value at the other end of the scale, in the unit of the measure",
              [&look](const scene::TypedValue& typed) {
                look.colourMost = scene::parseNumber(typed, {1e-15, 1e12});
              })
-      .saidAs([&look] { return look.colourMost ? scene::numberText(*look.colourMost) : ""; });
+      .serializedAs([&look] { return look.colourMost ? scene::numberText(*look.colourMost) : ""; });
 }
 
 /// Colours are names of CSS or six hexadecimal digits.
@@ -200,11 +204,11 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
       .value("--brick-colour", "COLOUR", "80AEDC",
              "of all bricks, with --colour plain; a name such as teal, or RRGGBB",
              [&look](const scene::TypedValue& typed) { look.brickColour = parseColour(typed); })
-      .saidAs([&look] { return saidColour(look.brickColour); });
+      .serializedAs([&look] { return saidColour(look.brickColour); });
   group
       .value("--back-colour", "COLOUR", "F4BE74", "of their other side, with --colour plain",
              [&look](const scene::TypedValue& typed) { look.backColour = parseColour(typed); })
-      .saidAs([&look] { return saidColour(look.backColour); });
+      .serializedAs([&look] { return saidColour(look.backColour); });
   group
       .values("--tile-colour", "[NAME:]TILES=COLOUR",
               "of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in the "
@@ -212,7 +216,7 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
               [&look](const scene::TypedValue& typed) {
                 look.tileColours.push_back(parseTileColour(typed));
               })
-      .saidAs([&look] { return tileColoursText(look.tileColours); });
+      .serializedAs([&look] { return tileColoursText(look.tileColours); });
   group.number("--opacity", look.opacity, {0, 1}, "SHARE",
                "of all bricks, 0 leaves them out; their hidden sides do not show");
   group
@@ -221,15 +225,15 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
               [&look](const scene::TypedValue& typed) {
                 look.tileOpacities.push_back(parseTileOpacity(typed));
               })
-      .saidAs([&look] { return tileOpacitiesText(look.tileOpacities); });
+      .serializedAs([&look] { return tileOpacitiesText(look.tileOpacities); });
   group
       .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
              [&look](const scene::TypedValue& typed) { look.outlineColour = parseColour(typed); })
-      .saidAs([&look] { return saidColour(look.outlineColour); });
+      .serializedAs([&look] { return saidColour(look.outlineColour); });
   group
       .value("--background", "COLOUR", "that of --theme", "of the page",
              [&look](const scene::TypedValue& typed) { look.background = parseColour(typed); })
-      .saidAs([&look] { return saidColour(look.background); });
+      .serializedAs([&look] { return saidColour(look.background); });
 }
 
 /// What decides a picture but not its camera.
@@ -261,7 +265,7 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
              [&look](const scene::TypedValue& typed) {
                look.occlusion = scene::parseNumber(typed, {0, 1});
              })
-      .saidAs([&look] { return look.occlusion ? scene::numberText(*look.occlusion) : ""; });
+      .serializedAs([&look] { return look.occlusion ? scene::numberText(*look.occlusion) : ""; });
 }
 
 /// One of the words, or "45,30".
@@ -309,7 +313,7 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
              [&camera, views](const scene::TypedValue& typed) {
                camera.view = parseView(typed, views);
              })
-      .saidAs([&camera, views] {
+      .serializedAs([&camera, views] {
         const std::string name = scene::nameOfChoice(views, camera.view);
         return scene::quotedText(name.empty() ? anglesText(*camera.view) : name);
       });
@@ -332,7 +336,8 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
              [&camera](const scene::TypedValue& typed) {
                camera.distance = scene::parseNumber(typed, {1e-9, 1e12});
              })
-      .saidAs([&camera] { return camera.distance ? scene::numberText(*camera.distance) : ""; });
+      .serializedAs(
+          [&camera] { return camera.distance ? scene::numberText(*camera.distance) : ""; });
   group.choice<picture::FitScope>("--fit", look.fit,
                                   {{"auto", picture::FitScope::Auto},
                                    {"run", picture::FitScope::Run},
@@ -343,7 +348,7 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
              [&camera](const scene::TypedValue& typed) {
                camera.orbit = scene::parseNumber(typed, {-36000, 36000}) * kDegree;
              })
-      .saidAs([&camera] {
+      .serializedAs([&camera] {
         return scene::numberText(
             scene::numberReadAs(camera.orbit, camera.orbit / kDegree,
                                 [](double degrees) { return degrees * kDegree; }));
@@ -352,7 +357,7 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
       .value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
              "the camera passes here at these times (seconds, degrees)",
              [&camera](const scene::TypedValue& typed) { camera.keys = parseCameraKeys(typed); })
-      .saidAs([&camera] { return cameraKeysText(camera.keys); });
+      .serializedAs([&camera] { return cameraKeysText(camera.keys); });
 }
 
 }  // namespace
@@ -399,7 +404,7 @@ void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
                settings.length = scene::parseNumber(typed, {0.1, 36000});
                settings.pace = record::Pace::Even;
              })
-      .saidAs([&] {
+      .serializedAs([&] {
         return settings.pace == record::Pace::Even ? scene::numberText(settings.length) : "";
       });
   group
@@ -410,7 +415,7 @@ void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
                settings.speed = scene::parseNumber(typed, {1e-3, 1e3});
                settings.pace = record::Pace::Real;
              })
-      .saidAs([&] {
+      .serializedAs([&] {
         return settings.pace == record::Pace::Real ? scene::numberText(settings.speed) : "";
       });
   group
@@ -419,7 +424,7 @@ void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) {
                settings.hold = scene::parseNumber(typed, {0, 60});
              })
-      .saidAs([&] { return scene::numberText(settings.heldSeconds()); });
+      .serializedAs([&] { return scene::numberText(settings.heldSeconds()); });
 }
 
 }  // namespace
@@ -431,17 +436,17 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
              "file name; its ending gives the format: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv "
              "(FFV1, lossless)",
              [&](const scene::TypedValue& typed) { settings.videoFile = parseFileName(typed); })
-      .saidAs([&] { return scene::quotedText(settings.videoFile); });
+      .serializedAs([&] { return scene::quotedText(settings.videoFile); });
   group.flag("--no-video", settings.video, "no video", false);
   addPaceOptions(group, settings);
   group
       .value("--title", "TEXT", "", "a card before the video, 2 s; \\n begins a new line",
              [&](const scene::TypedValue& typed) { settings.title = withLineFeeds(typed.text); })
-      .saidAs([&] { return scene::quotedText(settings.title); });
+      .serializedAs([&] { return scene::quotedText(settings.title); });
   group
       .value("--subtitle", "TEXT", "", "smaller lines below the title",
              [&](const scene::TypedValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
-      .saidAs([&] { return scene::quotedText(settings.subtitle); });
+      .serializedAs([&] { return scene::quotedText(settings.subtitle); });
   group.flag("--progress-bar", settings.progressBar,
              "a bar under the frames that fills with the motion");
   group
@@ -449,16 +454,16 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) {
                settings.crf = static_cast<int>(scene::parseInteger(typed, {0, 63}));
              })
-      .saidAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
+      .serializedAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
   group
       .value("--preset", "WORD", settings.preset,
              "of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
              [&](const scene::TypedValue& typed) { settings.preset = typed.text; })
-      .saidAs([&] { return scene::quotedText(settings.preset); });
+      .serializedAs([&] { return scene::quotedText(settings.preset); });
   group
       .value("--encoder", "NAME", "that of the format", "another encoder of FFmpeg's libavcodec",
              [&](const scene::TypedValue& typed) { settings.encoder = typed.text; })
-      .saidAs([&] { return scene::quotedText(settings.encoder); });
+      .serializedAs([&] { return scene::quotedText(settings.encoder); });
 }
 
 }  // namespace kirireel::cli

@@ -43,19 +43,19 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   group
       .value("--out", "FOLDER", "out/NAME of the model", "where the files go",
              [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; })
-      .decidesNothing();
+      .excludeFromFingerprint();
   group
       .flag("--resume", order.settings.resume,
             "leave a finished run of the same order as it is; go on with an interrupted one, to "
             "the same bytes")
-      .decidesNothing();
+      .excludeFromFingerprint();
   group
       .flag("--page", order.page,
             "page.html too: the run in 3-D for any browser, see kirireel page")
-      .decidesNothing();
-  group.flag("--json", order.printJson, "print the summary as JSON").decidesNothing();
+      .excludeFromFingerprint();
+  group.flag("--json", order.printJson, "print the summary as JSON").excludeFromFingerprint();
   group.flag("--verbose", order.verbose, "print all findings and warnings of the run")
-      .decidesNothing();
+      .excludeFromFingerprint();
 }
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
@@ -70,11 +70,11 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
   group
       .flag("--auto-detect-connections", "the same as --faces pykirigami",
             [&order] { order.faces = model::FaceRule::PyKirigami; })
-      .decidesNothing();  // --faces says it
+      .excludeFromFingerprint();  // --faces says it
   group
       .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
              [&order](const scene::TypedValue& typed) { order.splitTiles = parseTiles(typed); })
-      .saidAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
+      .serializedAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
 }
 
 /// The order of groups is that of the help.
@@ -400,7 +400,7 @@ std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFi
   for (CLI::Option* option : command.get_options()) {
     const std::string key = settingKey(*option);
     // An empty text says that the option decides nothing.
-    std::string value = key.empty() ? "" : saidBy(*option);
+    std::string value = key.empty() ? "" : serializedValue(*option);
     if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
     if (namesFiles(key) && !withFileNames) value = withoutNames(*option);
     tables[settingTable(*option)] += fmt::format("{} = {}\n", key, value);

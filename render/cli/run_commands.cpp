@@ -92,7 +92,7 @@ int carryOut(const RenderOrder& order) {
 // ------------------------------------------------------------------------------------------------
 // Options of states, elements and decks, which `record` and `simulate` have too (behind --export),
 // and the command that exports a finished run. Every value that decides the bytes of a file says
-// itself by saidAs(), so that the fingerprint of a run holds it.
+// itself by serializedAs(), so that the fingerprint of a run holds it.
 
 namespace {
 
@@ -127,7 +127,7 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
                 if (typed.text.starts_with("event:")) return append(typed.text);
                 for (const std::string& name : splitAtCommas(typed)) append(name);
               })
-      .saidAs([&settings] {
+      .serializedAs([&settings] {
         std::vector<std::string> names;
         for (const std::string& name : settings.states) names.push_back(scene::quotedText(name));
         return scene::quotedList(names);
@@ -137,21 +137,21 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
 void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
   // Lengths of 0 mean "as usual" in the rule, so a typed one starts above it.
-  const auto length = [&group](const char* name, const char* usual, const char* help,
+  const auto length = [&group](const char* name, const char* defaultText, const char* help,
                                double& target) {
     group
-        .value(name, "METRES", usual, help,
+        .value(name, "METRES", defaultText, help,
                [&target](const scene::TypedValue& typed) {
                  target = scene::parseNumber(typed, {1e-12, 1e9});
                })
-        .saidAs([&target] { return target > 0 ? scene::numberText(target) : ""; });
+        .serializedAs([&target] { return target > 0 ? scene::numberText(target) : ""; });
   };
   group
       .value("--elements-per-edge", "COUNT", "8", "along each edge of a tile",
              [&elements](const scene::TypedValue& typed) {
                elements.perEdge = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
-      .saidAs(
+      .serializedAs(
           [&elements] { return elements.perEdge > 0 ? scene::numberText(elements.perEdge) : ""; });
   // Empty words for the default: the count per edge is in force then.
   length("--element-size", "", "the longest element edge, in place of the count", elements.size);
@@ -236,7 +236,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
                decks.contactFriction = scene::parseNumber(typed, {0, 10});
              })
       // Absent contact is no contact; a coefficient of 0 is contact without friction.
-      .saidAs([&decks] {
+      .serializedAs([&decks] {
         return decks.contactFriction ? scene::numberText(*decks.contactFriction) : std::string();
       });
   group.flag("--state-map",
@@ -266,7 +266,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
                  settings.formats.push_back(word);
                }
              })
-      .saidAs([&settings] {
+      .serializedAs([&settings] {
         return scene::quotedText(fmt::format("{}", fmt::join(settings.formats, ",")));
       });
   addStateOptions(group, settings);
@@ -276,7 +276,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
              [&settings](const scene::TypedValue& typed) {
                settings.hingeWidth = scene::parseNumber(typed, {1e-12, 1e9});
              })
-      .saidAs([&settings] {
+      .serializedAs([&settings] {
         return settings.hingeWidth > 0 ? scene::numberText(settings.hingeWidth) : "";
       });
   group.choice<std::optional<LengthUnit>>(
@@ -456,11 +456,11 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
              [&settings](const scene::TypedValue& typed) {
                settings.states.samples = parseSamples(typed);
              })
-      .decidesNothing();
+      .excludeFromFingerprint();
   group
       .flag("--exact", settings.states.exact,
             "poses as they are, to the last bit; else to a fraction of a pixel")
-      .decidesNothing();
+      .excludeFromFingerprint();
   group
       .value("--embed", "LIST", "none",
              "files of the run that go into the page: videos play, pictures show, others can be "
@@ -472,13 +472,13 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
                  settings.embedded.push_back(name);
                }
              })
-      .decidesNothing();
+      .excludeFromFingerprint();
   group
       .value("--most-size", "MB", "25", "of a page; a larger one is refused",
              [&settings](const scene::TypedValue& typed) {
                settings.mostMegabytes = scene::parseNumber(typed, {0.1, 1e5});
              })
-      .decidesNothing();
+      .excludeFromFingerprint();
 }
 
 CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {

@@ -21,7 +21,7 @@ namespace {
 
 /// "3,0,7": whole numbers from 0, as many as `count` when it is not 0.
 std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
-                              const std::string& wanted) {
+                              const std::string& requested) {
   std::vector<int> numbers;
   const char* at = value.text.data();
   const char* const end = at + value.text.size();
@@ -31,13 +31,13 @@ std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
     const bool isLast = next == end;
     // A comma must be followed by a number, so "3," is refused.
     if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
-      throw scene::valueError(value, wanted);
+      throw scene::valueError(value, requested);
     }
     numbers.push_back(number);
     at = isLast ? end : next + 1;
   }
   if (numbers.empty() || (count != 0 && numbers.size() != count))
-    throw scene::valueError(value, wanted);
+    throw scene::valueError(value, requested);
   return numbers;
 }
 
@@ -82,7 +82,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
       .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
              "settings and timeline; options given here count more",
              [&request](const scene::TypedValue& typed) { request.file = typed.text; })
-      .decidesNothing();  // what the file says does
+      .excludeFromFingerprint();  // what the file says does
   OptionGroup group(command, "Model", "model");
   // Numbers stay as they were typed; completeScene() knows from where the model's file counts.
   scene::SceneParts& parts = request.parts;
@@ -91,7 +91,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
               "target in place of the model's own: a file like target.txt, or another model whose "
               "start it is; given several times, each is reached before the next",
               [&parts](const scene::TypedValue& typed) { parts.targets.emplace_back(typed.text); })
-      .saidAs([&parts] {
+      .serializedAs([&parts] {
         std::vector<std::string> names;
         for (const auto& target : parts.targets)
           names.push_back(scene::quotedText(target.string()));
@@ -106,9 +106,9 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
               })
-      .saidAs(
+      .serializedAs(
           [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
-  group.flag("--no-align", alignment.wanted,
+  group.flag("--no-align", alignment.requested,
              "leave the start where the model has it, instead of moving it onto the target (by its "
              "pinned tiles, where some are)",
              false);
@@ -118,7 +118,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
                 const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
                 parts.fixed.push_back({pair[0], pair[1]});
               })
-      .saidAs([&parts] { return listsText(parts.fixed); });
+      .serializedAs([&parts] { return listsText(parts.fixed); });
   group
       .values("--link", "TILE,VERTEX,TILE,VERTEX",
               "two corners that keep the distance that they start with",
@@ -127,7 +127,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
                     parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
                 parts.links.push_back({link[0], link[1], link[2], link[3]});
               })
-      .saidAs([&parts] { return listsText(parts.links); });
+      .serializedAs([&parts] { return listsText(parts.links); });
 }
 
 std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
@@ -304,12 +304,12 @@ namespace {
 
 /// Of SVG and DXF files.
 void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
-  const auto names = [&group](const char* option, const char* usual, const char* help,
+  const auto names = [&group](const char* option, const char* defaultText, const char* help,
                               std::vector<std::string>& chosen) {
     group
-        .value(option, "NAMES", usual, help,
+        .value(option, "NAMES", defaultText, help,
                [&chosen](const scene::TypedValue& typed) { chosen = splitNames(typed); })
-        .saidAs([&chosen] {
+        .serializedAs([&chosen] {
           return chosen.empty() ? "" : scene::quotedText(fmt::format("{}", fmt::join(chosen, ",")));
         });
   };
@@ -324,14 +324,15 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
              [&settings](const scene::TypedValue& typed) {
                settings.neckWidth = scene::parseNumber(typed, scene::Range{1e-9, 1e6});
              })
-      .saidAs([&settings] {
+      .serializedAs([&settings] {
         return settings.neckWidth > 0 ? fmt::format("{}", settings.neckWidth) : "";
       });
   group
       .choice<bool>("--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
                     "joints of a drawing: where the cut would meet the line, or in the middle of "
                     "the neck")
-      .saidAs([&settings] { return settings.areJointsInNecks ? scene::quotedText("middle") : ""; });
+      .serializedAs(
+          [&settings] { return settings.areJointsInNecks ? scene::quotedText("middle") : ""; });
 }
 
 }  // namespace
@@ -347,7 +348,7 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
       .value("--joints-file", "FILE", "the model's own",
              "list of joints to take in place of constraints.txt: a path, or a name beside it",
              [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
-      .saidAs([&settings] {
+      .serializedAs([&settings] {
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : scene::quotedText(name);
       });
@@ -361,7 +362,8 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
              [&settings](const scene::TypedValue& typed) {
                settings.frame = static_cast<int>(scene::parseInteger(typed, scene::Range{0, 1e6}));
              })
-      .saidAs([&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
+      .serializedAs(
+          [&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
   group
       .value("--fold", "FRACTION", "1",
              "how far M and V edges of a FOLD file fold that have no angle, as a fraction of 180 "
@@ -369,14 +371,14 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
              [&settings](const scene::TypedValue& typed) {
                settings.fold = scene::parseNumber(typed, scene::Range{1e-3, 1});
              })
-      .saidAs([&settings] { return settings.fold ? fmt::format("{}", *settings.fold) : ""; });
+      .serializedAs([&settings] { return settings.fold ? fmt::format("{}", *settings.fold) : ""; });
   group.flag("--join-coplanar", settings.joinCoplanar,
              "faces of an OBJ or PLY mesh that share an edge and lie in one plane are one tile");
   group
       .flag("--strict", settings.strict,
             "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
             "instead of mending them")
-      .decidesNothing();
+      .excludeFromFingerprint();
   addDrawingOptions(group, settings, hasNecks);
 }
 
@@ -408,7 +410,7 @@ void checkThickness(const scene::Scene& scene, std::vector<std::string>& warning
   warnings.push_back(
       fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
                   "lengths are in metres, and --thickness {:.2g} would be usual",
-                  scene.model.name, thickness, edge, model::kUsualThickness * edge));
+                  scene.model.name, thickness, edge, model::kDefaultThickness * edge));
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {

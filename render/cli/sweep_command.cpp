@@ -66,14 +66,14 @@ sweep::WorkerLimits withMemoryLimit(sweep::WorkerLimits limits) {
 
 /// "3/8". Both numbers from 1; any other text gets one message that shows the form.
 SweepShard parseShard(const scene::TypedValue& value) {
-  const std::string wanted = "I/N, as in 3/8: part I of N, counted from 1";
+  const std::string requested = "I/N, as in 3/8: part I of N, counted from 1";
   const std::size_t slash = value.text.find('/');
-  if (slash == std::string::npos) throw scene::valueError(value, wanted);
+  if (slash == std::string::npos) throw scene::valueError(value, requested);
   const auto number = [&](const std::string& text) {
     try {
       return scene::parseInteger({value.name, text}, {1, 1e9});
     } catch (const InputError&) {
-      throw scene::valueError(value, wanted);
+      throw scene::valueError(value, requested);
     }
   };
   const long part = number(value.text.substr(0, slash));
@@ -309,10 +309,10 @@ sweep::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   if (gathered.runs.size() > gathered.failed) names.push_back(name + ".png");
   // All files appear together, or none.
   output::FileSet files(folder, output::kContents);
-  const auto isWanted = [&names](const std::string& wanted) {
-    return wanted == output::kContents || std::ranges::find(names, wanted) != names.end();
+  const auto isRequested = [&names](const std::string& requested) {
+    return requested == output::kContents || std::ranges::find(names, requested) != names.end();
   };
-  files.requireFree(isWanted);
+  files.requireFree(isRequested);
   const std::string stem = (files.stage() / name).string();
   writeTextFile(stem + ".csv", sweep::csvText(gathered.results));
   sweep::writeTableArrays(gathered.results, stem + ".h5");

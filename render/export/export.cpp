@@ -63,7 +63,7 @@ struct ExportFile {
   /// Writes the file of a whole deployment.
   void (*writeDeployment)(Exporter&, const std::filesystem::path&) = nullptr;
   /// Whether these settings ask for it; null: always.
-  bool (*isWanted)(const fea::DeckSettings&) = nullptr;
+  bool (*isRequested)(const fea::DeckSettings&) = nullptr;
 
   bool showsElements() const { return !writeState && !writeDeployment; }
 };
@@ -445,14 +445,14 @@ ExportFormat deckFormat() {
   return {kDeck,
           {{kMeshFile},
            {kJobFile},
-           {.name = kDriveFile, .isWanted = isDriven},
-           {.name = kDriveMesh, .isWanted = isDriven},
+           {.name = kDriveFile, .isRequested = isDriven},
+           {.name = kDriveMesh, .isRequested = isDriven},
            {.name = kBucklingFile,
-            .isWanted = [](const fea::DeckSettings& decks) { return decks.buckling; }},
+            .isRequested = [](const fea::DeckSettings& decks) { return decks.buckling; }},
            {.name = kMapFile,
-            .isWanted = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
+            .isRequested = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
            {.name = kPeriodicFile,
-            .isWanted = [](const fea::DeckSettings& decks) { return decks.periodic; }}}};
+            .isRequested = [](const fea::DeckSettings& decks) { return decks.periodic; }}}};
 }
 
 using Path = std::filesystem::path;
@@ -572,7 +572,7 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
            output::isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
   };
   const auto isOfFile = [&](const ExportFile& file) {
-    if (file.isWanted && !file.isWanted(settings.decks)) return false;
+    if (file.isRequested && !file.isRequested(settings.decks)) return false;
     if (file.writeDeployment) return name == file.name;
     const bool isOfSheet =
         file.showsElements() && settings.elements.joints == fea::JointStyle::Neck;

@@ -384,12 +384,12 @@ void FileSet::dropCheckpoint() const {
   fs::remove_all(stage_ / kCheckpoint, ignored);
 }
 
-void FileSet::requireFree(const std::function<bool(const std::string&)>& isWanted) const {
+void FileSet::requireFree(const std::function<bool(const std::string&)>& isRequested) const {
   const LeftFiles left(folder_);
   std::vector<std::string> foreign;
   const auto look = [&](const std::string& name, bool isFolder) {
-    const bool isTaken = isWanted(name) && left.isForeign(name);
-    if (isTaken || (isWanted(name + '/') && !isFolder)) foreign.push_back(name);
+    const bool isTaken = isRequested(name) && left.isForeign(name);
+    if (isTaken || (isRequested(name + '/') && !isFolder)) foreign.push_back(name);
   };
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {

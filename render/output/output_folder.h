@@ -162,9 +162,9 @@ class FileSet {
   /// Where to write files until they are committed.
   const std::filesystem::path& stage() const { return stage_; }
 
-  /// Throws InputError that names the files in the folder, or one level below, of which `isWanted`
-  /// is true and which no earlier run left as they are. A wanted folder ends in '/'.
-  void requireFree(const std::function<bool(const std::string& name)>& isWanted) const;
+  /// Throws InputError that names the files in the folder, or one level below, of which
+  /// `isRequested` is true and which no earlier run left as they are. A wanted folder ends in '/'.
+  void requireFree(const std::function<bool(const std::string& name)>& isRequested) const;
 
   /// Removes the checkpoint of an earlier run.
   void dropCheckpoint() const;

@@ -370,9 +370,9 @@ py::array_t<double> sampleRotations(const trajectory::Sample& sample) {
 
 /// Tells Python each sample, and remembers what it threw. The first exception of on_sample ends the
 /// run and is thrown again when the run has ended.
-class SampleTeller {
+class SampleReporter {
  public:
-  explicit SampleTeller(py::object tell) : tell_(std::move(tell)) {}
+  explicit SampleReporter(py::object tell) : tell_(std::move(tell)) {}
 
   /// False ends the run. To be called without the interpreter.
   bool operator()(const trajectory::Sample& sample) {
@@ -406,7 +406,7 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
       cli::parseRunOptions(loaded, optionWords(options, cli::optionsNotForRuns()));
   std::vector<std::string> warnings;
   std::shared_ptr<DeployedRun> run;
-  SampleTeller tell(onSample);
+  SampleReporter tell(onSample);
   withoutInterpreter([&] {
     cli::RecordResult prepared = cli::prepareOrder(order, warnings);
     const auto samples = std::make_shared<trajectory::SampleTable>();

@@ -213,11 +213,11 @@ constexpr double kAfterEnd = 0.01;
 
 /// The entry of rising numbers that is nearest to a wanted one. Of two that are equally near, the
 /// lower.
-int nearestIndex(const std::vector<double>& numbers, double wanted) {
-  const auto above = std::lower_bound(numbers.begin(), numbers.end(), wanted);
+int nearestIndex(const std::vector<double>& numbers, double requested) {
+  const auto above = std::lower_bound(numbers.begin(), numbers.end(), requested);
   if (above == numbers.begin()) return 0;
   const auto below = above - 1;
-  const bool takeBelow = above == numbers.end() || wanted - *below <= *above - wanted;
+  const bool takeBelow = above == numbers.end() || requested - *below <= *above - requested;
   return static_cast<int>((takeBelow ? below : above) - numbers.begin());
 }
 
@@ -235,9 +235,9 @@ int nearestToTime(const std::vector<double>& times, double time) {
 }  // namespace
 
 std::vector<int> chooseFrames(const std::vector<double>& times, const MotionCurve& motion,
-                              const std::vector<FrameChoice>& wanted) {
+                              const std::vector<FrameChoice>& requested) {
   std::set<int> indices;
-  for (const FrameChoice& choice : wanted) {
+  for (const FrameChoice& choice : requested) {
     const bool isShare = choice.unit == FrameChoice::Unit::Share;
     indices.insert(isShare ? nearestIndex(times, motion.timeAt(choice.value))
                            : nearestToTime(times, choice.value));

@@ -126,6 +126,6 @@ std::vector<std::size_t> samplesOf(const std::string& event,
 /// The indices of the samples nearest to what was asked for, rising, each once. Throws InputError
 /// for a time after the run's end.
 std::vector<int> chooseFrames(const std::vector<double>& times, const MotionCurve& motion,
-                              const std::vector<FrameChoice>& wanted);
+                              const std::vector<FrameChoice>& requested);
 
 }  // namespace kirireel::record

@@ -193,7 +193,7 @@ class LiveRun {
       return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
     const deploy::TrialObserver searching = [&](const deploy::SearchNews& news) {
-      if (!news.warning.empty()) tellWarning(news.warning);
+      if (!news.warning.empty()) reportWarning(news.warning);
       return tell("looking for a path", news.share);
     };
     const InterruptionScope scope([this] { endStepThatTakesLong(); });
@@ -212,7 +212,7 @@ class LiveRun {
   void removeCheckpoint() { checkpoints_.remove(); }
 
  private:
-  void tellWarning(const std::string& warning) {
+  void reportWarning(const std::string& warning) {
     observer_({"looking for a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning),
                true});
   }
@@ -224,13 +224,13 @@ class LiveRun {
     share_ = share;
     if (interruption_) return false;
     interruption_ = observer_({stage, share, std::exchange(remark_, {})});
-    toldAt_ = Clock::now();
+    reportedAt_ = Clock::now();
     return !interruption_;
   }
 
   /// Samples and news of the search may be far apart.
   void endStepThatTakesLong() {
-    if (!InterruptionCatcher::isThere() || Clock::now() - toldAt_ < kPatience) return;
+    if (!InterruptionCatcher::isThere() || Clock::now() - reportedAt_ < kPatience) return;
     if (!tell(stage_, share_)) throw Interrupted();
   }
 
@@ -252,7 +252,7 @@ class LiveRun {
   const char* stage_ = "looking for a path";
   double share_ = 0;
   Interruption interruption_;
-  Clock::time_point toldAt_;
+  Clock::time_point reportedAt_;
   RunEnd end_;
 };
 

@@ -509,14 +509,14 @@ void PanelSheet::writeDrawings() {
 double PanelSheet::enlargement(const picture::PictureBox& part,
                                const picture::GridStyle& style) const {
   if (!settings_.gridWidth) return 1;
-  const double wanted =
+  const double requested =
       *settings_.gridWidth / picture::kMillimetresPerInch * settings_.gridDotsPerInch();
   const int columns = shape_.columns;
   const double most =
       picture::kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
   const double gaps =
       (2 * style.gap + (columns - 1) * picture::columnGap(style)) * part.size.height;
-  return std::min(most, wanted / (columns * part.size.width + gaps));
+  return std::min(most, requested / (columns * part.size.width + gaps));
 }
 
 /// Em of the text that is to have a size in print, pixels.

@@ -155,7 +155,7 @@ Json blockingJson(const std::vector<deploy::BlockingPair>& blocking) {
 }
 
 Json alignmentJson(const scene::StartAlignment& alignment, bool hasTarget) {
-  if (!alignment.wanted || !hasTarget) return nullptr;
+  if (!alignment.requested || !hasTarget) return nullptr;
   return {{"moved", alignment.moved},
           {"turned", alignment.turned},
           {"by", alignment.byHeld ? "pinned tiles" : "all tiles"}};

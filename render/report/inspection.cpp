@@ -218,7 +218,7 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   }
   inspection.size = model::modelSize(model);
   inspection.tileSize = model::tileSize(model);
-  inspection.suggestedThickness = model::kUsualThickness * inspection.tileSize;
+  inspection.suggestedThickness = model::kDefaultThickness * inspection.tileSize;
   inspection.countsFrom = model.fileOrder.countsFrom;
   inspection.rounding = model.rounding;
   inspection.zeroSingularValue = trajectory::zeroSingularValue(model);

@@ -169,8 +169,8 @@ const std::map<std::string, SweepKeep>& keepWords() {
   return words;
 }
 
-std::string requireText(const scene::TomlValue& value, const std::string& wanted) {
-  if (!value.text() || value.text()->empty()) scene::refuseValue(value, wanted);
+std::string requireText(const scene::TomlValue& value, const std::string& requested) {
+  if (!value.text() || value.text()->empty()) scene::refuseValue(value, requested);
   return *value.text();
 }
 
@@ -181,9 +181,9 @@ const scene::TomlTable& requireTable(const scene::TomlEntry& entry) {
 }
 
 std::size_t readCount(const scene::TomlValue& value, double least, double most) {
-  const std::string wanted = fmt::format("a whole number from {:g} to {:g}", least, most);
-  if (!value.whole()) scene::refuseValue(value, wanted);
-  return static_cast<std::size_t>(scene::requireNumber(value, least, most, wanted));
+  const std::string requested = fmt::format("a whole number from {:g} to {:g}", least, most);
+  if (!value.whole()) scene::refuseValue(value, requested);
+  return static_cast<std::size_t>(scene::requireNumber(value, least, most, requested));
 }
 
 bool isFileKey(const std::string& key) {
@@ -211,7 +211,7 @@ struct RangeTable {
   std::optional<std::size_t> count;
 };
 
-constexpr const char* kRangeWanted =
+constexpr const char* kRangeAllowed =
     "a range, as in {from = 0.01, to = 0.1, count = 5, scale = \"log\"}";
 
 void readRangeKey(const scene::TomlEntry& entry, RangeTable& table) {
@@ -235,7 +235,7 @@ void readRangeKey(const scene::TomlEntry& entry, RangeTable& table) {
 RangeTable readRange(const scene::TomlValue& value) {
   const scene::TomlTable* table = value.table();
   if (!table || !scene::find(*table, "from") || !scene::find(*table, "to"))
-    scene::refuseValue(value, kRangeWanted);
+    scene::refuseValue(value, kRangeAllowed);
   RangeTable read;
   for (const scene::TomlEntry& entry : *table) readRangeKey(entry, read);
   const SweepRange& range = read.range;
@@ -267,9 +267,9 @@ SweepAxis readAxis(const scene::TomlEntry& entry) {
     return axis;
   }
   if (!entry.value.table())
-    scene::refuseValue(entry.value, "a list [1, 2], or " + std::string(kRangeWanted));
+    scene::refuseValue(entry.value, "a list [1, 2], or " + std::string(kRangeAllowed));
   const RangeTable table = readRange(entry.value);
-  if (!table.count) scene::refuseValue(entry.value, kRangeWanted);
+  if (!table.count) scene::refuseValue(entry.value, kRangeAllowed);
   for (std::size_t i = 0; i < *table.count; ++i) {
     // Both ends belong to the range.
     const double share = static_cast<double>(i) / static_cast<double>(*table.count - 1);

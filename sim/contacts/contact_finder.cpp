@@ -794,7 +794,7 @@ double BrickPair::appendViolated(const PairMove& move, long step,
   const double worsening = bestBefore > limit - kWorst * tolerance_ ? kWorsening * tolerance_ : 0;
   // An overlap deeper than the tolerance may not grow but by a little, since a solver takes it back
   // over several steps.
-  const double wanted = std::min(limit, bestBefore - worsening);
+  const double requested = std::min(limit, bestBefore - worsening);
   double bestAfter = -kInfinity;  // of the planes that held before
   for (const SeparatingPlane& plane : planes_) {
     // A plane that did not hold at the start says nothing about the way: B may have come through.
@@ -804,7 +804,7 @@ double BrickPair::appendViolated(const PairMove& move, long step,
     bestAfter = after;
     last_ = plane;
   }
-  if (bestAfter >= wanted) {
+  if (bestAfter >= requested) {
     lookedAt_ = move.end;
     clearance_ = bestAfter;
     return 0;

@@ -54,7 +54,7 @@ constexpr const char* kClosing = "the path beyond full extension";
 /// An entry that could never happen is a mistake.
 void requireInTime(const scene::Timeline& timeline, double duration) {
   for (const scene::TimelineEntry& entry : timeline) {
-    if (entry.when.kind != scene::Occasion::Kind::AtTime || entry.when.value <= duration) continue;
+    if (entry.when.kind != scene::Trigger::Kind::AtTime || entry.when.value <= duration) continue;
     throw inputErrorAt(
         entry.where,
         fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise `duration`",

@@ -72,19 +72,19 @@ std::string describe(const scene::timeline::Action& action, int countsFrom) {
 }
 
 // What an entry waits for, in words for the reason of an end.
-std::string momentText(const scene::Occasion& moment) {
+std::string momentText(const scene::Trigger& moment) {
   switch (moment.kind) {
-    case scene::Occasion::Kind::AtTime:
+    case scene::Trigger::Kind::AtTime:
       return fmt::format("{:g} s", moment.value);
-    case scene::Occasion::Kind::After:
+    case scene::Trigger::Kind::After:
       return fmt::format("{:g} s after the entry before", moment.value);
-    case scene::Occasion::Kind::AtRest:
+    case scene::Trigger::Kind::AtRest:
       return "rest";
-    case scene::Occasion::Kind::AtTarget:
+    case scene::Trigger::Kind::AtTarget:
       return "the target";
-    case scene::Occasion::Kind::ErrorBelow:
+    case scene::Trigger::Kind::ErrorBelow:
       return fmt::format("an error below {:g} m", moment.value);
-    case scene::Occasion::Kind::ProgressAbove:
+    case scene::Trigger::Kind::ProgressAbove:
       return fmt::format("a progress of {:g}", moment.value);
   }
   return "";
@@ -121,24 +121,24 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
 }
 
 /// When what is due by itself is due, seconds.
-double TimelineRunner::dueTime(const scene::Occasion& moment) const {
-  return moment.kind == scene::Occasion::Kind::After ? lastTime_ + moment.value : moment.value;
+double TimelineRunner::dueTime(const scene::Trigger& moment) const {
+  return moment.kind == scene::Trigger::Kind::After ? lastTime_ + moment.value : moment.value;
 }
 
 // Whether an entry's condition holds. Progress is the part of the error at the target's setting
 // that is gone: 1 - error / startError.
-bool TimelineRunner::isDue(const scene::Occasion& moment, const TimelineView& view) const {
+bool TimelineRunner::isDue(const scene::Trigger& moment, const TimelineView& view) const {
   switch (moment.kind) {
-    case scene::Occasion::Kind::AtTime:
-    case scene::Occasion::Kind::After:
+    case scene::Trigger::Kind::AtTime:
+    case scene::Trigger::Kind::After:
       return view.time >= dueTime(moment) - kTimeRounding;
-    case scene::Occasion::Kind::AtRest:
+    case scene::Trigger::Kind::AtRest:
       return view.atRest;
-    case scene::Occasion::Kind::AtTarget:
+    case scene::Trigger::Kind::AtTarget:
       return view.atTarget;
-    case scene::Occasion::Kind::ErrorBelow:
+    case scene::Trigger::Kind::ErrorBelow:
       return view.error < moment.value;
-    case scene::Occasion::Kind::ProgressAbove:
+    case scene::Trigger::Kind::ProgressAbove:
       return view.error <= (1 - moment.value) * view.startError;
   }
   return false;
@@ -234,8 +234,8 @@ double TimelineRunner::nextMoment(double time) const {
 // Whether the next entry comes by itself. A run at rest must not end before it.
 bool TimelineRunner::waitsForTime() const {
   if (next_ == timeline_.size()) return false;
-  const scene::Occasion::Kind kind = timeline_[next_].when.kind;
-  return kind == scene::Occasion::Kind::AtTime || kind == scene::Occasion::Kind::After;
+  const scene::Trigger::Kind kind = timeline_[next_].when.kind;
+  return kind == scene::Trigger::Kind::AtTime || kind == scene::Trigger::Kind::After;
 }
 
 // Whether only the bricks can bring the next entry about: at rest the run then waits in vain.

@@ -105,8 +105,8 @@ class TimelineRunner {
     return std::get<scene::timeline::Drag>(timeline_.at(active.entry).action);
   }
 
-  double dueTime(const scene::Occasion& moment) const;
-  bool isDue(const scene::Occasion& moment, const TimelineView& view) const;
+  double dueTime(const scene::Trigger& moment) const;
+  bool isDue(const scene::Trigger& moment, const TimelineView& view) const;
   void carryOut(const scene::timeline::Action& action, const TimelineView& view,
                 TimelineStage& stage);
   void pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage);

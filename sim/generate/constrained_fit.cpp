@@ -125,7 +125,7 @@ class Descent {
     const DesignEquations equations = equationsAt(source_, unknowns);
     // The sum of absolute values and not of squares: only so is the minimum that of the constrained
     // problem at a finite penalty.
-    return 0.5 * equations.wanted.values().squaredNorm() +
+    return 0.5 * equations.desired.values().squaredNorm() +
            penalty_ * equations.exact.values().lpNorm<1>();
   }
 
@@ -133,11 +133,11 @@ class Descent {
   void advance() {
     const DesignEquations equations = equationsAt(source_, unknowns_);
     const int size = static_cast<int>(unknowns_.size());
-    const Matrix wanted = equations.wanted.slopes(size);
-    const Matrix curvature = Matrix(wanted.transpose() * wanted) + identity(size, damping_);
+    const Matrix desired = equations.desired.slopes(size);
+    const Matrix curvature = Matrix(desired.transpose() * desired) + identity(size, damping_);
     const auto solution =
         system_.solve(curvature, equations.exact.slopes(size), 1e-9,
-                      wanted.transpose() * equations.wanted.values(), equations.exact.values());
+                      desired.transpose() * equations.desired.values(), equations.exact.values());
     // The penalty only rises, or the merits of different rounds could not be compared.
     penalty_ = std::max(penalty_, 2 * largest(solution.multipliers));
     if (search(solution.step)) {

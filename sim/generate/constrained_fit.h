@@ -34,8 +34,8 @@ class EquationRows {
 
 /// The equations of a design.
 struct DesignEquations {
-  EquationRows wanted;  ///< to hold as nearly as they can, in the sum of squares
-  EquationRows exact;   ///< to hold to rounding; may repeat each other
+  EquationRows desired;  ///< to hold as nearly as they can, in the sum of squares
+  EquationRows exact;    ///< to hold to rounding; may repeat each other
 };
 
 /// Writes the equations at the given unknowns: the same ones with slopes along the same unknowns at

@@ -39,27 +39,27 @@ constexpr double kConvex = 1e-3;
 
 using Parameters = std::vector<FamilyParameter>;
 
-FamilyParameter count(const std::string& name, const std::string& help, double usual, double least,
-                      double most) {
-  return {name, "COUNT", help, usual, least, most, true};
+FamilyParameter count(const std::string& name, const std::string& help, double defaultValue,
+                      double least, double most) {
+  return {name, "COUNT", help, defaultValue, least, most, true};
 }
 
 // Lengths as coordinates of files may have them: at least a micrometre, at most 1e6 m.
-FamilyParameter length(const std::string& name, const std::string& help, double usual) {
-  return {name, "METRES", help, usual, 1e-6, 1e6, false};
+FamilyParameter length(const std::string& name, const std::string& help, double defaultValue) {
+  return {name, "METRES", help, defaultValue, 1e-6, 1e6, false};
 }
 
-FamilyParameter angle(const std::string& name, const std::string& help, double usual, double least,
-                      double most) {
-  return {name, "DEGREES", help, usual, least, most, false};
+FamilyParameter angle(const std::string& name, const std::string& help, double defaultValue,
+                      double least, double most) {
+  return {name, "DEGREES", help, defaultValue, least, most, false};
 }
 
 FamilyParameter startAngle(double most = 180) {
   return angle("start-angle", "between neighbours at the start, 0 is closed", 0, 0, most);
 }
 
-FamilyParameter targetAngle(double usual, double most = 180) {
-  return angle("target-angle", "between neighbours at the target", usual, 0, most);
+FamilyParameter targetAngle(double defaultValue, double most = 180) {
+  return angle("target-angle", "between neighbours at the target", defaultValue, 0, most);
 }
 
 model::Lattice latticeOf(const FamilyValues& values) {
@@ -141,12 +141,12 @@ model::Model nonrigidModel(const FamilyValues& values) {
 
 /// What becomes of a tiling.
 Family tilingFamily(const std::string& name, const std::string& help, Tiling (*tiling)(int),
-                    const std::string& construction, double usual) {
+                    const std::string& construction, double defaultValue) {
   Family family;
   family.name = name + "-" + construction;
   family.help = help;
   family.parameters = {
-      count("tiles", "of the tiling, at least; whole rings are used", usual, 10, 5000)};
+      count("tiles", "of the tiling, at least; whole rings are used", defaultValue, 10, 5000)};
   if (construction == "chain") {
     family.make = [tiling](const FamilyValues& values) {
       return makeChain(tiling(values.whole("tiles")));
@@ -189,11 +189,11 @@ void appendTilings(std::vector<Family>& all) {
 }
 
 void appendLattices(std::vector<Family>& all) {
-  const auto columns = [](double usual, double least, double most) {
-    return count("columns", "tiles along x", usual, least, most);
+  const auto columns = [](double defaultValue, double least, double most) {
+    return count("columns", "tiles along x", defaultValue, least, most);
   };
-  const auto rows = [](double usual, double least, double most) {
-    return count("rows", "tiles along y", usual, least, most);
+  const auto rows = [](double defaultValue, double least, double most) {
+    return count("rows", "tiles along y", defaultValue, least, most);
   };
   all.push_back(
       {"tessellation",
@@ -307,9 +307,9 @@ std::vector<bool> everyOtherTile(const model::Model& model) {
   return other;
 }
 
-FamilyParameter depth(double usual, double least, double most) {
-  return {"depth", "SHARE", "of a side, by which it bulges on one tile and bays on the next",
-          usual,   least,   most,
+FamilyParameter depth(double defaultValue, double least, double most) {
+  return {"depth",      "SHARE", "of a side, by which it bulges on one tile and bays on the next",
+          defaultValue, least,   most,
           false};
 }
 
@@ -324,8 +324,8 @@ model::Model squares(const FamilyValues& values) {
 }
 
 void appendConcave(std::vector<Family>& all) {
-  const auto tiles = [](const std::string& name, const std::string& help, double usual) {
-    return count(name, help, usual, 2, 200);
+  const auto tiles = [](const std::string& name, const std::string& help, double defaultValue) {
+    return count(name, help, defaultValue, 2, 200);
   };
   const Parameters ofSquares = {
       tiles("columns", "tiles along x", 4), tiles("rows", "tiles along y", 4),
@@ -427,7 +427,7 @@ void appendShells(std::vector<Family>& all) {
 double checkedValue(const Family& family, const FamilyParameter& parameter,
                     const std::map<std::string, double>& given) {
   const auto found = given.find(parameter.name);
-  if (found == given.end()) return parameter.usual;
+  if (found == given.end()) return parameter.defaultValue;
   const double value = found->second;
   // Written so that a value that is no number is out of range.
   const bool inRange = value >= parameter.least && value <= parameter.most;

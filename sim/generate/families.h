@@ -13,13 +13,13 @@ namespace kirireel::generate {
 /// A number that shapes a family's models, as a person types it: lengths in metres, angles in
 /// degrees.
 struct FamilyParameter {
-  std::string name;    ///< e.g. "columns"
-  std::string unit;    ///< for the help, e.g. "METRES"
-  std::string help;    ///< one phrase
-  double usual = 0;    ///< the default
-  double least = 0;    ///< allowed, ends included
-  double most = 0;     ///< allowed
-  bool whole = false;  ///< whether only whole numbers are allowed
+  std::string name;         ///< e.g. "columns"
+  std::string unit;         ///< for the help, e.g. "METRES"
+  std::string help;         ///< one phrase
+  double defaultValue = 0;  ///< the default
+  double least = 0;         ///< allowed, ends included
+  double most = 0;          ///< allowed
+  bool whole = false;       ///< whether only whole numbers are allowed
 };
 
 /// The values of a family's parameters by name.

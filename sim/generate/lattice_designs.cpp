@@ -61,15 +61,15 @@ void addRhombicBlocks(EquationRows& rows, const LatticeUnknowns& unknowns,
 }
 
 // Both coordinates of a corner in the state at `angle`.
-void addWantedPoint(EquationRows& rows, const LatticeUnknowns& unknowns,
-                    const model::TurningField& field, const LatticeCorner& corner, double angle,
-                    model::Complex point) {
+void addDesiredPoint(EquationRows& rows, const LatticeUnknowns& unknowns,
+                     const model::TurningField& field, const LatticeCorner& corner, double angle,
+                     model::Complex point) {
   unknowns.addPosition(rows, field, corner, angle, 1, point.real());
   unknowns.addPosition(rows, field, corner, angle, model::Complex(0, 1), point.imag());
 }
 
 /// A corner and where it should go.
-struct WantedPoint {
+struct DesiredPoint {
   LatticeCorner corner;
   model::Complex point;
 };
@@ -77,17 +77,17 @@ struct WantedPoint {
 /// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
 /// wanted points. All equations are linear: the fit is one step.
 model::TurningField rhombicField(const std::string& family, const model::Lattice& lattice,
-                                 double angle, const std::vector<WantedPoint>& wanted) {
+                                 double angle, const std::vector<DesiredPoint>& desired) {
   const LatticeUnknowns unknowns(lattice);
   const model::TurningField zero(lattice);
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
     const model::TurningField field = unknowns.field(values);
     addRhombicBlocks(equations.exact, unknowns, field, allBlocks(lattice), values);
-    for (const WantedPoint& point : wanted) {
-      addWantedPoint(equations.wanted, unknowns, field, point.corner, angle, point.point);
+    for (const DesiredPoint& point : desired) {
+      addDesiredPoint(equations.desired, unknowns, field, point.corner, angle, point.point);
     }
     // What the corners leave open stays small.
-    unknowns.addConstants(equations.wanted, field, zero, 1e-2);
+    unknowns.addConstants(equations.desired, field, zero, 1e-2);
   };
   FitSettings settings;
   // Nothing to damp: the equations are linear.
@@ -118,11 +118,11 @@ std::vector<model::Complex> evenPoints(const std::function<model::Complex(double
   }
   std::vector<model::Complex> points;
   for (int k = 0; k < count; ++k) {
-    const double wanted = lengths.back() * k / count;
+    const double desired = lengths.back() * k / count;
     // Along a straight piece, which is exact enough at this number of pieces.
-    const auto above = std::upper_bound(lengths.begin(), lengths.end(), wanted);
+    const auto above = std::upper_bound(lengths.begin(), lengths.end(), desired);
     const double piece = static_cast<double>(above - lengths.begin() - 1);
-    const double share = (wanted - *(above - 1)) / (*above - *(above - 1));
+    const double share = (desired - *(above - 1)) / (*above - *(above - 1));
     points.push_back(curve((piece + share) / kPieces));
   }
   return points;
@@ -210,8 +210,8 @@ model::Complex squarePoint(const model::Lattice& lattice, int node) {
 }
 
 /// Appends weight * (unknown - value).
-void addValue(EquationRows& rows, int unknown, double found, double wanted, double weight) {
-  rows.begin(weight * (found - wanted));
+void addValue(EquationRows& rows, int unknown, double found, double desired, double weight) {
+  rows.begin(weight * (found - desired));
   rows.slope(unknown, weight);
 }
 
@@ -227,7 +227,7 @@ std::vector<TileBlock> allSideBlocks(const model::Lattice& lattice) {
 model::TurningField fanField(const FanShape& shape) {
   const model::TurningField regular = unitField(shape.lattice);
   const model::Complex half = halfExtent(regular, pi);
-  std::vector<WantedPoint> wanted;
+  std::vector<DesiredPoint> desired;
   for (int tile = 0; tile < shape.lattice.tileCount(); ++tile) {
     for (int k = 0; k < 4; ++k) {
       const model::Cell cell = shape.lattice.cellOf(tile);
@@ -240,10 +240,10 @@ model::TurningField fanField(const FanShape& shape) {
       // y runs from the inner to the outer radius, x over the sector's angle from left to right.
       const double distance =
           shape.innerRadius + 0.5 * (1 + y) * (shape.outerRadius - shape.innerRadius);
-      wanted.push_back({{cell, k}, std::polar(distance, pi / 2 - shape.halfAngle * x)});
+      desired.push_back({{cell, k}, std::polar(distance, pi / 2 - shape.halfAngle * x)});
     }
   }
-  return rhombicField("fan", shape.lattice, pi, wanted);
+  return rhombicField("fan", shape.lattice, pi, desired);
 }
 
 model::TurningField heartField(const model::Lattice& lattice) {
@@ -254,11 +254,11 @@ model::TurningField heartField(const model::Lattice& lattice) {
   // Nodes count from the bottom left: the left side begins after bottom, right and top, and runs
   // down.
   const int tip = 2 * lattice.columns + lattice.rows + lattice.rows / 2;
-  std::vector<WantedPoint> wanted;
+  std::vector<DesiredPoint> desired;
   for (int k = 0; k < count; ++k) {
-    wanted.push_back({nodes[std::size_t(k)], points[std::size_t((k - tip + count) % count)]});
+    desired.push_back({nodes[std::size_t(k)], points[std::size_t((k - tip + count) % count)]});
   }
-  return rhombicField("heart", lattice, 0, wanted);
+  return rhombicField("heart", lattice, 0, desired);
 }
 
 model::TurningField squareToDiskField(int size) {
@@ -272,15 +272,15 @@ model::TurningField squareToDiskField(int size) {
     design.addExact(equations.exact, field, values);
     // Evenly spaced nodes: without that the tiles at the square's corners collapse.
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      addWantedPoint(equations.exact, unknowns, field, nodes[k], 0,
-                     squarePoint(lattice, static_cast<int>(k)));
+      addDesiredPoint(equations.exact, unknowns, field, nodes[k], 0,
+                      squarePoint(lattice, static_cast<int>(k)));
     }
-    unknowns.addConstants(equations.wanted, field, regular, 0.1);
+    unknowns.addConstants(equations.desired, field, regular, 0.1);
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {
       const int logarithm = design.logarithm(k);
       // Voids alternate between narrow and wide ones, about e^-0.8 and e^0.8.
-      const double wanted = model::isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
-      addValue(equations.wanted, logarithm, values[logarithm], wanted, 0.3);
+      const double desired = model::isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
+      addValue(equations.desired, logarithm, values[logarithm], desired, 0.3);
     }
   };
   // The disk has the square's area: R = size / sqrt(pi) = 0.56 size, and a little more, since it is
@@ -310,7 +310,7 @@ model::TurningField squareToCircleField(int size) {
       onSide(across);
       // A node at a square's corner lies on two sides.
       if (node % size == 0) onSide(-along);
-      unknowns.addPosition(equations.wanted, field, nodes[k], 0, along,
+      unknowns.addPosition(equations.desired, field, nodes[k], 0, along,
                            (std::conj(along) * point).real(), 0.2);
     }
     // Tips spread round the circle as the square maps to the disk.
@@ -321,12 +321,12 @@ model::TurningField squareToCircleField(int size) {
       const model::Complex onDisk =
           radius * model::Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
       const model::Complex tangent = model::Complex(0, 1) * onDisk / std::abs(onDisk);
-      unknowns.addPosition(equations.wanted, field, tip, pi / 2, tangent, 0, 0.3);
+      unknowns.addPosition(equations.desired, field, tip, pi / 2, tangent, 0, 0.3);
     }
-    unknowns.addConstants(equations.wanted, field, regular, 0.05);
+    unknowns.addConstants(equations.desired, field, regular, 0.05);
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {
       const int logarithm = design.logarithm(k);
-      addValue(equations.wanted, logarithm, values[logarithm], 0, 0.3);
+      addValue(equations.desired, logarithm, values[logarithm], 0, 0.3);
     }
   };
   return design.fit(source, radius, 1e-2);
@@ -338,15 +338,15 @@ model::TurningField irregularField(const model::Lattice& lattice, double irregul
   std::mt19937 generator(seed);
   // Whole numbers of the generator are the same on every machine, those of a distribution are not.
   const auto random = [&] { return irregularity * (generator() / 2147483648.0 - 1); };
-  std::vector<WantedPoint> wanted;
+  std::vector<DesiredPoint> desired;
   for (const LatticeCorner& node : closedBoundary(lattice)) {
     // One after the other: the order in which arguments are evaluated is open.
     const double x = random();
     const double y = random();
     const model::Complex place = regular.corner(node.cell, node.corner, 0);
-    wanted.push_back({node, place + model::Complex(x, y)});
+    desired.push_back({node, place + model::Complex(x, y)});
   }
-  return rhombicField("quads", lattice, 0, wanted);
+  return rhombicField("quads", lattice, 0, desired);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -506,12 +506,12 @@ void LatticeUnknowns::addBlock(EquationRows& rows, const model::TurningField& fi
 }
 
 void LatticeUnknowns::addConstants(EquationRows& rows, const model::TurningField& field,
-                                   const model::TurningField& wanted, double weight) const {
+                                   const model::TurningField& desired, double weight) const {
   for (int column = -1; column <= lattice().columns; ++column) {
     for (int row = -1; row <= lattice().rows; ++row) {
       const model::Cell cell{column, row};
       if (isGhostCorner(lattice(), cell)) continue;
-      const model::Complex difference = field.at(cell) - wanted.at(cell);
+      const model::Complex difference = field.at(cell) - desired.at(cell);
       const int place = places_.placeAt(cell);
       rows.begin(weight * difference.real());
       rows.slope(2 * place, weight);

@@ -107,7 +107,7 @@ class LatticeUnknowns {
 
   /// Adds weight * (F - wanted F) for all places of the sheet and at its sides.
   void addConstants(EquationRows& rows, const model::TurningField& field,
-                    const model::TurningField& wanted, double weight) const;
+                    const model::TurningField& desired, double weight) const;
 
  private:
   void addSlope(EquationRows& rows, const model::Cell& cell, model::Complex factor,

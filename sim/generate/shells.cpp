@@ -103,8 +103,8 @@ class SaddleDesign {
       for (const StateUnknowns* state : {&sphere_, &saddle_}) {
         for (int node = 0; node < state->nodes.nodeCount; ++node) {
           const UnknownPoint point = state->point(values, node);
-          addOnSurface(equations.wanted, point, state == &sphere_);
-          addNear(equations.wanted, point, state->point(start, node).value, 0.05);
+          addOnSurface(equations.desired, point, state == &sphere_);
+          addNear(equations.desired, point, state->point(start, node).value, 0.05);
         }
       }
     };
@@ -224,9 +224,9 @@ model::Model makeMoebiusBand(const BandShape& shape) {
       }
     }
     for (int node = 0; node < band.nodes.nodeCount; ++node) {
-      addNear(equations.wanted, band.point(values, node), band.point(start, node).value, 0.1);
+      addNear(equations.desired, band.point(values, node), band.point(start, node).value, 0.1);
     }
-    rectangle.addEvenGrid(equations.wanted, values, 0.1);
+    rectangle.addEvenGrid(equations.desired, values, 0.1);
   };
   const Eigen::VectorXd found = fitFamily("moebius", source, start, {1e-2, 200});
   model::Model model;
@@ -325,10 +325,10 @@ class CapDesign {
                  unknowns);
     unknowns[half_] = half;
     const FlatRectangle rectangle(lattice_, square_, half_, half_);
-    const Eigen::VectorXd wantedCap = unknowns;
+    const Eigen::VectorXd desiredCap = unknowns;
     const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
       addExact(equations.exact, rectangle, values);
-      addWanted(equations.wanted, rectangle, wantedCap, values);
+      addDesired(equations.desired, rectangle, desiredCap, values);
     };
     const Eigen::VectorXd found = fitFamily(family_, source, unknowns, {1e-3, 200});
     return {square_.tiles(found), cap_.tiles(found), found[half_]};
@@ -390,8 +390,8 @@ class CapDesign {
   }
 
   // What chooses among the sheets that are possible.
-  void addWanted(EquationRows& rows, const FlatRectangle& rectangle, const Eigen::VectorXd& start,
-                 const Eigen::VectorXd& values) const {
+  void addDesired(EquationRows& rows, const FlatRectangle& rectangle, const Eigen::VectorXd& start,
+                  const Eigen::VectorXd& values) const {
     for (int node = 0; node < cap_.nodes.nodeCount; ++node) {
       const UnknownPoint point = cap_.point(values, node);
       addOnSphere(rows, point, shape_.radius, 0.3);
@@ -738,9 +738,9 @@ void addOnSphere(EquationRows& rows, const UnknownPoint& point, double radius, d
   addSlope(rows, point, weight / distance * point.value);
 }
 
-void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& wanted, double weight) {
+void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& desired, double weight) {
   for (int axis = 0; axis < point.dimension; ++axis) {
-    addPosition(rows, point, Vector3::Unit(axis), wanted[axis], weight);
+    addPosition(rows, point, Vector3::Unit(axis), desired[axis], weight);
   }
 }
 

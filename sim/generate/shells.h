@@ -121,7 +121,7 @@ void addPosition(EquationRows& rows, const UnknownPoint& point, const Vector3& d
 void addOnSphere(EquationRows& rows, const UnknownPoint& point, double radius, double weight = 1);
 
 /// Adds weight * (point - wanted), one equation a coordinate.
-void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& wanted, double weight);
+void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& desired, double weight);
 
 /// Adds that every quad has the same shape in both states: the inner products of its edges from
 /// corner 0 with each other and with the diagonal. (Edge lengths and one diagonal would allow the

@@ -64,7 +64,7 @@ struct LooseTile {
 };
 
 /// The nearest whole rings with at least so many tiles, the vertices numbered.
-Tiling assemble(std::vector<LooseTile> loose, int wanted, double spread) {
+Tiling assemble(std::vector<LooseTile> loose, int desired, double spread) {
   // The angle decides among equals, and rounding decides nothing.
   const auto rank = [](const LooseTile& tile) {
     const Complex centre = tile.centre();
@@ -75,7 +75,7 @@ Tiling assemble(std::vector<LooseTile> loose, int wanted, double spread) {
   };
   std::stable_sort(loose.begin(), loose.end(),
                    [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
-  std::size_t count = std::min(loose.size(), std::size_t(wanted));
+  std::size_t count = std::min(loose.size(), std::size_t(desired));
   // A ring is taken whole.
   while (count < loose.size() && rank(loose[count]).first == rank(loose[count - 1]).first) ++count;
   Tiling tiling;

@@ -179,13 +179,13 @@ double Extrapolation::difference(const Motion& a, const Motion& b, double second
 double Extrapolation::energyError(const Trial& trial) const {
   if (!settings_.keepsEnergy) return 0;
   const std::vector<double> shares = weights(1, trial.order());
-  double wanted = trial.energy;
-  for (std::size_t j = 0; j < shares.size(); ++j) wanted += shares[j] * trial.rows[j].given.work;
+  double desired = trial.energy;
+  for (std::size_t j = 0; j < shares.size(); ++j) desired += shares[j] * trial.rows[j].given.work;
   const double energy = solver_.energy(trial.end);
   const double most = std::max({mostEnergy_, trial.energy, energy});
   const double part = kEnergyPart * trial.length / settings_.longestStep;
   const double allowed = part * settings_.tolerance * most;
-  return most > 0 ? std::abs(energy - wanted) / allowed : 0;
+  return most > 0 ? std::abs(energy - desired) / allowed : 0;
 }
 
 /// Notes what the latest row tells of the step's error.
@@ -235,10 +235,10 @@ bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
 /// the start and what the loads gave: rows whose joints are open keep it but to their order.
 void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const std::vector<double> shares = weights(1, trial.order());
-  Momentum wanted = momentumOf(bricks_, trial.start);
+  Momentum desired = momentumOf(bricks_, trial.start);
   for (std::size_t j = 0; j < shares.size(); ++j) {
-    wanted.linear += shares[j] * trial.rows[j].given.momentum.linear;
-    wanted.angular += shares[j] * trial.rows[j].given.momentum.angular;
+    desired.linear += shares[j] * trial.rows[j].given.momentum.linear;
+    desired.angular += shares[j] * trial.rows[j].given.momentum.angular;
   }
   double mass = 0;
   Vector3 centre = Vector3::Zero();
@@ -254,11 +254,11 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
     inertia += turn * bricks_[i].inertia * turn.transpose() - bricks_[i].mass * arm * arm;
   }
   const Momentum have = momentumOf(bricks_, motion);
-  const Vector3 push = wanted.linear - have.linear;
+  const Vector3 push = desired.linear - have.linear;
   const Vector3 shift = push / mass;
   // What is left of the angular momentum, after the push has changed it about the origin, over the
   // inertia of the whole about its centre of mass.
-  const Vector3 spin = inertia.llt().solve(wanted.angular - have.angular - centre.cross(push));
+  const Vector3 spin = inertia.llt().solve(desired.angular - have.angular - centre.cross(push));
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     motion.velocities[i].linear += shift + spin.cross(motion.poses[i].position - centre);
     motion.velocities[i].angular += spin;
@@ -277,7 +277,7 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
 /// What is not known of the way to rest of points that slide at the step's start and stick at its
 /// end, in tolerances: rows that are too coarse all stick at once, and do not tell.
 double Extrapolation::caughtError(const Trial& trial) const {
-  return 0.5 * trial.length * solver_.caughtSpeed(trial.start) /
+  return 0.5 * trial.length * solver_.stickSlipSpeed(trial.start) /
          (settings_.tolerance * settings_.lengthScale);
 }
 

@@ -60,7 +60,7 @@ class Stepper : public JointSolver {
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        LoadGain& given) override;
   double energy(const Motion& motion) const override;
-  double caughtSpeed(const Motion& start) const override;
+  double stickSlipSpeed(const Motion& start) const override;
   double project(Motion& motion) override;
   bool collide(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
@@ -298,7 +298,7 @@ bool Stepper<D>::boundNewFriction() {
   for (Row& row : program_.contacts) {
     if (!row.hasNormal || row.slipBound > 0) continue;
     row.slipBound = row.contact.friction * row.multiplier;
-    any = any || row.rubs();
+    any = any || row.hasFriction();
   }
   return any;
 }
@@ -607,7 +607,7 @@ void Stepper<D>::keepHeldRows(double step) {
 }
 
 template <int D>
-double Stepper<D>::caughtSpeed(const Motion& start) const {
+double Stepper<D>::stickSlipSpeed(const Motion& start) const {
   Vector velocities(D * bricks_.size());
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     velocities.segment<D>(D * i) = Space::pack(start.velocities[i]);

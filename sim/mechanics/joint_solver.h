@@ -16,7 +16,8 @@
 
 namespace kirireel::mechanics {
 
-/// Where a brick of a planar scene rests on the ground: it rubs there with a known normal load.
+/// Where a brick of a planar scene rests on the ground: it hasFriction there with a known normal
+/// load.
 struct Support {
   int brick = 0;            ///< its number, from 0
   Vector3 point;            ///< in the brick's axes
@@ -109,7 +110,7 @@ class JointSolver {
 
   /// The largest speed along their planes that points of contacts, and supports, have at the start
   /// of a step though they stick at its end, m/s; of the last Euler step's.
-  virtual double caughtSpeed(const Motion& start) const = 0;
+  virtual double stickSlipSpeed(const Motion& start) const = 0;
 
   /// Closes joints as assemble() does, brings the held contacts that pushed in the last Euler step
   /// back to their planes, and takes from the velocities, in the metric of the masses, what would

@@ -1,8 +1,8 @@
 // Rows of contacts and their augmented Lagrangian: a contact with the multiplier p pushes with
 //   max(0, p - rho (c x - b)),
-// and rubs with s - rho t x, cut to the length mu p of Coulomb's cone, the radius of the round
-// before. Points of one plane become rows together. Of contacts that carried load the next step
-// begins with the multipliers.
+// and hasFriction with s - rho t x, cut to the length mu p of Coulomb's cone, the radius of the
+// round before. Points of one plane become rows together. Of contacts that carried load the next
+// step begins with the multipliers.
 #include "sim/mechanics/step_system.h"
 
 #include <algorithm>
@@ -582,7 +582,7 @@ void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
   if (pair.hasEdge()) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
   if (row.active) addRowsToMatrix<1>(pair, row.normalA, row.normalB, rho_);
-  if (!row.rubs()) return;
+  if (!row.hasFriction()) return;
   // The tangents along the slip stiffness' own directions.
   Eigen::SelfAdjointEigenSolver<typename ContactRow<D>::TangentMatrix> own;
   own.computeDirect(row.slipStiffness);
@@ -742,7 +742,7 @@ Eigen::VectorXd smoothGradient(const StepSystem<D>& system, const StepProgram<D>
   const Eigen::VectorXd impulse = program.multipliers - system.kappa() * system.jointVelocity(x);
   system.addJointImpulse(-1.0, impulse, result);
   for (const ContactRow<D>& row : program.contacts) {
-    if (row.rubs()) row.addTangent(-row.trialSlipImpulse(x, system.rho(), nullptr), result);
+    if (row.hasFriction()) row.addTangent(-row.trialSlipImpulse(x, system.rho(), nullptr), result);
   }
   return result;
 }
@@ -829,7 +829,7 @@ template <int D>
 bool setSlipStates(StepProgram<D>& program, double rho) {
   bool changed = false;
   for (ContactRow<D>& row : program.contacts) {
-    if (!row.rubs()) continue;
+    if (!row.hasFriction()) continue;
     typename ContactRow<D>::TangentMatrix stiffness;
     row.trialSlipImpulse(program.x, rho, &stiffness);
     changed = changed || stiffness != row.slipStiffness;
@@ -852,7 +852,7 @@ RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double sl
     const double normal = row.trialImpulse(program.x, system.rho());
     change = std::max(change, std::abs(normal - row.multiplier) / system.rho());
     row.multiplier = normal;
-    if (!row.rubs()) continue;
+    if (!row.hasFriction()) continue;
     const auto slip = row.trialSlipImpulse(program.x, system.rho(), nullptr);
     change = std::max(change, (slip - row.slipMultiplier).norm() / system.rho());
     row.slipMultiplier = slip;

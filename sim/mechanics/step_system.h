@@ -204,9 +204,9 @@ struct ContactRow {
   /// velocity, divided by rho.
   Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
   /// Whether friction acts: supports have a bound from the start, contacts after they have pushed.
-  bool rubs() const { return slipBound > 0; }
+  bool hasFriction() const { return slipBound > 0; }
   /// Whether it is in force in its present state.
-  bool acts() const { return active || rubs(); }
+  bool acts() const { return active || hasFriction(); }
 
   /// What the row of the next step takes from this one.
   void transfer(StateTape& tape) { tape.transfer(contact, hasNormal, multiplier, slipMultiplier); }

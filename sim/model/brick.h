@@ -16,7 +16,7 @@ enum class MassRule {
 };
 
 /// The thickness that suits a model, as a part of its mean edge: the paper's for tiles of 1 m.
-inline constexpr double kUsualThickness = 0.02;
+inline constexpr double kDefaultThickness = 0.02;
 
 /// How tiles become bricks.
 struct BrickRule {

@@ -18,21 +18,21 @@
 namespace kirireel::scene {
 
 // Throws InputError for anything but a whole number that an int holds, from 0.
-int readIndex(const TomlValue& value, const std::string& wanted) {
+int readIndex(const TomlValue& value, const std::string& allowed) {
   const std::int64_t* number = value.whole();
   if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
-    refuseValue(value, wanted);
+    refuseValue(value, allowed);
   }
   return static_cast<int>(*number);
 }
 
 // An empty list is refused: elsewhere it means all tiles, which would be a surprise here.
-std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
-                             const std::string& wantedElement) {
+std::vector<int> readIndices(const TomlValue& value, const std::string& allowed,
+                             const std::string& allowedElement) {
   const std::vector<TomlValue>* array = value.array();
-  if (!array || array->empty()) refuseValue(value, wanted);
+  if (!array || array->empty()) refuseValue(value, allowed);
   std::vector<int> numbers;
-  for (const TomlValue& element : *array) numbers.push_back(readIndex(element, wantedElement));
+  for (const TomlValue& element : *array) numbers.push_back(readIndex(element, allowedElement));
   return numbers;
 }
 
@@ -356,10 +356,10 @@ void check(const TimelineEntry& entry, const model::Model& model) {
 
 // Whether an entry waits for, or goes to, the target that the model has.
 bool needsTarget(const TimelineEntry& entry) {
-  const Occasion::Kind kind = entry.when.kind;
+  const Trigger::Kind kind = entry.when.kind;
   const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
-  return kind == Occasion::Kind::AtTarget || kind == Occasion::Kind::ErrorBelow ||
-         kind == Occasion::Kind::ProgressAbove || (goTo && goTo->file.empty());
+  return kind == Trigger::Kind::AtTarget || kind == Trigger::Kind::ErrorBelow ||
+         kind == Trigger::Kind::ProgressAbove || (goTo && goTo->file.empty());
 }
 
 }  // namespace

@@ -20,11 +20,11 @@ namespace kirireel::scene {
 // Numbers of tiles and vertices as files and scene files have them.
 
 /// A whole number from 0. Throws InputError that says what is wanted.
-int readIndex(const TomlValue& value, const std::string& wanted);
+int readIndex(const TomlValue& value, const std::string& allowed);
 
 /// One or more of them. Throws InputError that says what is wanted, of the list or of an element.
-std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
-                             const std::string& wantedElement);
+std::vector<int> readIndices(const TomlValue& value, const std::string& allowed,
+                             const std::string& allowedElement);
 
 /// The model's own number of a tile that has this one in the model's file. Throws InputError where
 /// the model has no such tile.
@@ -118,7 +118,7 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
 
 /// When an entry of a timeline comes due. Entries happen in their order: each waits until all
 /// before it have happened.
-struct Occasion {
+struct Trigger {
   /// What it waits for.
   enum class Kind {
     AtTime,         ///< at `value` simulated seconds
@@ -193,7 +193,7 @@ using Action = std::variant<Pin, Unpin, Drag, Forces, Pause, GoTo, Snapshot, Exp
 
 /// One thing that happens.
 struct TimelineEntry {
-  Occasion when;            ///< when it comes due
+  Trigger when;             ///< when it comes due
   timeline::Action action;  ///< what happens then
   FileLocation where;       ///< in the scene file, for messages
 };

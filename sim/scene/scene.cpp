@@ -45,7 +45,7 @@ Scene openScene() {
   scene.environment.contacts = ContactFilter::Auto;
   scene.path.kind = PathKind::Auto;
   scene.path.searchTime = 20;  // seconds: someone waits for it
-  scene.solver.tolerance = kUsualTolerance;
+  scene.solver.tolerance = kDefaultTolerance;
   return scene;
 }
 
@@ -71,7 +71,7 @@ void scaleLengths(Scene& scene, double factor) {
   }
   if (scene.hinges.panels) scene.hinges.panels->foldLength *= factor;
   for (TimelineEntry& entry : scene.timeline) {
-    if (entry.when.kind == Occasion::Kind::ErrorBelow) entry.when.value *= factor;
+    if (entry.when.kind == Trigger::Kind::ErrorBelow) entry.when.value *= factor;
     if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
       for (Vector3& point : drag->path) point *= factor;
     }
@@ -88,7 +88,7 @@ void scaleLengths(Scene& scene, double factor) {
 void fillFromModel(Scene& scene) {
   if (scene.actuation.drive == Drive::Auto) scene.actuation.drive = defaultDrive(scene.model);
   if (scene.brick.thickness == 0)
-    scene.brick.thickness = model::kUsualThickness * model::tileSize(scene.model);
+    scene.brick.thickness = model::kDefaultThickness * model::tileSize(scene.model);
 }
 
 double lowestPoint(const Scene& scene) {

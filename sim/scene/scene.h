@@ -184,7 +184,7 @@ enum class SolverKind {
 
 /// Error in time that a step of a run with dynamics may make unless told otherwise, tiles: about
 /// what 1/240 s costs in fixed steps, for a fortieth of their error (docs/accuracy.md).
-inline constexpr double kUsualTolerance = 1e-3;
+inline constexpr double kDefaultTolerance = 1e-3;
 
 /// How a step is computed.
 struct SolverSettings {
@@ -203,7 +203,7 @@ struct SolverSettings {
   unsigned seed = 1;            ///< of the nudge that leaves a singular start
 
   /// Whether a tolerance was asked for: one that is not the usual one, which gives way.
-  bool isToleranceGiven() const { return tolerance > 0 && tolerance != kUsualTolerance; }
+  bool isToleranceGiven() const { return tolerance > 0 && tolerance != kDefaultTolerance; }
 };
 
 /// When a run ends.
@@ -215,10 +215,10 @@ struct StopRules {
 
 /// How the start is moved onto the target, as a rigid whole, before a run.
 struct StartAlignment {
-  bool wanted = true;   ///< false: the start stays where the model has it
-  bool byHeld = false;  ///< the tiles that are pinned from the start on were fitted, not all
-  double moved = 0;     ///< by how much the farthest vertex was, metres
-  double turned = 0;    ///< by how much the whole was, radians from 0 to pi
+  bool requested = true;  ///< false: the start stays where the model has it
+  bool byHeld = false;    ///< the tiles that are pinned from the start on were fitted, not all
+  double moved = 0;       ///< by how much the farthest vertex was, metres
+  double turned = 0;      ///< by how much the whole was, radians from 0 to pi
 };
 
 /// Everything that a run depends on.

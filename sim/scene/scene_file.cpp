@@ -31,8 +31,8 @@ const std::vector<std::string> kTables = {"model",    "environment", "actuation"
 constexpr std::string_view kOwnTarget = "model";
 
 /// Tile and vertex numbers are checked against the model later.
-std::vector<int> readTiles(const TomlValue& value, const std::string& wanted) {
-  return readIndices(value, wanted, "a tile number");
+std::vector<int> readTiles(const TomlValue& value, const std::string& allowed) {
+  return readIndices(value, allowed, "a tile number");
 }
 
 // Three coordinates, metres (or degrees, where a caller says so).
@@ -70,7 +70,7 @@ using namespace timeline;
 
 /// One entry in work: what was found so far.
 struct EntryParts {
-  std::vector<Occasion> moments;
+  std::vector<Trigger> moments;
   std::vector<Action> actions;
 };
 
@@ -83,25 +83,25 @@ const std::string kPositiveSeconds = "a positive number of seconds, at most 1e6"
 
 // A time, or one of the two states that a run may come to.
 void readAt(const TomlValue& value, EntryParts& parts) {
-  const std::string wanted = kSeconds + ", \"rest\" or \"target\"";
-  Occasion moment;
+  const std::string allowed = kSeconds + ", \"rest\" or \"target\"";
+  Trigger moment;
   const std::string* text = value.text();
   if (!text) {
-    moment = {Occasion::Kind::AtTime, requireNumber(value, 0, kLongest, wanted)};
+    moment = {Trigger::Kind::AtTime, requireNumber(value, 0, kLongest, allowed)};
   } else if (*text == "rest") {
-    moment.kind = Occasion::Kind::AtRest;
+    moment.kind = Trigger::Kind::AtRest;
   } else if (*text == "target") {
-    moment.kind = Occasion::Kind::AtTarget;
+    moment.kind = Trigger::Kind::AtTarget;
   } else {
-    refuseValue(value, wanted);
+    refuseValue(value, allowed);
   }
   parts.moments.push_back(moment);
 }
 
 /// A moment that is one number.
-PartReader numberMoment(Occasion::Kind kind, double most, const std::string& wanted) {
+PartReader numberMoment(Trigger::Kind kind, double most, const std::string& allowed) {
   return [=](const TomlValue& value, EntryParts& parts) {
-    parts.moments.push_back({kind, requireNumber(value, 0, most, wanted)});
+    parts.moments.push_back({kind, requireNumber(value, 0, most, allowed)});
   };
 }
 
@@ -150,9 +150,9 @@ void readDragKey(const TomlEntry& entry, Drag& drag) {
 
 // Tile and path are needed, the rest has defaults.
 void readDrag(const TomlValue& value, EntryParts& parts) {
-  const std::string wanted = "a table, {tile = 3, path = [[0, 0, 1]], seconds = 2}";
+  const std::string allowed = "a table, {tile = 3, path = [[0, 0, 1]], seconds = 2}";
   const TomlTable* table = value.table();
-  if (!table || !find(*table, "tile") || !find(*table, "path")) refuseValue(value, wanted);
+  if (!table || !find(*table, "tile") || !find(*table, "path")) refuseValue(value, allowed);
   Drag drag;
   for (const TomlEntry& entry : *table) readDragKey(entry, drag);
   parts.actions.emplace_back(std::move(drag));
@@ -191,10 +191,10 @@ void readPlain(const TomlValue& value, EntryParts& parts) {
 const std::map<std::string, PartReader>& entryKeys() {
   static const std::map<std::string, PartReader> keys = {
       {"at", readAt},
-      {"after", numberMoment(Occasion::Kind::After, kLongest, kSeconds)},
+      {"after", numberMoment(Trigger::Kind::After, kLongest, kSeconds)},
       {"error_below",
-       numberMoment(Occasion::Kind::ErrorBelow, 1e6, "a number of metres, from 0 to 1e6")},
-      {"progress", numberMoment(Occasion::Kind::ProgressAbove, 1, "a share from 0 to 1")},
+       numberMoment(Trigger::Kind::ErrorBelow, 1e6, "a number of metres, from 0 to 1e6")},
+      {"progress", numberMoment(Trigger::Kind::ProgressAbove, 1, "a share from 0 to 1")},
       {"pin", readPin},
       {"unpin", readUnpin},
       {"drag", readDrag},
@@ -233,7 +233,7 @@ TimelineEntry readEntry(const TomlValue& value) {
                     "forces, pause, target, snapshot, export, reset, quit",
                     parts.moments.size(), parts.actions.size()));
   }
-  return {parts.moments.empty() ? Occasion{} : parts.moments.front(), parts.actions.front(),
+  return {parts.moments.empty() ? Trigger{} : parts.moments.front(), parts.actions.front(),
           value.where};
 }
 
@@ -352,10 +352,10 @@ const std::vector<std::string> kVelocityKeys = {"tiles", "linear", "angular"};
 
 Vector3 readSpeeds(const TomlValue& value, const std::string& unit) {
   const std::vector<TomlValue>* array = value.array();
-  const std::string wanted = fmt::format("three numbers in {}, [x, y, z]", unit);
-  if (!array || array->size() != 3) refuseValue(value, wanted);
+  const std::string allowed = fmt::format("three numbers in {}, [x, y, z]", unit);
+  if (!array || array->size() != 3) refuseValue(value, allowed);
   Vector3 result;
-  for (int k = 0; k < 3; ++k) result[k] = requireNumber((*array)[k], -1e6, 1e6, wanted);
+  for (int k = 0; k < 3; ++k) result[k] = requireNumber((*array)[k], -1e6, 1e6, allowed);
   return result;
 }
 

@@ -39,11 +39,11 @@ void addWaypoints(Scene& scene) {
   if (waypoints.empty() || !goesToTargets || !scene.grips.empty()) return;
   Timeline chain;
   for (std::size_t k = 0; k < waypoints.size(); ++k) {
-    const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
+    const Trigger when = k == 0 ? Trigger{} : Trigger{Trigger::Kind::AtTarget};
     const std::string name = fmt::format("{}, target {}", scene.model.name, k + 1);
     chain.push_back({when, timeline::GoTo{name, waypoints[k]}, {name}});
   }
-  chain.push_back({{Occasion::Kind::AtTarget}, timeline::GoTo{}, {scene.model.name}});
+  chain.push_back({{Trigger::Kind::AtTarget}, timeline::GoTo{}, {scene.model.name}});
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
@@ -68,14 +68,14 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   Timeline chain;
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
     // The first target is headed for at once, each further one when the one before it is reached.
-    const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
+    const Trigger when = k == 0 ? Trigger{} : Trigger{Trigger::Kind::AtTarget};
     chain.push_back({when,
                      timeline::GoTo{files[k], model::readTarget(files[k], scene.model, warnings)},
                      {files[k]}});
   }
   scene.model.target = model::readTarget(files.back(), scene.model, warnings);
   if (chain.empty()) return;
-  chain.push_back({{Occasion::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
+  chain.push_back({{Trigger::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
@@ -154,8 +154,8 @@ std::vector<int> heldTiles(const Timeline& timeline) {
   for (const TimelineEntry& entry : timeline) {
     // Entries happen in their order, so that the first one that waits ends what happens before
     // anything moves.
-    const bool isAtOnce = entry.when.value == 0 && (entry.when.kind == Occasion::Kind::After ||
-                                                    entry.when.kind == Occasion::Kind::AtTime);
+    const bool isAtOnce = entry.when.value == 0 && (entry.when.kind == Trigger::Kind::After ||
+                                                    entry.when.kind == Trigger::Kind::AtTime);
     if (!isAtOnce) break;
     const auto* pin = std::get_if<timeline::Pin>(&entry.action);
     if (pin) held.insert(held.end(), pin->tiles.begin(), pin->tiles.end());
@@ -217,7 +217,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   Timeline entries = scene.timeline;
   if (!parts.pinned.empty()) {
     // Tiles of --pin are pinned before all other entries.
-    entries.insert(entries.begin(), {Occasion{}, timeline::Pin{parts.pinned}, {"`pin`"}});
+    entries.insert(entries.begin(), {Trigger{}, timeline::Pin{parts.pinned}, {"`pin`"}});
   }
   checkTimeline(entries, scene.model);
   numberAsModel(entries, scene.model);
@@ -225,7 +225,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   numberAsModel(scene.velocities, scene.model);
   // Before joints are added: links and fixed joints measure distances, which a rigid motion keeps,
   // and directions, which it turns.
-  if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
+  if (scene.alignment.requested) align(scene, heldTiles(scene.timeline));
   numberAsModel(scene.grips, scene.model);
   if (!scene.hinges.file.empty()) {
     scene.hinges.own = readHingeSprings(scene.hinges.file, scene.model);
@@ -510,9 +510,9 @@ HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
 }
 
 /// What the hinges of a scene have of which no line of its file says more.
-class UsualSprings {
+class DefaultSprings {
  public:
-  UsualSprings(const Scene& scene, const std::vector<model::Brick>& bricks)
+  DefaultSprings(const Scene& scene, const std::vector<model::Brick>& bricks)
       : scene_(scene), bricks_(bricks) {
     if (scene.hinges.neck) {
       for (const model::Joint& joint : scene.model.joints) {
@@ -667,7 +667,7 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
   const HingeSettings& all = scene.hinges;
   if (!all.areOn()) return {};
   const model::FoundHinges found = requireHinges(scene, bricks);
-  const UsualSprings usual(scene, bricks);
+  const DefaultSprings usual(scene, bricks);
   std::map<TilePair, const OwnHingeSpring*> lines = byTiles(all.own);
   std::vector<model::HingeSpring> springs;
   for (const model::Hinge& hinge : found.hinges) {

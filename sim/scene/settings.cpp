@@ -84,7 +84,7 @@ Setting number(const std::string& key, Range range, const std::string& unit,
     fieldOf<Path...>(scene) = parseNumber(typed, range);
   };
   setting.write = [](const Scene& scene) { return numberText(fieldOf<Path...>(scene)); };
-  setting.usual = fmt::format("{:.4g}", fieldOf<Path...>(openScene()));
+  setting.defaultText = fmt::format("{:.4g}", fieldOf<Path...>(openScene()));
   setting.isNumber = true;
   return setting;
 }
@@ -99,7 +99,7 @@ Setting whole(const std::string& key, Range range, const std::string& unit,
     field = static_cast<std::remove_reference_t<decltype(field)>>(parseInteger(typed, range));
   };
   setting.write = [](const Scene& scene) { return fmt::format("{}", fieldOf<Path...>(scene)); };
-  setting.usual = setting.write(openScene());
+  setting.defaultText = setting.write(openScene());
   setting.isNumber = true;
   return setting;
 }
@@ -116,22 +116,23 @@ Setting choice(const std::string& key, const Choices<T>& choices, const std::str
   setting.write = [choices](const Scene& scene) {
     return quotedText(nameOfChoice(choices, fieldOf<Path...>(scene)));
   };
-  setting.usual = setting.words.front();
+  setting.defaultText = setting.words.front();
   return setting;
 }
 
 /// What no pattern above serves.
-Setting special(const std::string& key, const std::string& unit, const std::string& usual,
+Setting special(const std::string& key, const std::string& unit, const std::string& defaultText,
                 const std::string& help, std::function<void(Scene&, const TypedValue&)> read,
                 std::function<std::string(const Scene&)> write) {
-  return {key, unit, help, std::move(read), std::move(write), usual};
+  return {key, unit, help, std::move(read), std::move(write), defaultText};
 }
 
 /// The same for a number.
-Setting specialNumber(const std::string& key, const std::string& unit, const std::string& usual,
-                      const std::string& help, std::function<void(Scene&, const TypedValue&)> read,
+Setting specialNumber(const std::string& key, const std::string& unit,
+                      const std::string& defaultText, const std::string& help,
+                      std::function<void(Scene&, const TypedValue&)> read,
                       std::function<std::string(const Scene&)> write) {
-  Setting setting = special(key, unit, usual, help, std::move(read), std::move(write));
+  Setting setting = special(key, unit, defaultText, help, std::move(read), std::move(write));
   setting.isNumber = true;
   return setting;
 }
@@ -193,10 +194,10 @@ SettingGroup actuationSettings() {
 
 /// A strength of the springs in newtons, which follows from the model unless it is given.
 template <auto... Path>
-Setting givenStrength(const std::string& key, const std::string& unit, const std::string& usual,
-                      const std::string& help) {
+Setting givenStrength(const std::string& key, const std::string& unit,
+                      const std::string& defaultText, const std::string& help) {
   return specialNumber(
-      key, unit, usual, help,
+      key, unit, defaultText, help,
       [](Scene& scene, const TypedValue& typed) {
         fieldOf<Path...>(scene) = parseNumber(typed, kFromZero);
       },
@@ -470,7 +471,7 @@ SettingGroup solverSettings() {
 }
 
 /// Whether a setting is what it is unless told otherwise, in the program or in code.
-bool isUsual(const Setting& setting, const Scene& scene) {
+bool isDefault(const Setting& setting, const Scene& scene) {
   const std::string text = setting.write(scene);
   // Scenes made in code begin with the defaults of their structs, those of the program with
   // openScene(): neither is a wish of the user.
@@ -545,7 +546,7 @@ std::string whySpace(const Scene& scene) {
 std::string whyDynamics(const Scene& scene) {
   for (const SettingGroup& group : sceneSettings()) {
     for (const Setting& setting : group.settings) {
-      if (!setting.dynamics.empty() && !isUsual(setting, scene)) return setting.dynamics;
+      if (!setting.dynamics.empty() && !isDefault(setting, scene)) return setting.dynamics;
     }
   }
   return "";
@@ -575,7 +576,7 @@ std::string describe(Range range, const char* kind) {
   if (range.least == all.least && range.most == all.most) return kind;
   if (range.most == all.most) return fmt::format("{} of at least {:g}", kind, range.least);
   return fmt::format("{} from {:g} to {}{:g}", kind, range.least,
-                     range.isMostLeftOut ? "less than " : "", range.most);
+                     range.excludesMost ? "less than " : "", range.most);
 }
 
 }  // namespace
@@ -662,9 +663,9 @@ PanelMaterial parsePanels(const TypedValue& value) {
   return panels;
 }
 
-InputError valueError(const TypedValue& value, const std::string& wanted) {
+InputError valueError(const TypedValue& value, const std::string& requested) {
   return InputError(fmt::format("error: {}: '{}' is not allowed; give {}", value.name,
-                                shown(value.text), wanted));
+                                shown(value.text), requested));
 }
 
 std::string numberText(double number) {
@@ -680,11 +681,11 @@ std::string quotedList(const std::vector<std::string>& values) {
   return fmt::format("[{}]", fmt::join(values, ", "));
 }
 
-double numberReadAs(double wanted, double guess, const std::function<double(double)>& read) {
+double numberReadAs(double requested, double guess, const std::function<double(double)>& read) {
   // 17 digits tell any two doubles apart, fewer are nicer to read.
   for (int digits = 6; digits <= 17; ++digits) {
     const double shorter = std::stod(fmt::format("{:.{}g}", guess, digits));
-    if (read(shorter) == wanted) return shorter;
+    if (read(shorter) == requested) return shorter;
   }
   // The conversion rounds: a number next to the guess is the one.
   constexpr int kNeighbours = 8;
@@ -693,8 +694,8 @@ double numberReadAs(double wanted, double guess, const std::function<double(doub
   for (int k = 0; k < kNeighbours; ++k) {
     below = std::nextafter(below, -std::numeric_limits<double>::infinity());
     above = std::nextafter(above, std::numeric_limits<double>::infinity());
-    if (read(below) == wanted) return below;
-    if (read(above) == wanted) return above;
+    if (read(below) == requested) return below;
+    if (read(above) == requested) return above;
   }
   return guess;
 }

@@ -29,11 +29,11 @@ struct TypedValue {
 struct Range {
   double least = -std::numeric_limits<double>::max();  ///< accepted itself
   double most = std::numeric_limits<double>::max();    ///< accepted itself, unless it is left out
-  bool isMostLeftOut = false;  ///< all below the most; otherwise both ends are accepted
+  bool excludesMost = false;  ///< all below the most; otherwise both ends are accepted
 
   /// Whether a number is among them.
   bool holds(double number) const {
-    return number >= least && (isMostLeftOut ? number < most : number <= most);
+    return number >= least && (excludesMost ? number < most : number <= most);
   }
 };
 
@@ -65,7 +65,7 @@ HingeNeck parseNeck(const TypedValue& value);
 PanelMaterial parsePanels(const TypedValue& value);
 
 /// The error of a value that is not allowed: "NAME: 'TEXT' is not allowed; give WANTED".
-InputError valueError(const TypedValue& value, const std::string& wanted);
+InputError valueError(const TypedValue& value, const std::string& requested);
 
 /// The words that a setting accepts, with what each means.
 template <typename T>
@@ -84,7 +84,7 @@ std::string quotedList(const std::vector<std::string>& values);
 
 /// The shortest number that `read` turns into `wanted`, which lies near `guess`: the way back where
 /// a unit was converted.
-double numberReadAs(double wanted, double guess, const std::function<double(double)>& read);
+double numberReadAs(double requested, double guess, const std::function<double(double)>& read);
 
 /// "[0, 0, -9.81]".
 std::string vectorText(const Vector3& vector);
@@ -146,7 +146,7 @@ struct Setting {
   /// Its value as a scene file has it (`0.02`, `true`, `"all"`, `[0, 0, -9.81]`), to the last bit;
   /// "" where there is nothing to say. Such a value is JSON, too.
   std::function<std::string(const Scene&)> write;
-  std::string usual;               ///< the default in words; may be empty
+  std::string defaultText;         ///< the default in words; may be empty
   std::vector<std::string> words;  ///< the only values that it accepts; empty: see read()
   bool isSwitch = false;           ///< whether it is given without a value
   bool isNumber = false;           ///< what it writes can be read as it stands

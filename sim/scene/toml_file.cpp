@@ -170,14 +170,15 @@ const TomlValue* find(const TomlTable& table, const std::string& key) {
   return found == table.end() ? nullptr : &found->value;
 }
 
-double requireNumber(const TomlValue& value, double least, double most, const std::string& wanted) {
+double requireNumber(const TomlValue& value, double least, double most,
+                     const std::string& allowed) {
   const std::optional<double> number = value.number();
-  if (!number || !(*number >= least && *number <= most)) refuseValue(value, wanted);
+  if (!number || !(*number >= least && *number <= most)) refuseValue(value, allowed);
   return *number;
 }
 
-void refuseValue(const TomlValue& value, const std::string& wanted) {
-  throw inputErrorAt(value.where, fmt::format("this value is not allowed; give {}", wanted));
+void refuseValue(const TomlValue& value, const std::string& allowed) {
+  throw inputErrorAt(value.where, fmt::format("this value is not allowed; give {}", allowed));
 }
 
 void refuseKey(const TomlEntry& entry, const std::string& what,

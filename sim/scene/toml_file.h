@@ -71,10 +71,10 @@ std::string tomlText(const TomlValue& value);
 const TomlValue* find(const TomlTable& table, const std::string& key);
 
 /// A number from `least` to `most`. Throws InputError that says what is wanted.
-double requireNumber(const TomlValue& value, double least, double most, const std::string& wanted);
+double requireNumber(const TomlValue& value, double least, double most, const std::string& allowed);
 
 /// Throws "FILE:LINE:COLUMN: error: this value is not allowed; give WANTED".
-[[noreturn]] void refuseValue(const TomlValue& value, const std::string& wanted);
+[[noreturn]] void refuseValue(const TomlValue& value, const std::string& allowed);
 
 /// Throws an InputError for a key that does not exist, suggesting the nearest of those that do.
 [[noreturn]] void refuseKey(const TomlEntry& entry, const std::string& what,

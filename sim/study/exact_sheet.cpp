@@ -62,12 +62,12 @@ double openingAngle(const Poses& poses) {
 }
 
 VertexError vertexError(const std::vector<model::Tile>& found,
-                        const std::vector<model::Tile>& wanted) {
+                        const std::vector<model::Tile>& desired) {
   VertexError error;
   std::size_t count = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
     for (std::size_t k = 0; k < found[i].vertices.size(); ++k, ++count) {
-      const double distance = (found[i].vertices[k] - wanted[i].vertices[k]).norm();
+      const double distance = (found[i].vertices[k] - desired[i].vertices[k]).norm();
       error.max = std::max(error.max, distance);
       error.mean += distance;
     }
@@ -93,10 +93,10 @@ SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const Shee
 
 // The largest error of any vertex at any of the times, metres. `wanted` must have at least as many
 // states as `found`, which may have ended early.
-double wayError(const SheetWay& found, const SheetWay& wanted) {
+double wayError(const SheetWay& found, const SheetWay& desired) {
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    largest = std::max(largest, vertexError(found[k], wanted[k]).max);
+    largest = std::max(largest, vertexError(found[k], desired[k]).max);
   }
   return largest;
 }
@@ -214,7 +214,7 @@ double ClosurePath::gap(const PlanarState& state) const {
 /// All joints closed, tile 0 held where it was and tile 1 turned as wanted, and what a state misses
 /// of that.
 ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, const Vector3& held,
-                                                     double wanted) const {
+                                                     double desired) const {
   const auto last = 2 * static_cast<Eigen::Index>(joints_.size());
   ClosureEquations made{Eigen::MatrixXd::Zero(last + 4, state.size()),
                         Eigen::VectorXd::Zero(last + 4)};
@@ -238,17 +238,17 @@ ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, c
   made.slopes(last + 3, 5) = 1;
   made.slopes(last + 3, 2) = -1;
   // Angles count up to whole turns.
-  made.missed[last + 3] = std::remainder(angle(state) - wanted, 2 * std::numbers::pi);
+  made.missed[last + 3] = std::remainder(angle(state) - desired, 2 * std::numbers::pi);
   return made;
 }
 
 // Gauss-Newton from a nearby state to the closed one with the wanted angle (radians). Throws
 // RunError where the joints do not close. One round costs a dense decomposition, O(n^3).
-PlanarState ClosurePath::close(PlanarState state, double wanted) const {
+PlanarState ClosurePath::close(PlanarState state, double desired) const {
   const Vector3 held = state.head<3>();
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
-    const ClosureEquations here = equations(state, held, wanted);
+    const ClosureEquations here = equations(state, held, desired);
     const double worst = here.missed.lpNorm<Eigen::Infinity>();
     // On to rounding: a round that no longer halves what is missed is the last.
     if (worst < kClosedSheet && worst > 0.5 * before) break;
@@ -257,14 +257,14 @@ PlanarState ClosurePath::close(PlanarState state, double wanted) const {
   }
   if (gap(state) <= kClosedSheet) return state;
   throw RunError(fmt::format("error: no closed state at {} radians: a gap of {:.2g} m is left",
-                             wanted, gap(state)));
+                             desired, gap(state)));
 }
 
 // Closes the state at equal steps of the angle of at most `step` radians, each from the one before.
-PlanarState ClosurePath::follow(PlanarState state, double wanted, double step) const {
+PlanarState ClosurePath::follow(PlanarState state, double desired, double step) const {
   const double from = angle(state);
   // The shorter way round.
-  const double way = std::remainder(wanted - from, 2 * std::numbers::pi);
+  const double way = std::remainder(desired - from, 2 * std::numbers::pi);
   const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(way) / step)));
   for (int k = 1; k <= steps; ++k) state = close(std::move(state), from + way * k / steps);
   return state;

@@ -29,7 +29,7 @@ struct VertexError {
 
 /// How far corresponding vertices are apart.
 VertexError vertexError(const std::vector<model::Tile>& found,
-                        const std::vector<model::Tile>& wanted);
+                        const std::vector<model::Tile>& desired);
 
 /// The states that a sheet passes through, at equal times.
 using SheetWay = std::vector<std::vector<model::Tile>>;
@@ -40,7 +40,7 @@ using SheetWay = std::vector<std::vector<model::Tile>>;
 SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine);
 
 /// The farthest that a vertex is on one way from where it is on another at that time, metres.
-double wayError(const SheetWay& found, const SheetWay& wanted);
+double wayError(const SheetWay& found, const SheetWay& desired);
 
 /// How far a sheet is from the exact one at the same opening angle, wherever that one is placed.
 VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found);
@@ -86,7 +86,7 @@ class ClosurePath {
     Eigen::MatrixXd slopes;
     Eigen::VectorXd missed;
   };
-  ClosureEquations equations(const PlanarState& state, const Vector3& held, double wanted) const;
+  ClosureEquations equations(const PlanarState& state, const Vector3& held, double desired) const;
   Vector3 vertex(const PlanarState& state, const model::Corner& corner) const;
 
   std::vector<model::Tile> shapes_;  // about the mean of their vertices

@@ -93,11 +93,11 @@ std::map<const State*, std::vector<model::Tile>> exactTiles(const scene::Scene& 
   });
   const PlanarState open = path.stateOf(middle->tiles);
   std::map<const State*, std::vector<model::Tile>> exact;
-  const auto followTo = [&](PlanarState& state, const State& wanted) {
+  const auto followTo = [&](PlanarState& state, const State& desired) {
     // The run's own state says to which angle the path is followed, and nothing else.
-    const PlanarState there = path.stateOf(wanted.tiles);
+    const PlanarState there = path.stateOf(desired.tiles);
     state = path.follow(std::move(state), path.angle(there), kPathStep);
-    exact[&wanted] = path.tiles(state);
+    exact[&desired] = path.tiles(state);
   };
   PlanarState state = open;
   for (auto at = middle; at != states.end(); ++at) followTo(state, *at);
@@ -114,11 +114,11 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   const auto exact = exactTiles(scene, states);
   std::vector<Row> rows;
   for (const State& state : states) {
-    const std::vector<model::Tile>& wanted = exact.at(&state);
+    const std::vector<model::Tile>& desired = exact.at(&state);
     const double radius = radiusOf(state.tiles);
     rows.push_back({method.engine.name, cell(state.time), cell(state.angle / kDegree), cell(radius),
-                    cell(std::abs(radius - radiusOf(wanted))),
-                    cell(vertexError(state.tiles, fitted(wanted, state.tiles)).max),
+                    cell(std::abs(radius - radiusOf(desired))),
+                    cell(vertexError(state.tiles, fitted(desired, state.tiles)).max),
                     cell(state.gap)});
   }
   return rows;

@@ -412,10 +412,10 @@ struct ArrayReader::Internals {
   }
 
   // No conversion is asked of HDF5: only the writer's own types are taken.
-  void requireType(const Handle& array, const std::string& name, TypeCheck isWanted,
+  void requireType(const Handle& array, const std::string& name, TypeCheck isRequested,
                    const char* shownType) const {
     const Handle type(H5Dget_type(array.id()), H5Tclose);
-    if (!isWanted(type)) refuse(fmt::format("the array {} does not hold {}", name, shownType));
+    if (!isRequested(type)) refuse(fmt::format("the array {} does not hold {}", name, shownType));
   }
 
   // The lengths that the file claims, once they are possible at all.
@@ -450,14 +450,15 @@ struct ArrayReader::Internals {
   }
 
   /// A missing attribute and one of another kind are told alike: neither is ours.
-  Handle attribute(const std::string& object, const std::string& name, TypeCheck isWanted) const {
+  Handle attribute(const std::string& object, const std::string& name,
+                   TypeCheck isRequested) const {
     Handle attribute(
         H5Aopen_by_name(file.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);
     const Handle type(H5Aget_type(attribute.id()), H5Tclose);
     const Handle space(H5Aget_space(attribute.id()), H5Sclose);
     const bool isOurs = object == "/" || isOwn(object);
-    if (!isOurs || !attribute.valid() || !isWanted(type) ||
+    if (!isOurs || !attribute.valid() || !isRequested(type) ||
         H5Sget_simple_extent_npoints(space.id()) != 1) {
       refuse(fmt::format("the attribute {} of {} is missing or of another kind", name,
                          shownObject(object)));

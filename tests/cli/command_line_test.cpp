@@ -130,7 +130,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.solver.planar, false);
   EXPECT_EQ(scene.solver.seed, 42U);
   EXPECT_EQ(scene.path.searchTime, 5);
-  EXPECT_FALSE(scene.alignment.wanted);
+  EXPECT_FALSE(scene.alignment.requested);
 }
 
 TEST(CommandLine, SpringsFollowFromTheModelUnlessSpelledAsPyKirigamiDoes) {

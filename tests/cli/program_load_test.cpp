@@ -154,8 +154,9 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
   std::istringstream lines(pulled.out);
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
-    double place = 0, wanted = 0, own = 0;
-    if (words >> place >> wanted >> own) largest = std::max(largest, std::abs(own / wanted - 1));
+    double place = 0, requested = 0, own = 0;
+    if (words >> place >> requested >> own)
+      largest = std::max(largest, std::abs(own / requested - 1));
   }
   return pulled.out.empty() ? 1 : largest;
 }

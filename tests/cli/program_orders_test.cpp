@@ -65,9 +65,9 @@ class Orders : public testing::Test {
   static int run(const std::vector<std::string>& words) { return runKirireel(words).exitCode; }
 
   /// Files that a run of the model reads, but for the scene file.
-  std::vector<std::string> inputsOf(const Wanted& wanted) const {
+  std::vector<std::string> inputsOf(const Wanted& requested) const {
     std::vector<std::string> files = {at("rock.obj"), at("half.txt")};
-    const std::string name = wanted.model.filename().string();
+    const std::string name = requested.model.filename().string();
     if (name == "m") {
       for (const char* file : {"vertices.txt", "constraints.txt", "target.txt", "pull.txt"}) {
         files.push_back(at("m/") + file);
@@ -79,11 +79,12 @@ class Orders : public testing::Test {
     return files;
   }
 
-  std::vector<std::string> wordsOf(const Wanted& wanted) const {
-    writeText(at("scene.toml"), wanted.scene);
+  std::vector<std::string> wordsOf(const Wanted& requested) const {
+    writeText(at("scene.toml"), requested.scene);
     std::vector<std::string> words = {
-        "simulate", wanted.model.string(), "--scene", at("scene.toml"), "--out", at("out")};
-    for (const auto& [option, value] : wanted.options) words.insert(words.end(), {option, value});
+        "simulate", requested.model.string(), "--scene", at("scene.toml"), "--out", at("out")};
+    for (const auto& [option, value] : requested.options)
+      words.insert(words.end(), {option, value});
     return words;
   }
 
@@ -95,16 +96,16 @@ class Orders : public testing::Test {
   }
 
   Wanted randomWanted() {
-    Wanted wanted;
-    wanted.model = at(std::vector<std::string>{"m", "s.fold", "s_contracted.obj"}[draw(3)]);
-    wanted.options = {{"--duration", "0.02"}, {"--path", "straight"}};
+    Wanted requested;
+    requested.model = at(std::vector<std::string>{"m", "s.fold", "s_contracted.obj"}[draw(3)]);
+    requested.options = {{"--duration", "0.02"}, {"--path", "straight"}};
     for (const Choice& choice : kChoices) {
-      if (draw(3) == 0) wanted.options[choice.option] = draw(2) == 0 ? choice.one : choice.other;
+      if (draw(3) == 0) requested.options[choice.option] = draw(2) == 0 ? choice.one : choice.other;
     }
-    wanted.scene =
+    requested.scene =
         "[[timeline]]\nat = 0.005\ntarget = \"half.txt\"\n"
         "[[obstacle]]\nshape = \"mesh\"\nfile = \"rock.obj\"\nfriction = 0.5\n";
-    return wanted;
+    return requested;
   }
 
   std::size_t draw(std::size_t count) { return generator_() % count; }
@@ -126,17 +127,17 @@ std::string withOtherDigit(std::string text, std::size_t which) {
 
 TEST_F(Orders, AreKnownByEachByteOfEachFile) {
   for (const char* model : {"m", "s.fold", "s_contracted.obj"}) {
-    Wanted wanted = randomWanted();
-    wanted.model = at(model);
+    Wanted requested = randomWanted();
+    requested.model = at(model);
     fs::remove_all(at("out"));
-    run(wordsOf(wanted));
-    EXPECT_TRUE(isKnown(wordsOf(wanted))) << model;
-    for (const std::string& file : inputsOf(wanted)) {
+    run(wordsOf(requested));
+    EXPECT_TRUE(isKnown(wordsOf(requested))) << model;
+    for (const std::string& file : inputsOf(requested)) {
       const std::string whole = readText(file);
       writeText(file, withOtherDigit(whole, draw(whole.size())));
-      EXPECT_FALSE(isKnown(wordsOf(wanted))) << file;
+      EXPECT_FALSE(isKnown(wordsOf(requested))) << file;
       writeText(file, whole);
-      run(wordsOf(wanted));
+      run(wordsOf(requested));
     }
   }
 }
@@ -155,13 +156,13 @@ TEST_F(Orders, AreMadeAgainFromTheirSummaries) {
   const auto summaryOf = [this](const std::string& out) {
     return nlohmann::json::parse(readText(at(out + "/summary.json")));
   };
-  Wanted wanted = randomWanted();
-  wanted.options["--pin"] = "3,0";
-  wanted.options["--export"] = "obj,msh";
-  run(wordsOf(wanted));
+  Wanted requested = randomWanted();
+  requested.options["--pin"] = "3,0";
+  requested.options["--export"] = "obj,msh";
+  run(wordsOf(requested));
   const nlohmann::json summary = summaryOf("out");
   writeText(at("again.toml"), summary["settings"]["scene"]);
-  run({"simulate", wanted.model.string(), "--scene", at("again.toml"), "--out", at("again")});
+  run({"simulate", requested.model.string(), "--scene", at("again.toml"), "--out", at("again")});
   EXPECT_EQ(summaryOf("again")["order"], summary["order"]);
   EXPECT_EQ(summaryOf("again")["contents"], summary["contents"]);
   EXPECT_GE(summary["cost"]["factorizations"], summary["cost"]["steps"]);
@@ -171,9 +172,9 @@ TEST_F(Orders, AreMadeAgainFromTheirSummaries) {
 /// Says the same in another way.
 class Respelling {
  public:
-  Respelling(const Wanted& wanted, const fs::path& folder,
+  Respelling(const Wanted& requested, const fs::path& folder,
              std::function<std::size_t(std::size_t)> draw)
-      : wanted_(wanted), folder_(folder), draw_(std::move(draw)) {}
+      : wanted_(requested), folder_(folder), draw_(std::move(draw)) {}
 
   std::vector<std::string> words(
       const std::function<std::vector<std::string>(const Wanted&)>& say) {
@@ -204,11 +205,11 @@ class Respelling {
   }
 
   Wanted withMoreDigits() const {
-    Wanted wanted = wanted_;
-    for (auto& [option, value] : wanted.options) {
+    Wanted requested = wanted_;
+    for (auto& [option, value] : requested.options) {
       if (value.find('.') != std::string::npos) value += "0";
     }
-    return wanted;
+    return requested;
   }
 
   std::vector<std::string> backwards() const {
@@ -222,34 +223,34 @@ class Respelling {
   }
 
   Wanted inTheSceneFile() const {
-    Wanted wanted = wanted_;
+    Wanted requested = wanted_;
     std::map<std::string, std::string> tables;
     for (const Choice& choice : kChoices) {
-      const auto given = wanted.options.find(choice.option);
-      if (given == wanted.options.end()) continue;
+      const auto given = requested.options.find(choice.option);
+      if (given == requested.options.end()) continue;
       std::string key = choice.option.substr(2);
       std::replace(key.begin(), key.end(), '-', '_');
       tables[choice.table] += key + " = \"" + given->second + "\"\n";
-      wanted.options.erase(given);
+      requested.options.erase(given);
     }
     std::string text;
     for (const auto& [table, lines] : tables) text += "[" + table + "]\n" + lines;
-    wanted.scene = text + "# moved\n" + wanted.scene;
-    return wanted;
+    requested.scene = text + "# moved\n" + requested.scene;
+    return requested;
   }
 
   /// A copy of the model, and another way to say its name.
   Wanted elsewhere() const {
-    Wanted wanted = wanted_;
-    const fs::path copy = folder_ / "copy" / ".." / "copy" / wanted.model.filename();
+    Wanted requested = wanted_;
+    const fs::path copy = folder_ / "copy" / ".." / "copy" / requested.model.filename();
     fs::remove_all(folder_ / "copy");
     fs::create_directory(folder_ / "copy");
-    fs::copy(wanted.model, copy, fs::copy_options::recursive);
+    fs::copy(requested.model, copy, fs::copy_options::recursive);
     if (copy.extension() == ".obj") {
       fs::copy(folder_ / "s_deployed.obj", folder_ / "copy/s_deployed.obj");
     }
-    wanted.model = copy;
-    return wanted;
+    requested.model = copy;
+    return requested;
   }
 
   static std::vector<std::string> withDefaults(std::vector<std::string> words) {
@@ -266,12 +267,12 @@ class Respelling {
 TEST_F(Orders, AreKnownAsFinishedWhenTheyAreTheSame) {
   const char* asked = std::getenv("KIRIREEL_ORDER_PAIRS");
   const int pairs = asked ? std::atoi(asked) : 24;
-  const auto say = [this](const Wanted& wanted) { return wordsOf(wanted); };
+  const auto say = [this](const Wanted& requested) { return wordsOf(requested); };
   int same = 0;
   for (int k = 0; k < pairs; ++k) {
-    Wanted wanted = randomWanted();
+    Wanted requested = randomWanted();
     fs::remove_all(at("out"));
-    run(wordsOf(wanted));
+    run(wordsOf(requested));
     ASSERT_TRUE(fs::exists(at("out/summary.json"))) << k;
     const std::string before = readText(at("out/summary.json"));
     std::string shown;
@@ -284,29 +285,30 @@ TEST_F(Orders, AreKnownAsFinishedWhenTheyAreTheSame) {
     switch (draw(4)) {
       case 0: {  // another value
         const Choice& choice = kChoices[draw(kChoices.size())];
-        const std::string value = wanted.options[choice.option];
+        const std::string value = requested.options[choice.option];
         if (value.empty())
-          wanted.options[choice.option] = choice.other;
+          requested.options[choice.option] = choice.other;
         else
-          wanted.options[choice.option] = value == choice.one ? choice.other : choice.one;
-        expectKnown(wordsOf(wanted), false);
+          requested.options[choice.option] = value == choice.one ? choice.other : choice.one;
+        expectKnown(wordsOf(requested), false);
         break;
       }
       case 1: {  // another byte in a file
-        const std::vector<std::string> files = inputsOf(wanted);
+        const std::vector<std::string> files = inputsOf(requested);
         const std::string file = files[draw(files.size())];
         const std::string whole = readText(file);
         shown = file + " ";
         writeText(file, withOtherDigit(whole, draw(whole.size())));
-        expectKnown(wordsOf(wanted), false);
+        expectKnown(wordsOf(requested), false);
         writeText(file, whole);
         break;
       }
       default:
         ++same;
-        expectKnown(Respelling(wanted, scratch_.path(), [this](std::size_t n) { return draw(n); })
-                        .words(say),
-                    true);
+        expectKnown(
+            Respelling(requested, scratch_.path(), [this](std::size_t n) { return draw(n); })
+                .words(say),
+            true);
     }
   }
   EXPECT_GT(same, pairs / 4);

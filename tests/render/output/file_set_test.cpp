@@ -95,10 +95,10 @@ TEST_F(FileSetTest, OverwritesNothingOfOthers) {
   write(folder_ / "b.txt", "edited");
   write(folder_ / "c.txt", "theirs");
   const auto before = contentsOf(folder_.path());
-  const auto isWanted = [](const std::string& name) { return name.ends_with(".txt"); };
+  const auto isRequested = [](const std::string& name) { return name.ends_with(".txt"); };
   {
     const output::FileSet files(folder_.path(), output::kSummary);
-    EXPECT_THAT([&] { files.requireFree(isWanted); },
+    EXPECT_THAT([&] { files.requireFree(isRequested); },
                 ThrowsMessage<InputError>(StrEq(
                     folder_.path().string() +
                     ": error: b.txt, c.txt would be overwritten, but no earlier run left them "
@@ -114,10 +114,10 @@ TEST_F(FileSetTest, RefusesLinksAndFoldersUnderItsNames) {
   fs::create_symlink(folder_ / "nowhere", folder_ / "c.txt");
   fs::create_directory_symlink(folder_ / "theirs", folder_ / "frames");
   const output::FileSet files(folder_.path(), output::kSummary);
-  const auto isWanted = [](const std::string& name) {
+  const auto isRequested = [](const std::string& name) {
     return name.ends_with(".txt") || name == "frames/";
   };
-  EXPECT_THAT([&] { files.requireFree(isWanted); },
+  EXPECT_THAT([&] { files.requireFree(isRequested); },
               ThrowsMessage<InputError>(testing::HasSubstr(
                   "error: a.txt, b.txt, c.txt and 1 more would be overwritten")));
   fs::remove(folder_ / "frames");

@@ -163,7 +163,7 @@ scene::Scene frustratedSheet(double thickness) {
   scene.model.foldAngles = {{{0, 1}, 0.1}, {{1, 0}, 0.1}, {{0, 3}, 0.05}, {{3, 0}, 0.05}};
   scene.brick.thickness = thickness;
   scene.hinges.panels = scene::PanelMaterial{1 / std::pow(thickness, 3), 0.3, 0.1};
-  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"`pin`"}}};
+  scene.timeline = {{scene::Trigger{}, scene::timeline::Pin{{0}}, {"`pin`"}}};
   return scene;
 }
 

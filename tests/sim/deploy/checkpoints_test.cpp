@@ -217,7 +217,7 @@ TEST(Checkpoints, KnowWhichBricksHaveTouched) {
   scene.model.target = twins(sheet, 1.1 * reach);
   scene.environment.contacts = scene::ContactFilter::All;
   scene.timeline = {{{}, GoTo{"together", twins(sheet, 0.6 * reach)}},
-                    {{scene::Occasion::Kind::AtTime, 1}, GoTo{}}};
+                    {{scene::Trigger::Kind::AtTime, 1}, GoTo{}}};
   scene.stop.duration = 2;
   const deploy::DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_LT(undisturbed.accuracy.targetErrorEnd, 0.1 * reach);
@@ -236,7 +236,7 @@ TEST(Checkpoints, KeepHowFarBricksMayOverlap) {
   scene.environment.contacts = scene::ContactFilter::All;
   scene.springs.adaptive = false;
   scene.timeline = {{{}, GoTo{"apart", {square(0), square(1.1)}}},
-                    {{scene::Occasion::Kind::AtTime, 1}, GoTo{}}};
+                    {{scene::Trigger::Kind::AtTime, 1}, GoTo{}}};
   scene.stop.duration = 2;
   const deploy::DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_GT(undisturbed.accuracy.targetErrorEnd, 0.04);  // metres, measured below 0.05
@@ -247,15 +247,15 @@ TEST(Checkpoints, GoOnAlongATimeline) {
   scene::Scene scene = sheetScene(3, 0.3, 1.5);
   const scene::Scene half = sheetScene(3, 0.8, 1.5);
   scene.timeline = {{{}, Pin{{0}}},
-                    {{scene::Occasion::Kind::AtTime, 0.2}, GoTo{"half", half.model.tiles}},
-                    {{scene::Occasion::Kind::AtTime, 0.4}, Drag{8, 1, {{2, 2, 0}, {2, 3, 0}}, 0.5}},
-                    {{scene::Occasion::Kind::AtTime, 0.6}, Pause{0.2}},
-                    {{scene::Occasion::Kind::AtTime, 1.0}, Forces{false}},
-                    {{scene::Occasion::Kind::After, 0.1}, Forces{true}},
+                    {{scene::Trigger::Kind::AtTime, 0.2}, GoTo{"half", half.model.tiles}},
+                    {{scene::Trigger::Kind::AtTime, 0.4}, Drag{8, 1, {{2, 2, 0}, {2, 3, 0}}, 0.5}},
+                    {{scene::Trigger::Kind::AtTime, 0.6}, Pause{0.2}},
+                    {{scene::Trigger::Kind::AtTime, 1.0}, Forces{false}},
+                    {{scene::Trigger::Kind::After, 0.1}, Forces{true}},
                     {{}, Unpin{}},
-                    {{scene::Occasion::Kind::AtTime, 1.3}, GoTo{}},
-                    {{scene::Occasion::Kind::AtTime, 1.6}, Reset{}},
-                    {{scene::Occasion::Kind::AtTime, 2.2}, Quit{}}};
+                    {{scene::Trigger::Kind::AtTime, 1.3}, GoTo{}},
+                    {{scene::Trigger::Kind::AtTime, 1.6}, Reset{}},
+                    {{scene::Trigger::Kind::AtTime, 2.2}, Quit{}}};
   const deploy::DeploymentResult undisturbed = deployWhole(scene);
   ASSERT_THAT(undisturbed.trajectory.events, SizeIs(11));  // and the end
   // Before the waypoint, within the drag, within the pause, after the reset.
@@ -286,7 +286,7 @@ TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
   const scene::Scene half = sheetScene(3, 0.8, 1.5);
   scene.path = {scene::PathKind::Guided, 0, 0.5, 200, 1e5};
   scene.timeline = {{{}, GoTo{"half", half.model.tiles}},
-                    {{scene::Occasion::Kind::AtTime, 2}, GoTo{}}};
+                    {{scene::Trigger::Kind::AtTime, 2}, GoTo{}}};
   scene.stop.duration = 4;
   expectResumedAt({45, 47}, scene, deployWhole(scene));
 }

@@ -18,7 +18,7 @@ scene::Scene undriven(model::Model model, double duration) {
   scene.model = std::move(model);
   scene.actuation.drive = scene::Drive::None;
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
-  scene.solver.tolerance = scene::kUsualTolerance;
+  scene.solver.tolerance = scene::kDefaultTolerance;
   scene.stop.duration = duration;
   return scene;
 }
@@ -79,7 +79,7 @@ scene::Scene pendulum(double duration) {
   scene::Scene scene = undriven(std::move(model), duration);
   scene.environment.gravity = {0, -kGravity, 0};
   scene.environment.contacts = scene::ContactFilter::None;
-  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {}}};
+  scene.timeline = {{scene::Trigger{}, scene::timeline::Pin{{0}}, {}}};
   scene.solver.planar = true;
   return scene;
 }

@@ -127,7 +127,7 @@ TEST(Energies, GoInAnImpact) {
 TEST(Energies, CountTheWorkOfAGrip) {
   scene::Scene scene = openingSheet();
   scene.actuation.drive = scene::Drive::None;
-  scene.timeline = {{scene::Occasion{}, Drag{.tile = 0, .path = {{-2, -1, 0}}, .seconds = 0.8}}};
+  scene.timeline = {{scene::Trigger{}, Drag{.tile = 0, .path = {{-2, -1, 0}}, .seconds = 0.8}}};
   scene.solver.tolerance = 1e-5;
   const std::vector<trajectory::Sample> samples = samplesOf(scene, 1.0 / 60);
   // Once there is work to speak of.
@@ -172,7 +172,7 @@ scene::Scene hangingChain(int count) {
   scene.actuation.drive = scene::Drive::None;
   scene.stop.duration = 60;
   scene.stop.settleSpeed = 1e-8;
-  scene.timeline = {{scene::Occasion{}, Pin{{0}}}};
+  scene.timeline = {{scene::Trigger{}, Pin{{0}}}};
   return scene;
 }
 
@@ -209,7 +209,7 @@ TEST(Holds, OfTouchingBricksBalanceOrAreAbsent) {
   scene.environment.gravity = {0, -kGravity, 0};
   scene.environment.linearDamping = scene.environment.angularDamping = 0;
   scene.actuation.drive = scene::Drive::None;
-  scene.timeline = {{scene::Occasion{}, Pin{{1}}, {}}};
+  scene.timeline = {{scene::Trigger{}, Pin{{1}}, {}}};
   scene.solver.planar = true;
   scene.solver.tolerance = 1e-6;
   scene.stop.duration = 0.3;

@@ -178,8 +178,7 @@ TEST(Timelines, AResetLeavesAnotherTargetBehind) {
   const std::vector<model::Tile> other = *scene.model.target;
   scene.model.target.reset();
   scene.actuation.drive = scene::Drive::Target;
-  scene.timeline = {{{}, GoTo{"other.txt", other}},
-                    {{scene::Occasion::Kind::AtTime, 0.5}, Reset{}}};
+  scene.timeline = {{{}, GoTo{"other.txt", other}}, {{scene::Trigger::Kind::AtTime, 0.5}, Reset{}}};
   scene.stop.duration = 2;
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.25, nullptr);
   const auto& samples = run.trajectory.samples;

@@ -37,8 +37,8 @@ class TimelineRunnerTest : public testing::Test {
 };
 
 TEST_F(TimelineRunnerTest, DoesWhatIsDueAtItsTime) {
-  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtTime, 0.5}, Pin{{3, 1}}},
-                                    {{scene::Occasion::Kind::After, 0.25}, Unpin{}},
+  const scene::Timeline timeline = {{{scene::Trigger::Kind::AtTime, 0.5}, Pin{{3, 1}}},
+                                    {{scene::Trigger::Kind::After, 0.25}, Unpin{}},
                                     {{}, Quit{}}};
   deploy::TimelineRunner runner(timeline, bricks);
   EXPECT_FALSE(runner.carryOut(viewAt(0.49), stage, events));
@@ -57,16 +57,16 @@ TEST_F(TimelineRunnerTest, DoesWhatIsDueAtItsTime) {
 }
 
 TEST_F(TimelineRunnerTest, TimesThatAreSumsOfStepsAreMet) {
-  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtTime, 0.3}, Quit{}}};
+  const scene::Timeline timeline = {{{scene::Trigger::Kind::AtTime, 0.3}, Quit{}}};
   deploy::TimelineRunner runner(timeline, bricks);
   EXPECT_TRUE(runner.carryOut(viewAt(0.1 + 0.2 - 1e-12), stage, events));
 }
 
 TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
-  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtRest}, Snapshot{}},
-                                    {{scene::Occasion::Kind::ErrorBelow, 0.1}, Export{}},
-                                    {{scene::Occasion::Kind::ProgressAbove, 0.95}, Forces{false}},
-                                    {{scene::Occasion::Kind::AtTarget}, Reset{}}};
+  const scene::Timeline timeline = {{{scene::Trigger::Kind::AtRest}, Snapshot{}},
+                                    {{scene::Trigger::Kind::ErrorBelow, 0.1}, Export{}},
+                                    {{scene::Trigger::Kind::ProgressAbove, 0.95}, Forces{false}},
+                                    {{scene::Trigger::Kind::AtTarget}, Reset{}}};
   deploy::TimelineRunner runner(timeline, bricks);
   deploy::TimelineView view = viewAt(0);
   EXPECT_FALSE(runner.carryOut(view, stage, events));
@@ -88,8 +88,8 @@ TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
 
 TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
   // What the first does changes the state that the second waits for.
-  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtRest}, GoTo{}},
-                                    {{scene::Occasion::Kind::AtRest}, Quit{}}};
+  const scene::Timeline timeline = {{{scene::Trigger::Kind::AtRest}, GoTo{}},
+                                    {{scene::Trigger::Kind::AtRest}, Quit{}}};
   deploy::TimelineRunner runner(timeline, bricks);
   deploy::TimelineView view = viewAt(0);
   view.atRest = true;
@@ -100,7 +100,7 @@ TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
 }
 
 TEST_F(TimelineRunnerTest, PausesForItsTime) {
-  const scene::Timeline timeline = {{{scene::Occasion::Kind::AtTime, 1}, Pause{0.5}}};
+  const scene::Timeline timeline = {{{scene::Trigger::Kind::AtTime, 1}, Pause{0.5}}};
   deploy::TimelineRunner runner(timeline, bricks);
   runner.carryOut(viewAt(1), stage, events);
   EXPECT_TRUE(runner.isPaused(1.49));

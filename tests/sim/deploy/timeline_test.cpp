@@ -79,7 +79,7 @@ TEST(Drives, NoneLeavesTheSheetAlone) {
 
 TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{}, Pin{{0, 8}}}, {{scene::Occasion::Kind::AtTime, 1}, Unpin{{8}}}};
+  scene.timeline = {{{}, Pin{{0, 8}}}, {{scene::Trigger::Kind::AtTime, 1}, Unpin{{8}}}};
   scene.stop.duration = 1.5;
   const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
   const auto& samples = result.trajectory.samples;
@@ -95,7 +95,7 @@ TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
 
 TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{scene::Occasion::Kind::AtTime, 0.5}, Pause{0.5}}};
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.5}, Pause{0.5}}};
   scene.stop.duration = 2;
   const deploy::DeploymentResult paused = deploy::deploy(scene, 0.05, nullptr);
   scene.timeline.clear();
@@ -112,7 +112,7 @@ TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
   const deploy::DeploymentResult direct = deploy::deploy(scene, 1.0 / 60, nullptr);
   const scene::Scene half = sheetScene(0.8);
   scene.timeline = {{{}, GoTo{"half", half.model.tiles}},
-                    {{scene::Occasion::Kind::AtTarget}, GoTo{}}};
+                    {{scene::Trigger::Kind::AtTarget}, GoTo{}}};
   scene.stop.duration = 60;
   const deploy::DeploymentResult chain = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(chain.outcome, deploy::Outcome::Settled) << chain.reason;
@@ -126,7 +126,7 @@ TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
 
 TEST(Timelines, ForcesOffAndOnAgain) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{}, Forces{false}}, {{scene::Occasion::Kind::AtTime, 1}, Forces{true}}};
+  scene.timeline = {{{}, Forces{false}}, {{scene::Trigger::Kind::AtTime, 1}, Forces{true}}};
   const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_LT(largestMove(samples[0].poses, samples[9].poses), 1e-4);
@@ -141,7 +141,7 @@ TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
   const Vector3 goal =
       model::startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
   scene.timeline = {{{}, Drag{8, {}, {goal}, 1, 1e4, 50}},
-                    {{scene::Occasion::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
+                    {{scene::Trigger::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
   scene.stop.duration = 1.9;
   const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
@@ -152,9 +152,9 @@ TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
 
 TEST(Timelines, ResetGoesBackToTheStart) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{scene::Occasion::Kind::AtTime, 1}, Pin{{0}}},
-                    {{scene::Occasion::Kind::AtTime, 1}, Reset{}},
-                    {{scene::Occasion::Kind::AtTime, 2}, Quit{}}};
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 1}, Pin{{0}}},
+                    {{scene::Trigger::Kind::AtTime, 1}, Reset{}},
+                    {{scene::Trigger::Kind::AtTime, 2}, Quit{}}};
   const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime);
@@ -168,9 +168,9 @@ TEST(Timelines, ResetGoesBackToTheStart) {
 TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
   scene::Scene scene = sheetScene();
   scene.solver.tolerance = 1e-6;
-  scene.timeline = {{{scene::Occasion::Kind::AtTime, 0.21}, Forces{false}},
-                    {{scene::Occasion::Kind::After, 0.0123}, Pause{0.1}},
-                    {{scene::Occasion::Kind::AtTime, 0.43}, Forces{true}}};
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.21}, Forces{false}},
+                    {{scene::Trigger::Kind::After, 0.0123}, Pause{0.1}},
+                    {{scene::Trigger::Kind::AtTime, 0.43}, Forces{true}}};
   scene.stop.duration = 0.5;
   std::vector<deploy::DeploymentResult> runs;
   for (const double timestep : {1.0 / 240, 1.0 / 80}) {
@@ -208,7 +208,7 @@ TEST(Deploy, ComesToRestAtATimeThatStepsDoNotMove) {
 
 TEST(Timelines, AnEntryJustBeforeTheEndDoesNotShortenTheRun) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{scene::Occasion::Kind::AtTime, 0.495}, Forces{false}}};
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 0.495}, Forces{false}}};
   scene.stop.duration = 0.5;
   const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
   EXPECT_NEAR(result.trajectory.samples.back().time, 0.5, 1e-12);
@@ -217,7 +217,7 @@ TEST(Timelines, AnEntryJustBeforeTheEndDoesNotShortenTheRun) {
 
 TEST(Timelines, WaitingInVainEndsTheRun) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{scene::Occasion::Kind::ErrorBelow, 0}, Quit{}}};
+  scene.timeline = {{{scene::Trigger::Kind::ErrorBelow, 0}, Quit{}}};
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_EQ(result.reason,
@@ -226,7 +226,7 @@ TEST(Timelines, WaitingInVainEndsTheRun) {
 
 TEST(Timelines, AnEntryAfterTheEndIsRefused) {
   scene::Scene scene = sheetScene();
-  scene.timeline = {{{scene::Occasion::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
+  scene.timeline = {{{scene::Trigger::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
   try {
     deploy::deploy(scene, 0.1, nullptr);
     FAIL() << "accepted";

@@ -292,8 +292,8 @@ TEST_F(HingeSpringsOfAScene, NeedNoHingesWhereTilesAlone) {
 TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
   scene::Scene scene;
   scene.model = model::makeTessellation({});
-  scene.timeline = {{scene::Occasion{}, scene::timeline::Pin{{5}}, {"`pin`"}},
-                    {scene::Occasion{}, scene::timeline::Unpin{{5, 6}}, {}}};
+  scene.timeline = {{scene::Trigger{}, scene::timeline::Pin{{5}}, {"`pin`"}},
+                    {scene::Trigger{}, scene::timeline::Unpin{{5, 6}}, {}}};
   scene.velocities = {{{2, 5}, Vector3::UnitX(), Vector3::Zero(), {}}, {}};
   scene::splitTiles({5, 6}, scene);
   EXPECT_EQ(std::get<scene::timeline::Pin>(scene.timeline[0].action).tiles,
@@ -312,7 +312,7 @@ TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
                                       {1, 1.1, 0},
                                       {0, 2, 0},
                                       {0.9, 1, 0}}}};
-  concave.timeline = {{scene::Occasion{}, scene::timeline::Pin{{0}}, {"`pin`"}}};
+  concave.timeline = {{scene::Trigger{}, scene::timeline::Pin{{0}}, {"`pin`"}}};
   scene::splitTiles({}, concave);
   EXPECT_EQ(std::get<scene::timeline::Pin>(concave.timeline[0].action).tiles,
             (std::vector<int>{0, 1, 2, 3, 4, 5}));
@@ -335,7 +335,7 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
             "files of hinges name; remove one of the two");
   scene.grips.clear();
   EXPECT_EQ(refusal(scene), "accepted");
-  scene.timeline = {{scene::Occasion{}, scene::timeline::Drag{}, {}}};
+  scene.timeline = {{scene::Trigger{}, scene::timeline::Drag{}, {}}};
   EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
   scene.timeline.clear();
   scene.hinges.own.emplace_back();

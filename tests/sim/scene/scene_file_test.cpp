@@ -84,19 +84,19 @@ quit = true
                                        .timeline;
   using namespace scene::timeline;
   ASSERT_EQ(timeline.size(), 11u);
-  EXPECT_EQ(timeline[0].when.kind, scene::Occasion::Kind::AtTime);
+  EXPECT_EQ(timeline[0].when.kind, scene::Trigger::Kind::AtTime);
   EXPECT_EQ(timeline[0].when.value, 2);
   EXPECT_THAT(std::get<Pin>(timeline[0].action).tiles, ElementsAre(3, 4));
   EXPECT_EQ(timeline[0].where.line, 2);
   EXPECT_EQ(timeline[1].when.value, 0.5);
   EXPECT_EQ(std::get<Pause>(timeline[1].action).seconds, 1.5);
-  EXPECT_EQ(timeline[2].when.kind, scene::Occasion::Kind::AtRest);
+  EXPECT_EQ(timeline[2].when.kind, scene::Trigger::Kind::AtRest);
   EXPECT_TRUE(std::get<Unpin>(timeline[2].action).tiles.empty());
-  EXPECT_EQ(timeline[3].when.kind, scene::Occasion::Kind::AtTarget);
+  EXPECT_EQ(timeline[3].when.kind, scene::Trigger::Kind::AtTarget);
   EXPECT_TRUE(std::get<GoTo>(timeline[3].action).file.empty());
-  EXPECT_EQ(timeline[4].when.kind, scene::Occasion::Kind::ErrorBelow);
+  EXPECT_EQ(timeline[4].when.kind, scene::Trigger::Kind::ErrorBelow);
   EXPECT_FALSE(std::get<Forces>(timeline[4].action).on);
-  EXPECT_EQ(timeline[5].when.kind, scene::Occasion::Kind::ProgressAbove);
+  EXPECT_EQ(timeline[5].when.kind, scene::Trigger::Kind::ProgressAbove);
   const Drag& drag = std::get<Drag>(timeline[5].action);
   EXPECT_EQ(drag.tile, 2);
   EXPECT_EQ(drag.vertex, 1);
@@ -106,7 +106,7 @@ quit = true
   EXPECT_EQ(drag.damping, 50);
   // Files are beside the scene file; no moment means at once.
   EXPECT_EQ(std::get<GoTo>(timeline[6].action).file, folder_ / "half.txt");
-  EXPECT_EQ(timeline[6].when.kind, scene::Occasion::Kind::After);
+  EXPECT_EQ(timeline[6].when.kind, scene::Trigger::Kind::After);
   EXPECT_EQ(timeline[6].when.value, 0);
   EXPECT_EQ(scene::actionName(timeline[7].action), "snapshot");
   EXPECT_EQ(scene::actionName(timeline[10].action), "quit");

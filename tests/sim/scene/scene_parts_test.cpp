@@ -54,8 +54,8 @@ TEST_F(ScenePartsTest, SeveralTargetsAreAChain) {
   parts_.targets = {folder_ / "a.txt", folder_ / "a.txt", folder_ / "b.txt"};
   complete();
   ASSERT_EQ(scene_.timeline.size(), 3u);
-  EXPECT_EQ(scene_.timeline[0].when.kind, scene::Occasion::Kind::After);
-  EXPECT_EQ(scene_.timeline[1].when.kind, scene::Occasion::Kind::AtTarget);
+  EXPECT_EQ(scene_.timeline[0].when.kind, scene::Trigger::Kind::After);
+  EXPECT_EQ(scene_.timeline[1].when.kind, scene::Trigger::Kind::AtTarget);
   EXPECT_EQ(std::get<scene::timeline::GoTo>(scene_.timeline[1].action).tiles.size(), 16u);
   EXPECT_TRUE(std::get<scene::timeline::GoTo>(scene_.timeline[2].action).file.empty());
 }
@@ -100,8 +100,7 @@ TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
   scene_.timeline = {{{}, scene::timeline::Pin{{5}}, {"scene.toml"}}};
   scene::completeScene({}, scene_, warnings_);
   EXPECT_LT(targetDistance(scene_.model, 5), 1e-14);
-  later.timeline = {
-      {{scene::Occasion::Kind::AtTime, 1}, scene::timeline::Pin{{5}}, {"scene.toml"}}};
+  later.timeline = {{{scene::Trigger::Kind::AtTime, 1}, scene::timeline::Pin{{5}}, {"scene.toml"}}};
   scene::completeScene({}, later, warnings_);
   EXPECT_GT(targetDistance(later.model, 5), 0.1);
   EXPECT_FALSE(later.alignment.byHeld);
@@ -111,8 +110,8 @@ TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
 TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
   scene::Scene freed = scene_;
   freed.timeline = {
-      {scene::Occasion{}, scene::timeline::Pin{{0}}, {"scene.toml", 1}},
-      {{scene::Occasion::Kind::AtTime, 1}, scene::timeline::Unpin{}, {"scene.toml", 2}}};
+      {scene::Trigger{}, scene::timeline::Pin{{0}}, {"scene.toml", 1}},
+      {{scene::Trigger::Kind::AtTime, 1}, scene::timeline::Unpin{}, {"scene.toml", 2}}};
   std::vector<std::string> warnings;
   scene::completeScene({}, freed, warnings);
   EXPECT_FALSE(freed.alignment.byHeld);
@@ -123,13 +122,13 @@ TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
   for (model::Tile& tile : *scene_.model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() -= 1;
   }
-  scene_.alignment.wanted = false;
+  scene_.alignment.requested = false;
   complete();
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_EQ(scene_.model.tiles[i].vertices, before[i].vertices);
   }
   EXPECT_EQ(scene_.alignment.moved, 0);
-  scene_.alignment.wanted = true;
+  scene_.alignment.requested = true;
   complete();
   EXPECT_GE(scene_.alignment.moved, 1);
   EXPECT_THAT(scene::describe(scene_.alignment), HasSubstr("the start was moved by up to "));
@@ -163,7 +162,7 @@ TEST_F(ScenePartsTest, ATargetOfAnotherShapeIsRefused) {
 TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
   using namespace scene::timeline;
   const FileLocation where{"scene.toml", 4, 1};
-  const auto refusalOf = [&](const Action& action, scene::Occasion when = {}) {
+  const auto refusalOf = [&](const Action& action, scene::Trigger when = {}) {
     scene_.timeline = {{when, action, where}};
     return refusal();
   };
@@ -175,7 +174,7 @@ TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
             at + "tile 2 has vertices 0-3, not 4; correct this number");
   EXPECT_THAT(refusalOf(GoTo{folder_ / "none.txt", {}}), HasSubstr("none.txt: error: "));
   scene_.model.target.reset();
-  EXPECT_THAT(refusalOf(Quit{}, {scene::Occasion::Kind::AtTarget}),
+  EXPECT_THAT(refusalOf(Quit{}, {scene::Trigger::Kind::AtTarget}),
               HasSubstr(at + "this waits for a target, but there is none; add target.txt"));
 }
 
