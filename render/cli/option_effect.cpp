@@ -74,7 +74,7 @@ bool hasPreset(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   return !pictures.encoder.empty() || endingOf(pictures.videoFile) == ".mp4";
 }
-/// A video that was named is meant, too; the default one only comes along.
+/// A video counts only if it was named, not if it is the default one.
 bool mayBeTransparent(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   if (pictures.video && picture::videoFormatOf(pictures.videoFile).transparent) return true;
@@ -251,7 +251,7 @@ constexpr OptionEffect kSceneEffects[] = {
     {"--brick-friction", mayTouch, "without contacts", "Remove --contacts none"},
     {"--load-steps", hasGrips, "without [[grip]] in the scene file", "Add a grip"},
     {"Springs to the target", mayHaveDrive, kNoDrive, kDrive},
-    {"--walk-time", mayWalk, "on a path of dynamics", "Use --path continuation"}};
+    {"--walk-time", mayWalk, "with dynamics", "Use --path continuation"}};
 
 }  // namespace
 
@@ -282,7 +282,7 @@ bool isDirect(const scene::Scene& scene) {
 
 /// What must hold for an option of this command to mean anything.
 std::vector<scene::Condition> conditionsOf(const std::string& option) {
-  // Of a model's parts, which are no settings.
+  // Options of the model's parts are not settings.
   if (option == "--pin" || option == "--link") return {{isDirect, "`solver = direct`"}};
   for (const scene::SettingGroup& group : scene::sceneSettings()) {
     const auto found = std::ranges::find(group.settings, option, [](const scene::Setting& setting) {
@@ -323,12 +323,12 @@ std::vector<const CLI::Option*> optionsOf(const OptionEffect& effect, const CLI:
       [&](const CLI::Option* option) { return option->get_group() == name; });
 }
 
-[[noreturn]] void refuseBeside(const std::string& option, const char* others) {
+[[noreturn]] void refuseEquivalent(const std::string& option, const std::string& others) {
   throw InputError(
       fmt::format("error: {} and {} are equivalent. Use only one of them", option, others));
 }
 
-[[noreturn]] void refuse(const std::string& option, const char* needed) {
+[[noreturn]] void refuse(const std::string& option, const std::string& needed) {
   throw InputError(
       fmt::format("error: {0} works only with {1}. Add {1} or remove {0}", option, needed));
 }
@@ -365,11 +365,11 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
     if (option->count() == 0) continue;
     for (const scene::Condition& condition : conditionsOf(option->get_name())) {
       if (condition.holds(scene)) continue;
-      if (condition.isWithout) refuseBeside(option->get_name(), condition.needed);
-      refuse(option->get_name(), condition.needed);
+      if (condition.isWithout) refuseEquivalent(option->get_name(), spellOptions(condition.needed));
+      refuse(option->get_name(), spellOptions(condition.needed));
     }
   }
-  // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.
+  // A guided path moves tiles towards the target in its own steps, and only with the direct solver.
   const bool isGuided = scene.path.kind == scene::PathKind::Guided;
   const scene::Drive drive = scene.actuation.drive;
   const bool pullsToTarget = drive == scene::Drive::Target || drive == scene::Drive::Auto;
@@ -377,8 +377,8 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
   if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
   if (isGuided && scene.solver.isToleranceGiven()) {
     throw InputError(
-        "error: --path guided moves tiles in fixed steps, which keep no --tolerance; leave one of "
-        "them away");
+        "error: --path guided moves tiles in fixed steps, which keep no --tolerance. Remove one of "
+        "them");
   }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
     throw InputError(

@@ -235,7 +235,7 @@ void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
   if (!(gain > kEnergyGain * source)) return;
   warnings.push_back(fmt::format(
       "energy grows by {:.3g} J ({:.2g}% of what was put in), though nothing drives the bricks; "
-      "use a smaller --{}",
+      "use a smaller `{}`",
       gain, 100 * gain / source, keepsTolerance(bricks_.scene) ? "tolerance" : "timestep"));
 }
 

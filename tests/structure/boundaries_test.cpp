@@ -224,7 +224,7 @@ TEST(Boundaries, PythonStaysInItsRoom) {
 
 // The keys of scene files and of Python are settings' names; only the command line has options.
 TEST(Boundaries, SimulationNamesNoOption) {
-  const std::regex option("\"[^\"\n]*--[a-z][^\"\n]*\"");
+  const std::regex option("\"[^\"\n]*--[a-z{][^\"\n]*\"");
   std::vector<std::string> found;
   for (const SourceFile& file : sources()) {
     if (!file.path.starts_with("sim/")) continue;
