@@ -1,13 +1,13 @@
 // Measures against the exact motion of rotating squares.
 //
 // The sheet of squares has one way to move that keeps all joints closed, and it is known in closed
-// form (lattice.h): from the opening angle between two tiles follows the place of every
-// vertex, up to a rigid motion. So a state is judged at its own angle, after the exact sheet has
-// been moved onto it by the best fit: what is left is an error of shape, whatever the run's error
-// in time may be.
+// form (lattice.h): from the opening angle between two tiles follows the place of every vertex, up
+// to a rigid motion. So a state is measured at its own angle, after the exact sheet has been moved
+// onto it by the best fit: the rest is an error of shape, independent of the run's error in time
+// may be.
 //
-// The error in time is judged against a limit of ever shorter steps. For a method of first order,
-// x(h) = x + c_1 h + c_2 h^2 + O(h^3), and from the steps h, h/2, h/4
+// The reference for the error in time is the limit of ever shorter steps. For a method of first
+// order, x(h) = x + c_1 h + c_2 h^2 + O(h^3), and from the steps h, h/2, h/4
 //   x = (8 x(h/4) - 6 x(h/2) + x(h)) / 3 + O(h^3)
 // which is Richardson's extrapolation, twice (E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
 // Differential Equations I, II.9).
@@ -39,7 +39,7 @@ std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
 
 }  // namespace
 
-// A sheet of `side` x `side` squares without contacts: joints and springs alone act.
+// A sheet of `side` x `side` squares without contacts: only joints and springs act.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face, double startAngle) {
   model::TessellationShape shape;
   shape.columns = shape.rows = side;
@@ -53,7 +53,7 @@ scene::Scene sheetScene(int side, bool planar, model::JointFace face, double sta
 }
 
 // The turn of tile 1 against tile 0, radians from 0 to pi. In space too it is one angle, since the
-// closed motion turns tiles about the vertical alone.
+// closed motion turns tiles only about the vertical.
 double openingAngle(const Poses& poses) {
   const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
   // The angle of a unit quaternion, from 0 to pi; precise for small angles, where an arc cosine is
@@ -91,7 +91,7 @@ SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const Shee
   return limit;
 }
 
-// The largest error of any vertex at any of the times, metres. `wanted` must have at least as many
+// The largest error of any vertex at any of the times, metres. `desired` must have at least as many
 // states as `found`, which may have ended early.
 double wayError(const SheetWay& found, const SheetWay& desired) {
   double largest = 0;
@@ -101,7 +101,7 @@ double wayError(const SheetWay& found, const SheetWay& desired) {
   return largest;
 }
 
-// The exact sheet is moved as a whole, which takes away where the sheet stands and how it is
+// The exact sheet is moved as a whole, which removes the position of the sheet and how it is
 // turned.
 VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found) {
   model::TessellationShape shape;
@@ -119,8 +119,8 @@ VertexError sheetError(int side, double angle, const std::vector<model::Tile>& f
 // solvers.
 //
 // Unknown are x, y (m) and the turn p (rad) of every tile, q = (x_0, y_0, p_0, x_1, ...). With r a
-// corner's place about the mean of its tile's vertices and R(p) the rotation, a corner stands at v
-// = (x, y) + R(p) r. The equations are
+// corner's place about the mean of its tile's vertices and R(p) the rotation, a corner is at v =
+// (x, y) + R(p) r. The equations are
 //   v_a - v_b = 0                    for each joint, 2 rows
 //   (x_0, y_0, p_0) = where it was   tile 0 is held
 //   p_1 - p_0 = theta                the place on the path
@@ -132,7 +132,7 @@ VertexError sheetError(int side, double angle, const std::vector<model::Tile>& f
 // and near closed states, where the rank drops. E. L. Allgower, K. Georg, Introduction to Numerical
 // Continuation Methods, SIAM, 2003.
 //
-// All is dense: O(n^3) for n tiles, which is meant for some dozens.
+// All is dense: O(n^3) for n tiles, suitable for some dozens.
 
 namespace {
 
@@ -173,7 +173,7 @@ double planarTurn(const model::Tile& from, const model::Tile& to) {
   return std::atan2(across, along);
 }
 
-// Shapes are kept about their own means: a state's x and y are where the mean stands.
+// Shapes are kept about their own means: a state's x and y are the position of the mean.
 ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
                          const std::vector<model::Joint>& joints)
     : shapes_(tiles), joints_(joints) {
@@ -183,8 +183,8 @@ ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
   }
 }
 
-// The turn is that of the best fit: tiles which are bent by rounding, or by an engine, have
-// a state too.
+// The rotation is that of the best fit: tiles which are bent by rounding, or by an engine, have a
+// state too.
 PlanarState ClosurePath::stateOf(const std::vector<model::Tile>& placed) const {
   PlanarState state(3 * static_cast<Eigen::Index>(placed.size()));
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -195,7 +195,7 @@ PlanarState ClosurePath::stateOf(const std::vector<model::Tile>& placed) const {
   return state;
 }
 
-// Where a corner stands in a state, metres, at height 0.
+// The position of a corner in a state, metres, at height 0.
 Vector3 ClosurePath::vertex(const PlanarState& state, const model::Corner& corner) const {
   const auto first = 3 * static_cast<Eigen::Index>(corner.tile);
   const Vector3& point = shapes_[std::size_t(corner.tile)].vertices[std::size_t(corner.vertex)];
@@ -211,8 +211,8 @@ double ClosurePath::gap(const PlanarState& state) const {
   return largest;
 }
 
-/// All joints closed, tile 0 held where it was and tile 1 turned as wanted, and what a state misses
-/// of that.
+/// All joints closed, tile 0 held where it was and tile 1 at the desired angle, and what a state
+/// misses of that.
 ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, const Vector3& held,
                                                      double desired) const {
   const auto last = 2 * static_cast<Eigen::Index>(joints_.size());
@@ -242,7 +242,7 @@ ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, c
   return made;
 }
 
-// Gauss-Newton from a nearby state to the closed one with the wanted angle (radians). Throws
+// Gauss-Newton from a nearby state to the closed one with the desired angle (radians). Throws
 // RunError where the joints do not close. One round costs a dense decomposition, O(n^3).
 PlanarState ClosurePath::close(PlanarState state, double desired) const {
   const Vector3 held = state.head<3>();

@@ -57,7 +57,7 @@ using PlanarState = Eigen::VectorXd;
 class ClosurePath {
  public:
   /// `tiles`: the shape of each tile; `joints`: pivots. Tile 0 is held, and the turn of tile 1
-  /// against it says where on the path a state is.
+  /// against it is the progress on the path.
   ClosurePath(const std::vector<model::Tile>& tiles, const std::vector<model::Joint>& joints);
 
   /// The state of the given tiles, which are congruent to those of the constructor.

@@ -1,6 +1,6 @@
 // The hard cases themselves: singular starts, redundant and inconsistent joints, extreme masses,
 // thicknesses, stiffnesses and steps, friction with a known answer, contacts in narrow places, a
-// large sheet; and inputs that are to be refused.
+// large sheet; and inputs that must be refused.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@
 namespace kirireel::study {
 namespace {
 
-/// A sheet, judged by the exact one at the same angle.
+/// A sheet, compared with the exact one at the same angle.
 HardTrial sheetTrial(std::string name, std::string tried, int side, bool planar) {
   HardTrial trial{std::move(name), std::move(tried), sheetScene(side, planar)};
   trial.errorMeaning = "from the exact sheet at that angle";
@@ -30,7 +30,7 @@ HardTrial sheetTrial(std::string name, std::string tried, int side, bool planar)
   return trial;
 }
 
-/// A family's model with contacts, judged by its target.
+/// A family's model with contacts, compared with its target.
 HardTrial contactTrial(std::string name, std::string tried, const std::string& family,
                        double thickness) {
   HardTrial trial{std::move(name), std::move(tried), familyScene(family)};
@@ -165,7 +165,7 @@ HardTrial sliding() {
 }  // namespace
 
 // Noise from below rounding of a file to a thousandth of a tile; a thickness of a ten-thousandth
-// and of two tiles. A quick study leaves the largest sheet out.
+// and of two tiles. A quick study omits the largest sheet.
 std::vector<HardTrial> hardTrials(bool quick) {
   std::vector<HardTrial> trials;
   trials.push_back(sheetTrial("compact start", "closed; singular; 10 x 10 in space", 10, false));
@@ -177,7 +177,8 @@ std::vector<HardTrial> hardTrials(bool quick) {
   trials.push_back(stiffness());
   for (const int rate : {60, 30, 15}) trials.push_back(longStep(rate));
   trials.push_back(sliding());
-  trials.push_back(contactTrial("wedging", "bricks of a cap that meet on their way", "cap", 0.05));
+  trials.push_back(
+      contactTrial("wedging", "bricks of a cap that collide on the path", "cap", 0.05));
   trials.push_back(
       contactTrial("moebius turn", "a thin band that twists past itself", "moebius", 0.005));
   if (!quick) trials.push_back(hugeSheet());
@@ -201,7 +202,7 @@ std::vector<Refusal> refusals() {
       {"no velocity left", "damping of 1 a second",
        deployed([](scene::Scene& s) { s.environment.linearDamping = 1; })},
       {"no tiles", "a model without tiles", deployed([](scene::Scene& s) { s.model = {}; })},
-      {"pins in Bullet", "a link in `solver = bullet`", deployed([](scene::Scene& s) {
+      {"pins in Bullet", "a link in Bullet", deployed([](scene::Scene& s) {
          s.solver.kind = scene::SolverKind::Bullet;
          s.model.joints.push_back(model::makeLink(s.model.tiles, {0, 0}, {3, 2}));
        })},
@@ -219,11 +220,11 @@ std::vector<Refusal> refusals() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Hard cases, each run with our solver and with Bullet as PyKirigami sets it, and judged by the
-// same limits: a run holds where it stays finite, its joints do not open by more than a thousandth
-// of a tile, its energy does not grow, and bricks do not overlap by more than a fiftieth of a tile.
+// Hard cases, each run with our solver and with Bullet as in PyKirigami, and compared with the same
+// limits: a run holds where it stays finite, its joints do not open by more than a thousandth of a
+// tile, its energy does not grow, and bricks do not overlap by more than a fiftieth of a tile.
 // Inputs that make no sense have to be refused with a message. A case that takes longer than its
-// budget of CPU time is cut off and judged by what it did.
+// budget of CPU time is stopped and evaluated as it is.
 
 namespace {
 
@@ -261,7 +262,7 @@ std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
   const int steps = static_cast<int>(std::lround(trial.seconds * trial.rate));
   const Stability stability = watchStability(run, steps, budget);
   const double tile = model::tileSize(scene.model);
-  // From parts of the model's size to parts of a tile.
+  // From fractions of the model's size to fractions of a tile.
   const double gap = stability.gap * run.size() / tile;
   const double overlap = overlapNow(run, scene);
   const double time = static_cast<double>(stability.steps) / trial.rate;
@@ -314,7 +315,7 @@ double count(const Table& table, const std::string& engine, const std::string& c
   return found;
 }
 
-// Counts alone: the rows say which case it was.
+// Only counts: the rows have the cases.
 std::vector<Finding> hardCasesFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_diverged", count(table, "direct", "outcome", "diverged"), "runs of ours"},
@@ -331,7 +332,7 @@ std::vector<Finding> hardCasesFindings(const Table& table) {
 
 Study hardCasesStudy() {
   return {"hard-cases",
-          "what is hard on a joint solver: whether it held, ours beside Bullet",
+          "hard cases for a joint solver, ours compared with Bullet",
           {{"tried", "what is hard"},
            {"engine", "what held the joints"},
            {"outcome", "done; cut off by its time; diverged; refused with this message"},

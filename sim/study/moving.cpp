@@ -89,7 +89,7 @@ void addOurs(std::vector<Method>& methods) {
   }
 }
 
-// Bullet has no plane of its own. The rates are multiples of kStatesASecond.
+// Bullet has no planar mode. The rates are multiples of kStatesASecond.
 std::vector<Method> movingMethods(bool planar, Extent extent) {
   std::vector<Method> methods;
   addOurs(methods);

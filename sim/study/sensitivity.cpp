@@ -1,6 +1,6 @@
 // How the error falls with time for different stiffnesses, dampings and thicknesses, as curves of
 // two models that are hard in different ways: a square to a disk locks on its way where the pull is
-// stiff, and the bricks of a cap meet. Rows come twelve times a second. Curves that exceed their
+// stiff, and the bricks of a cap collide. Rows come twelve times a second. Curves that exceed their
 // budget of CPU time end early.
 #include <algorithm>
 #include <cmath>
@@ -92,7 +92,7 @@ std::vector<StudyCase> sensitivityCases(Extent extent) {
   return made;
 }
 
-// Panels of thickness alone have contacts, and are counted apart: contacts change the gaps.
+// Only panels of thickness have contacts, and are counted separately: contacts change the gaps.
 double largestGap(const Table& table, const std::string& engine, bool contacts) {
   double largest = std::nan("");
   for (const Row& row : table.rows) {

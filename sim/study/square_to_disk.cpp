@@ -94,7 +94,7 @@ std::map<const State*, std::vector<model::Tile>> exactTiles(const scene::Scene& 
   const PlanarState open = path.stateOf(middle->tiles);
   std::map<const State*, std::vector<model::Tile>> exact;
   const auto followTo = [&](PlanarState& state, const State& desired) {
-    // The run's own state says to which angle the path is followed, and nothing else.
+    // The run's state only gives the angle to which the path is followed.
     const PlanarState there = path.stateOf(desired.tiles);
     state = path.follow(std::move(state), path.angle(there), kPathStep);
     exact[&desired] = path.tiles(state);
@@ -147,7 +147,7 @@ double largest(const Table& table, const std::string& engine, const std::string&
   return found;
 }
 
-// Errors near the closed states are told apart: the path itself is uncertain there.
+// Errors near the closed states are listed separately: the path itself is uncertain there.
 std::vector<Finding> squareToDiskFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_radius_error", largest(table, "direct", "radius_error_m", false),
