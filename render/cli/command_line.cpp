@@ -4,16 +4,16 @@
 // constants
 //   apply to what is not given. Underscores in other names are read as hyphens.
 // - 2. CLI11 parses the words. Each option calls a reader that writes into the order which its
-//   command was added with; a wrong value throws InputError there, so that all are refused in the
-//   same words. Extra words are allowed at this stage.
+//   command was added with; a wrong value throws InputError there, with one wording for all
+//   options. Extra words are allowed at this stage.
 // - 3. What nothing took is refused here, with the nearest name that exists. CLI11's own error
 //   would not suggest one.
 // - 4. The command that was given completes its order: it checks what belongs together and reads
 //   its scene file.
 //
 // The order is a plain value; main() visits it with carryOut(). Nothing but parsing has happened
-// until then, so that other programs (sweeps, the Python module, tests) make orders in the same way
-// and run them themselves.
+// until then. Other programs (sweeps, the Python module, tests) make orders in the same way and run
+// them.
 #include "render/cli/command_line.h"
 
 #include <algorithm>
@@ -64,7 +64,7 @@ void requireNothingLeft(const CLI::App& program) {
   if (left.empty()) return;
   const CLI::App& command = chosenCommand(program);
   const std::string help = fmt::format("see {} --help", fullName(command));
-  // An unknown option comes first: its value, which nothing took either, is no mistake of its own.
+  // Report an unknown option first: its value is left over too, but is not a second mistake.
   for (const std::string& argument : left) {
     if (!argument.starts_with('-')) continue;
     const std::string name = argument.substr(0, argument.find('='));
@@ -75,7 +75,7 @@ void requireNothingLeft(const CLI::App& program) {
     throw InputError(fmt::format("error: unknown option {}{}; {}", name,
                                  suggestion(name, optionNames(command)), help));
   }
-  // A surplus word after a command that has commands below it was meant to be one of those.
+  // After a command with subcommands, a surplus word is a mistyped subcommand.
   const std::vector<std::string> commands = commandNames(command);
   if (!commands.empty()) {
     throw InputError(fmt::format("error: unknown command {}{}; {}", left.front(),
@@ -132,7 +132,7 @@ Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
           }};
 }
 
-/// What holds for the program as a whole, and its commands. Their order is that of the help.
+/// Options of the program, and its commands in the order of the help.
 std::vector<Command> addCommands(CLI::App& program) {
   program.allow_extras();
   setHelpLayout(program);
@@ -187,8 +187,8 @@ RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::st
   RecordOrder order;
   order.madeModel = loaded.model;
   CLI::App* command = addRecordCommand(program, order);
-  // The words of `kirireel record MODEL`: first what the model was read with, then what is asked
-  // for now, so that the later of two values counts.
+  // The words of `kirireel record MODEL`: first the options that the model was read with, then the
+  // new ones. The later of two values counts.
   std::vector<std::string> words = {command->get_name()};
   if (!loaded.place.empty()) words.push_back(loaded.place.string());
   words.insert(words.end(), loaded.options.begin(), loaded.options.end());
@@ -209,7 +209,7 @@ CommandDescription describeProgram() {
 // ------------------------------------------------------------------------------------------------
 // Reads descriptions off CLI11's objects, after all commands have been added and before anything is
 // parsed. Manual pages, shell completions, the Python stubs and the tests of documentation are made
-// from these values, so that none of them can say something else than --help does.
+// from these values. None of them can differ from --help.
 
 namespace {
 
@@ -223,7 +223,7 @@ std::vector<std::string> hyphenedNames(const CLI::Option& option) {
 
 /// `key` and `table` are those of a scene file; "" where none can set it.
 OptionDescription describeOption(CLI::Option& option) {
-  // CLI11 tells an option without a value by the number of words that it may take.
+  // In CLI11 a switch is an option that takes no words.
   const bool isSwitch = option.get_items_expected_max() == 0;
   OptionDescription described;
   described.names = hyphenedNames(option);
@@ -278,8 +278,8 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 //     --camera_distance 3     ->  (nothing: it moves a window's camera)
 //     --headless              ->  (nothing: no window is ever opened)
 //
-// A table of words, and no aliases among our options: the help stays short, and a value that looks
-// like an option is left alone.
+// This is a table of words instead of aliases: the help stays short, and a value that starts with a
+// hyphen is not changed.
 
 namespace {
 
@@ -353,7 +353,7 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
   bool skip = false;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
-    // The value of an option that was left out.
+    // The value of an option without a counterpart.
     if (std::exchange(skip, false)) continue;
     if (asksForPeer(arguments, i)) {
       skip = argument == kLike;
@@ -373,8 +373,7 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
       skip = value.empty();  // the value is the next argument
       continue;
     }
-    // --model NAME: the name follows as an argument of its own and becomes the place; --model=NAME
-    // has it here.
+    // --model NAME: the next argument becomes the place. --model=NAME has the name here.
     if (name != "--model") {
       translated.push_back(name + value);
     } else if (!value.empty()) {

@@ -30,7 +30,7 @@ using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder,
                            ConvertOrder, ModelsOrder, StudyOrder, SweepOrder, VerifyOrder,
                            CurvesOrder, PageOrder, PrintOrder>;
 
-/// A model in memory, with what a run of it must know beside.
+/// A model in memory, with the files, options and warnings of its reading.
 struct LoadedModel {
   model::Model model;                 ///< as it was generated, to be written into the folder
   std::filesystem::path place;        ///< that it was read from, as it was named; may be empty
@@ -39,8 +39,8 @@ struct LoadedModel {
   std::vector<std::string> warnings;  ///< about these, one line each
 };
 
-/// Reads a model as `kirireel record MODEL OPTIONS` does; of its options --joints-file and --strict
-/// alone. Throws as readModel() and parseCommandLine().
+/// Reads a model as `kirireel record MODEL OPTIONS` does; of its options only --joints-file and
+/// --strict. Throws as readModel() and parseCommandLine().
 LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options);
 
 /// The complete order of `kirireel record` with these options for a model in memory. Throws as
@@ -53,8 +53,7 @@ RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::st
 Order parseCommandLine(const std::vector<std::string>& arguments);
 
 // ------------------------------------------------------------------------------------------------
-// What the commands and options of the program are, as plain values: for pages, completions and
-// stubs, which all say what the command line itself says.
+// The commands and options of the program as plain values, for man pages, completions and stubs.
 
 /// An option of a command. All texts are those that --help shows; a text that does not apply is
 /// empty.
@@ -65,12 +64,12 @@ struct OptionDescription {
   std::string group;               ///< heading in the help, e.g. "Bricks"
   std::string unit;                ///< of the value, e.g. "METRES"; may be empty
   std::string help;                ///< one phrase, with the default
-  std::vector<std::string> words;  ///< the values that are allowed; empty where they are no list
+  std::vector<std::string> words;  ///< the values that are allowed; empty if any value is allowed
   bool isSwitch = false;           ///< has no value
   bool repeats = false;            ///< may be given several times, each counts
 };
 
-/// An argument that stands without an option's name.
+/// A positional argument.
 struct PlaceDescription {
   std::string name;  ///< e.g. "MODEL"
   std::string help;  ///< one line
@@ -81,7 +80,7 @@ struct CommandDescription {
   std::string name;    ///< as it is typed, as in "record"
   std::string help;    ///< one phrase
   std::string footer;  ///< paragraphs after the options, an empty line between two
-  std::vector<PlaceDescription> places;      ///< what it takes beside options, in their order
+  std::vector<PlaceDescription> places;      ///< positional arguments, in their order
   std::vector<OptionDescription> options;    ///< in the order of its help
   std::vector<CommandDescription> commands;  ///< below it
 };
@@ -98,15 +97,15 @@ CommandDescription describeProgram();
 const CommandDescription& commandNamed(const CommandDescription& program, const std::string& name);
 
 // ------------------------------------------------------------------------------------------------
-// Other programs' command lines, so that their users need not learn a new one.
+// Command lines of other programs, accepted for their users.
 //
-// Our own spellings pass through unchanged, so that a line may mix both.
+// Our own spellings pass through unchanged. A line may mix both.
 
 /// The arguments with PyKirigami's spellings replaced by Kirireel's: underscores in the names of
 /// long options become hyphens, --brick_thickness or -bt becomes --thickness, --no_collision
 /// becomes --contacts=unjoined (which is what it does there), --model NAME becomes the model's own
 /// place, and --headless vanishes, for no window is ever opened, as does --like pykirigami. Values
-/// are left alone. Nothing is thrown: what is unknown stays for the parser to refuse.
+/// are not changed. Throws nothing: the parser reports unknown options.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
 /// The first argument that is a name of PyKirigami's own, or "--like pykirigami": what is not given

@@ -56,7 +56,7 @@ std::string wholePage(const CLI::App& command) {
   std::string text;
   for (std::string line; std::getline(lines, line);) {
     if (line.empty() && (text.empty() || text.ends_with("\n\n"))) continue;
-    // Explanations go on in their column; examples and usage by two spaces.
+    // Explanations continue in their column, other lines are indented.
     const bool isExplained = line.size() > kHelpColumn && line[kHelpColumn - 1] == ' ' &&
                              line[kHelpColumn] != ' ' && line.starts_with("  ");
     text += wrapped(line, isExplained ? kHelpColumn : line.starts_with(' ') ? 4 : 0) + '\n';
@@ -105,7 +105,8 @@ std::string groupLine(const CLI::App& command, const std::string& heading) {
 
 std::string overview(const CLI::App& command, const std::string& page,
                      const std::vector<std::string>& headings) {
-  // Purpose, usage and arguments stand before the section of --help, the footer after the last.
+  // Purpose, usage and arguments precede the section of --help. The footer follows the last
+  // section.
   const std::string last = sectionOf(page, headings.back());
   std::string text = page.substr(0, page.find("\nOptions:\n") + 1);
   text +=
@@ -124,7 +125,7 @@ void setHelpLayout(CLI::App& program) {
 std::string takeHelpGroup(std::vector<std::string>& arguments) {
   const auto help = std::ranges::find_if(
       arguments, [](const std::string& word) { return word == "--help" || word == "-h"; });
-  // Before a command there are no groups.
+  // Options before a command have no groups.
   if (help == arguments.begin() || help == arguments.end()) return "";
   if (help + 1 == arguments.end() || (help + 1)->starts_with('-')) return "";
   const std::string group = *(help + 1);

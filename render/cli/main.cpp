@@ -1,4 +1,4 @@
-/// kirireel: reads the order, carries it out, says in one line what went wrong.
+/// kirireel: parses the command line, runs the command, and reports an error in one line.
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +18,7 @@ namespace {
 using namespace kirireel;
 using namespace kirireel::cli;
 
-/// One line on standard error, whatever line breaks the message holds. Returns the code.
+/// Prints one line on standard error. Returns the code.
 int complain(int exitCode, const std::string& message) {
   fmt::print(stderr, "kirireel: {}\n", oneLine(spellOptions(message)));
   return exitCode;
@@ -28,12 +28,12 @@ int complain(int exitCode, const std::string& message) {
 void requirePrinted() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
   throw OutputError(
-      fmt::format("error: standard output cannot be written ({}); files are written all the same",
+      fmt::format("error: standard output cannot be written ({}); the files were written",
                   std::strerror(errno)));
 }
 
 int carryOutOrder(const std::vector<std::string>& arguments) {
-  // Out of the try block: errors of parsing are no errors of printing.
+  // Outside the try block, because errors of parsing are not errors of printing.
   const Order order = parseCommandLine(arguments);
   try {
     const int exitCode =
@@ -51,14 +51,14 @@ int runProgram(const std::vector<std::string>& arguments) {
   try {
     return carryOutOrder(arguments);
   } catch (const InputError& error) {
-    // Of the user: what to mend stands in the message.
+    // A mistake of the user. The message says what to change.
     return complain(kExitInputWrong, error.what());
   } catch (const std::bad_alloc&) {
-    // Caught before std::exception, from which it descends, for what() says nothing.
+    // Caught before its base class std::exception, because its what() explains nothing.
     return complain(
         kExitFailed,
         "error: there is too little memory; allow more, or ask for less: fewer tiles, a "
-        "smaller --size or --grid. --resume goes on with a run from its last checkpoint");
+        "smaller --size or --grid. --resume continues a run from its last checkpoint");
   } catch (const std::exception& error) {
     return complain(kExitFailed, error.what());
   }
@@ -70,7 +70,7 @@ int runProgram(const std::vector<std::string>& arguments) {
 [[noreturn]] void endProcess(int exitCode) {
   std::fflush(nullptr);
 #ifdef __SANITIZE_ADDRESS__
-  std::exit(exitCode);  // looks for leaks
+  std::exit(exitCode);  // runs the leak check
 #else
   std::_Exit(exitCode);
 #endif

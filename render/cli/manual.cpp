@@ -8,7 +8,7 @@
 //     .TH TITLE SECTION DATE SOURCE MANUAL    .SH heading    .SS heading within    .TP tagged entry
 //     .nf / .fi  lines as they are / filled   .sp  an empty line    \fB bold  \fI italic  \fR roman
 //
-// No date stands on a page, so that the same source gives the same bytes on any day.
+// Pages have no date: the same source gives the same bytes on any day.
 #include "render/cli/manual.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::string escaped(const std::string& text) {
   return isRequest ? "\\&" + result : result;
 }
 
-/// ASCII letters alone: names of commands have no others.
+/// ASCII letters only: names of commands have no others.
 std::string upperCase(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
   return text;
@@ -141,7 +141,7 @@ std::string footerText(const std::string& footer) {
   return written.empty() ? text : text + ".fi\n";
 }
 
-/// Pages stand on lines of their own with commas between them.
+/// One page per line, separated by commas.
 std::string seeAlso(const std::vector<std::string>& pages) {
   std::string text = ".SH SEE ALSO\n";
   for (const std::string& page : pages) {
@@ -150,7 +150,7 @@ std::string seeAlso(const std::vector<std::string>& pages) {
   return text + "\n";
 }
 
-/// A command below a command, as a section: its own options alone.
+/// A subcommand as a section, with only its own options.
 std::string sectionText(const CommandDescription& command) {
   return fmt::format(".SH {}\n{}\n{}{}", escaped(upperCase(command.name)), escaped(command.help),
                      placesText(command), optionsText(command, ".SS"));
@@ -169,7 +169,7 @@ std::string commandPage(const CommandDescription& program, const CommandDescript
   return text + footerText(command.footer) + seeAlso({program.name});
 }
 
-/// Commands are named with their purpose; each has a page of its own.
+/// Lists commands with their purpose. Each has its own page.
 std::string programPage(const CommandDescription& program, const std::string& version) {
   std::vector<std::string> others;
   for (const CommandDescription& command : program.commands) {
@@ -203,8 +203,8 @@ std::vector<NamedText> manPages(const CommandDescription& program, const std::st
 // - fish (fish documentation, "complete"): one `complete` line an option, with a condition that
 //   tells which commands were given.
 //
-// The scripts are complete tables and do not call the program, so that a key press costs no start
-// of it, and a broken build cannot break a shell.
+// The scripts are complete tables and do not call the program. A key press costs no start of it,
+// and a broken build cannot break a shell.
 
 namespace {
 
@@ -253,7 +253,7 @@ std::string valueLine(const std::string& words, const OptionDescription& option)
   return fmt::format("    {}) values={} ;;\n", fmt::join(patterns, "|"), shellQuoted(values));
 }
 
-/// Switches have no row among the values, so that what follows them is completed as an argument.
+/// Switches have no row among the values. The word after a switch is completed as an argument.
 std::string bashTables(const CommandDescription& program) {
   std::string commands;
   std::string options;
@@ -342,7 +342,7 @@ std::string zshOption(const OptionDescription& option, const std::string& name) 
   return fmt::format("      {} \\\n", shellQuoted(spec));
 }
 
-/// What is no option is a command below, or else a file.
+/// A word that is not an option is a subcommand or a file.
 std::string zshCase(const CommandDescription& command, const std::string& words) {
   std::string text = fmt::format("    {})\n      _arguments -s \\\n", shellQuoted(words));
   for (const OptionDescription& option : command.options) {
@@ -493,14 +493,14 @@ std::string pythonName(std::string name) {
   return name;
 }
 
-/// The stub's own alias _Value stands for what options without a list of words accept.
+/// The stub's alias _Value is the type of options without a list of words.
 std::string typeOf(const OptionDescription& option) {
   if (option.isSwitch) return "bool";
   if (option.words.empty()) return "_Value";
   return fmt::format("Literal[\"{}\"]", fmt::join(option.words, "\", \""));
 }
 
-/// Every option may be left out, and None means the same.
+/// Every option is optional. None means that it is not given.
 std::string parameters(const std::vector<OptionDescription>& options) {
   std::string text;
   for (const OptionDescription& option : options) {

@@ -1,5 +1,5 @@
-/// What the program says of itself, from the descriptions of its commands: man pages,
-/// completions, docstrings and type stubs.
+/// Documentation made from the descriptions of the commands: man pages, completions, docstrings and
+/// type stubs.
 #pragma once
 
 #include <string>
@@ -29,14 +29,14 @@ std::vector<NamedText> manPages(const CommandDescription& program, const std::st
 /// the text of a file, to be sourced (bash) or put into the shell's folder of completions (zsh,
 /// fish).
 std::string bashCompletion(const CommandDescription& program);
-/// The completion for zsh, likewise.
+/// The completion for zsh.
 std::string zshCompletion(const CommandDescription& program);
-/// The completion for fish, likewise.
+/// The completion for fish.
 std::string fishCompletion(const CommandDescription& program);
 
 // ------------------------------------------------------------------------------------------------
-// What the Python module says of itself: docstrings and type stubs, from the descriptions of the
-// commands whose options it takes.
+// Docstrings and type stubs of the Python module, made from the descriptions of the commands whose
+// options it takes.
 
 /// Options of `record` that a run in Python has not: where files go and how it reports, which its
 /// functions say, and how the model is read. Keys, with underscores.
@@ -49,9 +49,9 @@ std::vector<std::string> optionsNotForPictures(const CommandDescription& program
 /// Docstrings, with each option's unit and default. Groups and options come in the order of the
 /// help.
 std::string deployDoc(const CommandDescription& program);
-/// The docstring of kirireel.generate(), likewise.
+/// The docstring of kirireel.generate().
 std::string generateDoc(const CommandDescription& program);
-/// The docstring of kirireel.render(), likewise.
+/// The docstring of kirireel.render().
 std::string renderDoc(const CommandDescription& program);
 
 /// The text of __init__.pyi. Types for editors and checkers such as mypy; Python itself never reads

@@ -58,7 +58,7 @@ CLI::App* addFamily(CLI::App& generate, const generate::Family& family, Generate
                                                  {"bottom", model::JointFace::Bottom},
                                                  {"top", model::JointFace::Top}},
                                                 "faces that joints lie on");
-  // Called for the family that was given alone, so the order learns its name.
+  // Called only for the family that was given. It stores the family's name.
   command->parse_complete_callback([&order, name = family.name] { order.family = name; });
   command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
   return command;
@@ -99,7 +99,7 @@ int carryOut(const GenerateOrder& order) {
 // ------------------------------------------------------------------------------------------------
 // Reads a model in any format that readModel() knows and writes it in the one that the ending of
 // OUT names. Positions are written to the last bit; what a format cannot hold (a .fold file has no
-// faces of joints in thick bricks, for example) is for writeModel() to say.
+// faces of joints in thick bricks, for example) is reported by writeModel().
 
 CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
   CLI::App* command = program.add_subcommand("convert", "write a model in another format");
@@ -155,13 +155,13 @@ namespace {
 // Pixels of each of the two states.
 constexpr picture::FrameSize kStateSize{1200, 1200};
 
-/// The rank of the constraints takes long in large sheets, so the line says what is at work.
+/// The rank of the constraints takes long in large sheets. The line shows the stage.
 report::Inspection inspectWithProgress(const scene::Scene& scene) {
   ProgressLine line;
   return report::inspect(scene, [&line](const char* what) { line.show(what); });
 }
 
-/// Reads the model; of a tile that cannot be meant a picture is left before the error goes on.
+/// Reads the model. For an invalid tile it writes a picture and throws the error again.
 model::Model readOrDraw(const InspectOrder& order) {
   try {
     return readModelAt(order.model, order.target, order.reading);
@@ -191,20 +191,20 @@ std::optional<std::vector<model::DrawnPath>> ignoredLines(const InspectOrder& or
 }  // namespace
 
 CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
-  CLI::App* command = program.add_subcommand(
-      "inspect", "tell what a model is: tiles, joints, mobility, what fits and what does not");
+  CLI::App* command =
+      program.add_subcommand("inspect", "report a model's tiles, joints, mobility and faults");
   addPlace(*command, "MODEL", order.model, kModelHelp);
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
   addReadOptions(group, order.reading);
-  // The default has to stand in the scene before the option is added, which shows it in the help.
+  // Set the default in the scene first: adding the option copies it into the help.
   order.scene = scene::openScene();
   group.setting(scene::sceneSetting("thickness"), order.scene);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
   output.value("--picture", "FILE", "",
-               "paint both states with numbers into a PNG file, what was mended marked; or a tile "
-               "that crosses itself; or a drawing that is no sheet",
+               "write a PNG file of both states with tile numbers and marks on repairs; or of the "
+               "tile or drawing that is at fault",
                [&order](const scene::TypedValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
@@ -221,7 +221,7 @@ int carryOut(const InspectOrder& order) {
   std::vector<std::string> warnings;
   checkThickness(scene, warnings);
   printWarnings(warnings);
-  // What a run needs depends on where its start stands.
+  // The needs of a run depend on the position of its start.
   model::alignStartToTarget(scene.model);
   const report::Inspection inspection = inspectWithProgress(scene);
   fmt::print("{}", order.printJson ? report::inspectionJson(inspection)
@@ -286,8 +286,8 @@ std::vector<const study::Study*> chosenStudies(const std::string& name) {
   return chosen;
 }
 
-/// As it could be typed again; --resume changes no result. It stands in the caption of NAME.csv and
-/// NAME.json.
+/// The command to repeat it, without --resume, which changes no result. It is in the caption of
+/// NAME.csv and NAME.json.
 std::string commandText(const StudyOrder& order) {
   return fmt::format("kirireel study {}{}", order.name.string(),
                      order.settings.extent == study::Extent::Quick ? " --quick" : "");
@@ -334,10 +334,10 @@ bool runOne(const study::Study& study, const study::StudySettings& settings) {
 CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
   order.settings.folder = "out/study";
   CLI::App* command = program.add_subcommand(
-      "study", "measure speed against error, beside Bullet, on this machine");
+      "study", "measure speed against error on this machine, compared with Bullet");
   addPlace(*command, "NAME", order.name, "a study, or all; see --list");
   OptionGroup group(*command, "Study");
-  group.flag("--list", "say which studies there are", [&order] { order.list = true; });
+  group.flag("--list", "list the studies", [&order] { order.list = true; });
   group.flag("--quick", "fewer and smaller cases: all studies within five minutes",
              [&order] { order.settings.extent = study::Extent::Quick; });
   group.flag("--resume", "keep the rows that an earlier, interrupted run has finished",
@@ -365,7 +365,7 @@ int carryOut(const StudyOrder& order) {
   noteSignals();
   for (const study::Study* study : chosen) {
     if (runOne(*study, settings)) continue;
-    fmt::print(stderr, "kirireel: interrupted; --resume goes on after the finished rows\n");
+    fmt::print(stderr, "kirireel: interrupted; --resume continues after the finished rows\n");
     return kExitInterrupted;
   }
   return kExitDone;

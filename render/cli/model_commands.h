@@ -22,7 +22,7 @@ namespace kirireel::cli {
 // `kirireel generate FAMILY FOLDER`.
 
 /// A model to be made, and the place that it goes to. Lengths of parameters are metres, angles
-/// degrees, as the family's list says.
+/// degrees, as in the family's list.
 struct GenerateOrder {
   std::string family;                    ///< as sim/generate/families.h names it
   std::map<std::string, double> values;  ///< of the family's parameters, those that were given
@@ -52,12 +52,12 @@ int carryOut(const GenerateOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel convert IN OUT`.
 
-/// A model to be written in another format. The formats of both are told by their names.
+/// A model to be written in another format. The file names decide the formats.
 struct ConvertOrder {
   std::filesystem::path input;   ///< the model, a folder or a file
   model::ReadSettings reading;   ///< how it is read
   std::filesystem::path target;  ///< another model whose start is the target; empty for none
-  std::filesystem::path output;  ///< its ending says the format
+  std::filesystem::path output;  ///< its ending decides the format
 };
 
 /// Adds `convert`. The order must outlive the parsing.
@@ -73,8 +73,8 @@ int carryOut(const ConvertOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel inspect MODEL`.
 
-/// A model to be looked at. The scene's thickness is an option, since mobility and needs depend on
-/// it.
+/// A model to be inspected. The scene's thickness is an option, because mobility and needs depend
+/// on it.
 struct InspectOrder {
   std::filesystem::path model;    ///< a folder or a file
   model::ReadSettings reading;    ///< how it is read
@@ -113,12 +113,12 @@ int carryOut(const ModelsOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel study NAME`.
 
-/// A study to be run. The name is a text; it is a path only because it stands as an argument like
-/// other commands'.
+/// A study to be run. The name is a text; its type is a path because it is a positional argument
+/// like other commands'.
 struct StudyOrder {
   std::filesystem::path name;     ///< of a study, or "all"
   study::StudySettings settings;  ///< everything but the caption's texts
-  bool list = false;              ///< say which studies there are instead
+  bool list = false;              ///< list the studies instead
 };
 
 /// Adds `study`. The order must outlive the parsing.

@@ -47,17 +47,16 @@ std::set<std::string> givenOptions(const CLI::App& command);
 void requireEffect(const OptionContext& context, const std::set<std::string>& given);
 
 /// Throws InputError for an option that was given, on the command line or in a scene file, although
-/// another choice leaves it without effect: what it needs, and that it can be left away. To be
-/// called once all settings are read.
+/// another choice leaves it without effect. The message names what it needs. To be called once all
+/// settings are read.
 void requireConsistent(const CLI::App& command, const scene::Scene& scene);
 
 /// The same for how a video's time follows the run. --speed needs --pace real, --length an even
 /// pace.
 void requireConsistentPace(const CLI::App& command);
 
-/// Whether an option means anything, its name with hyphens, beside the scene's other choices. True
-/// for options that are no settings of a scene. The fingerprint of a run leaves out what has no
-/// effect.
+/// Whether an option, named with hyphens, has an effect in this scene. True for options that are no
+/// settings of a scene. The fingerprint of a run leaves out what has no effect.
 bool hasEffect(const std::string& option, const scene::Scene& scene);
 
 }  // namespace kirireel::cli

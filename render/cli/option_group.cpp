@@ -1,12 +1,11 @@
-// A layer over CLI11 that gives every option three things: how its value is read, how it is said
-// again, and which table of a scene file it belongs to. CLI11 has no place for the last two and for
-// the list of words, so they are kept where it has one that goes unused:
+// A layer over CLI11 that gives every option a reader, a writer, and its table in a scene file.
+// CLI11 has no place for the last two and for the list of words, so they are kept where it has one
+// that goes unused:
 //
-// - what an option says, in its default_function, which CLI11 calls only when it is asked to
-//   capture a default;
+// - the writer, in default_function, which CLI11 calls only to capture a default;
 // - words and tables, as validators that never run (active(false)) with a name and a text.
 //
-// A second list of options beside CLI11's would have to be kept in step with it.
+// A second list of options would have to be kept in step with CLI11's.
 #include "render/cli/option_group.h"
 
 #include <algorithm>
@@ -45,7 +44,7 @@ void addNote(CLI::Option& option, const char* kind, const std::string& text) {
 /// What was noted; "" where nothing was.
 std::string noteOf(CLI::Option& option, const char* kind) {
   try {
-    // CLI11 tells the text of a check only while it is active.
+    // CLI11 returns the text of a check only while it is active.
     CLI::Validator validator = *option.get_validator(kind);
     return validator.active().get_description();
   } catch (const CLI::OptionNotFound&) {
@@ -87,7 +86,7 @@ OptionGroup::Statement OptionGroup::added(CLI::Option* option) {
 OptionGroup::Statement OptionGroup::value(const std::string& name, const std::string& unit,
                                           const std::string& defaultText, const std::string& help,
                                           const Reader& read) {
-  // The default is said in words, since CLI11 would print what is bound, and nothing is bound here.
+  // The help holds the default, because no variable is bound that CLI11 could print.
   const std::string text =
       defaultText.empty() ? help : fmt::format("{} (default {})", help, defaultText);
   const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
@@ -114,7 +113,7 @@ OptionGroup::Statement OptionGroup::values(const std::string& name, const std::s
 void OptionGroup::setting(const scene::Setting& setting, scene::Scene& scene) {
   const std::string name = optionName(setting.key);
   const std::string help = spellOptions(setting.help);
-  // Settings stand as long as the program runs.
+  // Settings live as long as the program.
   const auto write = [&setting, &scene] { return setting.write(scene); };
   if (setting.isSwitch) {
     flag(name, help, [&setting, &scene, name] {
@@ -204,7 +203,7 @@ std::string fullName(const CLI::App& command) {
 // ------------------------------------------------------------------------------------------------
 // Readers and writers in pairs: for every value x that a reader gives, reading what the writer
 // makes of x gives x again, to the last bit. orderText() relies on it, for what it writes is a
-// scene file. Degrees are the hard case, since x pi / 180 rounds: numberReadAs() looks for the
+// scene file. Degrees are the hard case, since x pi / 180 rounds: numberReadAs() searches the
 // shortest number of degrees that reads back to the same radians.
 
 namespace {
@@ -212,7 +211,7 @@ namespace {
 /// Along each side; more pictures than 10,000 no page can show.
 constexpr int kMostGridCells = 100;
 
-/// "3x4"; nothing where there is no single x or a part is no whole number.
+/// "3x4"; nothing if the text is not two whole numbers with an x between them.
 std::optional<std::pair<long, long>> readPair(std::string_view text) {
   const std::vector<std::string_view> parts = scene::split(text, 'x');
   if (parts.size() != 2) return std::nullopt;
@@ -284,12 +283,12 @@ std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value) 
   std::vector<picture::CameraKey> keys;
   for (const std::string_view text : scene::split(value.text, ',')) {
     const std::vector<std::string_view> parts = scene::split(text, ':');
-    // All four are needed: a key that left zoom out would be read as another order of parts.
+    // All four are required: without zoom the parts could be mistaken.
     if (parts.size() != 4) {
       throw scene::valueError({value.name, std::string(text)},
                               "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
     }
-    // Each part is read as an option's value of its own, so that its error names what was typed.
+    // Read each part as its own value: the error then quotes that part.
     const auto part = [&](int k, scene::Range range) {
       return scene::parseNumber({value.name, std::string(parts[k])}, range);
     };
@@ -305,13 +304,12 @@ picture::CaptionParts parseCaption(const scene::TypedValue& value) {
   // All parts are off from the start.
   if (value.text == "none") return parts;
   scene::Choices<bool picture::CaptionParts::*> choices = captionChoices();
-  // "none" is among the words so that the message for a wrong word lists it; beside others it is
-  // refused.
+  // The message for a wrong word lists "none" too. With other words it is an error.
   choices.emplace_back("none", nullptr);
   for (const std::string_view word : scene::split(value.text, ',')) {
     const auto part =
         scene::parseChoice<bool picture::CaptionParts::*>({value.name, std::string(word)}, choices);
-    if (part == nullptr) throw scene::valueError(value, "none alone, or parts such as time,error");
+    if (part == nullptr) throw scene::valueError(value, "none, or parts such as time,error");
     parts.*part = true;
   }
   return parts;

@@ -39,10 +39,10 @@ picture::FrameSize parseSize(const scene::TypedValue& value);
 /// "3x4": rows x columns, each 1 to 100.
 picture::GridShape parseGrid(const scene::TypedValue& value);
 
-/// "0,1.5,50%": seconds from 0, or shares of the way from 0% to 100%.
+/// "0,1.5,50%": seconds >= 0, or shares of the progress in [0%, 100%].
 std::vector<record::FrameChoice> parseFrameChoices(const scene::TypedValue& value);
 
-/// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal; or a usual name of CSS, "teal".
+/// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal; or a CSS name, "teal".
 picture::Colour parseColour(const scene::TypedValue& value);
 
 /// "0:50:-35:1,2.5:90:-20:1.5": keys of a camera as TIME:YAW:PITCH:ZOOM, seconds and degrees. Yaw
@@ -50,7 +50,7 @@ picture::Colour parseColour(const scene::TypedValue& value);
 std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value);
 
 /// "time,error": parts of a caption, or "none". Parts are progress, time, angle, error and gap;
-/// "none" stands alone.
+/// "none" excludes the others.
 picture::CaptionParts parseCaption(const scene::TypedValue& value);
 
 /// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
@@ -86,7 +86,7 @@ std::string tileColoursText(const std::vector<picture::TileColour>& colours);
 std::string tileOpacitiesText(const std::vector<picture::TileOpacity>& opacities);
 /// TIME:YAW:PITCH:ZOOM with commas; degrees.
 std::string cameraKeysText(const std::vector<picture::CameraKey>& keys);
-/// Words with commas, "none" where no part is wanted.
+/// Words with commas; "none" if there is no part.
 std::string captionText(const picture::CaptionParts& parts);
 /// Numbers with commas, "all" for none.
 std::string tilesText(const std::vector<int>& tiles);
@@ -102,9 +102,8 @@ TypedView typedView(const picture::ViewAngles& view);
 // ------------------------------------------------------------------------------------------------
 // Options of one group in a command's help.
 
-/// Adds options of one group to a command; each knows how to read its value, so that every wrong
-/// value is reported in the same words. Targets are written while CLI11 parses, in the order of the
-/// words.
+/// Adds options of one group to a command; each has a reader for its value. Every wrong value is
+/// reported in the same words. Targets are written while CLI11 parses, in the order of the words.
 class OptionGroup {
  public:
   /// `table`: of a scene file that sets these options too; empty where none can. `command` and
@@ -112,24 +111,22 @@ class OptionGroup {
   OptionGroup(CLI::App& command, std::string heading, std::string table = "")
       : command_(command), heading_(std::move(heading)), table_(std::move(table)) {}
 
-  /// Sets what the option stands for; throws InputError for a value that is not allowed.
+  /// Stores the value of the option. Throws InputError for a value that is not allowed.
   using Reader = std::function<void(const scene::TypedValue&)>;
   /// The value that it has now, in the spelling of a scene file.
   using Writer = std::function<std::string()>;
 
-  /// What an option says about a run, beside what it does. Unless told otherwise an option decides
-  /// the result, and its value is as it was typed.
+  /// How an option enters the fingerprint of a run. By default it does, with its value as typed.
   class Statement {
    public:
     /// Of this option, which must outlive it.
     explicit Statement(CLI::Option* option) : option_(option) {}
 
-    /// The option's value is what `write` gives, whichever way it was set: as a scene file has it
-    /// (`0.02`, `true`, `"all"`, `["3,4", "5,6"]`), read back to the last bit; "" where there is
-    /// nothing to say.
+    /// `write` returns the option's value in the spelling of a scene file (`0.02`, `true`, `"all"`,
+    /// `["3,4", "5,6"]`), read back to the last bit; "" if it has no value.
     Statement& serializedAs(const Writer& write);
 
-    /// The option does not decide the result, or says it in another option's words.
+    /// The option does not change the result, or another option reports it.
     Statement& excludeFromFingerprint();
 
     /// Notes the only values that the option accepts, see allowedWords().
@@ -139,14 +136,14 @@ class OptionGroup {
     CLI::Option* option_;
   };
 
-  /// An option with a value that `read` understands. `unit` and `usual` (the default, none when
-  /// empty) are for the help. Given several times, the last one counts. `name` may list several
-  /// names with commas, "--a,-b"; the first long one is the key of a scene file.
+  /// An option with a value that `read` understands. `unit` and `defaultText` (empty: no default)
+  /// are for the help. Given several times, the last one counts. `name` may list several names with
+  /// commas, "--a,-b"; the first long one is the key of a scene file.
   Statement value(const std::string& name, const std::string& unit, const std::string& defaultText,
                   const std::string& help, const Reader& read);
 
   /// The same for an option that may be given several times; each value is read in turn. The reader
-  /// must append: nothing tells it which value is the first.
+  /// must append, because it cannot know which value is the first.
   Statement values(const std::string& name, const std::string& unit, const std::string& help,
                    const Reader& read);
 
@@ -155,7 +152,7 @@ class OptionGroup {
   void setting(const scene::Setting& setting, scene::Scene& scene);
 
   /// A number within a range; the target's value is the default. Both ends of the range are
-  /// accepted, unless it says otherwise.
+  /// accepted, unless `excludesMost` is set.
   void number(const std::string& name, double& target, scene::Range range, const std::string& unit,
               const std::string& help);
 
@@ -172,7 +169,7 @@ class OptionGroup {
 
   /// One of several words; the first is the default.
   template <typename T, typename Target>
-  /// Values that are no words of the list are refused with the list.
+  /// A word that is not in the list is an error that names the list.
   Statement choice(const std::string& name, Target& target, const scene::Choices<T>& choices,
                    const std::string& help) {
     const std::vector<std::string> words = scene::choiceNames(choices);
@@ -185,8 +182,8 @@ class OptionGroup {
             [&target, choices] { return scene::quotedText(scene::nameOfChoice(choices, target)); });
   }
 
-  /// An option without a value, which sets the target to `given`. It says true where the target is
-  /// as the switch would set it.
+  /// An option without a value, which sets the target to `given`. It is written as true if the
+  /// target equals `given`.
   Statement flag(const std::string& name, bool& target, const std::string& help, bool given = true);
 
   /// An option without a value that does something else.
@@ -201,17 +198,16 @@ class OptionGroup {
   std::string table_;
 };
 
-/// What an option is set to now, see OptionGroup::Statement; "" where it says nothing about a run.
+/// The current value of an option, see OptionGroup::Statement; "" if it is not in the fingerprint.
 std::string serializedValue(CLI::Option& option);
 
-/// The only values that an option accepts; empty where they are no list.
+/// The only values that an option accepts; empty if any value is allowed.
 std::vector<std::string> allowedWords(CLI::Option& option);
 
 /// The table of a scene file that an option belongs to; empty when a scene file cannot set it.
 std::string settingTable(CLI::Option& option);
 
-/// Adds the argument that stands without an option's name. The target stays empty when it is
-/// missing: requireGiven() says so in our words.
+/// Adds a positional argument. The target stays empty if it is missing, see requireGiven().
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,
               const std::string& help);
 
@@ -223,7 +219,7 @@ void requireGiven(const std::filesystem::path& path, const char* what, const CLI
 std::string replacementOf(const std::string& option);
 
 /// The command with those it belongs to, e.g. "kirireel generate tessellation". For messages that
-/// name the page of the help to look at.
+/// name the page of the help.
 std::string fullName(const CLI::App& command);
 
 /// The innermost command that was given, e.g. "generate tessellation". The program itself where no

@@ -18,7 +18,7 @@ namespace {
 /// "180mm" or "7pt": a positive number with its unit, or without. In the unit that is named, as a
 /// plain number.
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
-  // The unit may be left out, since only one is allowed.
+  // The unit is optional, because only one is allowed.
   std::string digits = value.text;
   if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
   return scene::parseNumber({value.name, digits}, range);
@@ -43,7 +43,7 @@ std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value) {
   return pages;
 }
 
-/// As a scene file has it: "svg,pdf" in quotation marks.
+/// In the spelling of a scene file: "svg,pdf" in quotation marks.
 std::string pagesText(const std::vector<picture::PageFormat>& pages) {
   std::string text;
   for (const picture::PageFormat page : pages) {
@@ -53,7 +53,7 @@ std::string pagesText(const std::vector<picture::PageFormat>& pages) {
   return scene::quotedText(text);
 }
 
-/// What a figure for a paper needs beside the pictures.
+/// Additions for figures in papers.
 void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
   group
       .value("--width", "MM", "as it comes", "of the grid in print, 180mm; at --dpi, else 300 dpi",
@@ -133,7 +133,7 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
   group
-      // More painters make the same bytes sooner, so the number is no part of an order.
+      // The number of painters changes no byte. It is not part of the fingerprint.
       .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
              [&](const scene::TypedValue& typed) {
                settings.painterCount = static_cast<int>(scene::parseInteger(typed, {1, 64}));
@@ -154,16 +154,16 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
 // ------------------------------------------------------------------------------------------------
 // Options of colours, drawing and camera. Angles are typed in degrees and kept in radians; lengths
 // are metres. A typed value is written back (serializedAs) as the shortest number that reads to the
-// same double, so that a scene file made from an order gives the same pictures to the last bit.
+// same double. A scene file made from an order gives the same pictures to the last bit.
 
 namespace {
 
-/// "" where the colour is that of the theme.
+/// "" for the colour of the theme.
 std::string saidColour(const std::optional<picture::Colour>& colour) {
   return colour ? colourText(*colour) : "";
 }
 
-/// What colours stand for, and on which scale.
+/// What the colours show, and their scale.
 void addScaleOptions(OptionGroup& group, picture::Look& look) {
   // Measures of single bricks are coloured by a scale, "plain" and "shape" need none.
   group.choice<picture::Colouring>("--colour", look.colouring,
@@ -176,7 +176,7 @@ void addScaleOptions(OptionGroup& group, picture::Look& look) {
                                     {"gap", picture::Colouring::JointGap},
                                     {"moment", picture::Colouring::Moment},
                                     {"energy", picture::Colouring::Energy}},
-                                   "what the bricks' colours say");
+                                   "what the bricks' colours show");
   group.choice<picture::ColourMap>("--colour-map", look.map,
                                    {{"viridis", picture::ColourMap::Viridis},
                                     {"cividis", picture::ColourMap::Cividis},
@@ -218,10 +218,10 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
               })
       .serializedAs([&look] { return tileColoursText(look.tileColours); });
   group.number("--opacity", look.opacity, {0, 1}, "SHARE",
-               "of all bricks, 0 leaves them out; their hidden sides do not show");
+               "of all bricks, 0 hides them; their hidden sides do not show");
   group
       .values("--tile-opacity", "TILES=SHARE",
-              "of some tiles, as in 3,7,10-15=0.3, whatever their colours stand for",
+              "of some tiles, as in 3,7,10-15=0.3, with any --colour",
               [&look](const scene::TypedValue& typed) {
                 look.tileOpacities.push_back(parseTileOpacity(typed));
               })
@@ -231,7 +231,7 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
              [&look](const scene::TypedValue& typed) { look.outlineColour = parseColour(typed); })
       .serializedAs([&look] { return saidColour(look.outlineColour); });
   group
-      .value("--background", "COLOUR", "that of --theme", "of the page",
+      .value("--background", "COLOUR", "by --theme", "of the page",
              [&look](const scene::TypedValue& typed) { look.background = parseColour(typed); })
       .serializedAs([&look] { return saidColour(look.background); });
 }
@@ -254,7 +254,7 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   group.flag("--transparent", look.transparent, "no background in PNG files");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
   group.number("--outline-width", look.outlineWidth, {0.1, 20}, "FACTOR",
-               "of the lines on the edges of tiles, times the usual");
+               "of the lines on the edges of tiles, times the default");
   group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
@@ -306,7 +306,7 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
       {"oblique", picture::kObliqueView}};
   group
       .value("--view", "WORD|AZ,EL", "auto",
-             fmt::format("where the camera stands: {}, auto is top for a flat model, else iso; or "
+             fmt::format("position of the camera: {}, auto is top for a flat model, else iso; or "
                          "azimuth and elevation in degrees, -90,0 is from the front, -90,90 from "
                          "above",
                          scene::listWords(scene::choiceNames(views))),
@@ -461,7 +461,7 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) { settings.preset = typed.text; })
       .serializedAs([&] { return scene::quotedText(settings.preset); });
   group
-      .value("--encoder", "NAME", "that of the format", "another encoder of FFmpeg's libavcodec",
+      .value("--encoder", "NAME", "by the format", "another encoder of FFmpeg's libavcodec",
              [&](const scene::TypedValue& typed) { settings.encoder = typed.text; })
       .serializedAs([&] { return scene::quotedText(settings.encoder); });
 }

@@ -70,14 +70,14 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
   group
       .flag("--auto-detect-connections", "the same as --faces pykirigami",
             [&order] { order.faces = model::FaceRule::PyKirigami; })
-      .excludeFromFingerprint();  // --faces says it
+      .excludeFromFingerprint();  // --faces reports it
   group
       .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
              [&order](const scene::TypedValue& typed) { order.splitTiles = parseTiles(typed); })
       .serializedAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
 }
 
-/// The order of groups is that of the help.
+/// Groups are in the order of the help.
 void addRunOptions(CLI::App& command, RecordOrder& order) {
   addPlace(command, "MODEL", order.model, kModelHelp);
   addFolderOptions(command, order);
@@ -112,14 +112,14 @@ scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warni
   if (order.faces) model::chooseJointFaces(scene.model, *order.faces);
   // After faces, since the triangles of a split tile inherit its joints.
   if (order.splitTiles) scene::splitTiles(*order.splitTiles, scene);
-  // The ground is below the bricks where they start, whatever their thickness.
+  // The ground is below the bricks at their start, for any thickness.
   if (scene.environment.ground) scene.environment.ground->height = scene::lowestPoint(scene);
   checkThickness(scene, warnings);
   return scene;
 }
 
 /// The outcome in the words of summary.json, and whether the run has a shortfall. Diverged is a
-/// failure; interrupted has a code of its own.
+/// failure; interrupted has its own code.
 int exitCode(const std::string& outcome, bool isShort) {
   if (outcome == deploy::toString(deploy::Outcome::Interrupted)) return kExitInterrupted;
   if (outcome == deploy::toString(deploy::Outcome::Diverged)) return kExitFailed;
@@ -162,7 +162,7 @@ std::optional<record::FinishedRun> findFinished(const record::RecordSettings& se
   return finished;
 }
 
-/// A file that is named by its path, or by its name beside the model.
+/// A file named by its path, or by its name in the model's folder.
 std::filesystem::path besideModel(const std::filesystem::path& file,
                                   const std::filesystem::path& model) {
   if (file.empty() || model.empty() || std::filesystem::exists(file)) return file;
@@ -204,15 +204,16 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   return command;
 }
 
-/// What PyKirigami's command lines leave out is as there, unless the scene file says it: springs
-/// move masses of 1 kg, and nothing where there is no target; springs are in N/m, alike for all
-/// bricks; bricks collide and are 0.02 m thick; steps are of fixed length (tolerance 0).
+/// Options that a PyKirigami command line does not give have PyKirigami's defaults, unless the
+/// scene file sets them: springs move masses of 1 kg, and nothing where there is no target; springs
+/// are in N/m, alike for all bricks; bricks collide and are 0.02 m thick; steps are of fixed length
+/// (tolerance 0).
 void applyPeerDefaults(CLI::App& command) {
   const scene::TargetSpringSettings springs = scene::paperSprings();
   struct PeerDefault {
     const char* option;
     std::string value;
-    const char* other = nullptr;  // an option that says the same in another way
+    const char* other = nullptr;  // an equivalent option
   };
   const PeerDefault defaults[] = {
       {"--spring-stiffness", scene::numberText(*springs.springStiffness), "--spring-frequency"},
@@ -238,14 +239,14 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
   scene::SceneFile file;
   {
     const InputRecord record(order.inputs);
-    // A model that was never read has no folder where a scene file may stand.
+    // A model that was not read has no folder for a scene file.
     if (!order.model.empty() || !order.request.file.empty()) {
       file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
     }
   }
   const bool isLikePeer = !order.peerSpelling.empty();
   if (isLikePeer) applyPeerDefaults(command);
-  // What the scene file says is in the order's text, whichever way it says it.
+  // The order's text holds the values of the scene file.
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
   requireConsistent(command, order.scene);
   const bool paints = command.get_option_no_throw("--video") != nullptr;
@@ -257,7 +258,7 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
                  .page = order.page},
                 typed);
   order.text = orderText(command, order.scene, file);
-  // After the text was made: there the name stands as it was typed.
+  // After the text was made: that has the name as it was typed.
   order.scene.hinges.file = besideModel(order.scene.hinges.file, order.model);
 }
 
@@ -276,7 +277,7 @@ OrderInputs readInputs(const RecordOrder& order) {
     scene::completeScene(parts, scene, ignored);
     inputs.modelName = scene.model.name;
   } catch (const InputError&) {
-    inputs.modelName.clear();  // the run itself says what is wrong
+    inputs.modelName.clear();  // the run reports the fault
   }
   return inputs;
 }
@@ -370,11 +371,11 @@ int carryOut(const RecordOrder& order) {
 //     model NAME
 //     SHA-256 ROLE         each input file, in the order in which it was read
 //
-// Values are taken after parsing, defaults too, so that it does not matter how a setting was given,
-// and a default that changes with a version changes the fingerprint. Options without effect in this
-// scene are left out, and so are those that decide no byte (--out, --painters). Names of files are
+// Values are taken after parsing, defaults too. It does not matter how a setting was given, and a
+// default that changes with a version changes the fingerprint. Options without effect in this scene
+// are left out, and so are those that decide no byte (--out, --painters). Names of files are
 // replaced by their hashes: a copy of a model elsewhere is the same model. Within a folder the
-// names count, because the reader looks for vertices.txt by name.
+// names count, because the reader finds vertices.txt by its name.
 //
 // Hashing the typed words would be simpler and wrong: the same order can be typed in many ways.
 
@@ -387,19 +388,19 @@ bool namesFiles(const std::string& key) {
   return key == "target" || key == "joints_file" || key == "hinge_file";
 }
 
-/// Names of files as so many empty ones: what the files hold is told apart by their hashes.
+/// Names of files as empty names, because the hashes identify the files.
 std::string withoutNames(const CLI::Option& option) {
   return fmt::format("{} files", option.count());
 }
 
-/// The tables of a scene file; options that no scene file can set stand under "". A scene file in
-/// its form; the order of tables is that of their names.
+/// The tables of a scene file; options that no scene file can set are under "". A scene file in its
+/// form; the order of tables is that of their names.
 std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFileNames) {
   // Sorted by name; within a table options keep the order in which they were added.
   std::map<std::string, std::string> tables;
   for (CLI::Option* option : command.get_options()) {
     const std::string key = settingKey(*option);
-    // An empty text says that the option decides nothing.
+    // An empty text: the option is not in the fingerprint.
     std::string value = key.empty() ? "" : serializedValue(*option);
     if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
     if (namesFiles(key) && !withFileNames) value = withoutNames(*option);
@@ -414,8 +415,8 @@ std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFi
   return text;
 }
 
-/// Files of a folder have fixed names, by which they are told apart; of others the ending counts.
-/// For a file in a folder its name, for another its ending.
+/// Files of a folder have fixed names, which count. Of other files only the ending counts. For a
+/// file in a folder its name, for another its ending.
 std::string roleOf(const fs::path& file, const std::vector<fs::path>& folders) {
   const bool isInFolder = std::ranges::any_of(folders, [&](const fs::path& folder) {
     return !folder.empty() && folder / file.filename() == file;

@@ -1,4 +1,4 @@
-/// `kirireel record MODEL` and `kirireel simulate MODEL`, and what tells one order from another.
+/// `kirireel record MODEL` and `kirireel simulate MODEL`, and the fingerprint of an order.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ class App;
 namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
-// What tells one order to record from another.
+// The fingerprint of an order to record.
 
 /// The settings of a run, as they are once all is parsed and completed, in one spelling. Both are
 /// UTF-8 where all names are.
@@ -31,7 +31,7 @@ struct OrderText {
 
 /// Every option of a command that means anything in this scene, with the value that it has now,
 /// however it was given or not given, and the scene file's timeline and obstacles. To be called
-/// after parsing. `scene` is the scene with all settings, by which options without effect are told.
+/// after parsing. `scene` is the scene with all settings, to find options without effect.
 OrderText orderText(CLI::App& command, const scene::Scene& scene,
                     const scene::SceneFile& sceneFile);
 
@@ -39,15 +39,15 @@ OrderText orderText(CLI::App& command, const scene::Scene& scene,
 /// Conditions are those of a scene with defaults.
 std::string parametersText(CLI::App& command);
 
-/// What a run is made from, beside its settings. A file that was opened twice is listed twice.
+/// The input files of a run. A file that was opened twice is listed twice.
 struct OrderInputs {
   std::string modelName;         ///< which its files bear
   std::vector<InputFile> files;  ///< in the order in which they were read
 };
 
 /// SHA-256 of all that decides a run's bytes: the versions of the program and its libraries, the
-/// settings, the model's name and the content of all files that were read. Where these stand does
-/// not matter: `folders` are those whose files count by their names, see readModelFolder(). 64
+/// settings, the model's name and the content of all files that were read. Their paths do not
+/// matter: `folders` are those whose files count by their names, see readModelFolder(). 64
 /// hexadecimal digits. `terms` is OrderText::terms.
 std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs,
                              const std::vector<std::filesystem::path>& folders);
@@ -74,7 +74,7 @@ struct RecordOrder {
   record::RecordSettings settings;  ///< the folder is empty when --out was not given
   std::vector<InputFile> inputs;    ///< files that were read so far, but for the scene file
   OrderText text;                   ///< the settings, once the order is complete
-  bool page = false;                ///< page.html beside the other files, once they are in place
+  bool page = false;                ///< also write page.html, after the other files
   bool printJson = false;           ///< the summary on standard output as JSON
   bool verbose = false;             ///< print all findings, not only the six lines of a run
 };
@@ -94,8 +94,8 @@ void completeOrder(CLI::App& command, RecordOrder& order);
 /// they can be read. Throws nothing for files that are wrong: the model's name is empty then.
 OrderInputs readInputs(const RecordOrder& order);
 
-/// What tells a complete order from all others, see orderFingerprint(). 64 hexadecimal digits; the
-/// inputs are those of readInputs() or of the run itself.
+/// The fingerprint of a complete order, see orderFingerprint(). 64 hexadecimal digits; the inputs
+/// are those of readInputs() or of the run itself.
 std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs);
 
 /// A run, before or after it was made. Before the run the summary is empty.
@@ -110,8 +110,7 @@ struct RecordResult {
 RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& warnings);
 
 /// Reads the model, runs it, leaves its files but no checkpoints. The order must be complete.
-/// Throws as readModel() and record(). For sweeps: what it prints are warnings alone, on standard
-/// error.
+/// Throws as readModel() and record(). For sweeps: it prints only warnings, on standard error.
 RecordResult runOrder(const RecordOrder& order, const record::ProgressObserver& observer);
 
 /// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code. Throws as

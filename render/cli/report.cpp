@@ -1,10 +1,10 @@
-// Words about a run, made from its summary. Errors are lengths in metres; beside them stands the
-// share of a tile's mean edge, by which models of different size compare.
+// Text about a run, made from its summary. Errors are in metres and in tiles (mean edges), by which
+// models of different size compare.
 //
-// "Why no nearer" goes through the causes from the strongest proof to the weakest: the input's
-// rounding, the shapes of the target's tiles (a bound that no rigid tiles can beat), contacts (a
-// better state is known, and bricks overlap there), the pull (a better state is known), the
-// target's own open joints. Only when none of them holds is the thickness blamed.
+// The reason of a missed target is the first of these causes, from the strongest proof to the
+// weakest: the input's rounding, the shapes of the target's tiles (a bound that no rigid tiles can
+// beat), contacts (a better state is known, and bricks overlap there), the pull (a better state is
+// known), the target's own open joints. Only when none of them holds is the thickness blamed.
 #include "render/cli/report.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@
 namespace kirireel::cli {
 namespace {
 
-// What is missed by less than this part of a tile is reached.
+// A target is reached if the error is below this fraction of a tile.
 constexpr double kReached = 1e-6;
 // Depths that differ less are one.
 constexpr double kWhole = 0.999;
@@ -68,9 +68,8 @@ std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& sum
   }
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap > kReached * tile) {
-    return fmt::format(
-        "why no nearer: the target's own joints are open by {}, and closed joints cannot meet it\n",
-        inTiles(gap, tile));
+    return fmt::format("reason: the target opens its joints by {}; closed joints cannot reach it\n",
+                       inTiles(gap, tile));
   }
   return "why no nearer: no state of bricks with closed joints was found nearer; joints lie on "
          "faces of thick bricks, which the target's tiles do not know\n";
@@ -91,8 +90,8 @@ std::string describeTarget(const scene::Scene& scene, const record::RunSummary& 
   return text + "\n" + whyNoNearer(scene, summary);
 }
 
-/// The largest gap of any step, and the gap at the end; compliant joints are told apart, since they
-/// are meant to open.
+/// The largest gap of any step, and the gap at the end. Compliant joints, which open on purpose,
+/// are listed separately.
 std::string describeJoints(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::Accuracy& accuracy = summary.accuracy;
   const double tile = model::tileSize(scene.model);
@@ -135,7 +134,7 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
 }
 
 /// The depth as a whole, and what of it contacts would have to prevent. Overlap in the corners that
-/// joined bricks share cannot be avoided with thick bricks; contacts look at the rest.
+/// joined bricks share cannot be avoided with thick bricks. Contacts prevent the rest.
 std::string describePenetration(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::Accuracy& accuracy = summary.accuracy;
   std::string text = fmt::format("penetration {} at most",
@@ -167,7 +166,7 @@ std::string describeElasticity(const std::optional<model::Elasticity>& found) {
       fmt::join(forces, " and "), found->energyStart, found->energyEnd, found->momentEnd);
 }
 
-/// Runs without a target say nothing about a path unless joints opened.
+/// Runs without a target report a path only if joints opened.
 std::string describePath(const record::RunSummary& summary, bool hasTarget) {
   if (!hasTarget && summary.accuracy.jointOpeningMax == 0) return "";
   return fmt::format("path: {}\n", summary.pathReason);
@@ -206,13 +205,12 @@ std::string describeCost(const record::RunSummary& summary) {
         deploy.took.unconverged,
         summary.needs.contacts.on
             ? "bricks that touch or are joined moved as rigid pieces in them, behind their pull"
-            : "they were taken all the same, and the joint gap and the end may be off by as much");
+            : "they were taken; the joint gap and the end may be off by as much");
   }
   return text;
 }
 
-/// The files by name, those in a folder of their own as that folder alone. "frames/" stands for
-/// hundreds of files.
+/// The files by name, and each subfolder once: "frames/" has hundreds of files.
 std::vector<std::string> shortList(const std::vector<std::string>& files) {
   std::vector<std::string> list;
   for (const std::string& file : files) {
@@ -371,7 +369,8 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
   text += describePenetration(scene, summary);
   if (summary.leftOutFrom) {
     text += fmt::format(
-        "pictures leave out bricks that go farther than {:g} model sizes, the first at {:.4g} s; "
+        "pictures do not show bricks that are farther away than {:g} model sizes, the first at "
+        "{:.4g} s; "
         "trajectory.h5 has them\n",
         picture::kFarthestShown, *summary.leftOutFrom);
   }
@@ -386,9 +385,9 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
 
 // ------------------------------------------------------------------------------------------------
 // A handler may do nothing but note the number of its signal (C++ standard, [support.signal];
-// signal-safety(7)): a lock-free atomic. Whoever works asks takeInterrupt() now and then and ends
-// at a place where files are whole. A second signal is noted in the same way, so an impatient user
-// ends the next stage too, and never leaves half a file.
+// signal-safety(7)): a lock-free atomic. Long loops poll takeInterrupt() and stop when files are
+// complete. A second signal is noted in the same way, so an impatient user ends the next stage too,
+// and never leaves half a file.
 //
 // SIGXFSZ comes when a file would grow beyond the limit of its process (ulimit -f); ignored, the
 // write fails with EFBIG, which is reported like a full disk.

@@ -1,4 +1,4 @@
-/// What a person is told of a run: words, exit codes, and how signals end it.
+/// Text about a run, exit codes, and how signals stop a run.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Redraws the line when what it says has changed. Shows stage and per cent.
+  /// Redraws the line if its text has changed. Shows stage and per cent.
   void show(const record::Progress& progress);
   /// The text must be shorter than the terminal is wide, or the end of the line stays behind.
   void show(const std::string& line);
@@ -45,10 +45,10 @@ std::string describePictures(const record::PictureSettings& settings,
                              const record::PictureReport& report);
 
 // ------------------------------------------------------------------------------------------------
-// What the program's exit code says.
+// The program's exit codes.
 //
-// Scripts tell a wrong order (2) from a run that did not do what it was to (3) and from a
-// failure of the machine (1); numbers stay as they are, since scripts rely on them.
+// Scripts distinguish wrong input (2), a run that missed its goal (3) and a failure of the machine
+// (1). The numbers never change.
 
 inline constexpr int kExitDone = 0;         ///< also of a run: at its target, or without one
 inline constexpr int kExitFailed = 1;       ///< diverged, could not write, does not verify
@@ -73,7 +73,7 @@ void noteSignals();
 
 /// The name of the signal that came since the last call, such as "SIGTERM"; absent when none did.
 /// Each signal ends one stage of a run. May be called from any thread; of two signals between two
-/// calls the later one is told.
+/// calls it returns the later one.
 std::optional<std::string> takeInterrupt();
 
 }  // namespace kirireel::cli

@@ -1,6 +1,6 @@
 // Paints a recorded run again from trajectory.h5. The trajectory holds poses at samples; nothing is
-// simulated, so that another camera, size or colour costs the painting alone. Several trajectories
-// make one grid with a row each and the same camera and scale.
+// simulated, so another camera, size or colour costs only the painting. Several trajectories make
+// one grid with a row each and the same camera and scale.
 #include "render/cli/run_commands.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       ->type_name("")
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
-  output.value("--out", "FOLDER", "that of TRAJECTORY", "where the files go",
+  output.value("--out", "FOLDER", "next to TRAJECTORY", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                  "frames in a second of video");
@@ -50,7 +50,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
-  // A folder stands for the trajectory.h5 in it.
+  // A folder means the trajectory.h5 in it.
   for (std::filesystem::path& trajectory : order.trajectories) {
     if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
   }
@@ -91,8 +91,8 @@ int carryOut(const RenderOrder& order) {
 
 // ------------------------------------------------------------------------------------------------
 // Options of states, elements and decks, which `record` and `simulate` have too (behind --export),
-// and the command that exports a finished run. Every value that decides the bytes of a file says
-// itself by serializedAs(), so that the fingerprint of a run holds it.
+// and the command that exports a finished run. Every value that changes a byte of a file has a
+// writer (serializedAs()) and is in the fingerprint.
 
 namespace {
 
@@ -136,7 +136,7 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
 
 void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
-  // Lengths of 0 mean "as usual" in the rule, so a typed one starts above it.
+  // A length of 0 means the default in the rule. A typed length is above 0.
   const auto length = [&group](const char* name, const char* defaultText, const char* help,
                                double& target) {
     group
@@ -167,7 +167,7 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
                                  {"patch", fea::JointStyle::Patch},
                                  {"neck", fea::JointStyle::Neck}},
                                 "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
-  // Lengths of necks and patches are metres of the model, whatever the deck's unit.
+  // Lengths of necks and patches are metres of the model, for any unit of the deck.
   length("--patch-radius", "a quarter of the shortest edge",
          "of rigid patches; below half of an edge", elements.patchRadius);
   length("--neck-width", "the model's", "of necks: the material that stays at a joint",
@@ -177,7 +177,7 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
   length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
   length("--kerf", "the model's, else 0", "width of the cuts of a sheet with necks",
          elements.neck.kerf);
-  // --shells and --plane-stress exclude each other with some joints; the element rule says so.
+  // The element rule reports --shells and --plane-stress with joints that exclude both.
   group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
              [&elements] { elements.family = fea::ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
@@ -195,7 +195,7 @@ fea::DriveChoice parseDrive(const scene::TypedValue& typed) {
   return drive;
 }
 
-/// `isAlone` tells the command whose options are these alone: names may be short there.
+/// `isAlone`: the command has only these options, with short names.
 void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
   OptionGroup group(command, "Decks (inp)", "recording");
   // Within `record` the names --solver and --density belong to the simulation, so a deck's have a
@@ -211,7 +211,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
                                                                {"joints", fea::SetChoice::Joints},
                                                                {"all", fea::SetChoice::All}});
               });
-  // SI units here whatever --deck-unit says; the deck is what is scaled.
+  // SI units for any --deck-unit. Only the deck is scaled.
   group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
   // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
   group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
@@ -231,7 +231,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
              [&decks] { decks.periodic = true; });
   group
       .value("--deck-contacts", "FRICTION", "",
-             "contact between flanks beside joints, with this coefficient of friction (0: none)",
+             "contact between flanks next to joints, with this coefficient of friction (0: none)",
              [&decks](const scene::TypedValue& typed) {
                decks.contactFriction = scene::parseNumber(typed, {0, 10});
              })
@@ -244,7 +244,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
              [&decks] { decks.stateMap = true; });
 }
 
-/// A folder stands for the trajectory.h5 in it.
+/// A folder means the trajectory.h5 in it.
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
   return std::filesystem::is_directory(given) ? given / output::kTrajectory : given;
 }
@@ -299,7 +299,7 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
       .flag(
           "--check",
           "runs the job of each deck in CalculiX, which must be installed, and again with elements "
-          "half as long, and says what changes",
+          "half as long, and report the changes",
           [&order] { order.isChecked = true; });
   command->footer(
       "Examples:\n"
@@ -344,7 +344,7 @@ int carryOut(const ExportOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The command reads trajectory.h5 alone: everything that curves show is measured from the samples,
+// The command reads only trajectory.h5: everything that curves show is measured from the samples,
 // or was stored with them. Options of figures are in print sizes (mm, points); see
 // render/record/curves.h for what follows from them.
 
@@ -371,7 +371,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       "curves", "table and plot what a run measures over its time: sizes, areas, openings, ...");
   addPlace(*command, "RUN", order.run, "a trajectory.h5, or the folder it is in");
   OptionGroup output(*command, "Output");
-  output.value("--out", "FOLDER", "that of RUN", "where the files go",
+  output.value("--out", "FOLDER", "next to RUN", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
   figures.value(
@@ -382,7 +382,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
                                          {"progress", record::CurvesAgainst::Progress},
                                          {"opening", record::CurvesAgainst::Opening}},
                                         "what lies along the horizontal axes");
-  // Millimetres and points are those of print; --dpi turns them into pixels of a PNG alone.
+  // Millimetres and points of the printed page. --dpi converts them to pixels, for PNG only.
   record::PlotSettings& plot = order.settings.plot;
   figures.number("--width", plot.width, {30, 1000}, "MM", "of the figure in print");
   figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "of its text in print");
@@ -397,7 +397,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       "dynamics also have the energy in springs, the work of the drives, what dampers, contacts "
       "and\n"
       "the integrator took, and the forces of joints, pins, grips and contacts; a path of the\n"
-      "mechanism is geometry and has none. Fields are empty where there is no value.\n\n"
+      "mechanism is geometry and has none. A field without a value is empty.\n\n"
       "Examples:\n"
       "  kirireel curves out/tessellation_4x4 --plot pdf\n"
       "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85");
@@ -425,11 +425,11 @@ int carryOut(const CurvesOrder& order) {
 
 // ------------------------------------------------------------------------------------------------
 // Options of a page and the command `page`. A page is made of one run or of two side by side;
-// `record --page` makes one of the run that has just ended, with the same settings' look.
+// `record --page` makes a page of the new run with the settings of its pictures.
 
 namespace {
 
-/// 0 stands for all samples of the trajectory.
+/// 0 means all samples of the trajectory.
 int parseSamples(const scene::TypedValue& typed) {
   return typed.text == "all" ? 0 : static_cast<int>(scene::parseInteger(typed, {2, 1e6}));
 }
@@ -466,7 +466,7 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
              "files of the run that go into the page: videos play, pictures show, others can be "
              "saved from it, such as deployment.mp4,final.obj",
              [&settings](const scene::TypedValue& typed) {
-               // Names are looked for beside the trajectory when the page is made.
+               // Files are searched next to the trajectory when the page is made.
                std::istringstream names(typed.text);
                for (std::string name; std::getline(names, name, ',');) {
                  settings.embedded.push_back(name);
@@ -486,11 +486,11 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
       "page", "write one HTML file that shows a run in 3-D, in any browser, without a network");
   command
       ->add_option("RUN", order.runs,
-                   "a trajectory.h5, or the folder it is in; two stand side by side")
+                   "a trajectory.h5, or its folder; two runs are shown side by side")
       ->type_name("")
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
-  output.value("--out", "FOLDER", "that of the first RUN", "where page.html goes",
+  output.value("--out", "FOLDER", "that of the first RUN", "folder for page.html",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   addPageOptions(*command, order.settings);
   command->footer(
@@ -504,7 +504,7 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 }
 
 void completeOrder(const CLI::App& command, PageOrder& order) {
-  // CLI11 is told to expect one at least, but --help and our own message come before its error.
+  // At least one is required. --help and our own message come before CLI11's error.
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
   if (order.runs.size() > page::kMostPageRuns) {
     throw InputError(
@@ -533,8 +533,9 @@ int carryOut(const PageOrder& order) {
 
 CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order) {
   CLI::App* command = program.add_subcommand(
-      "verify", "check that a finished run's files are those it left and bear its figures out");
-  addPlace(*command, "FOLDER", order.folder, "that of a finished run");
+      "verify",
+      "check that a finished run's files are complete, unchanged and agree with its summary");
+  addPlace(*command, "FOLDER", order.folder, "folder of a finished run");
   command->footer(
       "Compares every file with its size and SHA-256 in summary.json, and computes the figures of\n"
       "trajectory.h5 again from its poses. Exit code 1 when something does not agree.\n\n"

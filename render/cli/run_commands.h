@@ -18,8 +18,8 @@ namespace kirireel::cli {
 // ------------------------------------------------------------------------------------------------
 // `kirireel render TRAJECTORY`.
 
-/// Which recorded runs are to be painted again, and how. completeOrder() puts the file of each
-/// folder in its place.
+/// Which recorded runs to paint again, and how. completeOrder() puts the file of each folder in its
+/// place.
 struct RenderOrder {
   std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row of each
   record::PictureSettings settings;  ///< the folder is empty when --out was not given
@@ -46,7 +46,7 @@ struct ExportOrder {
   bool isChecked = false;            ///< whether jobs are run with two sizes of elements
 };
 
-/// Adds the options that say which states are exported as what; `formatOption` is the name of the
+/// Adds the options that choose states and formats for export; `formatOption` is the name of the
 /// one for the formats. The settings must outlive the parsing. "--format" in `export`, where
 /// options may also have short names, "--export" in `record`.
 void addExportOptions(CLI::App& command, const std::string& formatOption,
@@ -66,8 +66,8 @@ int carryOut(const ExportOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel curves RUN`.
 
-/// Which run's curves are wanted, and as what. completeOrder() puts the file of a folder in its
-/// place.
+/// The run whose curves are written, and the formats. completeOrder() puts the file of a folder in
+/// its place.
 struct CurvesOrder {
   std::filesystem::path run;        ///< a trajectory.h5, or the folder that it is in
   record::CurvesSettings settings;  ///< the folder is empty when --out was not given
@@ -80,20 +80,20 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order);
 void completeOrder(const CLI::App& command, CurvesOrder& order);
 
 /// Writes the files, prints their names. Returns the exit code. A run without dynamics has no
-/// energies and forces: a note on standard error says so. Throws what TrajectoryReader and
+/// energies and forces: it prints a note on standard error. Throws what TrajectoryReader and
 /// writeCurves throw.
 int carryOut(const CurvesOrder& order);
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel page RUN...`.
 
-/// Which runs go on a page, and how. At least one run, at most kMostPageRuns.
+/// The runs of a page, and its settings. At least one run, at most kMostPageRuns.
 struct PageOrder {
   std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or the folder that it is in
   page::WebPageSettings settings;           ///< the folder is empty when --out was not given
 };
 
-/// Adds the options that say what a page has. The settings must outlive the parsing.
+/// Adds the options of a page. The settings must outlive the parsing.
 void addPageOptions(CLI::App& command, page::WebPageSettings& settings);
 
 /// Adds `page`. The order must outlive the parsing.
@@ -110,7 +110,7 @@ int carryOut(const PageOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel verify FOLDER`.
 
-/// Which run is to be checked. The folder is the one that was given to --out.
+/// The run to check, by its folder (--out).
 struct VerifyOrder {
   std::filesystem::path folder;  ///< the run's folder
 };

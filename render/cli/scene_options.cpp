@@ -1,6 +1,6 @@
 // Options that make up a scene: all settings of sim/scene/settings.h, which are added without being
 // named here, and what belongs to a model (targets, pins, fixed pairs, links), whose values are
-// lists. The scene file comes last: it fills the options that the command line left alone.
+// lists. The scene file comes last: it sets the options that the command line did not give.
 #include "render/cli/scene_options.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace kirireel::cli {
 namespace {
 
-/// "3,0,7": whole numbers from 0, as many as `count` when it is not 0.
+/// "3,0,7": whole numbers >= 0; exactly `count` of them if it is not 0.
 std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
                               const std::string& requested) {
   std::vector<int> numbers;
@@ -82,7 +82,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
       .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
              "settings and timeline; options given here count more",
              [&request](const scene::TypedValue& typed) { request.file = typed.text; })
-      .excludeFromFingerprint();  // what the file says does
+      .excludeFromFingerprint();  // its content is in the fingerprint
   OptionGroup group(command, "Model", "model");
   // Numbers stay as they were typed; completeScene() knows from where the model's file counts.
   scene::SceneParts& parts = request.parts;
@@ -108,10 +108,11 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
               })
       .serializedAs(
           [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
-  group.flag("--no-align", alignment.requested,
-             "leave the start where the model has it, instead of moving it onto the target (by its "
-             "pinned tiles, where some are)",
-             false);
+  group.flag(
+      "--no-align", alignment.requested,
+      "keep the start at its position in the file, instead of moving it onto the target (by its "
+      "pinned tiles, where some are)",
+      false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
               [&parts](const scene::TypedValue& typed) {
@@ -139,7 +140,7 @@ scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path&
                                  const SceneRequest& request, scene::Scene& scene) {
   const std::filesystem::path file = sceneFileOf(modelFolder, request);
   std::error_code ignored;
-  // A file that was named has to be there; scene.toml beside the model need not.
+  // A named file must exist; scene.toml in the model's folder is optional.
   if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
   // Settings went into the options; lists have no options and are taken here.
   scene::SceneFile read = applySceneFile(command, file);
@@ -152,9 +153,9 @@ scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path&
 
 // ------------------------------------------------------------------------------------------------
 // A key of scene.toml is the long name of an option with underscores, in the table that the
-// option's group names. So every option of a run can stand in the file, and the file needs no list
-// of its own. Values go through the option's own reader, as text, and are refused in its words,
-// with the place in the file in front.
+// option's group names. Every option of a run can be in the file, and the file needs no list of its
+// own. Values go through the option's own reader, as text, and are refused in its words, with the
+// place in the file in front.
 //
 // An option that the command line gave keeps its value: what is typed counts more than what is
 // stored.
@@ -191,7 +192,7 @@ CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
                   command.get_name()));
 }
 
-/// An option without a value is switched on by true and left alone by false.
+/// An option without a value is set by true; false does nothing.
 void requireKindOfValue(const scene::SceneSetting& setting, bool isSwitch) {
   if (isSwitch == setting.isSwitch) return;
   throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
@@ -239,9 +240,9 @@ scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& 
 
 namespace {
 
-/// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat. The depth
-/// is how far two tiles would have to move apart, in metres. One line tells the deepest pair and
-/// how many there are.
+/// Overlapping tiles are a mistake, or intended in a sheet that is folded flat. The depth is the
+/// distance by which two tiles would have to move apart, metres. One line reports the deepest pair
+/// and how many there are.
 void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warnings) {
   constexpr double kShareOfTile = 1e-3;  // less cannot be seen
   const std::vector<trajectory::TileOverlap> overlaps =
@@ -315,7 +316,7 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
   };
   names("--cut", "found", "lines of a drawing to cut: colours, layers or ids, as in red,slits",
         settings.cut);
-  names("--ignore", "found", "lines of a drawing to leave out, named in the same way",
+  names("--ignore", "found", "lines of a drawing to ignore, named in the same way",
         settings.ignore);
   group
       .value(hasNecks ? "--widest-neck" : "--widest-neck,--neck-width", "LENGTH", "found",
@@ -328,9 +329,10 @@ void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool h
         return settings.neckWidth > 0 ? fmt::format("{}", settings.neckWidth) : "";
       });
   group
-      .choice<bool>("--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
-                    "joints of a drawing: where the cut would meet the line, or in the middle of "
-                    "the neck")
+      .choice<bool>(
+          "--joint-at", settings.areJointsInNecks, {{"vertex", false}, {"middle", true}},
+          "joints of a drawing: at the intersection of the cut with the line, or in the middle of "
+          "the neck")
       .serializedAs(
           [&settings] { return settings.areJointsInNecks ? scene::quotedText("middle") : ""; });
 }
@@ -345,9 +347,10 @@ scene::Choices<std::optional<LengthUnit>> unitChoices() {
 
 void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
   group
-      .value("--joints-file", "FILE", "the model's own",
-             "list of joints to take in place of constraints.txt: a path, or a name beside it",
-             [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
+      .value(
+          "--joints-file", "FILE", "the model's own",
+          "list of joints to use instead of constraints.txt: a path, or a name in the same folder",
+          [&settings](const scene::TypedValue& typed) { settings.jointsFile = typed.text; })
       .serializedAs([&settings] {
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : scene::quotedText(name);
@@ -377,7 +380,7 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
   group
       .flag("--strict", settings.strict,
             "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
-            "instead of mending them")
+            "instead of repairing them")
       .excludeFromFingerprint();
   addDrawingOptions(group, settings, hasNecks);
 }
@@ -386,7 +389,7 @@ model::Model readModelAt(const std::filesystem::path& place, const std::filesyst
                          const model::ReadSettings& settings, std::vector<std::string>& warnings) {
   requireNoSlip(place);
   std::optional<std::filesystem::path> named;
-  // A target of another model is looked for in the same places.
+  // A target of another model is searched in the same places.
   if (!target.empty()) named = findModel(target);
   model::Model model = model::readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);
@@ -409,7 +412,7 @@ void checkThickness(const scene::Scene& scene, std::vector<std::string>& warning
   if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
   warnings.push_back(
       fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
-                  "lengths are in metres, and --thickness {:.2g} would be usual",
+                  "lengths are in metres; try --thickness {:.2g}",
                   scene.model.name, thickness, edge, model::kDefaultThickness * edge));
 }
 

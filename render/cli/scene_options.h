@@ -72,34 +72,34 @@ void applySetting(CLI::Option& option, const scene::SceneSetting& setting);
 // ------------------------------------------------------------------------------------------------
 // Models as they are named on the command line.
 
-/// What stands for MODEL in a command's help.
+/// The help of the argument MODEL.
 inline constexpr const char* kModelHelp =
     "folder with vertices.txt and constraints.txt, any file of a planar model (NAME_vertices.txt "
-    "with NAME_constraints.txt beside it), a .fold file, a contracted .obj file, a .ply mesh, or a "
+    "with NAME_constraints.txt in the same folder), a .fold file, a contracted .obj file, a .ply "
+    "mesh, or a "
     "cut pattern (.svg, .dxf)";
 
 /// Adds --target. Empty when it was not given. The target must outlive the parsing.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
 /// Adds --joints-file, --frame, --fold, --join-coplanar, --strict and options of drawings. They
-/// decide how files are read, and no more. In a command that has necks of its own, --neck-width is
-/// theirs. The settings must outlive the parsing.
+/// only decide how files are read. In a command that has necks of its own, --neck-width is theirs.
+/// The settings must outlive the parsing.
 void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks = false);
 
 /// The words of --unit and --export-unit: "auto" (absent), then the names of all units.
 scene::Choices<std::optional<LengthUnit>> unitChoices();
 
-/// Where a model stands: as named, or in data/ when it stands only there, or among the models that
-/// were installed with the program. As named where it stands nowhere, so that the error names what
-/// the user typed.
+/// The path of a model: as named, else in data/, else among the installed models. As named if it
+/// does not exist: the error then names what the user typed.
 std::filesystem::path findModel(const std::filesystem::path& named);
 
 /// The folders of models next to the current folder (data/) and those installed with the program,
 /// by name; of two models of one name, findModel() knows only the first.
 std::map<std::string, std::filesystem::path> knownModels();
 
-/// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
-/// Warnings are appended, also of tiles that overlap at the start. Throws InputError.
+/// Reads the model that findModel() finds. Warnings are appended, also of tiles that overlap at the
+/// start. Throws InputError.
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
                          const model::ReadSettings& settings, std::vector<std::string>& warnings);
 
@@ -115,20 +115,20 @@ void checkThickness(const scene::Scene& scene, std::vector<std::string>& warning
 void printWarnings(const std::vector<std::string>& warnings);
 
 // ------------------------------------------------------------------------------------------------
-// Options of everything that paints: looks, cameras, videos.
+// Options of everything that paints: style, camera, video.
 
 // ------------------------------------------------------------------------------------------------
 // Options of everything that paints.
 
 /// Adds the options of pictures and what is made of them. The settings must outlive the parsing.
-/// The group in a scene file is [recording]; look and camera follow in groups of their own. Values
+/// The group in a scene file is [recording]; style and camera follow in their own groups. Values
 /// are checked one by one here, and together by record() and render().
 void addPictureOptions(CLI::App& command, record::PictureSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
-// Options of how pictures look and where their camera stands.
+// Options of the style and the camera of pictures.
 
-/// Adds the options of look and camera, the same for every command that paints. The look must
+/// Adds the options of style and camera, the same for every command that paints. The look must
 /// outlive the parsing. Two groups in the help, "Look" ([style] in a scene file) and "Camera"
 /// ([camera]).
 void addLookOptions(CLI::App& command, picture::Look& look);
@@ -137,7 +137,7 @@ void addLookOptions(CLI::App& command, picture::Look& look);
 // Options of the video.
 
 /// Adds the options of the video, but for its frames a second. The settings must outlive the
-/// parsing. They stand in [recording] of a scene file.
+/// parsing. They are in [recording] of a scene file.
 void addVideoOptions(CLI::App& command, record::PictureSettings& settings);
 
 }  // namespace kirireel::cli

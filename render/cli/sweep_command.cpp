@@ -1,7 +1,7 @@
 // A sweep makes many runs in worker processes and keeps each in a folder named by its fingerprint.
 // Its steps:
 //
-// - 1. All keys and values are checked, each alone (sweep_command.h).
+// - 1. All keys and values are checked one by one (sweep_command.h).
 // - 2. Workers take runs in turn. A run whose folder is there already, or which another process has
 //   claimed, is skipped; so the same command may run on several machines with one folder, and goes
 //   on where it was ended.
@@ -41,17 +41,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// More runs than this are hardly meant.
+/// More runs than this are probably a mistake.
 constexpr std::uint64_t kMostUnconfirmed = 1'000'000;
 // A megabyte is 10^6 bytes here, as in the page's limit.
 constexpr double kBytesInMegabyte = 1e6;
 // In each run's folder: what it printed, warnings above all.
 constexpr const char* kMessages = "messages.txt";
 
-/// Of the contact sheet: half the time of zlib's usual level for a third more bytes.
+/// Of the contact sheet: half the time of zlib's default level for a third more bytes.
 constexpr int kSheetCompression = 3;
 
-/// hardware_concurrency() is 0 where it cannot be told.
+/// hardware_concurrency() is 0 if it is unknown.
 int coreCount() {
   return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
@@ -100,13 +100,13 @@ void addWorkerOptions(CLI::App& command, sweep::WorkerLimits& limits) {
               });
 }
 
-/// 0.1 s a run is that of a small sheet.
+/// 0.1 s per run, as for a small sheet.
 void requireMeant(const SweepRuns& runs, bool confirmed) {
   const std::uint64_t count = runs.sweep().plan.size();
   if (count <= kMostUnconfirmed || confirmed) return;
   throw InputError(
       fmt::format("{}: error: these are {:.3g} runs, about {:.4g} days of one core at 0.1 s each; "
-                  "give fewer values, or --yes if that is what you want",
+                  "give fewer values, or add --yes",
                   runs.sweep().file.string(), static_cast<double>(count),
                   static_cast<double>(count) * 0.1 / 86400));
 }
@@ -211,8 +211,8 @@ std::string timeText(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
-/// Counts verdicts and says how far the sweep is. The estimate of the time left is (seconds so far)
-/// x (runs to come) / (runs made).
+/// Counts results and reports the progress of the sweep. The estimate of the time left is (seconds
+/// so far) x (runs to come) / (runs made).
 class Tally {
  public:
   explicit Tally(std::uint64_t total) : total_(total), start_(Clock::now()) {}
@@ -223,7 +223,7 @@ class Tally {
                                            : skipped_);
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::uint64_t seen = done_ + failed_ + skipped_;
-    // Skipped runs take no time, so the rate is that of the runs that were made.
+    // Skipped runs take no time. The rate counts only runs that were made.
     const double left = seconds * static_cast<double>(total_ - seen) /
                         static_cast<double>(std::max<std::uint64_t>(1, done_ + failed_));
     line_.show(
@@ -273,7 +273,7 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
       }};
   const bool isWhole = sweep::runInWorkers(jobs, withMemoryLimit(order.limits));
   fmt::print("{}{}\n",
-             isWhole ? "" : "interrupted; the same command goes on from here: ", tally.text());
+             isWhole ? "" : "interrupted; the same command continues from here: ", tally.text());
   return {isWhole, tally.failed()};
 }
 
@@ -291,7 +291,7 @@ void writeContactSheet(const sweep::Gathered& gathered, const std::vector<std::s
                     {.compressionLevel = kSheetCompression});
 }
 
-/// Puts the table, the costs and the contact sheet beside the runs.
+/// Writes the table, the costs and the contact sheet into the folder of the runs.
 sweep::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   const auto values = [&runs](std::uint64_t index) {
     std::vector<std::string> texts;
@@ -337,7 +337,7 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
   group.flag("--collect", "make no runs, gather those that are there",
              [&order] { order.collectOnly = true; });
   OptionGroup which(*command, "Runs");
-  which.value("--shard", "I/N", "1/1", "part I of N alone, without gathering",
+  which.value("--shard", "I/N", "1/1", "only part I of N, without gathering",
               [&order](const scene::TypedValue& typed) { order.shard = parseShard(typed); });
   which.flag("--retry-failed", "make failed runs again", [&order] { order.retryFailed = true; });
   which.flag("--yes", "also when there are more than a million",
@@ -347,7 +347,7 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
       "Examples:\n"
       "  kirireel sweep sweep.toml\n"
       "  kirireel sweep sweep.toml --shard 3/8 && kirireel sweep sweep.toml --collect\n\n"
-      "Runs that are done are never made again. Ctrl-C, or worse, loses the runs in work alone.");
+      "Runs that are done are never made again. Ctrl-C loses only the runs in progress.");
   return command;
 }
 
@@ -374,7 +374,7 @@ int carryOut(const SweepOrder& order) {
 // ------------------------------------------------------------------------------------------------
 // A run of a sweep is what `kirireel simulate` (or `record`) would make of the same words: its
 // settings are applied to a command's options in memory, and the fingerprint is taken of the
-// completed order. So a run that stands in two sweeps has the same name in both and is made once.
+// completed order. A run that is in two sweeps has the same name in both and is made once.
 //
 // Names are the first 20 hexadecimal digits, 80 bits. The chance that two of n runs collide is
 // about n^2 / 2^81: 4e-13 for a million runs.
@@ -388,7 +388,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kNameDigits = 20;
 
-/// Options that say where a run goes and how it reports, which is the sweep's to say.
+/// Options for the folder and the reports of a run, which the sweep sets.
 const std::set<std::string> kNotForSweeps = {"out", "json", "page"};
 
 /// The keys of a run's options. "model" and "scene" are the sweep's own words.
@@ -401,7 +401,7 @@ std::vector<std::string> runKeys(CLI::App& command) {
   return keys;
 }
 
-/// Parameters of a family stand in its own group of the help.
+/// Parameters of a family are in their own group of the help.
 std::vector<std::string> familyKeys(const CLI::App& command) {
   std::vector<std::string> keys;
   for (const CLI::Option* option : command.get_options()) {
@@ -418,8 +418,8 @@ CLI::Option& optionOf(CLI::App& command, const std::string& key) {
   throw std::logic_error("a key without an option: " + key);
 }
 
-/// One run as the commands `generate` and `simulate` would be told it. Options point into the
-/// orders beside them, so it can be neither copied nor moved.
+/// One run as orders of `generate` and `simulate`. Options point into these orders: it can be
+/// neither copied nor moved.
 class RunOrders {
  public:
   explicit RunOrders(const sweep::Sweep& sweep) : family_(sweep.family) {
@@ -456,14 +456,13 @@ class RunOrders {
     }
   }
 
-  /// What tells this run from others. A run that cannot be made has a fingerprint too. `known` is
-  /// the sweep's cache of input files.
+  /// The fingerprint of this run. A run that cannot be made has one too. `known` is the sweep's
+  /// cache of input files.
   std::string fingerprint(std::map<std::string, OrderInputs>& known) {
     try {
       complete();
     } catch (const InputError& error) {
-      // The message takes the place of the scene: the run fails with it, and fails anew when it
-      // changes.
+      // The message replaces the scene: the run fails with it, and fails again when it changes.
       record_.text = {
           {}, fmt::format("{}\n{}", orderText(*run_, record_.scene, {}).terms, error.what())};
     }
@@ -486,7 +485,7 @@ class RunOrders {
   void complete() {
     // Only that there is one counts until the run is made.
     if (shape_ && !record_.madeModel) record_.madeModel = model::Model{family_};
-    // A generated model has no folder where a scene file may stand.
+    // A generated model has no folder for a scene file.
     if (!shape_ || !record_.request.file.empty()) {
       completeOrder(*run_, record_);
     } else {
@@ -494,7 +493,7 @@ class RunOrders {
     }
   }
 
-  /// What the sweep alone says: a family's parameters, and what each run leaves.
+  /// Set only by the sweep: a family's parameters, and the files of each run.
   std::string ownTerms() const {
     return fmt::format("{}\ntrajectory = {}\n", shape_ ? parametersText(*shape_) : "",
                        record_.settings.trajectory);
@@ -515,7 +514,7 @@ class RunOrders {
     try {
       if (shape_) order.madeModel = makeModel(generate_);
     } catch (const InputError&) {
-      order.madeModel = model::Model{family_};  // the run itself says what is wrong
+      order.madeModel = model::Model{family_};  // the run reports the fault
     }
     return found->second = readInputs(order);
   }
@@ -566,9 +565,9 @@ bool isPathKey(const std::string& key) {
   return key == "model" || key == "target" || key == "scene";
 }
 
-/// Tries a value alone.
+/// Checks one value.
 void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting) {
-  // An order of its own for each value, so that one value cannot hide a mistake of another.
+  // Each value has its own order: one value cannot hide a mistake of another.
   RunOrders(sweep).apply(setting);
   if (!isPathKey(setting.key) || fs::exists(setting.value.text)) return;
   throw inputErrorAt(setting.value.where,
@@ -577,7 +576,7 @@ void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting)
                                  setting.value.text));
 }
 
-/// Each value is tried alone: what a run of them all would refuse is for that run to say.
+/// Checks each value separately. Errors of a combination are reported by its run.
 void requireValid(const sweep::Sweep& sweep) {
   requireFamily(sweep);
   for (const sweep::SweepSetting& setting : sweep.settings) requireValid(sweep, setting);

@@ -22,10 +22,10 @@ namespace kirireel::cli {
 /// is at most `count`.
 struct SweepShard {
   std::uint64_t number = 1;  ///< from 1 to count
-  std::uint64_t count = 1;   ///< of shards, from 1
+  std::uint64_t count = 1;   ///< of shards, >= 1
 };
 
-/// Runs that are to be made or gathered. Nothing of the sweep file is read before carryOut().
+/// Runs to make or to gather. Nothing of the sweep file is read before carryOut().
 struct SweepOrder {
   std::filesystem::path sweep;   ///< the sweep file
   std::filesystem::path folder;  ///< empty: out/NAME of the sweep file
@@ -44,8 +44,8 @@ void completeOrder(const CLI::App& command, SweepOrder& order);
 
 /// Makes the runs that are missing and, unless it is one shard of several, gathers them all.
 /// Returns the exit code: 1 when a run has failed, but not when one ended short of its target. 4
-/// when a signal ended it. Throws InputError for a sweep file that cannot be meant, OutputError
-/// where the folder cannot be written.
+/// when a signal ended it. Throws InputError for an invalid sweep file, OutputError where the
+/// folder cannot be written.
 int carryOut(const SweepOrder& order);
 
 // ------------------------------------------------------------------------------------------------
@@ -66,12 +66,12 @@ class SweepRuns {
   /// As it was read.
   const sweep::Sweep& sweep() const { return sweep_; }
 
-  /// All that a run was told: the family, the settings of all runs, and its own parameters. `index`
+  /// All settings of a run: the family, the settings of all runs, and its own parameters. `index`
   /// is below the number of runs of the plan. By key, the family first.
   RunInputs inputs(std::uint64_t index) const;
 
   /// Twenty hexadecimal digits of orderFingerprint() of the run as `kirireel simulate` (or
-  /// `record`) would be told it, and of what it leaves.
+  /// `record`) as orders, and of its files.
   std::string name(std::uint64_t index) const;
 
   /// Makes the run in a folder. Throws what a run throws.

@@ -221,7 +221,7 @@ TEST(OptionCaption, NamesParts) {
   EXPECT_EQ(messageOf([] {
               cli::parseCaption({"--captions", "time,none"});
             }),
-            "error: --captions: 'time,none' is not allowed; give none alone, or parts such as "
+            "error: --captions: 'time,none' is not allowed; give none, or parts such as "
             "time,error");
 }
 

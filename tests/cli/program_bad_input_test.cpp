@@ -142,11 +142,11 @@ TEST(BadModel, ThicknessInAnotherUnit) {
   EXPECT_EQ(
       complaint("0.11"),
       "kirireel: tessellation_4x4: warning: bricks are 0.11 m thick, but a tile's mean edge is "
-      "1 m; lengths are in metres, and --thickness 0.02 would be usual\n");
+      "1 m; lengths are in metres; try --thickness 0.02\n");
   EXPECT_EQ(
       complaint("0.0009"),
       "kirireel: tessellation_4x4: warning: bricks are 0.0009 m thick, but a tile's mean edge "
-      "is 1 m; lengths are in metres, and --thickness 0.02 would be usual\n");
+      "is 1 m; lengths are in metres; try --thickness 0.02\n");
   const ProgramEnd inspected =
       runKirireel({"inspect", shippedModel("tessellation_4x4").string(), "--thickness", "0.11"});
   EXPECT_EQ(inspected.exitCode, 0);
@@ -292,8 +292,7 @@ TEST(BadSystem, StandardOutputThatIsFull) {
   setting.output = "/dev/full";
   const std::string model = shippedModel("tessellation_4x4").string();
   const std::string part =
-      "error: standard output cannot be written (No space left on device); files are written all "
-      "the same";
+      "error: standard output cannot be written (No space left on device); the files were written";
   const ScratchFolder scratch;
   const std::string out = (scratch / "out").string();
   expectOneLine(runKirireel({"--help"}, setting), 1, part);

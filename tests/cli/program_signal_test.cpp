@@ -95,7 +95,8 @@ TEST(Interrupt, OfAStudyKeepsTheFinishedRows) {
   program.sendSignal(SIGINT);
   const ProgramEnd end = program.wait();
   EXPECT_EQ(end.exitCode, 4) << end.err;
-  EXPECT_THAT(end.err, testing::HasSubstr("interrupted; --resume goes on after the finished rows"));
+  EXPECT_THAT(end.err,
+              testing::HasSubstr("interrupted; --resume continues after the finished rows"));
   EXPECT_THAT(readText(scratch / "tessellation.csv"),
               testing::HasSubstr("\ndirect 1/240 s plane,"));
   EXPECT_FALSE(std::filesystem::exists(scratch / "tessellation.json"));

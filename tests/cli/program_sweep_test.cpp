@@ -184,7 +184,7 @@ TEST_F(SweepProgram, InterruptEndsItAndSaysHowToGoOn) {
   program.sendSignal(SIGINT);
   const ProgramEnd end = program.wait();
   EXPECT_EQ(end.exitCode, 4);
-  EXPECT_THAT(end.out, HasSubstr("interrupted; the same command goes on from here: 0 runs made"));
+  EXPECT_THAT(end.out, HasSubstr("interrupted; the same command continues from here: 0 runs made"));
   EXPECT_THAT(records(), SizeIs(0));
 }
 
@@ -246,7 +246,7 @@ TEST_F(SweepProgram, BillionRunsAreToBeConfirmed) {
             "density = {from = 1, to = 2, count = 1000}\nduration = {from = 1, to = 2, count = "
             "1000}\n"),
       "sweep.toml: error: these are 1e+09 runs, about 1157 days of one core at 0.1 s each; give "
-      "fewer values, or --yes if that is what you want");
+      "fewer values, or add --yes");
 }
 
 TEST_F(SweepProgram, ShardOutOfRange) {
