@@ -1,5 +1,5 @@
-// Numbers of tiles as people write them. An index of a file is a whole number from 0 on; whether
-// the model has such a tile, and counts from 0 or from 1, is known once the model is read.
+// Numbers of tiles as in files. An index is a whole number >= 0. The range depends on the model,
+// which may count from 0 or 1.
 #include "sim/scene/conditions.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace kirireel::scene {
 
-// Throws InputError for anything but a whole number that an int holds, from 0.
+// Throws InputError for anything but a whole number that an int holds, >= 0.
 int readIndex(const TomlValue& value, const std::string& allowed) {
   const std::int64_t* number = value.whole();
   if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
@@ -83,7 +83,7 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
     } else if (amount.key == "z") {
       grip.z = read();
     } else if (amount.key == "turn") {
-      // A moment is in N m as it stands, a turn is typed in degrees.
+      // A moment is in N m, a turn is typed in degrees.
       grip.turn = read() * (grip.isForce ? 1 : kDegree);
     } else {
       refuseKey(amount, "key of a grip's " + entry.key, kAmountKeys);
@@ -117,7 +117,7 @@ GripSetting readGrip(const TomlValue& value) {
   GripSetting grip;
   grip.where = value.where;
   for (const TomlEntry& entry : *table) readGripKey(entry, grip);
-  // Keys are counted and not only looked for: one of two has to be there, and not both.
+  // Exactly one of two keys must be given.
   const auto has = [&](const char* key) { return find(*table, key) ? 1 : 0; };
   if (has("tile") + has("tiles") != 1) {
     throw inputErrorAt(value.where, "a grip holds tiles; give one of tile = 3 and tiles = [3, 4]");
@@ -134,7 +134,7 @@ GripSetting readGrip(const TomlValue& value) {
   }
   // A point has no direction that could turn.
   if (grip.turn && !grip.vertices.empty()) {
-    throw inputErrorAt(value.where, "points do not turn; leave turn away, or vertex and edge");
+    throw inputErrorAt(value.where, "points do not turn; remove turn, or vertex and edge");
   }
   return grip;
 }
@@ -181,13 +181,13 @@ void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model) {
 
 // ------------------------------------------------------------------------------------------------
 // Surfaces of obstacles as polygons, for pictures, and the floor that a box is thickened from. A
-// sphere's polygons have their corners on the sphere, so that they lie within it by up to about
-// one per cent of the radius; collisions use the exact sphere (contacts/contact_finder.h).
+// sphere's polygons have their corners on the sphere, and lie within it by up to about one per cent
+// of the radius; collisions use the exact sphere (contacts/contact_finder.h).
 
 namespace {
 
-// Of the polyhedron that stands for a sphere in pictures: bands from pole to pole, and twice as
-// many round it.
+// Of the polyhedron that shows a sphere in pictures: bands from pole to pole, and twice as many
+// round it.
 constexpr int kBands = 16;
 
 // A polygon in an obstacle's axes as one in the world's.
@@ -212,8 +212,8 @@ std::vector<model::Tile> sphereFaces(const Obstacle& sphere) {
     for (int sector = 0; sector < 2 * kBands; ++sector) {
       model::Tile& face = faces.emplace_back();
       face.vertices = {onSphere(sphere, band, sector), onSphere(sphere, band + 1, sector)};
-      // At a pole the two corners of a band's border coincide, so that one of them is left out.
-      // Triangles at the poles.
+      // At a pole the two corners of a band's border coincide. One of them is omitted. Triangles at
+      // the poles.
       if (band + 1 < kBands) face.vertices.push_back(onSphere(sphere, band + 1, sector + 1));
       if (band > 0) face.vertices.push_back(onSphere(sphere, band, sector + 1));
     }
@@ -224,7 +224,7 @@ std::vector<model::Tile> sphereFaces(const Obstacle& sphere) {
 // Floor and walls of a box in the world's axes.
 std::vector<model::Tile> boxFaces(const Obstacle& box) {
   const model::Tile floor = boxFloor(box, box.size);
-  // The brick of the floor is the box, so that pictures and contacts have the same faces.
+  // The brick of the floor is the box: pictures and contacts have the same faces.
   const model::Brick brick = model::makeBrick(floor, {.thickness = box.size.z()});
   std::vector<model::Tile> faces;
   for (std::vector<Vector3>& corners : model::brickFaces(brick)) {
@@ -371,8 +371,8 @@ std::string actionName(const timeline::Action& action) {
   return kNames[action.index()];
 }
 
-// Throws InputError at the first entry that makes no sense. Entries are looked at in their order,
-// because one may set the target that a later one waits for.
+// Throws InputError for the first invalid entry. Entries are checked in their order, because one
+// may set the target that a later one waits for.
 void checkTimeline(const Timeline& timeline, const model::Model& model) {
   bool hasTarget = model.target.has_value();
   for (const TimelineEntry& entry : timeline) {

@@ -1,5 +1,4 @@
-/// What holds, moves and hinders a sheet: grips, obstacles, velocities at the start, and what
-/// happens on the way.
+/// Conditions of a sheet: grips, obstacles, initial velocities and the timeline.
 #pragma once
 
 #include <filesystem>
@@ -19,10 +18,11 @@ namespace kirireel::scene {
 // ------------------------------------------------------------------------------------------------
 // Numbers of tiles and vertices as files and scene files have them.
 
-/// A whole number from 0. Throws InputError that says what is wanted.
+/// A whole number >= 0. Throws InputError with `allowed` in its message.
 int readIndex(const TomlValue& value, const std::string& allowed);
 
-/// One or more of them. Throws InputError that says what is wanted, of the list or of an element.
+/// One or more of them. Throws InputError with `allowed` for the list, or `allowedElement` for an
+/// element.
 std::vector<int> readIndices(const TomlValue& value, const std::string& allowed,
                              const std::string& allowedElement);
 
@@ -33,19 +33,19 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
 // ------------------------------------------------------------------------------------------------
 // [[grip]] in a scene file: what holds, moves or pushes parts of a sheet while it is loaded.
 
-/// One grip. What it says is reached at the load 1, and in proportion before; what it does not say
-/// is free.
+/// One grip. Its moves or forces grow in proportion to the load and are complete at the load 1.
+/// Directions that it does not name are free.
 struct GripSetting {
-  std::vector<int> tiles;     ///< that it holds, one or more
+  std::vector<int> tiles;     ///< held tiles, at least one
   std::vector<int> vertices;  ///< of each of them: none, where the tile as a whole is held (its
                               ///< middle), one, or the two of an edge
   std::vector<model::Corner>
       corners;                 ///< these vertices in the model's numbers, see numberAsModel()
   bool isForce = false;        ///< newtons and N m that push, else metres and radians of moves
-  std::optional<double> x;     ///< 0 holds, where it moves
-  std::optional<double> y;     ///< likewise
-  std::optional<double> z;     ///< likewise, of sheets in space
-  std::optional<double> turn;  ///< anticlockwise; of whole tiles alone
+  std::optional<double> x;     ///< fixed if 0
+  std::optional<double> y;     ///< the same
+  std::optional<double> z;     ///< the same, of sheets in space
+  std::optional<double> turn;  ///< anticlockwise; only of whole tiles
   FileLocation where;          ///< in the scene file, for messages
 };
 
@@ -53,9 +53,9 @@ struct GripSetting {
 ///
 ///     tile = NUMBER or tiles = [NUMBERS], and where not all of it: vertex = NUMBER or
 ///     edge = [NUMBER, NUMBER]; then one of move = {x = METRES, y = METRES, turn = DEGREES} and
-///     force = {x = NEWTONS, y = NEWTONS, turn = N_M}, of which any may be left out; z likewise.
+///     force = {x = NEWTONS, y = NEWTONS, turn = N_M}, each optional; z like x.
 ///
-/// Throws InputError with file:line:column for what is none of this.
+/// Throws InputError with file:line:column for anything else.
 std::vector<GripSetting> readGrips(const TomlValue& value);
 
 /// Turns numbers of tiles, as the model's file has them, into the model's own, and sets the corners
@@ -63,22 +63,22 @@ std::vector<GripSetting> readGrips(const TomlValue& value);
 void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model);
 
 // ------------------------------------------------------------------------------------------------
-// Things that do not move and that bricks run into.
+// Fixed obstacles.
 
-/// One thing that stays where it is. Joints, forces and drags do not move it.
+/// A fixed obstacle. Joints, forces and drags do not move it.
 struct Obstacle {
   /// What it is.
   enum class Shape {
     Box,     ///< with six flat sides
     Sphere,  ///< round
-    Mesh,    ///< a surface without thickness, met from both sides
+    Mesh,    ///< a surface without thickness, with contact on both sides
   };
   Shape shape = Shape::Box;        ///< what it is
-  Vector3 size = Vector3::Ones();  ///< of a box, along its own axes, metres, above 0
-  double radius = 1;               ///< of a sphere, metres, above 0
+  Vector3 size = Vector3::Ones();  ///< of a box, along its own axes, metres, > 0
+  double radius = 1;               ///< of a sphere, metres, > 0
   std::vector<model::Tile> mesh;   ///< flat convex faces of a mesh, in its own axes
   Pose pose;                       ///< of the middle of a box or sphere, of a mesh's axes
-  double friction = 0.5;           ///< Coulomb coefficient, from 0
+  double friction = 0.5;           ///< Coulomb coefficient, >= 0
 };
 
 /// The surface of an obstacle as outward anticlockwise polygons (a mesh's as they are), world axes.
@@ -116,8 +116,8 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
 // The timeline: what happens to a running deployment, and when. The headless form of pinning and
 // dragging tiles by hand.
 
-/// When an entry of a timeline comes due. Entries happen in their order: each waits until all
-/// before it have happened.
+/// When an entry of a timeline happens. Entries happen in their order: each waits until all before
+/// it have happened.
 struct Trigger {
   /// What it waits for.
   enum class Kind {
@@ -154,8 +154,8 @@ struct Drag {
   std::vector<Vector3> path;  ///< at least one point, world axes; from where the tile is, at even
                               ///< speed
   double seconds = 1;         ///< that the path takes, positive
-  double stiffness = 1000;    ///< N/m, from 0
-  double damping = 50;        ///< N s/m, from 0
+  double stiffness = 1000;    ///< N/m, >= 0
+  double damping = 50;        ///< N s/m, >= 0
 };
 
 /// Switches the actuation.
@@ -193,7 +193,7 @@ using Action = std::variant<Pin, Unpin, Drag, Forces, Pause, GoTo, Snapshot, Exp
 
 /// One thing that happens.
 struct TimelineEntry {
-  Trigger when;             ///< when it comes due
+  Trigger when;             ///< when it happens
   timeline::Action action;  ///< what happens then
   FileLocation where;       ///< in the scene file, for messages
 };

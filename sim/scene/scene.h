@@ -1,4 +1,4 @@
-/// The scene: a model plus everything that decides how it deploys.
+/// The scene: a model with all settings of its deployment.
 #pragma once
 
 #include <cmath>
@@ -19,12 +19,12 @@ namespace kirireel::scene {
 /// The horizontal plane that bricks rest on.
 struct Ground {
   double height = 0;      ///< z of the plane, metres
-  double friction = 0.5;  ///< Coulomb coefficient, from 0
+  double friction = 0.5;  ///< Coulomb coefficient, >= 0
 };
 
 /// Which pairs of bricks may touch.
 enum class ContactFilter {
-  Auto,      ///< all pairs where bricks would meet on the way, else none; resolved by deploy()
+  Auto,      ///< all pairs if bricks collide on the path, else none; resolved by deploy()
   None,      ///< no pair: bricks pass through each other
   Unjoined,  ///< pairs that share no joint (what PyKirigami's --no_collision does)
   All,       ///< every pair, away from shared pivots (see Environment::pivotZone)
@@ -34,28 +34,29 @@ enum class ContactFilter {
 struct Environment {
   Vector3 gravity = Vector3::Zero();             ///< m/s^2
   std::optional<Ground> ground;                  ///< absent: there is none
-  std::vector<Obstacle> obstacles;               ///< that all bricks run into
+  std::vector<Obstacle> obstacles;               ///< obstacles of all bricks
   ContactFilter contacts = ContactFilter::None;  ///< which pairs may touch
-  /// Joined bricks meet without the corners that they share: so much of the mean edge is left out
-  /// of each edge there. From 0 (bricks meet up to the pivot) to 0.4.
+  /// Contacts of joined bricks ignore the corners that they share: this fraction of the mean edge
+  /// at each end, in [0, 0.4]. 0: contacts reach the pivot.
   double pivotZone = 0.05;
-  double brickFriction = 0;      ///< Coulomb coefficient between bricks, from 0
-  double linearDamping = 0.05;   ///< part of the velocity lost a second, as PyBullet has it
+  double brickFriction = 0;      ///< Coulomb coefficient between bricks, >= 0
+  double linearDamping = 0.05;   ///< fraction of velocity lost per second, as in PyBullet
   double angularDamping = 0.05;  ///< the same for the angular velocity
 };
 
 /// Springs from every bottom vertex to its target (paper, Algorithm 2), acting as one force at the
 /// mean of the vertices and one torque about it. What is not given in N/m follows from a frequency
-/// and a damping ratio by each brick's own mass and inertia, so that tiles of another size, density
-/// or unit move alike: see springOf(), where the equations stand.
+/// and a damping ratio by each brick's own mass and inertia. Tiles of another size, density or unit
+/// then move alike: see springOf() for the equations.
 struct TargetSpringSettings {
-  double frequency = 3.2;      ///< of a brick alone that its springs swing undamped, Hz, above 0
-  double dampingRatio = 1.25;  ///< damping over the critical one, from 0
-  std::optional<double> springStiffness;  ///< k_f, N/m for each vertex, from 0
-  std::optional<double> torqueStiffness;  ///< k_tau, N/m for each vertex, from 0
-  std::optional<double> forceDamping;     ///< mu_v, N s/m, from 0
-  std::optional<double> torqueDamping;    ///< mu_omega, N m s, from 0
-  double turnShare = 1;  ///< of k_f by frequency, k_tau where none is given, from 0
+  double frequency =
+      3.2;  ///< undamped natural frequency of one brick on its vertex springs, Hz, > 0
+  double dampingRatio = 1.25;             ///< damping over the critical one, >= 0
+  std::optional<double> springStiffness;  ///< k_f, N/m for each vertex, >= 0
+  std::optional<double> torqueStiffness;  ///< k_tau, N/m for each vertex, >= 0
+  std::optional<double> forceDamping;     ///< mu_v, N s/m, >= 0
+  std::optional<double> torqueDamping;    ///< mu_omega, N m s, >= 0
+  double turnShare = 1;                   ///< of k_f by frequency: k_tau if it is not given, >= 0
   bool adaptive = true;  ///< double both stiffnesses when the error stalls, up to 16 times
 
   /// Whether they pull at all; without stiffness they only damp.
@@ -65,7 +66,7 @@ struct TargetSpringSettings {
 /// The paper's constants (100 N/m, 100 N/m, 50 N s/m, 2 N m s), which are for bricks of 1 kg.
 TargetSpringSettings paperSprings();
 
-/// The spring of one hinge, as a file of hinges has it: what it leaves out is as for all.
+/// The spring of one hinge in a file of hinges. Missing values are those of all hinges.
 struct OwnHingeSpring {
   int tileA = 0;                    ///< the hinge's tiles, in either order
   int tileB = 0;                    ///< the other
@@ -78,32 +79,33 @@ struct OwnHingeSpring {
 /// A neck of the sheet's material at each corner where tiles turn against each other, as thick as
 /// the bricks: see neckStiffness().
 struct HingeNeck {
-  double width = 0;      ///< metres, above 0; 0: each joint has the neck of the model
-  double length = 0;     ///< metres, from 0
-  double youngs = 0;     ///< modulus, Pa, above 0
-  double poisson = 0.3;  ///< ratio, from 0 to below 0.5
+  double width = 0;      ///< metres, > 0; 0: each joint has the neck of the model
+  double length = 0;     ///< metres, >= 0
+  double youngs = 0;     ///< modulus, Pa, > 0
+  double poisson = 0.3;  ///< ratio, in [0, 0.5)
 };
 
 /// The material of tiles that stretch and bend, as thick as the bricks: see BarHingeSheet.
 struct PanelMaterial {
-  double youngs = 0;      ///< modulus, Pa, above 0
-  double poisson = 0.3;   ///< ratio, from 0 to below 0.5
+  double youngs = 0;      ///< modulus, Pa, > 0
+  double poisson = 0.3;   ///< ratio, in [0, 0.5)
   double foldLength = 0;  ///< see foldStiffness(), metres; 0: folds are as stiff as hinges are
 };
 
 /// Torsional springs at the hinges: see HingeSpring.
 struct HingeSettings {
-  double stiffness = 0;           ///< of all hinges, N m/rad, from 0
-  std::optional<HingeNeck> neck;  ///< says the stiffness at corners
-  /// Whether necks give in every way, not in their angle alone; under grips.
+  double stiffness = 0;           ///< of all hinges, N m/rad, >= 0
+  std::optional<HingeNeck> neck;  ///< gives the stiffness at corners
+  /// Whether necks also stretch and shear; with grips only.
   bool areLigaments = false;
-  std::optional<PanelMaterial> panels;  ///< tiles give too: under grips, and where they are split
+  std::optional<PanelMaterial>
+      panels;  ///< tiles stretch and bend: with grips, and in motion if they are split
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
-  double damping = 0;               ///< N m s/rad, from 0
-  std::filesystem::path file;       ///< springs of hinges one by one; empty: there is none
+  double damping = 0;               ///< N m s/rad, >= 0
+  std::filesystem::path file;       ///< file of single hinges; empty: none
   std::vector<OwnHingeSpring> own;  ///< what it holds, read by completeScene()
 
-  /// Whether hinges have springs or dashpots of their own, whatever tiles are made of.
+  /// Whether hinges have their own springs or dashpots, for any material of the tiles.
   bool areGiven() const {
     return stiffness > 0 || neck || damping > 0 || !file.empty() || !own.empty();
   }
@@ -122,12 +124,11 @@ enum class Drive {
 
 /// The curve that boundary springs pull to: an ellipse round the middle of the hull's corners.
 struct BoundaryCurve {
-  double size =
-      2;  ///< its width (along y) over that of the smallest circle round the hull, above 0
+  double size = 2;    ///< its width (along y) over that of the smallest circle round the hull, > 0
   double aspect = 1;  ///< its length (along x) over its width: 1 a circle, else an oblong; above 0
 };
 
-/// What drives the bricks, and how. The strength is that of TargetSpringSettings.
+/// What drives the bricks. Its strength is in TargetSpringSettings.
 struct Actuation {
   Drive drive = Drive::Target;  ///< what it is
   BoundaryCurve boundary;       ///< of boundary springs
@@ -140,8 +141,9 @@ enum class PathKind {
   Continuation,  ///< the mechanism is followed as geometry, at an even pace; see continueAlong()
   /// By springs: straight where that arrives, else guided, on joints as stiff as arrives.
   Dynamic,
-  Straight,  ///< the springs pull towards the target from the start on (the paper's way)
-  Guided,    ///< each tile is guided along its own rigid motion, by its turn more than by its place
+  Straight,  ///< the springs pull towards the target from the start (as in the paper)
+  Guided,    ///< each tile is guided along its own rigid motion, more by its rotation than by its
+             ///< position
 };
 
 /// Where a run leads.
@@ -154,21 +156,21 @@ enum class Destination {
 struct PathSettings {
   PathKind kind = PathKind::Dynamic;  ///< how tiles get there
   /// Seconds of expansion from the common centre before the tiles are guided: room for bricks that
-  /// would wedge in each other. From 0.
+  /// would jam. >= 0.
   double openTime = 0;
-  double guideTime = 4;  ///< seconds in which the tiles are guided to the target, above 0
+  double guideTime = 4;  ///< seconds in which the tiles are guided to the target, > 0
   /// k_f while guided, N/m; absent: twice that of the springs' frequency. k_tau is 40 times k_f.
   std::optional<double> guideStiffness;
   /// Of each pivot, N/m: while guided, joints are compliant and are closed at the end, on a
   /// straight path they are compliant throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
-  /// What finding a path may cost, seconds of a reference core (see
-  /// SearchBudget), from 0. Short runs get less: see deploy().
+  /// What finding a path may cost, seconds of a reference core (see SearchBudget), >= 0. Short runs
+  /// get less: see deploy().
   double searchTime = 60;
-  /// Seconds in which a path of the mechanism is walked, at an even pace, above 0. A shorter
-  /// duration of the run comes first.
+  /// Seconds in which a kinematic path is played back, at an even pace, > 0. A shorter duration of
+  /// the run comes first.
   double walkTime = 6;
-  /// Equilibria that grips lead through, at the least, while the load grows from 0 to 1; from 1.
+  /// Least number of equilibria while the load of grips grows from 0 to 1; >= 1.
   int loadSteps = 1;
   Destination to = Destination::Auto;  ///< where the path leads
 
@@ -182,8 +184,8 @@ enum class SolverKind {
   Bullet,  ///< Bullet's sequential impulses: the baseline
 };
 
-/// Error in time that a step of a run with dynamics may make unless told otherwise, tiles: about
-/// what 1/240 s costs in fixed steps, for a fortieth of their error (docs/accuracy.md).
+/// Default error in time of one step of a run with dynamics, tiles: about what 1/240 s costs in
+/// fixed steps, for a fortieth of their error (docs/accuracy.md).
 inline constexpr double kDefaultTolerance = 1e-3;
 
 /// How a step is computed.
@@ -200,9 +202,10 @@ struct SolverSettings {
   std::optional<int> substeps;  ///< solver steps in each; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep
   std::optional<bool> planar;   ///< force 3 (true) or 6 (false) degrees of freedom a tile
-  unsigned seed = 1;            ///< of the nudge that leaves a singular start
+  unsigned seed = 1;            ///< of the perturbation that breaks symmetric starts
 
-  /// Whether a tolerance was asked for: one that is not the usual one, which gives way.
+  /// Whether the tolerance was set by the user: it differs from the default, which other settings
+  /// override.
   bool isToleranceGiven() const { return tolerance > 0 && tolerance != kDefaultTolerance; }
 };
 
@@ -215,10 +218,10 @@ struct StopRules {
 
 /// How the start is moved onto the target, as a rigid whole, before a run.
 struct StartAlignment {
-  bool requested = true;  ///< false: the start stays where the model has it
+  bool requested = true;  ///< false: the start keeps its position in the model
   bool byHeld = false;    ///< the tiles that are pinned from the start on were fitted, not all
-  double moved = 0;       ///< by how much the farthest vertex was, metres
-  double turned = 0;      ///< by how much the whole was, radians from 0 to pi
+  double moved = 0;       ///< of the farthest vertex, metres
+  double turned = 0;      ///< of the whole, radians in [0, pi]
 };
 
 /// Everything that a run depends on.
@@ -252,12 +255,12 @@ struct Need {
   }
 };
 
-/// What a scene needs and what it can do without.
+/// What a scene needs.
 struct Needs {
   Need planar;     ///< three degrees of freedom a tile instead of six
   Need contacts;   ///< collision detection between bricks
   Need ground;     ///< the ground plane as a contact
-  Need obstacles;  ///< things that bricks run into
+  Need obstacles;  ///< fixed obstacles
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
@@ -271,11 +274,11 @@ struct Needs {
 /// its position)".
 std::string describe(const StartAlignment& alignment);
 
-/// A scene without a model, with what a run has unless told otherwise. It leaves to the program
-/// what can be found from a model: path, contacts, drive, and thickness, which is 0.
+/// A scene without a model, with the program's defaults. Path, contacts and drive are found from
+/// the model later, and thickness (here 0).
 Scene openScene();
 
-/// Sets drive and thickness from the model where they were left open.
+/// Sets drive and thickness from the model if they are not set.
 void fillFromModel(Scene& scene);
 
 /// Multiplies all lengths of a scene by a factor > 0, but those of its model: a scene is typed in
@@ -285,11 +288,11 @@ void scaleLengths(Scene& scene, double factor);
 /// What drives a model by default: Target where it has one, else Expansion.
 Drive defaultDrive(const model::Model& model);
 
-/// The lowest z of start and target: where the ground lies unless told otherwise, metres.
+/// The lowest z of start and target: default height of the ground, metres.
 double lowestPoint(const model::Model& model);
 
-/// The lowest z of the bricks at the start and at the target: where a ground that touches them but
-/// pushes none away must stand. Metres.
+/// The lowest z of the bricks at the start and at the target: the height of a ground that touches
+/// them without pushing. Metres.
 double lowestPoint(const Scene& scene);
 
 }  // namespace kirireel::scene

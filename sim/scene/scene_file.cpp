@@ -2,10 +2,9 @@
 //
 // The file is read in two layers. Tables of settings ([environment] and so on) become texts with a
 // key each; what they mean, and which values they may have, is known to the list of settings
-// (settings.h) alone. Lists of tables ([[timeline]], [[obstacle]], [[velocity]], [[grip]]) have a
-// form of their own and are read here. Every value knows its line and column, so that a message can
-// point at it. Unknown keys are errors, as a misspelt key would otherwise be a setting without
-// effect.
+// (settings.h). Lists of tables ([[timeline]], [[obstacle]], [[velocity]], [[grip]]) have their own
+// form and are read here. Every value has its line and column: a message can point at it. Unknown
+// keys are errors, as a misspelt key would otherwise be a setting without effect.
 #include "sim/scene/scene_file.h"
 
 #include <algorithm>
@@ -35,7 +34,7 @@ std::vector<int> readTiles(const TomlValue& value, const std::string& allowed) {
   return readIndices(value, allowed, "a tile number");
 }
 
-// Three coordinates, metres (or degrees, where a caller says so).
+// Three coordinates, metres (or degrees, for some callers).
 Vector3 readPoint(const TomlValue& value) {
   const std::vector<TomlValue>* array = value.array();
   if (!array || array->size() != 3) refuseValue(value, "a point [x, y, z]");
@@ -74,7 +73,7 @@ struct EntryParts {
   std::vector<Action> actions;
 };
 
-// Each key of an entry appends what it says: a moment or an action.
+// Each key of an entry appends a moment or an action.
 using PartReader = std::function<void(const TomlValue&, EntryParts&)>;
 
 constexpr double kLongest = 1e6;  // seconds
@@ -175,13 +174,13 @@ void readTarget(const TomlValue& value, EntryParts& parts) {
   if (*text == kOwnTarget) {
     parts.actions.emplace_back(GoTo{});
   } else {
-    // Files are named relative to the scene file, so that a folder can be moved as a whole.
+    // Files are named relative to the scene file: a folder can be moved as a whole.
     const std::filesystem::path folder = value.where.file.parent_path();
     parts.actions.emplace_back(GoTo{folder / *text, {}});
   }
 }
 
-/// An action without anything to say but that it happens.
+/// An action without parameters.
 template <typename T>
 void readPlain(const TomlValue& value, EntryParts& parts) {
   if (value.truth() == nullptr || !*value.truth()) refuseValue(value, "true");
@@ -223,12 +222,11 @@ TimelineEntry readEntry(const TomlValue& value) {
     }
     found->second(entry.value, parts);
   }
-  // Counting what was found tells every mistake of this kind: nothing to do, two things at once,
-  // two moments.
+  // The counts find all mistakes of this kind: no action, two actions, two moments.
   if (parts.actions.size() != 1 || parts.moments.size() > 1) {
     throw inputErrorAt(
         value.where,
-        fmt::format("this entry says {} times when and {} times what; give one of at, after, "
+        fmt::format("this entry has {} times and {} actions; give one of at, after, "
                     "error_below, progress (or none: at once), and one of pin, unpin, drag, "
                     "forces, pause, target, snapshot, export, reset, quit",
                     parts.moments.size(), parts.actions.size()));
@@ -273,12 +271,12 @@ Vector3 boxSize(const TomlValue& value) {
 /// Turns about the axes of the world, x first, as they are typed in degrees.
 Quaternion turn(const TomlValue& value) {
   const Vector3 angles = kDegree * readPoint(value);
-  // The rotation about x is applied first, so that it stands on the right.
+  // The rotation about x is applied first: it is on the right.
   return rotationFromVector({0, 0, angles.z()}) * rotationFromVector({0, angles.y(), 0}) *
          rotationFromVector({angles.x(), 0, 0});
 }
 
-// Faces of an OBJ file as they stand, convex and flat or not: contacts take each face by itself.
+// Faces of an OBJ file without checks of convexity or flatness: contacts take each face by itself.
 std::vector<model::Tile> meshFaces(const TomlValue& value) {
   const std::string* name = value.text();
   if (!name || name->empty()) refuseValue(value, "the name of an OBJ file");
@@ -398,7 +396,7 @@ std::string entriesText(const SceneFile& file, bool withFileNames) {
   };
   std::string text;
   for (const TomlEntry& list : file.entries) {
-    // Only lists that were read without fault are kept, so that their types are known.
+    // Only lists that were read without fault are kept: their types are known.
     for (const TomlValue& element : *list.value.array()) {
       text += fmt::format("\n[[{}]]\n", list.key);
       for (const TomlEntry& entry : *element.table()) {

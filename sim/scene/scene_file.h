@@ -1,4 +1,4 @@
-/// scene.toml: the settings and the timeline of a run, in a file beside the model.
+/// scene.toml: the settings and the timeline of a run, in a file next to the model.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct SceneSetting {
   std::string key;                  ///< as written
   std::vector<std::string> values;  ///< one, or one an element for arrays of texts or of arrays;
                                     ///< an array of numbers is one text, "0,0,-9.81"
-  bool isSwitch = false;            ///< true or false, values.front() says which
+  bool isSwitch = false;            ///< true or false, see values.front()
   FileLocation where;               ///< of the value
 };
 
@@ -30,7 +30,7 @@ struct SceneFile {
   std::vector<Obstacle> obstacles;
   std::vector<InitialVelocity> velocities;  ///< of tiles at the start
   std::vector<GripSetting> grips;           ///< in the numbers of the model's file
-  TomlTable entries;                        ///< the lists of tables as they stand in the file
+  TomlTable entries;                        ///< the lists of tables, in file order
 };
 
 /// The entries of these lists as a scene file has them, in one spelling; without the names of the
@@ -47,7 +47,7 @@ std::string entriesText(const SceneFile& file, bool withFileNames);
 /// "FILE.obj" (flat convex faces), at position = [X, Y, Z], turned by rotation = [X, Y, Z] (degrees
 /// about the axes, x first), with friction.
 ///
-/// A timeline entry says when, by one of
+/// The time of a timeline entry is one of
 ///   at = SECONDS, at = "rest", at = "target", after = SECONDS (0), error_below = METRES,
 ///   progress = SHARE,
 /// and what, by one of
@@ -55,8 +55,8 @@ std::string entriesText(const SceneFile& file, bool withFileNames);
 ///   damping}, forces = "on" or "off", pause = SECONDS, target = "FILE" or "model",
 ///   snapshot = true, export = true, reset = true, quit = true.
 ///
-/// Throws InputError with file:line:column for what is no TOML, for unknown tables and timeline
-/// keys (suggesting the nearest), and for values that a timeline or an obstacle does not allow.
+/// Throws InputError with file:line:column for invalid TOML, for unknown tables and timeline keys
+/// (suggesting the nearest), and for values that a timeline or an obstacle does not allow.
 SceneFile readSceneFile(const std::filesystem::path& path);
 
 }  // namespace kirireel::scene

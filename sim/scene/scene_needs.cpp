@@ -1,14 +1,14 @@
-// What a scene needs: decisions made from the scene alone, before anything moves, each with the
-// reason that the summary states.
+// The needs of a scene: decided from the scene only, before anything moves, each with the reason
+// that the summary states.
 //
 // *Planar* scenes have three degrees of freedom a tile in place of six, which makes a step about
 // three times as cheap. A scene is planar where nothing can push a brick out of its plane: start
 // and all targets are flat and at one height (to 1e-9 of the model's size), no tile is turned over
 // on the way, no speed, drag, obstacle or gravity points out of the plane, unless the ground
 // carries gravity's part. *Quasi-static* scenes need no dynamics: only geometry decides where the
-// sheet goes, so that its mechanism can be followed without masses and time. Everything that a user
-// gives beyond the model and the numbers of the output (a drive, a timeline, springs, friction,
-// ...) speaks of dynamics.
+// sheet goes. Its mechanism can be followed without masses and time. Everything that a user gives
+// beyond the model and the numbers of the output (a drive, a timeline, springs, friction, ...)
+// speaks of dynamics.
 #include "sim/scene/scene_needs.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ bool isVertical(const Vector3& vector) {
 /// All targets that the bricks may be pulled to.
 std::vector<const std::vector<model::Tile>*> targets(const Scene& scene) {
   std::vector<const std::vector<model::Tile>*> found;
-  // Other drives do not look at the targets.
+  // Other drives ignore the targets.
   if (scene.actuation.drive != Drive::Target) return found;
   if (scene.model.target) found.push_back(&*scene.model.target);
   for (const TimelineEntry& entry : scene.timeline) {
@@ -72,9 +72,9 @@ bool foldsOutOfPlane(const Scene& scene) {
          });
 }
 
-// The first reason found is the one told; their order goes from the most to the least basic.
+// Reports the first reason found. The order is from the most to the least basic.
 Need planarNeed(const Scene& scene) {
-  // An answer that was asked for is not questioned.
+  // A user's choice is final.
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   if (!scene.spaceReason.empty()) return {false, scene.spaceReason};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};

@@ -1,10 +1,10 @@
 // What the command line adds to a model, in the order in which one depends on the other: targets
 // first, as the start is aligned to the last of them; then numbers of tiles in the timeline; then
-// the alignment, which looks at the tiles that are pinned; then what is measured in the aligned
-// state (links, fixed joints).
+// the alignment, which depends on the pinned tiles; then what is measured in the aligned state
+// (links, fixed joints).
 //
-// Everything that a user types counts tiles and vertices as the model's file does (from 0 or from
-// 1, in the file's order). Here these numbers become the model's own.
+// Users number tiles and vertices as in the model's file (from 0 or from 1, in the file's order).
+// Here these numbers become the model's own.
 #include "sim/scene/scene_parts.h"
 
 #include <algorithm>
@@ -47,8 +47,8 @@ void addWaypoints(Scene& scene) {
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
-/// Letters without angles fold by 180 degrees only if nothing else says how far: springs with a
-/// rest angle of their own fold the sheet instead of a pull to a target.
+/// Letters without angles fold by 180 degrees only if no other setting gives the angle: springs
+/// with a rest angle of their own fold the sheet instead of a pull to a target.
 void foldBySprings(Scene& scene) {
   const bool givesTarget = scene.model.drawing && scene.model.drawing->givesTarget;
   const bool areSprung = scene.hinges.stiffness > 0 && scene.hinges.rest;
@@ -104,7 +104,7 @@ void requireVertex(const model::Model& model, const model::Corner& corner, const
                                option, corner.tile, first, end - 1, corner.vertex));
 }
 
-// Pairs of tiles that move as one from where they stand.
+// Pairs of tiles that move as one, in their present relative position.
 void addFixed(const std::vector<std::array<int, 2>>& pairs, model::Model& model) {
   for (const auto& [tileA, tileB] : pairs) {
     requireTwoTiles(model, tileA, tileB, "`fix`");
@@ -148,12 +148,12 @@ void release(const std::vector<int>& freed, std::vector<int>& held) {
 }
 
 /// The tiles that are pinned before anything moves and stay so to the end: the target can only be
-/// reached where they stand. Those that are freed on the way can still go there.
+/// reached at their position. Tiles that are freed later can still go there.
 std::vector<int> heldTiles(const Timeline& timeline) {
   std::vector<int> held;
   for (const TimelineEntry& entry : timeline) {
-    // Entries happen in their order, so that the first one that waits ends what happens before
-    // anything moves.
+    // Entries happen in their order: the first one that waits ends what happens before anything
+    // moves.
     const bool isAtOnce = entry.when.value == 0 && (entry.when.kind == Trigger::Kind::After ||
                                                     entry.when.kind == Trigger::Kind::AtTime);
     if (!isAtOnce) break;
@@ -306,10 +306,10 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
 //    its line in the file where the line has them, else those of all hinges; a fold rests else at
 //    the angle that a FOLD file has for it, all others at that of the start. The stiffness of all
 //    hinges may be that of a neck of material (stiffness.h) where tiles turn about a corner. A
-//    neck without length beside a slit that is shut at the start has the stiffness of the end of a
+//    neck without length next to a slit that is shut at the start has the stiffness of the end of a
 //    crack, which is its own table. Where tiles have a material (PanelMaterial), the hinges between
-//    the parts of one tile have its bending stiffness and rest as they stand, whatever is said of
-//    all hinges, and folds without a stiffness have that of the material's length scale.
+//    the parts of one tile have its bending stiffness and rest in their present angle, independent
+//    of all hinges, and folds without a stiffness have that of the material's length scale.
 // 3. A rest angle at which bricks would lie in each other is refused, since contacts or joints
 //    could never let the spring come to rest.
 
@@ -334,7 +334,7 @@ int readTile(const model::TextTable& table, const model::TextLine& line, std::si
 std::optional<double> readOptional(const model::TextTable& table, const model::TextLine& line,
                                    std::size_t column, double least, double most,
                                    const char* meaning) {
-  // A hyphen holds the place of a column that is left out, so that later columns can be given.
+  // A hyphen marks a missing column before later columns.
   if (column >= line.fields.size() || line.fields[column].text == "-") return std::nullopt;
   const model::TextField& field = line.fields[column];
   return model::parseNumberWithin(field, table.at(line, field), least, most, meaning);
@@ -345,7 +345,7 @@ OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& 
   const FileLocation where = table.at(line, line.fields.front());
   if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
     throw inputErrorAt(where, fmt::format("there are {} columns; a hinge is tile, tile, stiffness, "
-                                          "rest angle, damping, of which the last may be left out",
+                                          "rest angle, damping, of which the last are optional",
                                           line.fields.size()));
   }
   OwnHingeSpring spring;
@@ -363,8 +363,7 @@ OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& 
   return spring;
 }
 
-/// Bricks must not lie in each other where a spring is at rest. `line` says so, or null: the
-/// option.
+/// Bricks must not overlap at the rest angle of a spring. `line` says so, or null: the option.
 void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* line,
                        const model::Model& model) {
   const model::Hinge& hinge = spring.hinge;
@@ -509,7 +508,7 @@ HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
   return neck;
 }
 
-/// What the hinges of a scene have of which no line of its file says more.
+/// The default spring of the hinges, for hinges without a line in the file.
 class DefaultSprings {
  public:
   DefaultSprings(const Scene& scene, const std::vector<model::Brick>& bricks)
@@ -526,13 +525,13 @@ class DefaultSprings {
     }
   }
 
-  /// Whether the hinge is where a tile bends by its material: springs of hinges are not meant.
+  /// Whether the hinge is a bend within a tile. The springs of hinges do not apply to it.
   bool isBend(const model::Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
 
   double stiffness(const model::Hinge& hinge) const {
     const HingeSettings& all = scene_.hinges;
     if (isBend(hinge)) return bending(hinge);
-    // Necks stand at corners. A fold has the stiffness of all hinges.
+    // Necks are at corners. A fold has the stiffness of all hinges.
     if (all.neck && !isFold(hinge)) return neckStiffnessAt(hinge);
     const bool isByLength = all.stiffness == 0 && all.panels && all.panels->foldLength > 0;
     return isByLength && isFold(hinge) ? folding(hinge) : all.stiffness;
@@ -655,7 +654,7 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
     const auto [known, isNew] =
         lines.try_emplace(std::minmax(spring.tileA, spring.tileB), line.number);
     if (isNew) continue;
-    throw inputErrorAt(spring.where, fmt::format("this hinge stands on line {} already; remove one "
+    throw inputErrorAt(spring.where, fmt::format("this hinge is already on line {}; remove one "
                                                  "of the two",
                                                  known->second));
   }
@@ -697,11 +696,11 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
 // ------------------------------------------------------------------------------------------------
 // Joints of necks: which joint is exact, which one a ligament.
 //
-// A neck at a joint of two tiles has, where the slit beside it is shut at the start, an axis that
-// lies beside the corner along the slit (neckAxis()). With a length, and where ligaments are asked
-// for, it becomes a straight ligament whose middle is the joint and which runs from tile A to tile
-// B. Without a length it is the end of the slit: a pin that parts across the slit and slides along
-// it. All other joints stay exact.
+// A neck at a joint of two tiles has, if the slit next to it is shut at the start, an axis next to
+// the corner, along the slit (neckAxis()). With a length, and where ligaments are asked for, it
+// becomes a straight ligament whose middle is the joint and which runs from tile A to tile B.
+// Without a length it is the end of the slit: a pin that parts across the slit and slides along it.
+// All other joints stay exact.
 
 namespace {
 
@@ -714,8 +713,8 @@ std::array<Vector3, 2> edgesAt(const model::Brick& brick, int corner) {
           (brick.bottom[(k + count - 1) % count] - brick.bottom[k]).normalized()};
 }
 
-/// The direction from a corner into its tile.
-/// The sum of two unit edges bisects the corner's angle; its length is no measure.
+/// The direction from a corner into its tile. The sum of two unit edges bisects the corner's angle;
+/// its length has no meaning.
 Vector3 inwardAt(const model::Brick& brick, int corner) {
   const auto [next, last] = edgesAt(brick, corner);
   return next + last;
@@ -786,7 +785,7 @@ void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const 
   const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
-    // Its axis is beside the corner.
+    // Its axis is next to the corner.
     const double axis = model::neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
     pivot.pointA += axis * *slit;
     pivot.pointB += axis * *slit;
@@ -821,7 +820,7 @@ const std::vector<PairForceKind>& pairForceKinds() {
 
 namespace {
 
-/// Forces alone, but for ligaments.
+/// Only forces, except for ligaments.
 Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties;
   for (const PairForceKind& kind : pairForceKinds()) {
@@ -831,7 +830,7 @@ Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) 
 }
 
 /// Adds pivots and ligaments: a joint is a neck where its two bricks share a hinge that has a
-/// spring. Upper pivots coincide with lower ones in the plane and are left out.
+/// spring. Upper pivots coincide with lower ones in the plane and are omitted.
 void addJoints(const Scene& scene, const std::vector<model::Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
   for (const model::HingeSpring& spring : model::hingeSpringsOf(ties.pairForces)) {

@@ -22,11 +22,11 @@ struct SceneParts {
 };
 
 /// Completes a scene whose model was just read: reads targets, moves the start onto the target
-/// unless scene.alignment says otherwise (by the tiles that are pinned from the start on, where
-/// some are, else by all) and notes by how much, adds joints and pins, reads the targets that the
-/// timeline names and the file of hinges, checks the grips, and checks the timeline against the
-/// model. Warnings about targets that are not quite congruent are appended. Throws InputError for
-/// files that hold no target of this model and for numbers that name no tile or vertex.
+/// unless scene.alignment is off (by the tiles that are pinned from the start on, where some are,
+/// else by all) and notes by how much, adds joints and pins, reads the targets that the timeline
+/// names and the file of hinges, checks the grips, and checks the timeline against the model.
+/// Warnings about targets that are not quite congruent are appended. Throws InputError for files
+/// that hold no target of this model and for numbers that name no tile or vertex.
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings);
 
 /// Splits tiles of a completed scene, in the numbers of the model's file, all when empty: see
@@ -43,7 +43,7 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene);
 ///     tile tile [stiffness [rest [damping]]]
 ///
 /// in N m/rad, degrees and N m s/rad; tiles are numbered as in the model's file, and what a line
-/// has as - or leaves out is as for all hinges. Throws InputError with file:line:column for words,
+/// gives as - or omits is as for all hinges. Throws InputError with file:line:column for words,
 /// numbers below 0, tiles that the model does not have, and a hinge that is listed twice.
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
                                              const model::Model& model);
@@ -51,8 +51,8 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
 /// The springs of a scene's hinges, in the order of findHinges(), and then of the folds between
 /// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
 /// Where scene.hinges has panels, the stiffness between parts of one tile is bendStiffness(), at
-/// rest as they stand, and that of folds, unless given, foldStiffness() of their common edges.
-/// Their rest angle is that of the line, else that of all hinges, else at a fold that of the
+/// rest in their present angle, and that of folds, unless given, foldStiffness() of their common
+/// edges. Their rest angle is that of the line, else that of all hinges, else at a fold that of the
 /// model's file (Model::foldAngles), else the angle at the start. `bricks` are the scene's. Throws
 /// InputError where springs of hinges are asked for and nothing has an axis, where a line of the
 /// file names no hinge, and where bricks would lie in each other at the rest angle. Empty where
@@ -89,11 +89,11 @@ struct PairForceKind {
   /// Throws InputError. Null for ligaments, which come with the ties, in the place of joints.
   std::shared_ptr<const model::PairForce> (*make)(const Scene& scene,
                                                   const std::vector<model::Brick>& bricks);
-  /// The force as a file has it. Throws InputError.
+  /// The force from a file. Throws InputError.
   std::shared_ptr<const model::PairForce> (*read)(const model::PairReader& file);
 };
 
-/// All kinds, in the order in which summaries tell of them.
+/// All kinds, in the order of the summaries.
 const std::vector<PairForceKind>& pairForceKinds();
 
 }  // namespace kirireel::scene

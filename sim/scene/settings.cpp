@@ -163,7 +163,7 @@ SettingGroup brickSettings() {
                }),
            choice<&Scene::brick, &model::BrickRule::mass>(
                "mass", Choices<model::MassRule>{{"unit", Unit}, {"prism", Prism}},
-               "mass of a brick, 1 kg whatever its size or by volume")
+               "mass of a brick: 1 kg, or by volume")
                .needsDynamics("masses were given"),
            number<&Scene::brick, &model::BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
                                                              "density, with `mass = prism`")
@@ -181,8 +181,9 @@ SettingGroup actuationSettings() {
                               {"expansion", Expansion},
                               {"boundary", Boundary},
                               {"none", None}},
-               "what drives the bricks: target or else expansion; springs to the target, away from "
-               "the centre, springs from the hull to a curve round it, nothing"),
+               "drive of the bricks; auto: target if there is one, else expansion; target: springs "
+               "to the target; expansion: away from the centre; boundary: springs from the hull to "
+               "a curve around it"),
            number<&Scene::actuation, &Actuation::boundary, &BoundaryCurve::size>(
                "boundary_size", {1e-3, 1e3}, "RATIO", "width of that curve over the hull's")
                .with(pullsToCurve, "`actuation = boundary`"),
@@ -209,42 +210,42 @@ Setting givenStrength(const std::string& key, const std::string& unit,
 
 SettingGroup springSettings() {
   using Springs = TargetSpringSettings;
-  return {
-      "Springs to the target",
-      "actuation",
-      {number<&Scene::springs, &Springs::frequency>(
-           "spring_frequency", {1e-6, 1e6}, "HZ",
-           "of a brick alone that the springs at its vertices swing, whatever its mass")
-           .without(hasFrequency, "`spring_stiffness` with `torque_stiffness`")
-           .needsDynamics(kOtherSprings),
-       number<&Scene::springs, &Springs::dampingRatio>("damping_ratio", {0, 1e6}, "RATIO",
-                                                       "of those springs, 1 for critical damping")
-           .without(hasDampingRatio, "`force_damping` with `torque_damping`")
-           .needsDynamics(kOtherSprings),
-       givenStrength<&Scene::springs, &Springs::springStiffness>(
-           "spring_stiffness", "N/M", "by frequency and mass",
-           "pull on each vertex towards its target, the same for every brick")
-           .needsDynamics(kOtherSprings),
-       givenStrength<&Scene::springs, &Springs::torqueStiffness>(
-           "torque_stiffness", "N/M", "by frequency and mass",
-           "the same pull where it only turns the brick")
-           .needsDynamics(kOtherSprings),
-       givenStrength<&Scene::springs, &Springs::forceDamping>(
-           "force_damping", "N*S/M", "by ratio and mass", "damping of a brick's velocity")
-           .needsDynamics(kOtherSprings),
-       givenStrength<&Scene::springs, &Springs::torqueDamping>(
-           "torque_damping", "N*M*S", "by ratio and inertia", "damping of a brick's turning")
-           .needsDynamics(kOtherSprings),
-       flag<&Scene::springs, &Springs::adaptive>(
-           "no_adaptive", "keep the stiffness when the error stalls, instead of doubling it", false)
-           .needsDynamics(kOtherSprings)}};
+  return {"Springs to the target",
+          "actuation",
+          {number<&Scene::springs, &Springs::frequency>(
+               "spring_frequency", {1e-6, 1e6}, "HZ",
+               "natural frequency of one brick on its vertex springs")
+               .without(hasFrequency, "`spring_stiffness` with `torque_stiffness`")
+               .needsDynamics(kOtherSprings),
+           number<&Scene::springs, &Springs::dampingRatio>(
+               "damping_ratio", {0, 1e6}, "RATIO",
+               "damping ratio of those springs, 1 for critical damping")
+               .without(hasDampingRatio, "`force_damping` with `torque_damping`")
+               .needsDynamics(kOtherSprings),
+           givenStrength<&Scene::springs, &Springs::springStiffness>(
+               "spring_stiffness", "N/M", "by frequency and mass",
+               "stiffness of the spring from each vertex to its target, equal for all bricks")
+               .needsDynamics(kOtherSprings),
+           givenStrength<&Scene::springs, &Springs::torqueStiffness>(
+               "torque_stiffness", "N/M", "by frequency and mass",
+               "stiffness of those springs for rotations")
+               .needsDynamics(kOtherSprings),
+           givenStrength<&Scene::springs, &Springs::forceDamping>(
+               "force_damping", "N*S/M", "by ratio and mass", "damping of a brick's velocity")
+               .needsDynamics(kOtherSprings),
+           givenStrength<&Scene::springs, &Springs::torqueDamping>(
+               "torque_damping", "N*M*S", "by ratio and inertia", "damping of a brick's rotation")
+               .needsDynamics(kOtherSprings),
+           flag<&Scene::springs, &Springs::adaptive>(
+               "no_adaptive", "do not double the stiffness when the error stalls", false)
+               .needsDynamics(kOtherSprings)}};
 }
 
 Setting hingeRest() {
   return specialNumber(
       "hinge_rest", "DEGREES", "a fold's in a FOLD file, else the angle at the start",
-      "angle at which they pull no more: at a corner between the tiles' edges, 0 where they lie "
-      "flush; at a fold from flat, valleys above 0, and mountains of a FOLD file to the other side",
+      "rest angle of the springs: at a corner between the tiles' edges, 0 if they touch; at a fold "
+      "from flat, valleys above 0, and mountains of a FOLD file to the other side",
       [](Scene& scene, const TypedValue& typed) {
         scene.hinges.rest = parseNumber(typed, {-360, 360}) * kDegree;
       },
@@ -267,7 +268,7 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect),
        special(
            "hinge_neck", "[WIDTH,LENGTH,]E[,NU]", "",
-           "necks at all corners in place of a stiffness: metres, metres (both absent: the "
+           "necks at all corners instead of a stiffness: metres, metres (both absent: the "
            "model's own necks), Young's modulus in Pa and Poisson's ratio (0.3), as thick as the "
            "bricks",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.neck = parseNeck(typed); },
@@ -279,9 +280,9 @@ SettingGroup hingeSettings() {
            .with(hasNecks, "`hinge_neck`"),
        special(
            "panels", "E[,NU[,LENGTH]]", "",
-           "tiles that stretch and bend with [[grip]], as bars and hinges, and that bend in motion "
-           "where `split_tiles` splits them: Young's modulus in Pa, Poisson's ratio (0.3), and the "
-           "length scale of folds in metres, which says their stiffness",
+           "elastic tiles: with [[grip]] they stretch and bend (bars and hinges), in motion they "
+           "bend if `split_tiles` splits them: Young's modulus in Pa, Poisson's ratio (0.3), and "
+           "the length scale of folds in metres, which gives their stiffness",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
            [](const Scene& scene) {
              return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";
@@ -295,66 +296,62 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect),
        special(
            "hinge_file", "FILE", "",
-           "springs of hinges one by one, by path or by name beside the model: a line has "
-           "tile, tile, stiffness, rest angle and damping, of which - or nothing means as for "
-           "all",
+           "file with one hinge per line: tile, tile, stiffness, rest angle, damping; - or "
+           "nothing: as for all hinges; a path, or a name in the model's folder",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.file = typed.text; },
            [](const Scene& scene) { return quotedText(scene.hinges.file.string()); })
            .with(isDirect, kDirect)}};
 }
 
 SettingGroup pathSettings() {
-  return {"Path to the target",
-          "actuation",
-          {choice<&Scene::path, &PathSettings::to>(
-               "to",
-               Choices<Destination>{{"auto", Destination::Auto}, {"closed", Destination::Closed}},
-               "where the sheet goes: auto to the target, without one to full extension; closed "
-               "ignores the target and goes on beyond full extension until the tiles meet again, "
-               "the second compact state of a sheet with one motion"),
-           choice<&Scene::path, &PathSettings::kind>(
-               "path",
-               Choices<PathKind>{{"auto", PathKind::Auto},
-                                 {"continuation", PathKind::Continuation},
-                                 {"dynamic", PathKind::Dynamic},
-                                 {"straight", PathKind::Straight},
-                                 {"guided", PathKind::Guided}},
-               "the mechanism is followed as geometry (continuation), or springs move masses "
-               "(dynamic, which tries a straight pull and then guides each tile along its own "
-               "motion); auto takes continuation where nothing given needs dynamics and that "
-               "arrives"),
-           number<&Scene::path, &PathSettings::walkTime>(
-               "walk_time", {1e-6, 1e6}, "SECONDS",
-               "in which a path of continuation is walked, at an even pace"),
-           whole<&Scene::path, &PathSettings::loadSteps>(
-               "load_steps", {1, 1e6}, "COUNT",
-               "equilibria at the least on the way to the full load, with [[grip]]"),
-           number<&Scene::path, &PathSettings::openTime>(
-               "open_time", kFromZero, "SECONDS",
-               "of expansion from the centre first, with `path = guided`")
-               .with(isGuided, kGuided),
-           number<&Scene::path, &PathSettings::guideTime>("guide_time", {1e-6, 1e6}, "SECONDS",
-                                                          "of guiding, with `path = guided`")
-               .with(isGuided, kGuided),
-           givenStrength<&Scene::path, &PathSettings::guideStiffness>(
-               "guide_stiffness", "N/M", "twice that of the spring frequency",
-               "pull on each vertex while guided")
-               .with(isGuided, kGuided),
-           specialNumber(
-               "joint_stiffness", "N/M", "exact", "of joints while guided; closed at the end",
-               [](Scene& scene, const TypedValue& typed) {
-                 scene.path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
-               },
-               [](const Scene& scene) {
-                 return scene.path.jointsAreCompliant() ? numberText(scene.path.jointStiffness)
-                                                        : "";
-               })
-               .with(isDirect, kDirect)
-               .with(isGuided, kGuided),
-           number<&Scene::path, &PathSettings::searchTime>(
-               "search", {0, 1e9}, "SECONDS",
-               "that looking for a path may cost, of a reference core: work is counted, not timed, "
-               "so that every machine finds the same; at most 30 for each second of `duration`")}};
+  return {
+      "Path to the target",
+      "actuation",
+      {choice<&Scene::path, &PathSettings::to>(
+            "to", Choices<Destination>{{"auto", Destination::Auto}, {"closed", Destination::Closed}},
+            "where the sheet goes: auto to the target, without one to full extension; closed "
+            "ignores the target and continues beyond full extension until the tiles meet again, "
+            "the second compact state of a sheet with one motion"),
+        choice<&Scene::path, &PathSettings::kind>(
+           "path",
+           Choices<PathKind>{{"auto", PathKind::Auto},
+                             {"continuation", PathKind::Continuation},
+                             {"dynamic", PathKind::Dynamic},
+                             {"straight", PathKind::Straight},
+                             {"guided", PathKind::Guided}},
+           "continuation follows the mechanism (kinematic); dynamic moves masses by springs, first "
+           "straight, then guided (each tile along its own motion); auto: continuation if no "
+           "setting needs dynamics and it reaches the target"),
+       number<&Scene::path, &PathSettings::walkTime>("walk_time", {1e-6, 1e6}, "SECONDS",
+                                                     "playback time of a kinematic path"),
+       whole<&Scene::path, &PathSettings::loadSteps>(
+           "load_steps", {1, 1e6}, "COUNT",
+           "least number of equilibria up to the full load, with [[grip]]"),
+       number<&Scene::path, &PathSettings::openTime>(
+           "open_time", kFromZero, "SECONDS",
+           "of initial expansion from the centre, with `path = guided`")
+           .with(isGuided, kGuided),
+       number<&Scene::path, &PathSettings::guideTime>("guide_time", {1e-6, 1e6}, "SECONDS",
+                                                      "of guiding, with `path = guided`")
+           .with(isGuided, kGuided),
+       givenStrength<&Scene::path, &PathSettings::guideStiffness>(
+           "guide_stiffness", "N/M", "twice that of the spring frequency",
+           "stiffness of the spring at each vertex while guided")
+           .with(isGuided, kGuided),
+       specialNumber(
+           "joint_stiffness", "N/M", "exact", "stiffness of joints while guided; closed at the end",
+           [](Scene& scene, const TypedValue& typed) {
+             scene.path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
+           },
+           [](const Scene& scene) {
+             return scene.path.jointsAreCompliant() ? numberText(scene.path.jointStiffness) : "";
+           })
+           .with(isDirect, kDirect)
+           .with(isGuided, kGuided),
+       number<&Scene::path, &PathSettings::searchTime>(
+           "search", {0, 1e9}, "SECONDS",
+           "search limit, in seconds of a reference core (work is counted, so every machine finds "
+           "the same path); at most 30 per second of `duration`")}};
 }
 
 /// The ground, put there if there is none yet.
@@ -366,7 +363,7 @@ Ground& groundOf(Scene& scene) {
 
 Setting groundSwitch() {
   Setting setting{"ground", "",
-                  "put a horizontal plane under the lowest point of start and target"};
+                  "add a horizontal plane under the lowest point of start and target"};
   setting.read = [](Scene& scene, const TypedValue&) { groundOf(scene); };
   setting.write = [](const Scene& scene) {
     return fmt::format("{}", scene.environment.ground.has_value());
@@ -388,33 +385,34 @@ Setting groundFriction() {
 }
 
 SettingGroup environmentSettings() {
-  return {"Environment",
-          "environment",
-          {special(
-               "gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
-               [](Scene& scene, const TypedValue& typed) {
-                 scene.environment.gravity = parseGravity(typed);
-               },
-               [](const Scene& scene) { return vectorText(scene.environment.gravity); })
-               .needsDynamics("there is gravity"),
-           groundSwitch().needsDynamics("there is ground or an obstacle"), groundFriction(),
-           choice<&Scene::environment, &Environment::contacts>(
-               "contacts",
-               Choices<ContactFilter>{{"auto", ContactFilter::Auto},
-                                      {"none", ContactFilter::None},
-                                      {"unjoined", ContactFilter::Unjoined},
-                                      {"all", ContactFilter::All}},
-               "pairs of bricks that may touch, others pass through each other; auto: all where "
-               "bricks would meet on the way"),
-           number<&Scene::environment, &Environment::brickFriction>(
-               "brick_friction", {0, 1e3}, "RATIO", "Coulomb friction between bricks")
-               .needsDynamics("there is friction"),
-           number<&Scene::environment, &Environment::linearDamping>(
-               "linear_damping", {0, 1, true}, "SHARE", "part of the velocity lost a second")
-               .needsDynamics(kOtherSprings),
-           number<&Scene::environment, &Environment::angularDamping>(
-               "angular_damping", {0, 1, true}, "SHARE", "part of the turning lost a second")
-               .needsDynamics(kOtherSprings)}};
+  return {
+      "Environment",
+      "environment",
+      {special(
+           "gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
+           [](Scene& scene, const TypedValue& typed) {
+             scene.environment.gravity = parseGravity(typed);
+           },
+           [](const Scene& scene) { return vectorText(scene.environment.gravity); })
+           .needsDynamics("there is gravity"),
+       groundSwitch().needsDynamics("there is ground or an obstacle"), groundFriction(),
+       choice<&Scene::environment, &Environment::contacts>(
+           "contacts",
+           Choices<ContactFilter>{{"auto", ContactFilter::Auto},
+                                  {"none", ContactFilter::None},
+                                  {"unjoined", ContactFilter::Unjoined},
+                                  {"all", ContactFilter::All}},
+           "pairs of bricks that collide; auto: all if bricks would overlap on the path, else "
+           "none"),
+       number<&Scene::environment, &Environment::brickFriction>("brick_friction", {0, 1e3}, "RATIO",
+                                                                "Coulomb friction between bricks")
+           .needsDynamics("there is friction"),
+       number<&Scene::environment, &Environment::linearDamping>(
+           "linear_damping", {0, 1, true}, "SHARE", "fraction of velocity lost per second")
+           .needsDynamics(kOtherSprings),
+       number<&Scene::environment, &Environment::angularDamping>(
+           "angular_damping", {0, 1, true}, "SHARE", "fraction of angular velocity lost per second")
+           .needsDynamics(kOtherSprings)}};
 }
 
 SettingGroup stopSettings() {
@@ -422,52 +420,51 @@ SettingGroup stopSettings() {
           "stop",
           {number<&Scene::stop, &StopRules::duration>(
               "duration", {1e-6, 1e6}, "SECONDS",
-              "simulated time at most; a run that comes to rest ends earlier")}};
+              "limit of simulated time; a run at rest ends earlier")}};
 }
 
 SettingGroup solverSettings() {
-  return {
-      "Solver",
-      "solver",
-      {choice<&Scene::solver, &SolverSettings::kind>(
-           "solver",
-           Choices<SolverKind>{{"direct", SolverKind::Direct}, {"bullet", SolverKind::Bullet}},
-           "how joints are held, exactly or by Bullet's impulses")
-           .needsDynamics(kOtherSolver),
-       number<&Scene::solver, &SolverSettings::tolerance>(
-           "tolerance", {0, 1}, "TILES",
-           "error in time that a step may make, with steps as long as that lets them be; 0: fixed "
-           "steps of first order")
-           .with(isDirectOrFixed, kDirect)
-           .needsDynamics(kOtherSolver),
-       flag<&Scene::solver, &SolverSettings::measuresTimeError>(
-           "measure_time_error",
-           "run again with a tenth of the tolerance, and report how far the two are apart")
-           .with(hasTolerance, "`tolerance` above 0")
-           .needsDynamics(kOtherSolver),
-       number<&Scene::solver, &SolverSettings::timestep>(
-           "timestep", {1e-7, 1}, "SECONDS",
-           "length of fixed steps, and of those where contacts crowd or joints are singular"),
-       specialNumber(
-           "substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
-           [](Scene& scene, const TypedValue& typed) {
-             scene.solver.substeps = static_cast<int>(parseInteger(typed, {1, 10000}));
-           },
-           [](const Scene& scene) {
-             return scene.solver.substeps ? fmt::format("{}", *scene.solver.substeps) : "";
-           })
-           .with(mayHaveFixedSteps, "`tolerance = 0`")
-           .needsDynamics(kOtherSolver),
-       whole<&Scene::solver, &SolverSettings::iterations>("iterations", {1, 1000000}, "COUNT",
-                                                          "of Bullet's solver in each step")
-           .with(isBullet, "`solver = bullet`"),
-       choice<&Scene::solver, &SolverSettings::planar>(
-           "planar",
-           Choices<std::optional<bool>>{{"auto", std::nullopt}, {"on", true}, {"off", false}},
-           "keep bricks in their plane"),
-       whole<&Scene::solver, &SolverSettings::seed>(
-           "seed", {0, 4294967295.0}, "NUMBER",
-           "of the nudge that leaves a start where no direction is preferred")}};
+  return {"Solver",
+          "solver",
+          {choice<&Scene::solver, &SolverSettings::kind>(
+               "solver",
+               Choices<SolverKind>{{"direct", SolverKind::Direct}, {"bullet", SolverKind::Bullet}},
+               "solver of the joints: exact, or Bullet's impulses")
+               .needsDynamics(kOtherSolver),
+           number<&Scene::solver, &SolverSettings::tolerance>(
+               "tolerance", {0, 1}, "TILES",
+               "error in time allowed per step, which sets the step length; 0: fixed steps of "
+               "first order")
+               .with(isDirectOrFixed, kDirect)
+               .needsDynamics(kOtherSolver),
+           flag<&Scene::solver, &SolverSettings::measuresTimeError>(
+               "measure_time_error",
+               "run again with a tenth of the tolerance and report the difference")
+               .with(hasTolerance, "`tolerance` above 0")
+               .needsDynamics(kOtherSolver),
+           number<&Scene::solver, &SolverSettings::timestep>(
+               "timestep", {1e-7, 1}, "SECONDS",
+               "length of fixed steps, also used among many contacts and at singular joints"),
+           specialNumber(
+               "substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
+               [](Scene& scene, const TypedValue& typed) {
+                 scene.solver.substeps = static_cast<int>(parseInteger(typed, {1, 10000}));
+               },
+               [](const Scene& scene) {
+                 return scene.solver.substeps ? fmt::format("{}", *scene.solver.substeps) : "";
+               })
+               .with(mayHaveFixedSteps, "`tolerance = 0`")
+               .needsDynamics(kOtherSolver),
+           whole<&Scene::solver, &SolverSettings::iterations>("iterations", {1, 1000000}, "COUNT",
+                                                              "of Bullet's solver in each step")
+               .with(isBullet, "`solver = bullet`"),
+           choice<&Scene::solver, &SolverSettings::planar>(
+               "planar",
+               Choices<std::optional<bool>>{{"auto", std::nullopt}, {"on", true}, {"off", false}},
+               "keep bricks in their plane"),
+           whole<&Scene::solver, &SolverSettings::seed>(
+               "seed", {0, 4294967295.0}, "NUMBER",
+               "seed of the perturbation that breaks symmetric starts")}};
 }
 
 /// Whether a setting is what it is unless told otherwise, in the program or in code.

@@ -28,8 +28,8 @@ struct TypedValue {
 /// The numbers that a setting accepts.
 struct Range {
   double least = -std::numeric_limits<double>::max();  ///< accepted itself
-  double most = std::numeric_limits<double>::max();    ///< accepted itself, unless it is left out
-  bool excludesMost = false;  ///< all below the most; otherwise both ends are accepted
+  double most = std::numeric_limits<double>::max();    ///< accepted, unless excludesMost
+  bool excludesMost = false;                           ///< accept only values < most
 
   /// Whether a number is among them.
   bool holds(double number) const {
@@ -52,7 +52,7 @@ double parseNumber(const TypedValue& value, Range range);
 /// A whole number within the range (which must lie within the numbers of a long).
 long parseInteger(const TypedValue& value, Range range);
 
-/// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
+/// "-9.81" (along z, as in PyKirigami) or "0,0,-9.81".
 Vector3 parseGravity(const TypedValue& value);
 
 /// "2e9" or "2e9,0.3": Young's modulus, above 0, and Poisson's ratio of the model's necks; or
@@ -60,8 +60,8 @@ Vector3 parseGravity(const TypedValue& value);
 /// Poisson's ratio.
 HingeNeck parseNeck(const TypedValue& value);
 
-/// "2e9", "2e9,0.3" or "2e9,0.3,0.05": Young's modulus, above 0, Poisson's ratio and the length
-/// scale of folds, from 0.
+/// "2e9", "2e9,0.3" or "2e9,0.3,0.05": Young's modulus, > 0, Poisson's ratio and the length
+/// scale of folds, >= 0.
 PanelMaterial parsePanels(const TypedValue& value);
 
 /// The error of a value that is not allowed: "NAME: 'TEXT' is not allowed; give WANTED".
@@ -82,8 +82,8 @@ std::string quotedText(const std::string& text);
 /// Values of a setting that may be given several times: nothing, the one, or all in brackets.
 std::string quotedList(const std::vector<std::string>& values);
 
-/// The shortest number that `read` turns into `wanted`, which lies near `guess`: the way back where
-/// a unit was converted.
+/// The shortest number near `guess` that `read` converts to `requested`: the inverse of a unit
+/// conversion.
 double numberReadAs(double requested, double guess, const std::function<double(double)>& read);
 
 /// "[0, 0, -9.81]".
@@ -104,7 +104,7 @@ std::vector<std::string> choiceNames(const Choices<T>& choices) {
   return names;
 }
 
-/// The name of a value among the choices; "" when it is none of them.
+/// The name of a value among the choices; "" if it is not among them.
 template <typename T, typename Value>
 std::string nameOfChoice(const Choices<T>& choices, const Value& value) {
   for (const auto& [name, meaning] : choices) {
@@ -113,7 +113,7 @@ std::string nameOfChoice(const Choices<T>& choices, const Value& value) {
   return "";
 }
 
-/// What the value stands for among the choices.
+/// The choice with this name. Throws InputError if there is none.
 template <typename T>
 T parseChoice(const TypedValue& value, const Choices<T>& choices) {
   for (const auto& [name, meaning] : choices) {
@@ -124,15 +124,15 @@ T parseChoice(const TypedValue& value, const Choices<T>& choices) {
 
 // ------------------------------------------------------------------------------------------------
 // The settings of a scene, each written down once: what it is called, takes and means, and when it
-// counts. From this list come the options of the program, the keys of scene.toml and of sweeps,
-// the check of a scene that was made in code, the text that tells one order from another, the
-// settings in summary.json, and which scenes need dynamics.
+// counts. From this list come the options of the program, the keys of scene.toml and of sweeps, the
+// check of a scene that was made in code, the fingerprint of an order, the settings in
+// summary.json, and which scenes need dynamics.
 
 /// What must hold for a setting to mean anything.
 struct Condition {
   bool (*holds)(const Scene&);  ///< whether the scene is so
   const char* needed;           ///< what makes it hold, as in "`solver = direct`"
-  bool isWithout = false;       ///< `needed` says the same as the setting, and must not be given
+  bool isWithout = false;       ///< `needed` is equivalent to the setting and must not be given
 };
 
 /// One setting of a scene.
@@ -143,24 +143,24 @@ struct Setting {
   /// Sets it to what was typed; a switch, which is not typed, to what it switches on. Throws
   /// InputError for a value that is not allowed.
   std::function<void(Scene&, const TypedValue&)> read;
-  /// Its value as a scene file has it (`0.02`, `true`, `"all"`, `[0, 0, -9.81]`), to the last bit;
-  /// "" where there is nothing to say. Such a value is JSON, too.
+  /// Its value in the spelling of a scene file (`0.02`, `true`, `"all"`, `[0, 0, -9.81]`), to the
+  /// last bit; "" if it has no value. Such a value is also valid JSON.
   std::function<std::string(const Scene&)> write;
   std::string defaultText;         ///< the default in words; may be empty
   std::vector<std::string> words;  ///< the only values that it accepts; empty: see read()
   bool isSwitch = false;           ///< whether it is given without a value
-  bool isNumber = false;           ///< what it writes can be read as it stands
-  /// Why a scene in which it is not as usual needs dynamics, as in "there is friction"; empty where
-  /// it needs none for that.
+  bool isNumber = false;           ///< read() accepts what write() returns
+  /// Why a scene needs dynamics if this is not the default, as in "there is friction"; empty if it
+  /// does not.
   std::string dynamics;
-  std::vector<Condition> conditions;  ///< the first that does not hold is told
+  std::vector<Condition> conditions;  ///< the first that does not hold is reported
   /// Whether a scene has to be in space for it; null: never.
   bool (*isSpatial)(const Scene&) = nullptr;
   std::string space;  ///< why, as in "tiles bend"
 
   /// The setting with a condition more.
   Setting with(bool (*holds)(const Scene&), const char* needed) &&;
-  /// The setting as one that says the same as others; `holds` where these are not given.
+  /// The setting as an equivalent of others; `holds` if these are not given.
   Setting without(bool (*holds)(const Scene&), const char* others) &&;
   /// The setting as one that may need space: where `holds`, for this reason.
   Setting needsSpace(bool (*holds)(const Scene&), const char* why) &&;
@@ -168,7 +168,7 @@ struct Setting {
   Setting needsDynamics(const char* why) &&;
 };
 
-/// Settings that stand together in the help, and in a table of scene.toml.
+/// Settings of one group in the help and one table in scene.toml.
 struct SettingGroup {
   std::string heading;            ///< "Springs to the target"
   std::string table;              ///< "actuation"
@@ -182,9 +182,9 @@ const std::vector<SettingGroup>& sceneSettings();
 /// The setting with this key. Throws std::out_of_range where there is none.
 const Setting& sceneSetting(const std::string& key);
 
-/// Throws InputError for the first number of a scene that is out of its range.
-/// Words and switches cannot be out of range; texts such as file names are not looked at.
-/// Throws InputError for planar motion of a flat sheet that is not horizontal.
+/// Throws InputError for the first number of a scene that is out of its range. Words and switches
+/// cannot be out of range; texts such as file names are not checked. Throws InputError for planar
+/// motion of a flat sheet that is not horizontal.
 void requireRanges(const Scene& scene);
 
 /// Why the settings of a scene need three dimensions; empty where a planar one serves them.

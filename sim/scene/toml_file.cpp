@@ -1,5 +1,5 @@
 // TOML by the library toml++, made safe against files that nobody would write, and translated into
-// values of our own, so that no other file needs its headers (which take seconds to compile).
+// our own values: no other file needs its headers, which take seconds to compile.
 //
 // Three bounds are set before and while the library works: 8 MiB of text, 64 dots in a key (each
 // makes a table within a table, and the parser recurses), 16 levels of tables and arrays.

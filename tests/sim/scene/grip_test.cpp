@@ -69,7 +69,7 @@ TEST_F(Grips, AreRefusedInOneLine) {
   EXPECT_THAT(refusal("tile = 1\nmove = {x = 1}\nforce = {x = 1}\n"),
               HasSubstr("a grip moves or pushes; give one of move = "));
   EXPECT_THAT(refusal("tile = 1\nvertex = 1\nmove = {turn = 1}\n"),
-              HasSubstr("points do not turn; leave turn away, or vertex and edge"));
+              HasSubstr("points do not turn; remove turn, or vertex and edge"));
   EXPECT_THAT(refusal("tile = 1\nedge = [1]\nmove = {x = 1}\n"),
               HasSubstr("give two vertex numbers, [0, 1]"));
   EXPECT_THAT(refusal("tile = 1\nmove = {}\n"), HasSubstr("give metres and degrees, {x = 0.1"));

@@ -355,7 +355,7 @@ TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
   EXPECT_THAT(said("0 3 1"),
               EndsWith(":1:1: error: tiles 0 and 3 turn about no corner or edge that "
                        "they share; remove this line"));
-  EXPECT_THAT(said("0 1 1\n1 0 2"), EndsWith(":2:1: error: this hinge stands on line 1 already; "
+  EXPECT_THAT(said("0 1 1\n1 0 2"), EndsWith(":2:1: error: this hinge is already on line 1; "
                                              "remove one of the two"));
 }
 

@@ -177,9 +177,9 @@ TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
   EXPECT_THAT(entry("progress = 2\nquit = true\n"), HasSubstr(no + "a share from 0 to 1"));
   EXPECT_THAT(entry("forces = true\n"), HasSubstr(no + "\"on\" or \"off\""));
   EXPECT_THAT(entry("quit = false\n"), HasSubstr(no + "true"));
-  EXPECT_THAT(entry("at = 1\n"), HasSubstr("this entry says 1 times when and 0 times what; give"));
+  EXPECT_THAT(entry("at = 1\n"), HasSubstr("this entry has 1 times and 0 actions; give"));
   EXPECT_THAT(entry("at = 1\nafter = 1\nquit = true\n"),
-              HasSubstr("says 2 times when and 1 times"));
+              HasSubstr("has 2 times and 1 actions"));
 }
 
 TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
