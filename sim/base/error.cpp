@@ -82,7 +82,7 @@ std::optional<std::u32string> codePoints(std::string_view text) {
                               characters.data() + characters.size(), written);
   if (result != Converter::ok || read != bytes.data() + bytes.size()) return std::nullopt;
   characters.resize(static_cast<std::size_t>(written - characters.data()));
-  // Halves of UTF-16's pairs are no characters, but some libraries let them pass.
+  // Surrogates are not characters, but some libraries accept them.
   const auto isHalf = [](char32_t character) { return character >= 0xd800 && character < 0xe000; };
   if (std::any_of(characters.begin(), characters.end(), isHalf)) return std::nullopt;
   return characters;

@@ -13,8 +13,7 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // The errors that Kirireel throws. Only main catches them, prints them and picks the exit code.
 
-/// Base of every error that a user can meet; what() is one line that says where, what was found,
-/// what is allowed and what to do.
+/// Base of all errors for users. what() is one line: place, fault, allowed values, remedy.
 class Error : public std::runtime_error {
  public:
   /// With the one line that a user reads.
@@ -45,8 +44,8 @@ class RunError : public Error {
 /// A place in a text file, as compilers print it.
 struct FileLocation {
   std::filesystem::path file;  ///< as it was given
-  int line = 0;                ///< from 1; 0 when the whole file is meant
-  int column = 0;              ///< from 1, in characters; 0 when the whole line is meant
+  int line = 0;                ///< from 1; 0: the whole file
+  int column = 0;              ///< from 1, in characters; 0: the whole line
 };
 
 /// "file:line:column" with the parts that are known.
@@ -56,7 +55,7 @@ std::string toString(const FileLocation& location);
 InputError inputErrorAt(const FileLocation& location, const std::string& message);
 
 // ------------------------------------------------------------------------------------------------
-// Words in messages: what a mistyped one was meant to be, and how foreign text is shown and read.
+// Text in messages: suggestions for mistyped words, and safe display of foreign text.
 
 /// Letters to insert, delete or replace to turn one word into the other (Levenshtein 1966).
 int editDistance(std::string_view a, std::string_view b);

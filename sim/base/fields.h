@@ -24,8 +24,8 @@ template <typename Owner, typename Value>
 struct Field {
   const char* name = "";           ///< in files and JSON, such as "joint_gap"
   Value Owner::*member = nullptr;  ///< where it is
-  const char* unit = "";           ///< such as "m"; "1" for a count; empty where it is no number
-  const char* meaning = "";        ///< in words, where files say that
+  const char* unit = "";           ///< such as "m"; "1" for a count; empty if it is not a number
+  const char* meaning = "";        ///< description for files; may be empty
 };
 
 /// A field for describeFields().

@@ -131,9 +131,9 @@ std::string jsonText(const Json& json, int indent) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Files that appear whole or not at all. They are written beside their final place and renamed,
-// which replaces an existing file at once (POSIX rename is atomic within one file system). The name
-// beside is one that nothing has yet, as a file of that name may be the user's own.
+// Files that appear whole or not at all. They are written in the final folder under another name
+// and renamed, which replaces an existing file at once (POSIX rename is atomic within one file
+// system). The other name must be unused, because an existing file may be the user's.
 
 namespace {
 

@@ -1,5 +1,5 @@
-/// Files: opened to be read in one place, written so that they appear whole, known again by
-/// their SHA-256, and made smaller; JSON texts. No header of OpenSSL or zlib is needed to use it.
+/// Files: reading with a record of inputs, atomic writing, SHA-256, compression, and JSON texts. No
+/// header of OpenSSL or zlib is needed to use it.
 #pragma once
 
 #include <cstddef>
@@ -75,7 +75,7 @@ void appendText(std::string& text, fmt::format_string<Arguments...> format,
 /// Keys keep the order in which they were set: the same values give the same text.
 using Json = nlohmann::ordered_json;
 
-/// What a JSON text says. Throws nlohmann::json::parse_error, which says where its syntax is wrong.
+/// Parses a JSON text. Throws nlohmann::json::parse_error, with the position of the fault.
 Json parseJson(std::string_view text);
 
 /// The same for a file of others. Throws std::length_error if values are nested deeper than that:

@@ -12,7 +12,7 @@
 
 namespace kirireel {
 
-/// A point (metres) or a direction, or three numbers of any unit that is said.
+/// A point (metres) or a direction, or three numbers with a stated unit.
 using Vector3 = Eigen::Vector3d;
 /// A rotation, an inertia or a stiffness.
 using Matrix3 = Eigen::Matrix3d;
@@ -66,10 +66,10 @@ struct Velocity {
 /// The poses of all bricks at one time, in the order of the model's tiles.
 using Poses = std::vector<Pose>;
 
-/// The state that a deployment advances: one entry a brick.
+/// The state that a deployment advances: one entry per brick.
 struct Motion {
-  Poses poses;                       ///< one a brick
-  std::vector<Velocity> velocities;  ///< one a brick
+  Poses poses;                       ///< one per brick
+  std::vector<Velocity> velocities;  ///< one per brick
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {

@@ -66,8 +66,8 @@ InterruptionCheck presentChecks() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The clock of the calling thread, which stands still while others run: what is measured does not
-// depend on the machine's load, apart from its caches.
+// The clock of the calling thread counts only while the thread runs. Times do not depend on the
+// load of the machine, except through its caches.
 
 namespace {
 

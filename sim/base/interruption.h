@@ -1,4 +1,4 @@
-/// What takes long: ended from within, and measured.
+/// Interruption and CPU time of long operations.
 #pragma once
 
 #include <exception>
@@ -7,17 +7,16 @@
 namespace kirireel {
 
 // ------------------------------------------------------------------------------------------------
-// Ending what takes long from within, wherever it is: a step of ten thousand bricks, a search, a
-// picture.
+// Stopping long operations from within: a large step, a search, a picture.
 
-/// Thrown where the caller wants no more of what runs. No Error: nothing went wrong.
+/// Thrown to stop an operation that the caller has cancelled. It is not an Error.
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// Ends what runs by throwing, where it is to end: Interrupted, or something of its own. Called
-/// from every thread that its scope is carried to, perhaps from several at once.
+/// Throws Interrupted or its own exception to stop the operation. Called from every thread of its
+/// scope, possibly from several at once.
 using InterruptionCheck = std::function<void()>;
 
 /// While it lives, checkInterruption() on this thread calls `check`, after those of the scopes
@@ -52,8 +51,8 @@ class InterruptionCatcher {
   static bool isThere();
 };
 
-/// Long loops call it: it runs the checks of this thread's scopes, every 10 ms at most. If it
-/// throws, the caller must leave its results as they were, or unused.
+/// Long loops poll it. It runs the checks of this thread's scopes, at most every 10 ms. If it
+/// throws, the caller must discard or restore its results.
 void checkInterruption();
 
 /// What checkInterruption() calls on this thread now, to be a scope of a thread that works for it.

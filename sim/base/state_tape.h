@@ -1,4 +1,4 @@
-/// The state of something that runs, as a list of numbers to go on from.
+/// The state of a running object as a list of numbers.
 #pragma once
 
 #include <concepts>
@@ -16,7 +16,7 @@ namespace kirireel {
 
 class StateTape;
 
-/// Has a state of its own, whose parts it lists in transfer().
+/// Has a state, whose parts it lists in transfer().
 template <typename Value>
 concept HasState = requires(Value& value, StateTape& tape) {
   value.transfer(tape);
@@ -49,7 +49,7 @@ class StateTape {
   }
 
   /// Records these values, or sets them to those that were recorded in this place. Throws
-  /// InputError where the tape holds another state than is asked for.
+  /// InputError if the tape holds another state.
   template <typename... Values>
   /// Memory: 8 bytes for each number or letter.
   void transfer(Values&... values) {
@@ -97,7 +97,7 @@ class StateTape {
     for (Value& value : list) pass(value);
   }
 
-  /// Whether there is a value comes first: playback then knows what to read.
+  /// A flag for the presence of the value comes first.
   template <typename Value>
   void pass(std::optional<Value>& optional) {
     bool isThere = optional.has_value();

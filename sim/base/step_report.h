@@ -1,4 +1,4 @@
-/// What the steps of a run took and lost, as figures that add up.
+/// Counts, times and energies of the steps of a run, as sums.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@ namespace kirireel {
 struct StepReport {
   long steps = 0;   ///< solver steps, the halves of halved ones included
   long halved = 0;  ///< steps redone as two halves
-  /// Steps that missed their tolerances at their shortest: among contacts the bricks moved as rigid
-  /// pieces in them, else they were taken.
+  /// Steps that missed their tolerances at the shortest length. Bricks in contact moved as rigid
+  /// pieces; other steps were accepted.
   long unconverged = 0;
   long factorizations = 0;  ///< of the system matrix
   long rejected = 0;        ///< steps to a tolerance that were tried and not taken
-  /// Seconds in which no tolerance was kept, though one was asked for: contacts crowded ...
+  /// Seconds in which the requested tolerance was not kept, because of many contacts ...
   double touchingTime = 0;
-  double singularTime = 0;  ///< ... or the joints were singular
+  double singularTime = 0;  ///< ... or because of singular joints
   /// Energy that dampers took, and that contacts took by impacts and friction, joules.
   double damped = 0;
   double impacted = 0;  ///< what contacts have taken of the energy, joules
@@ -34,12 +34,12 @@ struct StepReport {
   void transfer(StateTape& tape);
 };
 
-/// One figure of a StepReport: what files call it, and how it is reached.
+/// One figure of a StepReport: its name in files, and access to it.
 struct StepFigure {
   const char* name;      ///< in trajectory.h5, as in "steps/halved_steps"
   const char* unit;      ///< "1" for a count
   const char* part;      ///< of summary.json that has the sum, "cost" or "accuracy"; null: none
-  const char* partName;  ///< what it is called there
+  const char* partName;  ///< its name there
   double (*get)(const StepReport&);  ///< reads it
   void (*set)(StepReport&, double);  ///< sets it
 };
