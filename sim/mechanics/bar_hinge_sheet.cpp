@@ -71,8 +71,7 @@ void BarHingeSheet::addRows() {
     for (int k = 0; k < 3; ++k) addRow({node}, Vector3::Unit(k), 0);
   }
   for (const NodeGrip& grip : grips_) {
-    // A dead load has no rows. Its first row is noted all the same: grips and entries
-    // match.
+    // A dead load has no rows. Its first row is still noted: grips and entries match.
     firstRow_.push_back(static_cast<Eigen::Index>(motions.size()));
     if (grip.isForce) continue;
     for (const std::vector<int>& handle : grip.handles) {
@@ -94,7 +93,7 @@ BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
   return q;
 }
 
-// A tile that gives is no rigid body. Its pose is the start's, moved by the rigid motion that fits
+// An elastic tile is not a rigid body. Its pose is the start's, moved by the rigid motion that fits
 // its nodes best by least squares (model/isometry.h).
 Poses BarHingeSheet::posesAt(const Vector& q) const {
   Poses poses = model_.start;

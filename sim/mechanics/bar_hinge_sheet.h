@@ -18,8 +18,8 @@ namespace kirireel::mechanics {
 /// right, seen from above, metres.
 using FoldPoints = std::array<Vector3, 4>;
 
-/// Radians from -pi to pi, as FOLD has it: 0 where the triangles are flat, positive where their
-/// upper sides turn towards each other (a valley).
+/// Radians from -pi to pi, as in FOLD: 0 if the triangles are flat, positive where their upper
+/// sides turn towards each other (a valley).
 double foldAngle(const FoldPoints& points);
 
 /// The derivative of the angle by the points' coordinates, one point after the other.
@@ -30,12 +30,12 @@ Matrix12 foldBend(const FoldPoints& points);
 
 // ------------------------------------------------------------------------------------------------
 // The energy of a sheet in space whose tiles stretch and bend, by bars and hinges: the edges of
-// triangles are bars, and where two triangles meet the sheet folds or a tile bends.
+// triangles are bars, and the sheet folds or a tile bends at their common edges.
 
 /// A bar between two nodes: stiffness (length - rest)^2 / 2.
 struct Bar {
-  int nodeA = 0;         ///< its number, from 0
-  int nodeB = 0;         ///< its number, from 0
+  int nodeA = 0;         ///< its number, >= 0
+  int nodeB = 0;         ///< its number, >= 0
   double rest = 0;       ///< its length without force, metres
   double stiffness = 0;  ///< N/m
 };

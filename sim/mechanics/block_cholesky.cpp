@@ -1,11 +1,11 @@
 // The plan in four steps: an order of columns by approximate minimum degree; the elimination tree,
 // in which the parent of column j is the first row below it that fills in,
 //   rows(j) = neighbours after j, and rows(children) without j;   parent(j) = min rows(j);
-// its postorder, in which each subtree stands together; and supernodes, which take in the column
-// before them while the zeros that this puts into the panel stay few.
-// Amestoy, Davis and Duff, "An approximate minimum degree ordering algorithm", 1996; Liu, "The role
-// of elimination trees in sparse factorization", 1990; Ashcraft and Grimes, "The influence of
-// relaxed supernode partitions on the multifrontal method", 1989.
+// its postorder, in which each subtree is consecutive; and supernodes, which take in the column
+// before them while the zeros that this puts into the panel stay few. Amestoy, Davis and Duff, "An
+// approximate minimum degree ordering algorithm", 1996; Liu, "The role of elimination trees in
+// sparse factorization", 1990; Ashcraft and Grimes, "The influence of relaxed supernode partitions
+// on the multifrontal method", 1989.
 #include "sim/mechanics/block_cholesky.h"
 
 #include <algorithm>
@@ -79,7 +79,7 @@ Graph fillRows(const Graph& later, std::vector<int>& parent) {
   return rows;
 }
 
-/// Renumbers columns so that each subtree of the elimination tree is consecutive.
+/// Renumbers columns to make each subtree of the elimination tree consecutive.
 std::vector<int> postorder(const std::vector<int>& parent) {
   const int count = static_cast<int>(parent.size());
   Graph children(count + 1);
@@ -228,7 +228,7 @@ void addRun(const double* __restrict from, int fromStride, int rows, double* __r
   }
 }
 
-/// For each place in a list, where the run of consecutive numbers that it stands in ends.
+/// For each position in a list, the end of its run of consecutive numbers.
 std::vector<int> endsOfRuns(const std::vector<int>& numbers) {
   std::vector<int> ends(numbers.size(), static_cast<int>(numbers.size()));
   for (std::size_t k = numbers.size(); k-- > 1;) {

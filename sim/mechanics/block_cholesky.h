@@ -18,7 +18,7 @@ namespace kirireel::mechanics {
 struct Supernode {
   /// Its columns in the permuted matrix are firstColumn to firstColumn + columnCount - 1.
   int firstColumn = 0;
-  int columnCount = 0;        ///< how many they are, from 1
+  int columnCount = 0;        ///< how many they are, >= 1
   std::vector<int> rows;      ///< of the front below its columns, ascending, permuted numbers
   std::vector<int> children;  ///< supernodes whose updates this front takes in, in stack order
   /// The places of the rows of child c in this front (0 is firstColumn): one list per child.

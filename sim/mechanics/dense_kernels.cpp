@@ -11,8 +11,8 @@
 // read. Wide fronts, of sheets with thousands of tiles, go through Eigen, which splits the product
 // to fit the caches.
 //
-// A column's reciprocal square root stands on the diagonal after factoring: solves multiply
-// and never divide.
+// The diagonal holds each column's reciprocal square root after factoring: solves multiply and
+// never divide.
 #include "sim/mechanics/dense_kernels.h"
 
 #include <Eigen/Cholesky>

@@ -6,9 +6,9 @@
 // other forces between pairs where they are.
 //
 // Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its turn (rad)
-// since the start, d a unit direction, z the vertical. All constraints are sums of places, so that
+// since the start, d a unit direction, z the vertical. All constraints are sums of positions, so
 // their derivatives are sums of the three formulas above; each place depends on one brick's three
-// coordinates alone, and only its turn has a second derivative.
+// coordinates alone, and only its rotation has a second derivative.
 #include "sim/mechanics/elastic_sheet.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace kirireel::mechanics {
 
 // Builds the rows in a fixed order: two for each pivot, three for each pinned tile, one for each
 // handle of a grip that moves. force() finds a grip's multipliers by that order. Pivots of the
-// upper face coincide with those of the lower one in the plane and are left out.
+// upper face coincide with those of the lower one in the plane and are omitted.
 ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
                            const model::PairForces& pairForces,
                            const std::vector<model::Pivot>& pivots, const std::vector<int>& pinned,
@@ -110,7 +110,7 @@ double ElasticSheet::bend(const Term& term, const Vector& q) const {
 
 // The largest second derivative that one part of the sheet has, joules: springs by turns (N m a
 // rad), ligaments by places (N/m times the length scale squared) and by turns. The shear stiffness
-// of a ligament that is no pin is a moment a radian: across the ligament it acts as shear /
+// of a ligament that is not a pin is a moment per radian: across the ligament it acts as shear /
 // length^2.
 double ElasticSheet::stiffnessScale() const {
   double largest = 0;
@@ -166,7 +166,7 @@ std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) con
   return parts;
 }
 
-// All forces between pairs, joules. Dead loads are no part of it; gradient() has them.
+// All forces between pairs, joules, without dead loads, which gradient() includes.
 double ElasticSheet::energy(const Vector& q) const {
   double sum = model::elasticEnergy(springs_, posesAt(q));
   for (const PairPart& part : pairParts(q)) sum += part.energy.energy;
@@ -247,7 +247,7 @@ ElasticSheet::Vector ElasticSheet::motion() const {
 }
 
 // The second derivative of E - load * work + multipliers . rows by q. Places are linear in x and y,
-// and bent in the turn alone: rows and dead loads add to the diagonal of turns alone.
+// and curved only in the rotation: rows and dead loads add only to the diagonal of rotations.
 ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
                                            const Vector& multipliers) const {
   std::vector<Eigen::Triplet<double>> entries;
@@ -285,7 +285,7 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   return matrix;
 }
 
-// All handles of a grip are of one kind: the first tells.
+// All handles of a grip are of one kind: check the first.
 double ElasticSheet::unit(std::size_t grip) const {
   return grips_[grip].handles.front().isTurn ? 1 : scale_;
 }

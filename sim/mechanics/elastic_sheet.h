@@ -13,12 +13,12 @@ namespace kirireel::mechanics {
 
 /// What a grip holds of a brick: a point, or its turn.
 struct GripHandle {
-  int brick = 0;                    ///< its number, from 0
+  int brick = 0;                    ///< its number, >= 0
   Vector3 point = Vector3::Zero();  ///< in the brick's axes
   bool isTurn = false;              ///< whether its turn is held, and not the point
 };
 
-/// What moves or pushes parts of the sheet, in proportion to the load: a number from 0 on.
+/// Moves or forces on parts of the sheet, in proportion to the load (>= 0).
 struct Grip {
   std::vector<GripHandle> handles;       ///< one or more
   Vector3 direction = Vector3::UnitX();  ///< unit, in the plane; of no meaning for turns

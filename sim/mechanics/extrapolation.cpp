@@ -6,11 +6,11 @@
 // the step's start, velocities and the energy lost to dampers are combined; then joints are closed,
 // and velocities made to fit, in the metric of the masses. The whole keeps its momentum to
 // rounding, but for what the loads give; where asked for, its energy to a part of the tolerance:
-// the work of the loads is summed in each row and extrapolated likewise, and what the energy
-// differs from it is an error of the step beside that of places. After each row the step is taken,
-// given up or goes on by the rules of SEULEX, and the next one has the length and order that cost
-// least a second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9;
-// constraints: Lubich, Extrapolation integrators for constrained multibody systems, 1991.
+// the work of the loads is summed in each row and extrapolated the same, and what the energy
+// differs from it is an error of the step in addition to that of positions. After each row the step
+// is taken, rejected or continued by the rules of SEULEX, and the next one has the length and order
+// that cost least a second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996,
+// IV.9; constraints: Lubich, Extrapolation integrators for constrained multibody systems, 1991.
 #include "sim/mechanics/extrapolation.h"
 
 #include <algorithm>
@@ -80,7 +80,7 @@ Momentum momentumOf(const std::vector<model::Brick>& bricks, const Motion& motio
 
 }  // namespace
 
-/// A step that was tried: its rows, and what its orders tell.
+/// A trial step: its rows and the errors of its orders.
 struct Extrapolation::Trial {
   /// The step, crossed in so many Euler steps.
   struct Crossing {
@@ -188,7 +188,7 @@ double Extrapolation::energyError(const Trial& trial) const {
   return most > 0 ? std::abs(energy - desired) / allowed : 0;
 }
 
-/// Notes what the latest row tells of the step's error.
+/// Stores the error estimate of the latest row.
 void Extrapolation::estimate(Trial& trial) const {
   const int order = trial.order();
   trial.end = combine(trial, 1, order);
@@ -275,7 +275,7 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
 }
 
 /// What is not known of the way to rest of points that slide at the step's start and stick at its
-/// end, in tolerances: rows that are too coarse all stick at once, and do not tell.
+/// end, in tolerances: rows that are too coarse all stick at once and give no estimate.
 double Extrapolation::caughtError(const Trial& trial) const {
   return 0.5 * trial.length * solver_.stickSlipSpeed(trial.start) /
          (settings_.tolerance * settings_.lengthScale);

@@ -20,18 +20,18 @@ struct PassedState {
   Motion motion;       ///< of all bricks
 };
 
-/// Whether a step of so many seconds may lead from one motion to another: not where bricks would
-/// meet on the way.
+/// Whether a step of so many seconds may join two motions: false if bricks would collide between
+/// them.
 using StepFilter = std::function<bool(const Motion& from, const Motion& to, double seconds)>;
 
 /// How steps are chosen.
 struct ExtrapolationSettings {
-  double tolerance = 1e-4;        ///< error in time that one step may make, length scales, above 0
-  double longestStep = 1.0 / 60;  ///< seconds, above 0
+  double tolerance = 1e-4;        ///< error in time that one step may make, length scales, > 0
+  double longestStep = 1.0 / 60;  ///< seconds, > 0
   double lengthScale = 1;         ///< a typical tile edge, metres
   /// Whether steps keep the energy too, but for what loads give (JointSolver::energy): each of the
   /// longest to a tenth of the tolerance, as a part of the most that there was so far, and others
-  /// in proportion. Stiff ligaments swing faster than places tell.
+  /// in proportion. Stiff ligaments swing faster than positions show.
   bool keepsEnergy = false;
 };
 

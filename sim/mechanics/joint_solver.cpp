@@ -22,7 +22,7 @@ namespace kirireel::mechanics {
 /// How a step went that was tried.
 enum class StepOutcome { Good, JointsOpen, Overlapping };
 
-/// Where a step leads whose velocities were found.
+/// The end of a step with known velocities.
 struct StepEnd {
   Poses poses;              ///< empty until the velocities are found
   Eigen::VectorXd closing;  ///< what closing the joints added to the move
@@ -37,8 +37,8 @@ struct KeptRows {
   double step = 1;  ///< seconds that their impulses refer to
 };
 
-/// The joint solver in D degrees of freedom a brick.
-/// The functions are described where they are defined; they stand here in the order of a step.
+/// The joint solver in D degrees of freedom a brick. The functions are described where they are
+/// defined; they are listed in the order of a step.
 template <int D>
 class Stepper : public JointSolver {
  public:
@@ -128,7 +128,7 @@ class Stepper : public JointSolver {
 
   // The step in work.
   std::vector<model::Load> loads_;
-  bool isShortest_ = false;    // it will not be halved, and jumps are taken
+  bool isShortest_ = false;    // it will not be halved, and discontinuities are accepted
   Vector startSpeed_;          // velocities where it starts
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
   double multiplierStep_ = 1;  // seconds that these refer to
@@ -145,13 +145,13 @@ namespace {
 
 // All lengths are in length scales, all speeds in length scales a second.
 constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to the fastest brick
-constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
+constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, the same
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
 constexpr double kRecovery = 2e-6;               // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;        // at the end of a step
-constexpr double kWorkOfPair = 1000;             // multiplications that looking at a pair is worth
+constexpr double kWorkOfPair = 1000;             // cost of checking a pair, in multiplications
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 // Exact joints mostly need one or two rounds, singular states a few more.
@@ -253,7 +253,7 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSour
   return solveContactRounds(start.poses, step);
 }
 
-/// Solves the step, looks what it runs into, and solves again with that until nothing is new.
+/// Solves the step, finds new contacts, and repeats until there are none.
 template <int D>
 StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
@@ -389,7 +389,7 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
                          report.contactChange <= kContactSpeedTolerance * speed;
     if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
   }
-  return true;  // the rest is judged by the gap after closing
+  return true;  // the gap after closing decides the rest
 }
 
 /// Finds the velocities of the step with the forces between pairs of its end: Newton's method from
@@ -422,8 +422,8 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
 }
 
 /// Joints and contacts do no work on the bricks: x.Ax, what moving costs, is at most x.f, what
-/// there is. Where bricks wedge, impulses are still on their way when the rounds end, and may do
-/// some: then all bricks move slower, which joints and contacts allow, as they allow rest.
+/// there is. If bricks jam, impulses have not converged when the rounds end, and may do some: then
+/// all bricks move slower, which joints and contacts allow, as they allow rest.
 template <int D>
 void Stepper<D>::limitWork() {
   if (program_.contacts.empty() || !program_.exactJoints) return;
@@ -722,9 +722,9 @@ std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& br
 
 namespace {
 
-constexpr int kPatience = 10;  // steps in a row that stand still before halving is tried anew
+constexpr int kPatience = 10;  // consecutive steps without motion before halving is tried again
 
-// Exact comparison is meant: anything else is a change.
+// Exact comparison on purpose: any difference is a change.
 bool areEqual(const Pose& a, const Pose& b) {
   return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
 }
@@ -746,12 +746,12 @@ bool areAtRest(const std::vector<Velocity>& velocities) {
 
 }  // namespace
 
-// Says whether a step is to be tried. `motion`, `loads` and `seconds` are what it begins with.
+// Returns whether to try a step. `motion`, `loads` and `seconds` are what it begins with.
 bool Standstill::beginStep(const Motion& motion, const std::vector<model::Load>& loads,
                            double seconds) {
   const bool mayHalve = steps_ % kPatience == 0;
-  // Inputs are the same and the last answer was "stands still". It would differ only if halving
-  // were allowed now and had not been allowed then.
+  // Inputs are the same and the last answer was "no motion". It would differ only if halving were
+  // allowed now and had not been allowed then.
   if (isWhole() && isAsBefore(motion, loads, seconds) && (halved_ || !mayHalve)) {
     ++steps_;
     return false;
@@ -817,7 +817,7 @@ double largestOf(const Eigen::VectorXd& gaps) {
 
 /// Moves to the step's end and closes the joints there: with the contacts that push held, or, where
 /// that fails (compact states leave them no room), without. Returns whether the joints closed
-/// without a jump to another branch.
+/// without changing to another branch.
 template <int D>
 bool Stepper<D>::moveAndClose(const Poses& start, double step) {
   end_.poses = start;

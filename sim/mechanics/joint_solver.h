@@ -19,7 +19,7 @@ namespace kirireel::mechanics {
 /// Where a brick of a planar scene rests on the ground: it hasFriction there with a known normal
 /// load.
 struct Support {
-  int brick = 0;            ///< its number, from 0
+  int brick = 0;            ///< its number, >= 0
   Vector3 point;            ///< in the brick's axes
   double largestForce = 0;  ///< of friction, newtons
 };
@@ -35,7 +35,7 @@ struct JointSolverSettings {
   bool isHalving = true;  ///< whether steps that fail are tried in halves
 };
 
-/// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
+/// Writes the load on every brick at the given poses; `loads` has one entry per brick, to be
 /// replaced.
 using LoadSource = std::function<void(const Poses&, std::vector<model::Load>& loads)>;
 
@@ -53,18 +53,18 @@ struct LoadGain {
 
 /// What two touching bricks push each other with.
 struct ContactLoad {
-  int brickA = 0;              ///< its number, from 0
+  int brickA = 0;              ///< its number, >= 0
   int brickB = model::kFixed;  ///< above brickA, or what does not move
   double force = 0;            ///< newtons, the sum over the pair's points
 };
 
 /// The force at one point where two bricks, or a brick and what does not move, touch.
 struct TouchForce {
-  int brickA = 0;              ///< its number, from 0
+  int brickA = 0;              ///< its number, >= 0
   int brickB = model::kFixed;  ///< or the ground's or an obstacle's
   Vector3 point;               ///< world axes
   Vector3 force;    ///< on brick A, friction included, newtons; brick B gets the opposite
-  double push = 0;  ///< of that along the normal, newtons, from 0
+  double push = 0;  ///< of that along the normal, newtons, >= 0
 };
 
 /// The direct solver: an implicit Euler step whose velocities satisfy all joints exactly,
@@ -80,14 +80,14 @@ class JointSolver {
   virtual ~JointSolver() = default;
 
   /// Advances the motion by `step` seconds under the loads; `contacts` may be null. A step that
-  /// would jump between branches, cannot close its joints or leaves bricks overlapping is redone as
-  /// two halves, at most 8 levels deep. With contacts, bricks whose shortest step fails move in it
-  /// as rigid pieces of all that joints and contacts connect. After that, halves are tried in every
+  /// would change branches, cannot close its joints or leaves bricks overlapping is redone as two
+  /// halves, at most 8 levels deep. With contacts, bricks whose shortest step fails move in it as
+  /// rigid pieces of all that joints and contacts connect. After that, halves are tried in every
   /// tenth step only. If the pieces are at rest, the step is not tried again while nothing changes.
-  /// Joints and contacts do no work: what closing costs is taken from
-  /// the speed. Loads are taken at the start of each (half) step and implicit in it.
-  /// `step` is positive, joints are closed at the start to about the solver's tolerance. Loads are
-  /// asked for at the start of each part of the step.
+  /// Joints and contacts do no work: what closing costs is taken from the speed. Loads are taken at
+  /// the start of each (half) step and implicit in it. `step` is positive, joints are closed at the
+  /// start to about the solver's tolerance. Loads are asked for at the start of each part of the
+  /// step.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              model::ContactSource* contacts) = 0;
 
@@ -127,9 +127,9 @@ class JointSolver {
   /// Holds these bricks where they are, exactly, until the next call; one entry per brick. Their
   /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
-  /// Makes joints compliant from now on: each pivot is a spring of this stiffness (N/m, above 0),
+  /// Makes joints compliant from now on: each pivot is a spring of this stiffness (N/m, > 0),
   /// implicit in the step; infinity holds them exactly again, which is how a solver starts out.
-  /// Gaps that springs have left are to be closed by assemble() first.
+  /// Close gaps from springs by assemble() first.
   virtual void setJointStiffness(double stiffness) = 0;
   /// Sets JointSolverSettings::isHalving.
   virtual void setHalving(bool isOn) = 0;
@@ -167,14 +167,14 @@ std::unique_ptr<JointSolver> makeJointSolver(const std::vector<model::Brick>& br
 /// its tolerances. As long as nothing changes, another try ends as the last one did.
 class Standstill {
  public:
-  /// Whether all bricks stood still through the last step.
+  /// Whether no brick moved in the last step.
   bool isWhole() const { return !poses_.empty(); }
 
   /// Begins a step of so many seconds from this motion, one load a brick; the loads count only
   /// where isWhole(). Returns false if it need not be tried: the last one that was began just so,
   /// and halves either failed then too or are not due.
   bool beginStep(const Motion& motion, const std::vector<model::Load>& loads, double seconds);
-  /// Notes that bricks stood still in a part of the step, or that they moved.
+  /// Stores whether bricks moved in a part of the step.
   void recordStandstill() { stood_ = true; }
   /// Notes that bricks moved in a part of the step.
   void recordMotion() { moved_ = true; }
@@ -195,14 +195,13 @@ class Standstill {
   bool isAsBefore(const Motion& motion, const std::vector<model::Load>& loads,
                   double seconds) const;
 
-  // What the last step began and ended with, where bricks stood still through it: so it ended at
-  // rest.
+  // State of the last step without motion: it ended at rest.
   Poses poses_;
   std::vector<model::Load> loads_;
   double seconds_ = 0;
   bool halved_ = false;  // it was tried in halves
 
-  int steps_ = 0;  // in a row in which bricks stood still
+  int steps_ = 0;  // consecutive, without motion
   bool mayHalve_ = true;
   bool stood_ = false;
   bool moved_ = false;
@@ -223,7 +222,7 @@ struct Reactions {
   double imbalance = 0;
 };
 
-/// Finds the forces in a state by a solve of its own: see reactions.cpp for the equations.
+/// Finds the forces in a state by a separate solve: see reactions.cpp for the equations.
 class ReactionSolver {
  public:
   virtual ~ReactionSolver() = default;
@@ -231,8 +230,8 @@ class ReactionSolver {
   /// The forces in a state of motion under what is applied to each brick, force and torque about
   /// its centre of mass, contacts included. Where joints are redundant there are many that keep the
   /// balance; these have the least sum of squares, which is what equally stiff joints carry in the
-  /// limit. `pinned`: one entry a brick. `jointStiffness` in N/m makes joints springs, whose forces
-  /// follow from their gaps; infinity makes them exact.
+  /// limit. `pinned`: one entry per brick. `jointStiffness` in N/m makes joints springs, whose
+  /// forces follow from their gaps; infinity makes them exact.
   virtual Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                           const std::vector<bool>& pinned, double jointStiffness) = 0;
 

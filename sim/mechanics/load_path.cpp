@@ -5,11 +5,11 @@
 // with the factor L D L^T of H + w J^T J, w large, and refinement: redundant rows of J need no
 // care, and the negative entries of D are the directions in which the energy falls within the
 // constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown too,
-// fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981). The
-// path goes on where the load turns. A step over which the load, or the leading force, turns, or
-// the count of negative entries changes, is halved until the special state is located. Riks, An
-// incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct.
-// 15, 1979; Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
+// fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981). The path
+// continues at load limits. A step over which the load, or the leading force, turns, or the count
+// of negative entries changes, is halved until the special state is located. Riks, An incremental
+// approach to the solution of snapping and buckling problems, Int. J. Solids Struct. 15, 1979;
+// Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
 #include "sim/mechanics/load_path.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ using Vector = LoadedSheet::Vector;
 using Matrix = LoadedSheet::Matrix;
 
 // Heavier constraints are rounded more; they are taken where constraints are so nearly redundant,
-// as in sheets that are almost shut, that the usual weight does not outweigh the forces that the
+// as in sheets that are almost shut, that the default weight does not outweigh the forces that the
 // sheet carries.
 constexpr double kMostPenalty = 1e12;
 constexpr double kHeavier = 1e2;
@@ -47,9 +47,9 @@ constexpr double kShortestStep = 1e-7;  // of the longest
 constexpr double kStraight = 0.9;       // cosine between the directions at the ends of a step
 constexpr int kLimitBisections = 60;
 constexpr double kNoSlope = 1e-8;  // of the force along the path, parts of the stiffest spring
-constexpr double kBackwards = -1;  // a load below this leads nowhere
+constexpr double kBackwards = -1;  // loads below this end the path
 
-/// A point on the path in its unknowns, and the direction in which it goes on.
+/// A point on the path in its unknowns, and the tangent.
 struct PathPoint {
   Vector q;
   Vector multipliers;
@@ -82,7 +82,7 @@ class Equations {
   bool isFactored() const { return factor_.info() == Eigen::Success; }
   /// Of the directions that constraints leave: exact after solve().
   int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
-  /// Whether some motion meets no resistance to speak of.
+  /// Whether some motion has almost no resistance.
   bool isLoose() const {
     return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < none_ * scale_;
   }
@@ -170,7 +170,8 @@ class Follower {
         path_.trouble = fmt::format("no equilibrium was found beyond the load {:.6g}", at.load);
         // A start where what grips move is at its limit, as a sheet of squares is at 90 degrees,
         // can leave it to two sides.
-        if (at.load == 0) path_.trouble += "; start a little beside where the sheet may turn back";
+        if (at.load == 0)
+          path_.trouble += "; start slightly away from the point where the sheet may turn back";
         break;
       }
       // The last step went past the end: the state at the load 1 is found between the two.
@@ -217,7 +218,7 @@ class Follower {
     return sheet_.gradient(at.q, at.load) + sheet_.jacobian(at.q).transpose() * at.multipliers;
   }
 
-  // Forces are judged by the largest of stiffness and multipliers, both joules: a sheet that
+  // Forces are scaled by the largest of stiffness and multipliers, both joules: a sheet that
   // carries large forces cannot be balanced better than these are rounded.
   bool isBalanced(const Vector& forces, const Vector& gaps, const PathPoint& at) const {
     const double largest =
@@ -240,7 +241,7 @@ class Follower {
       }
       const Vector gaps = sheet_.residual(at.q, 0);
       if (equations.negatives() == 0 && isBalanced(forcesAt(at), gaps, at)) return at;
-      // Newton's step then leads downhill in energy, also from a start next to a maximum.
+      // Newton's step then lowers the energy, also from a start next to a maximum.
       equations.makeConvex();
       const Equations::Change change = equations.solve(-forcesAt(at), -gaps);
       // Turns are nonlinear: a round moves no coordinate farther than the formulas hold.
@@ -252,7 +253,7 @@ class Follower {
   }
 
   // The direction (dq, dm, dload) in which the equations stay satisfied: H dq + J^T dm = pull, J dq
-  // = motion for dload = 1, scaled to the length 1. Its sign is that of the tangent before, so that
+  // = motion for dload = 1, scaled to the length 1. Its sign is that of the previous tangent, so
   // the path never turns round by itself.
   Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
     Equations equations(sheet_, at);
@@ -302,7 +303,7 @@ class Follower {
   }
 
   /// The equilibrium at a given load, from one nearby.
-  // Newton's method at a fixed load: the load is no unknown here.
+  // Newton's method at a fixed load: the load is fixed here.
   std::optional<PathPoint> balancedAt(PathPoint at, double load) const {
     at.load = load;
     for (int round = 0; round < kNewtonRounds; ++round) {
@@ -316,13 +317,13 @@ class Follower {
     return std::nullopt;
   }
 
-  // Ends a path that runs round in a loop or away to negative loads, and says why.
+  // Ends a path that loops or reaches negative loads, with the reason.
   bool mayGoOn(const PathPoint& at) {
     if (static_cast<int>(path_.states.size()) >= settings_.mostStates) {
-      path_.trouble = fmt::format("the path has {} states at the load {:.6g} and goes on",
+      path_.trouble = fmt::format("the path has {} states at the load {:.6g} and continues",
                                   settings_.mostStates, at.load);
     } else if (at.load < kBackwards) {
-      path_.trouble = "the path leads back, to loads below -1";
+      path_.trouble = "the path turns back to loads below -1";
     }
     return path_.trouble.empty();
   }
@@ -346,13 +347,13 @@ class Follower {
   Turning turningBetween(const Tangent& a, const Tangent& b) const {
     if (a.load * b.load < 0) return Turning::LoadLimit;
     if (a.negatives != b.negatives) return Turning::Bifurcation;
-    // A slope of the force so small is rounding: its sign says nothing.
+    // A slope so small is rounding: its sign means nothing.
     const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
     const bool isClear = std::abs(a.forceSlope - b.forceSlope) > noise;
     return isClear && a.forceSlope * b.forceSlope < 0 ? Turning::ForceLimit : Turning::None;
   }
 
-  /// Locates what turns within a step, and notes it. Returns whether the path may go on.
+  /// Locates and stores limits within a step. Returns whether the path may continue.
   bool noteTurning(const PathPoint& from, const Tangent& along, double step, const Stepped& end) {
     const Turning turning = turningBetween(along, end.along);
     if (turning == Turning::None) return true;
@@ -370,8 +371,8 @@ class Follower {
     return note(found.at, found.along, turning);
   }
 
-  // Keeps an equilibrium with its forces and displacements, and tells the observer. Returns whether
-  // that lets the path go on.
+  // Keeps an equilibrium with its forces and displacements, and reports it to the observer. Returns
+  // whether the observer continues.
   bool note(const PathPoint& at, const Tangent& along, Turning turning) {
     Equilibrium state;
     state.load = at.load;

@@ -17,9 +17,9 @@ namespace kirireel::mechanics {
 
 /// What is special about an equilibrium.
 enum class Turning {
-  None,        ///< nothing
-  LoadLimit,   ///< the load turns: under it the sheet would snap from here
-  ForceLimit,  ///< the force on the leading grip turns: a sheet that is pushed would snap from here
+  None,         ///< nothing
+  LoadLimit,    ///< load limit: a sheet under dead load snaps here
+  ForceLimit,   ///< force limit of the leading grip: a sheet under force control snaps here
   Bifurcation,  ///< other equilibria branch off: a sheet that is not perfect leaves the path
 };
 
@@ -28,8 +28,8 @@ std::string toString(Turning turning);
 
 /// One equilibrium on the path.
 struct Equilibrium {
-  double load = 0;                    ///< from 0; 1 is the whole load
-  Poses poses;                        ///< one a brick
+  double load = 0;                    ///< >= 0; 1 is the whole load
+  Poses poses;                        ///< one per brick
   double energy = 0;                  ///< of the springs, joules
   std::vector<double> displacements;  ///< of each grip, see ElasticSheet; metres or radians
   std::vector<double> forces;         ///< of each grip, newtons or N m
@@ -40,7 +40,7 @@ struct Equilibrium {
   Turning turning = Turning::None;  ///< what is special about it
 };
 
-/// What the states of a load path tell of each grip.
+/// Results for each grip along a load path.
 struct GripName {
   std::string name;     ///< "grip 1 x": numbers count from 1, as the scene file has them
   bool isTurn = false;  ///< radians and N m, else metres and newtons
@@ -88,7 +88,7 @@ class LoadedSheet {
 
   /// What the sheet holds, joules.
   virtual double energy(const Vector& q) const = 0;
-  /// The largest stiffness that a coordinate may meet, joules: what tolerances refer to.
+  /// The largest stiffness of a coordinate, joules, the reference of tolerances.
   virtual double stiffnessScale() const = 0;
   /// A stiffness below this part of the largest counts as none.
   virtual double noStiffness() const = 0;

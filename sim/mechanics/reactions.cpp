@@ -38,7 +38,7 @@ constexpr int kForceRounds = 12;
 constexpr double kForceRounding = 1e-14;  // of forces, relative to the largest
 // A round that takes less than this off the rest is the last.
 constexpr double kWorthwhileRound = 0.5;
-// Random states that are projected: one that by chance is blind to a joint is no harm.
+// Random states that are projected: a state that misses a joint by chance does no harm.
 constexpr int kProbes = 2;
 // Of a random state between -1 and 1, what a joint has in self-stress is above this.
 constexpr double kTakesPart = 1e-6;
@@ -60,9 +60,9 @@ class Reactor final : public ReactionSolver {
     }
   }
 
-  // Forces of joints and pins in one state. With compliant joints they follow from the gaps alone;
-  // with exact ones from the two solves of the head. The system is factored again, since it belongs
-  // to the state.
+  // Forces of joints and pins in one state. With compliant joints they follow from the gaps; with
+  // exact ones from the two solves of the head. The system is factored again, since it belongs to
+  // the state.
   Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                   const std::vector<bool>& pinned, double jointStiffness) override {
     motion_ = motion;
@@ -136,7 +136,7 @@ class Reactor final : public ReactionSolver {
     const Vector3 armA = poseA.rotation * pivot.pointA, armB = poseB.rotation * pivot.pointB;
     const Vector3 apart = centripetal(velocityB, armB) - centripetal(velocityA, armA);
     if (pivot.distance == 0) return apart;
-    // Of the distance d of two points alone: d'' = along . p'' + |p' across|^2 / d.
+    // Of the distance d of two points: d'' = along . p'' + |p' across|^2 / d.
     const Vector3 along = between(pivot).normalized();
     const Vector3 moves = velocityA.linear + velocityA.angular.cross(armA) - velocityB.linear -
                           velocityB.angular.cross(armB);

@@ -20,7 +20,7 @@ class RigidPieces {
 
   /// One rigid body a piece: mass, inertia about its centre of mass, no shape.
   const std::vector<model::Brick>& bodies() const { return bodies_; }
-  /// The piece of a brick, from 0.
+  /// The piece of a brick, >= 0.
   int pieceOf(int brick) const { return pieces_[static_cast<std::size_t>(brick)]; }
   /// Where a brick is in the axes of its piece.
   const Pose& placeInPiece(int brick) const { return places_[static_cast<std::size_t>(brick)]; }

@@ -155,10 +155,10 @@ template void placeRow<6>(ContactRow<6>&, const Poses&);
 // h K x). Springs at hinges add rows s (the rate of the hinge's angle by both bricks' velocities):
 // A gains (h^2 k + h c) s^T s, f gains h m s^T, m the moment at the start. The joint rows J are the
 // velocities of pivot points of one brick against the other; kappa J^T J makes H of A, which is
-// positive definite whatever J is.
+// positive definite for any J.
 //
 // Exact joints take kappa = 1e10 times the mean mass and multipliers; joints that are springs of
-// stiffness k take kappa = h^2 k, which is their implicit Euler step. H's blocks stand on the graph
+// stiffness k take kappa = h^2 k, which is their implicit Euler step. H's blocks follow the graph
 // of bricks. An edge that a contact brings stays in the graph for the rest of the run, as the same
 // bricks mostly touch again, and a new plan costs more than some zeros.
 
@@ -278,12 +278,12 @@ double SpringRows<D>::damped(double step, const Vector& x) const {
 // Forces between pairs of bricks in a step. Over a step h from poses q with velocities x, the
 // energy E(q + h x) is replaced by its second-order expansion about known velocities x0,
 //   f gains -h g + h^2 K x0,     A gains h^2 K
-// with the gradient g and the second derivative K at q + h x0: the minimum of the step's
-// quadratic function is one Newton step for the true one. (In space g and K are by turns from the
-// pose at hand and not from q, which is the same up to the angle of a step.) K is made positive
+// with the gradient g and the second derivative K at q + h x0: the minimum of the step's quadratic
+// function is one Newton step for the true one. (In space g and K are by turns from the pose at
+// hand and not from q, which is the same up to the angle of a step.) K is made positive
 // semidefinite by dropping its negative eigenvalues, in coordinates in which a turn of one radian
 // counts as the length scale: else the cut would depend on the unit of length. A brick that is
-// pinned does not move; its rows are left out.
+// pinned does not move; its rows are omitted.
 
 namespace {
 
@@ -719,10 +719,10 @@ template class StepSystem<6>;
 // With multipliers l of the joints, p of the contacts and s of their slip, a round minimises
 //   1/2 x^T A x - f^T x - l^T J x + kappa/2 |J x|^2
 //     + sum_i max(0, p_i - rho (c_i x - b_i))^2 / (2 rho) + the same of the slip, cut to its bound,
-// which is convex and quadratic in pieces: which contacts push, and which slip, says which piece.
-// Newton's method on it is exact within a piece: a whole step is taken at first, and a line
-// search only where whole steps run in circles (semismooth Newton). Then the multipliers move to
-//   l - kappa J x,   p = max(0, p - rho (c x - b)),   s likewise,
+// which is convex and quadratic in pieces: the pushing and slipping contacts determine the piece.
+// Newton's method on it is exact within a piece: a whole step is taken at first, and a line search
+// only where whole steps run in circles (semismooth Newton). Then the multipliers move to
+//   l - kappa J x,   p = max(0, p - rho (c x - b)),   s the same,
 // and the next round begins. With kappa and rho large against A a round gains ten digits or so.
 // Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex programming",
 // 1974; Qi and Sun, "A nonsmooth version of Newton's method", 1993.
@@ -760,7 +760,7 @@ Eigen::VectorXd gradient(const StepSystem<D>& system, const StepProgram<D>& prog
 }
 
 /// The same of the quadratic piece in which the contacts are in the states that they have: where x
-/// is on another piece, a whole step from it still leads to this one's minimum.
+/// is on another piece, a whole step from it still reaches this one's minimum.
 template <int D>
 Eigen::VectorXd gradientOfPiece(const StepSystem<D>& system, const StepProgram<D>& program) {
   Eigen::VectorXd result = smoothGradient(system, program, program.x);

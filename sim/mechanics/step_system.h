@@ -179,7 +179,7 @@ struct ContactRow {
   TangentRows tangentA, tangentB;
   double bias = 0;        ///< gap / step, m/s; 0 where they overlap
   double aim = 0;         ///< gap that closing aims at where the contact pushes, metres
-  double multiplier = 0;  ///< normal impulse, from 0
+  double multiplier = 0;  ///< normal impulse, >= 0
   Tangent slipMultiplier = Tangent::Zero();  ///< tangential impulse on A
   double slipBound = 0;                      ///< largest tangential impulse
 
@@ -259,7 +259,7 @@ class BrickGraph {
 /// Two bricks, one of them perhaps what does not move (see model::isBrick), and their edge of the
 /// graph.
 struct PairOnGraph {
-  int brickA = 0;  ///< its number, from 0, or below 0
+  int brickA = 0;  ///< its number, >= 0, or below 0
   int brickB = 0;  ///< the same
   int edge = 0;    ///< its number on the graph, where there is one
 
@@ -292,12 +292,12 @@ class SpringRows {
 
   /// How many springs there are.
   std::size_t size() const { return springs_.size(); }
-  /// By its number, from 0.
+  /// By its number, >= 0.
   const model::HingeSpring& spring(std::size_t s) const { return springs_[s]; }
   /// The row of a spring, by the same number.
   const SpringRow<D>& row(std::size_t s) const { return rows_[s]; }
 
-  /// Sets the rows for a step of so many seconds from these poses. One entry a brick: those that
+  /// Sets the rows for a step of so many seconds from these poses. One entry per brick: those that
   /// are held take no part.
   void begin(const Poses& poses, double step, const std::vector<bool>& held);
   /// Takes all weights and moments away.
@@ -348,8 +348,8 @@ class PairBlocks {
     PairMatrix weight = PairMatrix::Zero();  ///< to A: h^2 K
   };
 
-  /// `lengthScale` in metres makes turning and moving comparable. Springs at hinges are left out.
-  /// Each pair becomes an edge of the graph.
+  /// `lengthScale` in metres makes rotations and translations comparable. Springs at hinges are
+  /// omitted. Each pair becomes an edge of the graph.
   PairBlocks(const model::PairForces& forces, double lengthScale, BrickGraph& graph);
 
   /// Whether there are no such forces.
@@ -357,9 +357,8 @@ class PairBlocks {
   /// Force by force, pair by pair.
   const std::vector<PairBlock>& blocks() const { return blocks_; }
 
-  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
-  /// held take no part.
-  /// `step` in seconds.
+  /// Begins a step at these poses, whose blocks are to be set. One entry per brick: those that are
+  /// held take no part. `step` in seconds.
   void begin(const Poses& poses, double step, const std::vector<bool>& held);
   /// Sets the blocks about velocities x0.
   void setAbout(const Vector& x0, Curvature curvature);
@@ -444,7 +443,7 @@ class StepSystem {
   /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
   void setStep(const Motion& motion, const std::vector<model::Load>& loads, double step,
                double jointStiffness);
-  /// Whether forces act between pairs that are no springs at hinges.
+  /// Whether there are pair forces other than springs at hinges.
   bool hasPairBlocks() const { return !pairBlocks_.empty(); }
   /// Sets the pair blocks' part of A and f, about velocities x of the step.
   void setPairBlocksAbout(const Vector& x, typename PairBlocks<D>::Curvature curvature);
@@ -553,7 +552,7 @@ struct RoundReport {
 /// One round: minimises the augmented Lagrangian for the multipliers at hand by semismooth Newton
 /// (the contacts' states decide which quadratic piece is in force), then moves the multipliers. The
 /// system must be factored for the contacts' states on entry. `slow` is a speed to which tolerances
-/// refer besides that of x.
+/// refer, in addition to that of x.
 template <int D>
 /// Costs one solve for a round without contacts; each change of the contacts' states costs a
 /// factorisation.

@@ -353,8 +353,8 @@ TEST(LoadPath, SaysWhyItDoesNotLeaveALimitOfTheMechanism) {
   const mechanics::LoadPath path = unit.follow(3);
   EXPECT_FALSE(path.arrives);
   EXPECT_EQ(path.trouble,
-            "no equilibrium was found beyond the load 0; start a little beside where the sheet may "
-            "turn back");
+            "no equilibrium was found beyond the load 0; start slightly away from the point where "
+            "the sheet may turn back");
 }
 
 TEST(LoadPath, IsRefusedWhereNothingResists) {
