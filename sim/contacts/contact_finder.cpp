@@ -1,9 +1,9 @@
 // Contacts of all bricks in three stages.
 //
-// 1. The broad phase (contact_finder.h) lists pairs of convex pieces whose boxes meet. Concave
+// 1. The broad phase (contact_finder.h) lists pairs of convex pieces whose boxes overlap. Concave
 // bricks
-//    have several pieces; those of one brick never meet each other.
-// 2. Each listed pair that may touch is looked at as a `BrickPair`, or as a `SpherePair` where one
+//    have several pieces; those of one brick never collide with each other.
+// 2. Each listed pair that may touch is examined as a `BrickPair`, or as a `SpherePair` where one
 //    of the two is a sphere. These remember, from step to step, what keeps the two apart.
 // 3. Bricks on the ground: a brick whose lowest vertex is below the ground gets a contact at each
 //    of its vertices, of which the solver holds those that push.
@@ -12,9 +12,9 @@
 // visited in the order of their numbers: contacts have the same order on every machine. A
 // contact that is given away has an obstacle's part in world axes and the obstacle's own number.
 //
-// Bricks that share a corner are looked at without that corner (pivotZone of an edge, see
-// model/contact.h): bricks joined on one face would else be stopped by the least fold, as the
-// edges at their joint already touch.
+// Bricks that share a corner are examined without that corner (pivotZone of an edge, see
+// model/contact.h): bricks joined on one face would else be stopped by the least fold, as the edges
+// at their joint already touch.
 #include "sim/contacts/contact_finder.h"
 
 #include <algorithm>
@@ -58,7 +58,7 @@ struct ObstaclePart {
   Pose pose;                     ///< where it stays
   std::optional<double> radius;  ///< of a sphere, metres
   double friction = 0;           ///< Coulomb coefficient
-  int obstacle = 0;              ///< that it belongs to, from 0
+  int obstacle = 0;              ///< that it belongs to, >= 0
 };
 
 /// The parts of all obstacles, in order.
@@ -109,7 +109,7 @@ struct ContactBodies {
   int brickCount;
   std::vector<ObstaclePart> parts;
   std::vector<model::Brick> bodies;
-  std::vector<model::BrickPiece> pieces;  // those of one body never meet each other
+  std::vector<model::BrickPiece> pieces;  // those of one body never collide with each other
   std::vector<model::Brick> shapes;       // of the pieces
   std::vector<int> firstPiece;            // of each body
 };
@@ -236,7 +236,7 @@ std::shared_ptr<const PieceShape> ContactFinder::Internals::wholeShape(int piece
   return wholeShapes[piece];
 }
 
-// The pair of a piece of a brick and the piece that stands for a sphere, made where it is new.
+// The pair of a piece of a brick and the piece of a sphere, created at the first use.
 SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
   const int body = bodies.pieces[sphere].brick;
   return spheres
@@ -248,7 +248,7 @@ SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
 /// Two bodies, the smaller number first.
 bool ContactFinder::Internals::mayTouch(int a, int b) const {
   if (a == b) return false;
-  // b has the larger number: an obstacle among the two is b. Obstacles do not meet each
+  // b has the larger number: an obstacle among the two is b. Obstacles do not collide with each
   // other.
   if (bodies.partOf(b)) return !bodies.partOf(a);
   const scene::ContactFilter contacts = environment.contacts;
@@ -303,7 +303,7 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
   const double height = environment.ground->height;
   // Heights in brick axes: one product for each vertex.
   const Vector3 up = end.rotation.conjugate() * Vector3::UnitZ();
-  // The lowest vertex alone decides whether the brick is in the ground.
+  // Only the lowest vertex decides whether the brick is in the ground.
   double lowest = std::numeric_limits<double>::infinity();
   for (const std::vector<Vector3>* points :
        {&bodies.bodies[brick].bottom, &bodies.bodies[brick].top}) {
@@ -431,7 +431,7 @@ bool ContactFinder::isCurrent(const model::Contact& given) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The broad phase: which pairs of convex bodies may meet in a step.
+// The broad phase: which pairs of convex bodies may collide in a step.
 //
 // Each body has a box round its places at the start and at the end of a move, widened by a margin,
 // the same for all. While no body has moved by more than the margin from the place that its box was
@@ -439,8 +439,8 @@ bool ContactFinder::isCurrent(const model::Contact& given) const {
 // motion:
 //   |p' - p| + 2 |q' - q| r
 // p and q position and unit quaternion, r the distance of the farthest point. Otherwise all boxes
-// are set again, and Bullet's dynamic bounding volume tree lists which of them meet (O(n log n) for
-// n bodies that are spread out).
+// are set again, and Bullet's dynamic bounding volume tree lists which of them overlap (O(n log n)
+// for n bodies that are spread out).
 
 namespace {
 
@@ -477,7 +477,7 @@ double outerRadius(const model::Brick& brick) {
 struct NearPairs::Internals {
   explicit Internals(const std::vector<model::Brick>& all) : bricks(all), broadphase(&cache) {}
   ~Internals() {
-    // With each proxy Bullet looks through all pairs for its own.
+    // For each proxy Bullet searches all pairs.
     cache.getOverlappingPairArray().clear();
     for (btBroadphaseProxy* proxy : proxies) broadphase.destroyProxy(proxy, nullptr);
   }
@@ -536,7 +536,7 @@ void NearPairs::Internals::setBox(int brick, const Eigen::AlignedBox3d& box) {
 }
 
 /// Bullet's tree widens boxes that move, and forgets pairs late: which of those it has depends on
-/// all moves before. Ours depend on the boxes alone.
+/// all moves before. Ours depend only on the boxes.
 void NearPairs::Internals::listPairs() {
   broadphase.calculateOverlappingPairs(nullptr);
   pairs.clear();
@@ -632,14 +632,14 @@ std::vector<ObstaclePart> obstacleParts(const std::vector<scene::Obstacle>& obst
 }  // namespace
 
 // ------------------------------------------------------------------------------------------------
-// Whether a step may lead from one relative pose of two convex bricks to another.
+// Whether two convex bricks may move from one relative pose to another in a step.
 //
 // Two convex bodies are apart where a plane separates them: one of a face of either, or one along
 // an edge of each (the separating axis theorem). A step is fine where one plane, carried along by
 // the feature that it belongs to, separates them at the start and at the end; or where one takes
-// over from the other on the way, along the screw that leads from pose to pose. The plane of the
-// last step is tried first, and a pair is not looked at before its bricks could have used up their
-// distance: most pairs cost a few comparisons a step.
+// over from the other along the screw motion between the poses. The plane of the last step is tried
+// first, and a pair is not examined before its bricks could have used up their distance: most pairs
+// cost a few comparisons a step.
 //
 // Where no plane serves, the one that held at the start and is violated least at the end becomes
 // contacts: points of one brick that may not come through the plane of the other. Bricks that
@@ -659,7 +659,7 @@ constexpr double kWorst = 7;
 // Two planes whose normals agree to this cosine count as the same.
 constexpr double kSameDirection = 0.999;
 
-// A point that far beside a face, in radii of a brick, still touches it.
+// A point at most this far outside a face, in radii of a brick, still touches it.
 constexpr double kTouching = 1e-3;
 
 // How often the plane that keeps a pair apart may change within a step, and how finely the moment
@@ -744,10 +744,10 @@ void BrickPair::shrinkOverlap(const Pose& startOfB) {
   slack_ = std::min(slack_, std::max(0.0, -bestSeparationAtStart()));
 }
 
-/// Whether the pair cannot have used up the distance between its bricks since they were looked at.
+/// Whether the pair cannot have used up the distance between its bricks since the last check.
 bool BrickPair::isSurelyApart(const PairMove& move) const {
   // A bound on how far any point of B has moved: while it is below the last separation, no plane
-  // need be looked at.
+  // need be checked.
   return motionBound(lookedAt_, move.start, radiusB_) < clearance_ &&
          motionBound(lookedAt_, move.end, radiusB_) < clearance_;
 }
@@ -797,7 +797,8 @@ double BrickPair::appendViolated(const PairMove& move, long step,
   const double requested = std::min(limit, bestBefore - worsening);
   double bestAfter = -kInfinity;  // of the planes that held before
   for (const SeparatingPlane& plane : planes_) {
-    // A plane that did not hold at the start says nothing about the way: B may have come through.
+    // A plane that did not separate at the start proves nothing about the motion: B may have passed
+    // through.
     if (separationAtStart(plane) < held) continue;
     const double after = separationAtEnd(plane);
     if (after <= bestAfter) continue;
@@ -841,7 +842,7 @@ bool BrickPair::keptApartInTurn(const PairMove& move) const {
       placeOutline(outlineB(), onTheWay(screw, move.start, part), way);
       (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
     }
-    // No plane holds any further: the two really meet.
+    // No plane separates them: the two collide.
     if (reached == from) return false;
     placeOutline(outlineB(), onTheWay(screw, move.start, reached), way);
   }
@@ -898,7 +899,7 @@ bool BrickPair::isCurrent(const model::Contact& contact, const Pose& startOfB) c
   return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
 }
 
-/// Whether the contact's point lies on the face that it is held against, not beside it.
+/// Whether the contact's point lies on its face, not outside.
 bool BrickPair::touches(const model::Contact& contact, const PlacedOutline& placedB) const {
   // An edge against an edge has no face that it could lie on.
   if (contact.isEdge) return false;
@@ -934,9 +935,9 @@ bool BrickPair::isApartOtherwise(const model::Contact& contact,
 // ------------------------------------------------------------------------------------------------
 // Planes between two convex bodies A and B by the separating axis theorem.
 //
-// Two convex polyhedra that do not meet are separated by a plane parallel to a face of either, or
-// parallel to an edge of each (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996). With
-// the unit normal n from B towards A,
+// Two disjoint convex polyhedra are separated by a plane parallel to a face of either, or parallel
+// to an edge of each (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996). With the unit
+// normal n from B towards A,
 //   s = min over A of (p . n) - max over B of (p . n)             metres
 // is the separation: positive where they are apart, negative where they overlap along n. For a face
 // of B, n is its outward normal, and the maximum over B is reached on the face: one point
@@ -1013,7 +1014,7 @@ void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
   }
   contact.pointA = pointA;
   for (int p = 0; p < static_cast<int>(b.outline->points.size()); ++p) {
-    // That pair of points stands among those of A already.
+    // That pair of points is already among those of A.
     if (p == nearestB) continue;
     contact.pointB = b.outline->points[p];
     contacts.push_back(contact);
@@ -1172,8 +1173,7 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
     const double height = normal.dot(to - face[0]);
     const NearestPoint onFace{to - height * normal, normal, height};
     if (height > within.distance) within = onFace;
-    // Faces that look away from the centre cannot hold the nearest point, unless the centre is
-    // within.
+    // Faces turned away from the centre cannot have the nearest point, unless the centre is within.
     if (height <= 0) continue;
     if (isOverFace(face, normal, to)) return onFace;
     for (std::size_t k = 0; k < face.size(); ++k) {

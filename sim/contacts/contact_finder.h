@@ -56,7 +56,7 @@ class NearPairs {
 
 /// A brick that reaches into an obstacle.
 struct ObstacleOverlap {
-  int brick = 0;     ///< its number, from 0
+  int brick = 0;     ///< its number, >= 0
   int obstacle = 0;  ///< from 0
   double depth = 0;  ///< metres
 };
@@ -66,14 +66,14 @@ struct ObstacleOverlap {
 /// passed through each other, however thin they are. One plane may also take over from another on
 /// the way, while both hold. Otherwise the plane that held at the start and is violated least at
 /// the end gives the contacts. Where bricks share a pivot, planes through the pivot count like any
-/// other, so joined bricks are free to turn until they really meet.
+/// other, so joined bricks are free to turn until they collide.
 ///
 /// No margins are used: contacts are exact to `tolerance`, and bricks that overlap in the model may
 /// keep that overlap but not deepen it.
 class ContactFinder : public model::ContactSource {
  public:
-  /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet. `pivots`
-  /// says which bricks are joined. `bricks` are copied. Poses are one a brick; obstacles are the
+  /// `tolerance`: overlap in metres that is ignored. `planar`: only outlines collide. `pivots`
+  /// lists the joined bricks. `bricks` are copied. One pose per brick; obstacles are the
   /// environment's.
   ContactFinder(const std::vector<model::Brick>& bricks, const Poses& start,
                 std::span<const model::Pivot> pivots, const scene::Environment& environment,
@@ -86,7 +86,7 @@ class ContactFinder : public model::ContactSource {
   double pairsExamined() const override;
 
   /// A brick that overlaps an obstacle at the start, whose poses these are: it could not be got out
-  /// without a jump. To be called before the first step.
+  /// without a discontinuity. Call it before the first step.
   std::optional<ObstacleOverlap> overlapWithObstacle(const Poses& start) const;
 
   /// What the next step takes from those before: what keeps each pair of bricks apart, and the
@@ -190,20 +190,20 @@ struct PieceShape {
   PlacedOutline placed;  ///< the same where the brick's axes are the world's
 };
 
-/// A convex piece of a brick, as its pairs look at it.
+/// A convex piece of a brick, for its pairs.
 struct OutlinedPiece {
   int brick = 0;                            ///< that it is of
   int part = 0;                             ///< its number within the brick
   std::shared_ptr<const PieceShape> shape;  ///< shared by the pairs of the piece
 };
 
-/// Where pairs place brick B while they look at a step, one pair after the other.
+/// Working poses of brick B, reused by one pair after the other.
 struct PairScratch {
   PlacedOutline startB;  ///< where the step starts
   PlacedOutline endB;    ///< where it ends
 };
 
-/// Everything about a pair is looked at in the axes of brick A.
+/// Pairs are computed in the axes of brick A.
 class BrickPair {
  public:
   /// A piece of each brick, and separatingPlanes() of the two. `tolerance`: overlap in metres that
@@ -261,7 +261,7 @@ class BrickPair {
   double tolerance_;
   double slack_ = 0;
   const std::vector<SeparatingPlane>& planes_;
-  SeparatingPlane last_;                // that kept the pair apart when last looked at
+  SeparatingPlane last_;                // that separated the pair at the last check
   Pose lookedAt_;                       // B's pose then
   double clearance_;                    // the separation then
   std::vector<SeparatingPlane> given_;  // whose contacts were given in this step
@@ -269,7 +269,7 @@ class BrickPair {
 };
 
 // ------------------------------------------------------------------------------------------------
-// A brick and a sphere that stays: where the two meet.
+// Contact of a brick with a fixed sphere.
 
 /// The point of a brick's surface that is nearest to another point.
 struct NearestPoint {
@@ -279,8 +279,7 @@ struct NearestPoint {
   bool isOnFace = true;  ///< else on an edge or a corner
 };
 
-/// `faces`: of a convex brick, outward, see brickFaces. `to`: in brick axes.
-/// Costs a look at every face, O(corners).
+/// `faces`: of a convex brick, outward, see brickFaces. `to`: in brick axes. O(corners).
 NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const Vector3& to);
 
 /// Finds contacts at the surface's nearest points: a face of the brick keeps off the sphere's point
@@ -297,7 +296,7 @@ class SpherePair {
   /// The number of the sphere's body.
   int sphere() const { return sphere_; }
 
-  /// How deep the sphere reaches into the brick at this pose, metres, from 0.
+  /// How deep the sphere reaches into the brick at this pose, metres, >= 0.
   double overlap(const Pose& brick, const Vector3& centre) const;
 
   /// Appends the contact of the feature that was nearest at the start, then, when asked again in

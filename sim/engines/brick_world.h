@@ -1,12 +1,11 @@
-/// What a physics engine's world does with bricks: the seam between a deployment and the engines
-/// that hold joints by impulses.
+/// The interface between a deployment and physics engines that solve joints by impulses.
 #pragma once
 
 #include "sim/base/geometry.h"
 
 namespace kirireel::engines {
 
-/// Bricks in the hands of a physics engine.
+/// Bricks simulated by a physics engine.
 class BrickWorld {
  public:
   virtual ~BrickWorld() = default;

@@ -6,10 +6,10 @@
 // integrals of motion in dynamical systems, Comput. Methods Appl. Mech. Eng. 1, 1972): gaps
 // shrink over many steps and never vanish.
 //
-// Three things differ from Bullet's defaults. Shapes are shrunk so that shape and margin together
-// are the brick (bullet_world.h). Friction coefficients belong to pairs, where Bullet multiplies
-// those of two bodies. Contact points near a shared pivot are removed (bullet_world.h), as they
-// would pry the joint open.
+// Three things differ from Bullet's defaults. Shapes are shrunk: shape and margin together are the
+// brick (bullet_world.h). Friction coefficients belong to pairs, where Bullet multiplies those of
+// two bodies. Contact points near a shared pivot are removed (bullet_world.h), as they would pry
+// the joint open.
 #include "sim/engines/bullet_world.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ namespace {
 using contacts::fromBullet;
 using contacts::toBullet;
 
-/// Bullet wants diagonal inertias, so a body's axes are its brick's principal axes.
+/// Bullet requires diagonal inertias: a body's axes are its brick's principal axes.
 struct PrincipalAxes {
   Quaternion rotation;  ///< from principal axes to brick axes
   Vector3 inertia;      ///< about the principal axes
@@ -151,7 +151,7 @@ struct BulletWorld::Internals {
   btDbvtBroadphase broadphase;
   SolverParts solver;
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< one a brick, in order
+  std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< one per brick, in order
   std::unique_ptr<btRigidBody> groundBody;
   std::vector<std::unique_ptr<btTypedConstraint>> joints;
   std::optional<KirigamiWorld> world;
@@ -163,7 +163,7 @@ struct BulletWorld::Internals {
   void placeBodies();
 };
 
-/// A hull, or for a concave brick one shape of several hulls, which do not meet each other.
+/// A hull, or for a concave brick one shape of several hulls, which do not collide with each other.
 void BulletWorld::Internals::addShape(const model::Brick& brick, const PrincipalAxes& principal) {
   if (brick.parts.empty()) {
     shapes.push_back(makeHull(brick, principal));
@@ -187,7 +187,7 @@ void BulletWorld::Internals::addBrick(const model::Brick& brick,
   info.m_angularDamping = environment.angularDamping;
   btRigidBody& body = *bodies.emplace_back(std::make_unique<btRigidBody>(info));
   body.setUserIndex(static_cast<int>(bodies.size()) - 1);
-  // Bodies that Bullet takes for resting are no longer moved by springs.
+  // Springs do not move bodies that Bullet has put to sleep.
   body.setActivationState(DISABLE_DEACTIVATION);
   const bool touchesBricks = environment.contacts != scene::ContactFilter::None;
   world->addRigidBody(&body, kBrickGroup,
@@ -312,7 +312,7 @@ struct MultiBodyWorld::Internals {
   btDbvtBroadphase broadphase;
   btMultiBodyConstraintSolver solver;
   btSphereShape shape{1e-3};
-  std::vector<std::unique_ptr<btMultiBody>> bodies;  // one a brick, in order
+  std::vector<std::unique_ptr<btMultiBody>> bodies;  // one per brick, in order
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
   std::vector<std::unique_ptr<btMultiBodyPoint2Point>> joints;
   std::optional<UntouchedWorld> world;
@@ -336,7 +336,7 @@ void MultiBodyWorld::Internals::addBrick(const model::Brick& brick,
   collider.setCollisionShape(&shape);
   collider.setActivationState(DISABLE_DEACTIVATION);
   body.setBaseCollider(&collider);
-  // Group and mask 0: it meets nothing.
+  // Group and mask 0: no collisions.
   world->addCollisionObject(&collider, 0, 0);
 }
 
@@ -414,9 +414,9 @@ void MultiBodyWorld::writeMotion(const Motion& motion) {
 
 namespace {
 
-// Half of Bullet's usual margin of 0.04 m.
+// Half of Bullet's default margin of 0.04 m.
 constexpr double kLargestMargin = 0.02;     // metres
-constexpr double kMarginOfThickness = 0.2;  // so that three fifths of the thickness remain
+constexpr double kMarginOfThickness = 0.2;  // three fifths of the thickness remain
 constexpr double kLargestEdgeLoss = 0.5;    // of an edge's length
 
 /// For each vertex of the bottom: how far it moves, in the plane, for a unit inset of the edges.
@@ -436,7 +436,7 @@ std::vector<Vector3> insetDirections(const model::Brick& brick) {
   return directions;
 }
 
-// The wanted margin, or less where an edge would lose too much.
+// The requested margin, or less if an edge would become too short.
 double marginFor(const model::Brick& brick, const std::vector<Vector3>& directions) {
   double margin = std::min(kLargestMargin, kMarginOfThickness * brick.thickness);
   const std::size_t count = brick.bottom.size();
@@ -480,7 +480,7 @@ InsetHull insetHull(const model::Brick& brick) {
 
 namespace {
 
-// Rounded hulls touch beside a common corner within a few margins of it.
+// Rounded hulls touch within a few margins of a common corner.
 constexpr double kMargins = 4;
 // A twentieth of an edge is small against a tile.
 constexpr double kEdges = 0.05;

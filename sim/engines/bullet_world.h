@@ -21,7 +21,7 @@ namespace kirireel::engines {
 
 /// Which of Bullet's solvers holds joints and contacts.
 enum class BulletMethod {
-  SequentialImpulse,  ///< projected Gauss-Seidel, Bullet's usual one
+  SequentialImpulse,  ///< projected Gauss-Seidel, Bullet's default
   Nncg,               ///< nonsmooth nonlinear conjugate gradients over the same sweeps
   Dantzig,            ///< Dantzig's pivoting on the dense matrix of all joints and contacts
 };
@@ -104,7 +104,7 @@ InsetHull insetHull(const model::Brick& brick);
 double contactMargin(const model::Brick& brick);
 
 // ------------------------------------------------------------------------------------------------
-// Where joints rule: contacts there would fight them.
+// Zones around joints, in which contacts are ignored.
 
 /// The neighbourhoods of shared pivots and hinge lines. Two bricks that turn about a common corner
 /// always touch there, and rounded hulls a little next to it; a contact would force the joint open.
