@@ -1,5 +1,5 @@
-// Arrays in HDF5 files: written so that the same calls give the same bytes, read as if the file
-// came from an enemy.
+// Arrays in HDF5 files: the same calls write the same bytes, and files are read as if the file came
+// from an enemy.
 //
 // Writing. Objects carry no times, the library version is fixed to the format of 1.8, and numbers
 // have one byte order. Bytes depend only on the numbers. Series are stored in chunks:
@@ -7,8 +7,8 @@
 // and each chunk has a Fletcher checksum. A row that is appended extends the array and writes the
 // chunks that it touches: memory does not grow with the run.
 //
-// Reading. HDF5 1.10 trusts what a file says: lengths, links to other files, filters, places of
-// texts of variable length. So each claim is checked before it is used: an array must be in the
+// Reading. HDF5 1.10 trusts the contents of a file: lengths, links to other files, filters, places
+// of texts of variable length. So each claim is checked before it is used: an array must be in the
 // file itself, be stored contiguously or in chunks with the three known filters, claim no more
 // entries than a file of this size can hold, and have exactly the type that the writer gives it.
 // Texts have a fixed length, that of the longest of their array.
@@ -48,7 +48,7 @@ constexpr std::size_t kChunkBytes = 256 * 1024;
 // Of zlib; more costs several times as much and saves a few per cent of such numbers.
 constexpr unsigned kCompression = 1;
 // An array that claims to be so many times larger than its file is damaged: what never changes
-// shrinks up to 1000 times, but stands beside times and vertices, which do not.
+// shrinks up to 1000 times, but is stored with times and vertices, which do not.
 constexpr double kMostShrunk = 200;
 constexpr const char* kChecksum = "crc32";
 // The files that the writer makes begin so: the signature, then the version of what follows.
@@ -141,7 +141,7 @@ bool selectRows(hid_t space, std::size_t first, std::size_t rows, const Shape& r
          0;
 }
 
-/// HDF5's own checksums stand on chunks: 3.7 ms for 4 MB instead of 1.8.
+/// HDF5's own checksums need chunks: 3.7 ms for 4 MB instead of 1.8.
 double checksum(std::span<const double> entries) {
   return checksumOf(std::as_bytes(entries));
 }
@@ -309,7 +309,7 @@ void ArrayWriter::setAttribute(const std::string& object, const std::string& nam
   internals_->setAttribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &number);
 }
 
-// Everything is closed by hand: errors show; destructors could not tell of them.
+// Everything is closed explicitly: destructors could not report errors.
 void ArrayWriter::close() {
   errno = 0;
   // Arrays first: a file that closes while one is open stays open.
@@ -360,14 +360,14 @@ struct ArrayReader::Internals {
     return array;
   }
 
-  /// Whether the file itself holds an object of this name: links could lead to other files.
+  /// Whether the file itself holds an object of this name: links could point to other files.
   bool isOwn(const std::string& name) const {
     for (std::size_t end = name.find('/');; end = name.find('/', end + 1)) {
       H5L_info_t link;
       const std::string part = name.substr(0, end);
       if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
       if (H5Lget_info(file.id(), part.c_str(), &link, H5P_DEFAULT) < 0) return false;
-      // Soft and external links lead elsewhere.
+      // Soft and external links point elsewhere.
       if (link.type != H5L_TYPE_HARD) return false;
       if (end == std::string::npos) return true;
     }
@@ -449,7 +449,7 @@ struct ArrayReader::Internals {
     return beginning == kBeginning;
   }
 
-  /// A missing attribute and one of another kind are told alike: neither is ours.
+  /// A missing attribute and one of another type are the same error: the file is not ours.
   Handle attribute(const std::string& object, const std::string& name,
                    TypeCheck isRequested) const {
     Handle attribute(

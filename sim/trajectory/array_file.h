@@ -95,7 +95,7 @@ class ArrayReader {
   /// The texts of an array. Throws InputError.
   std::vector<std::string> texts(const std::string& name) const;
 
-  /// One row of an array of doubles, from 0.
+  /// One row of an array of doubles, >= 0.
   std::vector<double> row(const std::string& name, std::size_t index) const;
 
   /// A single text, or a single number, that setAttribute() wrote.

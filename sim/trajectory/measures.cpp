@@ -19,7 +19,7 @@
 namespace kirireel::trajectory {
 namespace {
 
-/// The larger of two figures. What is no number stays: std::max would drop it.
+/// The larger of two figures. NaN stays: std::max would drop it.
 double largerOf(double largest, double figure) {
   return std::isnan(largest) || figure <= largest ? largest : figure;
 }
@@ -76,8 +76,8 @@ double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& moti
 //     depth(A, B) = min over unit axes n of min(high_A(n) - low_B(n), high_B(n) - low_A(n)),
 //
 // where low and high bound the projections on the axis: the shortest move that separates them. For
-// polyhedra the minimum stands on one of finitely many axes: the normals of the faces of both, and
-// the products of an edge of one with an edge of the other (Gottschalk, Lin and Manocha, OBBTree,
+// polyhedra the minimum is on one of finitely many axes: the normals of the faces of both, and the
+// products of an edge of one with an edge of the other (Gottschalk, Lin and Manocha, OBBTree,
 // SIGGRAPH 1996). A prism's faces and edges follow from its bottom and its normal, so its top need
 // not be projected. Any axis gives an upper bound of the depth: the search for a pair stops as soon
 // as that bound is not above what is known already.

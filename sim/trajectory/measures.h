@@ -62,7 +62,7 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Bric
                                                    std::span<const model::Pivot> pivots,
                                                    double zone, const Poses& poses, double least);
 
-/// Depths of overlaps in a state, or the largest of several states. Metres, from 0.
+/// Depths of overlaps in a state, or the largest of several states. Metres, >= 0.
 struct PenetrationDepths {
   double whole = 0;          ///< of any two bricks
   double outsidePivots = 0;  ///< the same, joined bricks without the corners that they share

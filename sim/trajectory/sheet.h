@@ -9,8 +9,8 @@ namespace kirireel::trajectory {
 
 /// Two tiles that lie in each other.
 struct TileOverlap {
-  int tileA = 0;     ///< its number, from 0
-  int tileB = 0;     ///< its number, from 0
+  int tileA = 0;     ///< its number, >= 0
+  int tileB = 0;     ///< its number, >= 0
   double depth = 0;  ///< metres: the shortest move in the plane that separates flat neighbours, or
                      ///< how far tiles that cross in space reach through each other
 };

@@ -37,14 +37,14 @@ struct StepRecord {
 /// and what was lost:
 ///   work = kinetic + spring + elastic + damped + impacted + integrated.
 struct Energies {
-  double kinetic = 0;  ///< of the bricks, from 0
+  double kinetic = 0;  ///< of the bricks, >= 0
   /// Stored in the springs of the drive and of drags, and in compliant joints; from 0.
   double spring = 0;
   double elastic = 0;  ///< stored in forces between pairs of bricks, as springs at hinges; from 0
   /// What drives have put in since before the start: they tighten and move springs, stiffen them
   /// and the joints, expand the bricks; and gravity.
   double work = 0;
-  double damped = 0;    ///< what dampers have taken, from 0
+  double damped = 0;    ///< what dampers have taken, >= 0
   double impacted = 0;  ///< what contacts have taken, by impacts and friction
 
   /// What the integrator, and pins that caught moving tiles, have taken: the rest.
@@ -80,7 +80,7 @@ struct Hold {
   static constexpr int kFirstObstacle = model::kFirstObstacle;
 
   HoldKind kind = HoldKind::Contact;  ///< what holds
-  int tile = 0;                       ///< its number, from 0
+  int tile = 0;                       ///< its number, >= 0
   int other = kGround;  ///< the tile (above the first), ground or obstacle of a contact
   Vector3 force;        ///< on the tile, newtons
   Vector3 moment;       ///< on the tile about the point, N m
@@ -118,7 +118,7 @@ struct Mechanics {
 /// The state at one time, with its measures. Lengths in metres.
 struct Sample {
   double time = 0;          ///< simulated seconds from the start
-  Poses poses;              ///< one a brick
+  Poses poses;              ///< one per brick
   double jointGap = 0;      ///< largest
   double targetError = 0;   ///< largest; 0 without a target
   double penetration = 0;   ///< deepest
@@ -143,7 +143,7 @@ struct Sample {
 struct FigureState {
   std::string figure;  ///< its name in summary.json, such as "penetration_max"
   double time = 0;     ///< simulated seconds from the start
-  Poses poses;         ///< one a brick
+  Poses poses;         ///< one per brick
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
