@@ -1,4 +1,4 @@
-// Minimise |w(x)|^2 / 2 subject to e(x) = 0: x the unknowns, w the wanted equations, e the exact
+// Minimise |w(x)|^2 / 2 subject to e(x) = 0: x the unknowns, w the soft equations, e the exact
 // ones.
 //
 // Each round solves one symmetric system for a step d and the multipliers y,
@@ -86,7 +86,7 @@ class QuasiDefiniteSystem {
       for (Eigen::Index column = 0; column < matrix.outerSize(); ++column) {
         for (Matrix::InnerIterator entry(matrix, column); entry; ++entry) {
           const Eigen::Index row = firstRow + entry.row();
-          // The matrix is symmetric: the lower triangle says all.
+          // The matrix is symmetric: the lower triangle is enough.
           if (row >= column) entries.emplace_back(row, column, entry.value());
         }
       }
@@ -156,7 +156,7 @@ class Descent {
     double share = 1;
     for (int halving = 0; halving < 12; ++halving, share *= 0.5) {
       const Vector moved = unknowns_ + share * step;
-      // A merit that is no number counts as worse.
+      // A merit of NaN counts as worse.
       if (!(merit(moved) < before)) continue;
       unknowns_ = moved;
       return true;

@@ -54,13 +54,13 @@ struct Fit {
   double violation = 0;      ///< the largest exact equation's value
 };
 
-/// Minimises |wanted|^2 / 2 subject to exact = 0 from the given start: damped Gauss-Newton steps,
+/// Minimises |desired|^2 / 2 subject to exact = 0 from the given start: damped Gauss-Newton steps,
 /// each from one quasi-definite system (which needs no pivots and minds no repeated equations), a
-/// line search on |wanted|^2 / 2 + rho |exact|_1 (Nocedal and Wright, Numerical Optimization,
-/// chapter 18), and at the end Newton steps of least length on the exact equations alone. The
-/// violation returned says whether they came to hold. Never throws by itself: a fit that does not
-/// come to hold shows in `violation`. A round costs one sparse factorisation and up to twelve
-/// evaluations of the equations.
+/// line search on |desired|^2 / 2 + rho |exact|_1 (Nocedal and Wright, Numerical Optimization,
+/// chapter 18), and at the end Newton steps of least length on the exact equations only. The
+/// returned violation shows whether they hold. Never throws itself: a fit that does not come to
+/// hold shows in `violation`. A round costs one sparse factorisation and up to twelve evaluations
+/// of the equations.
 Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettings& settings);
 
 }  // namespace kirireel::generate

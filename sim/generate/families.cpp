@@ -1,9 +1,9 @@
 // The list of families: each has a name, its parameters with ranges, and a function from their
 // values to a model. What a family makes is checked as a reader checks a file, and more strictly,
-// so that a design that did not converge never becomes a model.
+// and a design that did not converge never becomes a model.
 //
 // Ranges bound what was tried and what takes reasonable time; not every pair of values within them
-// has a sheet, which the check then says.
+// has a sheet, and the check reports it.
 #include "sim/generate/families.h"
 
 #include <algorithm>
@@ -30,9 +30,9 @@
 namespace kirireel::generate {
 namespace {
 
-// What a generated model may be off by, as a part of a tile. Largest met: 7e-15.
+// Allowed error of a generated model, as a fraction of a tile. Largest seen: 7e-15.
 constexpr double kExactModel = 1e-9;
-// Overlap that counts, as a part of a tile; neighbours in a closed sheet touch to rounding.
+// Overlap that counts, as a fraction of a tile; neighbours in a closed sheet touch to rounding.
 constexpr double kTouchingTiles = 1e-7;
 // The least sine of a corner of a generated tile.
 constexpr double kConvex = 1e-3;
@@ -237,7 +237,7 @@ void appendLattices(std::vector<Family>& all) {
                    return fieldModel(squareToDiskField(2 * values.whole("half-size") + 1), values);
                  }});
   all.push_back({"square-to-circle",
-                 "a square whose tips come to stand on a circle",
+                 "a square whose tips form a circle",
                  {count("half-size", "tiles along a side are twice this", 3, 2, 20), startAngle(),
                   targetAngle(90)},
                  [](const FamilyValues& values) {
@@ -423,13 +423,13 @@ void appendShells(std::vector<Family>& all) {
                  }});
 }
 
-/// The value of a parameter, given or usual.
+/// The value of a parameter, given or default.
 double checkedValue(const Family& family, const FamilyParameter& parameter,
                     const std::map<std::string, double>& given) {
   const auto found = given.find(parameter.name);
   if (found == given.end()) return parameter.defaultValue;
   const double value = found->second;
-  // Written so that a value that is no number is out of range.
+  // Written to put NaN out of range.
   const bool inRange = value >= parameter.least && value <= parameter.most;
   if (inRange && (!parameter.whole || value == std::floor(value))) return value;
   throw InputError(fmt::format("{}: error: {} is {:g}; give a {}number from {:g} to {:g}",
@@ -526,7 +526,7 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
   if (fault.empty()) return model;
   throw InputError(
       fmt::format("{}: error: no sheet with these parameters was found ({}); give values nearer to "
-                  "the usual ones",
+                  "the defaults",
                   family.name, fault));
 }
 
@@ -584,10 +584,10 @@ model::Model withBentSides(const model::Model& model, const std::vector<bool>& b
 // r a complex ratio that is the same for all pairs. The corner that both share is c + r (d - c) in
 // the closed sheet, and
 //   v(theta) = (1 - r) c e^(i theta/2) + r d e^(-i theta/2)
-// when neighbours have turned by theta (radians). A tile of kind 0 has one c: its corners
-// differ by terms in d alone, all turned by -theta/2: it stays rigid, and so do the others, turned
-// by +theta/2. Both tiles at a corner use the same sum: joints stay closed. r is found from
-// one pair: for triangles, e^(i pi/3); for hexagons and triangles, sqrt(3)/2 e^(i pi/6).
+// when neighbours have turned by theta (radians). A tile of kind 0 has one c: its corners differ by
+// terms in d only, all turned by -theta/2: it stays rigid, and so do the others, turned by
+// +theta/2. Both tiles at a corner use the same sum: joints stay closed. r is found from one pair:
+// for triangles, e^(i pi/3); for hexagons and triangles, sqrt(3)/2 e^(i pi/6).
 //
 // J. N. Grima, K. E. Evans, Auxetic behavior from rotating triangles, Journal of Materials Science
 // 41, 2006.
@@ -612,7 +612,7 @@ struct RotorPlace {
 struct Pattern {
   Complex ratio;
   Complex (*centre)(const RotorPlace&);
-  /// Anticlockwise; some may stand outside the sheet.
+  /// Anticlockwise; some may be outside the sheet.
   std::vector<RotorPlace> (*neighbours)(const RotorPlace&);
 };
 
@@ -626,7 +626,7 @@ std::vector<model::Tile> tilesAt(const Pattern& pattern, const std::vector<Rotor
     for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       Complex first = pattern.centre(place);
       Complex second = pattern.centre(neighbour);
-      // The formula wants the centre of kind 0 first.
+      // The formula needs the centre of kind 0 first.
       if (place.kind != 0) std::swap(first, second);
       const Complex corner =
           (1.0 - pattern.ratio) * first * turn + pattern.ratio * second * std::conj(turn);

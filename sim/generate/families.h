@@ -25,7 +25,7 @@ struct FamilyParameter {
 /// The values of a family's parameters by name.
 class FamilyValues {
  public:
-  /// By name, those left out at their defaults.
+  /// By name; missing ones have their defaults.
   explicit FamilyValues(std::map<std::string, double> values) : values_(std::move(values)) {}
 
   /// Of a parameter that there is, in its own unit.
@@ -58,8 +58,8 @@ const Family& familyNamed(const std::string& name);
 
 /// Makes a model and checks it: start and target congruent tile by tile, joints closed in both,
 /// tiles flat, convex (unless the family is concave) and not overlapping, all to 1e-9 of a tile.
-/// Parameters that are not given have their usual values. Faces of joints are chosen from the
-/// deployed shape (FaceRule::Fold).
+/// Parameters that are not given have their defaults. Faces of joints are chosen from the deployed
+/// shape (FaceRule::Fold).
 ///
 /// Throws InputError for a parameter that the family does not have or that is out of range, and for
 /// values with which no such sheet was found. The same values give the same model to the last bit.
@@ -69,13 +69,13 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
 // ------------------------------------------------------------------------------------------------
 // Concave tiles: sheets whose tiles have bent sides that fit into each other.
 //
-// A sheet of tiles of two kinds that turn against each other moves by its joints alone: what lies
-// between two joined corners of a tile may have any shape. Bulges on the sides of one kind, and
-// the same outline as bays in the other, keep the closed sheet closed. While two tiles turn about
-// one end of their common side, a point at (x, y) of the bulge (x along the side from the joint, y
-// out of it) leaves the bay at once where the wall there has a normal n with n . (-y, x) >= 0:
-// walls that lean towards the joint by more than y / x. Whether the tiles of a state overlap all
-// the same is for the generator to check.
+// A sheet of tiles of two kinds that turn against each other moves only by its joints: what lies
+// between two joined corners of a tile may have any shape. Bulges on the sides of one kind, and the
+// same outline as bays in the other, keep the closed sheet closed. While two tiles turn about one
+// end of their common side, a point at (x, y) of the bulge (x along the side from the joint, y out
+// of it) leaves the bay at once where the wall there has a normal n with n . (-y, x) >= 0: walls
+// that lean towards the joint by more than y / x. Whether the tiles of a state overlap all the same
+// is for the generator to check.
 
 /// A corner that is put into each side.
 struct SidePoint {
@@ -83,7 +83,7 @@ struct SidePoint {
   double out = 0;      ///< how far outwards on tiles that bulge, as a part of the side's length
 };
 
-/// The sheet with these points in each side of each tile: outwards where `bulges` says so of the
+/// The sheet with these points in each side of each tile: outwards where `bulges` is true for the
 /// tile, else inwards. The points are the same from either end of a side. Joints stay at their
 /// corners.
 model::Model withBentSides(const model::Model& model, const std::vector<bool>& bulges,

@@ -1,4 +1,4 @@
-// Planar designs: which constants F of a turning field (lattice.h) give a sheet of the wanted
+// Planar designs: which constants F of a turning field (lattice.h) give a sheet of the desired
 // outline in one state and of another in a second state.
 //
 // A corner's place v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) is linear in the
@@ -10,8 +10,8 @@
 // Half voids at the sides have lambda = 1. A sheet that is to be closed in both states needs all of
 // them; one whose second state may stay open only those that close at theta = 0.
 //
-// Weights of the wanted equations were found by trial: they choose one sheet among many, none of
-// them holds exactly. A square without evenly spaced nodes, for one, loses its corner tiles.
+// Weights of the soft equations were found by trial: they choose one sheet among many, none of them
+// holds exactly. A square without evenly spaced nodes, for one, loses its corner tiles.
 #include "sim/generate/lattice_designs.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorX
   if (fit.violation <= kExactFit) return fit;
   throw InputError(
       fmt::format("{}: error: no sheet of this shape was found (equations miss by {:.2g}); give "
-                  "parameters nearer to the usual ones",
+                  "parameters nearer to the defaults",
                   family, fit.violation));
 }
 
@@ -75,7 +75,7 @@ struct DesiredPoint {
 };
 
 /// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
-/// wanted points. All equations are linear: the fit is one step.
+/// desired points. All equations are linear: the fit is one step.
 model::TurningField rhombicField(const std::string& family, const model::Lattice& lattice,
                                  double angle, const std::vector<DesiredPoint>& desired) {
   const LatticeUnknowns unknowns(lattice);
@@ -250,9 +250,8 @@ model::TurningField heartField(const model::Lattice& lattice) {
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
   const int count = static_cast<int>(nodes.size());
   const std::vector<model::Complex> points = evenPoints(heartPoint, count);
-  // The lower tip stands in the middle of the left side.
-  // Nodes count from the bottom left: the left side begins after bottom, right and top, and runs
-  // down.
+  // The lower tip is in the middle of the left side. Nodes count from the bottom left: the left
+  // side begins after bottom, right and top, and runs down.
   const int tip = 2 * lattice.columns + lattice.rows + lattice.rows / 2;
   std::vector<DesiredPoint> desired;
   for (int k = 0; k < count; ++k) {

@@ -2,7 +2,7 @@
 /// tile has turned. All lengths in metres for tiles about 1 wide, angles in radians.
 ///
 /// Each function throws InputError when no such sheet was found, which happens for shapes that are
-/// far from the usual ones.
+/// far from the defaults.
 #pragma once
 
 #include <array>
@@ -30,15 +30,13 @@ model::TurningField heartField(const model::Lattice& lattice);
 /// `size`: odd, at least 3.
 model::TurningField squareToDiskField(int size);
 
-/// A square of size x size tiles when closed at the start, whose tips stand on a circle when
-/// neighbours have turned by pi / 2.
-/// `size`: even, at least 4.
+/// A square of size x size tiles when closed at the start, whose tips are on a circle when
+/// neighbours have turned by pi / 2. `size`: even, at least 4.
 model::TurningField squareToCircleField(int size);
 
 /// Irregular quads, closed at the start and at pi: the regular lattice with its sides moved at
-/// random by up to `irregularity` tiles.
-/// `irregularity`: from 0, below 0.5 so that sides do not cross. The same seed gives the same sheet
-/// on every machine.
+/// random by up to `irregularity` tiles. `irregularity`: in [0, 0.5), otherwise sides cross. The
+/// same seed gives the same sheet on every machine.
 model::TurningField irregularField(const model::Lattice& lattice, double irregularity,
                                    unsigned seed);
 
@@ -90,7 +88,7 @@ class LatticeUnknowns {
   int firstFurther() const { return 2 * places_.placeCount(); }
   /// The unknowns of a field, and zeros for `further` more.
   Eigen::VectorXd pack(const model::TurningField& field, int further) const;
-  /// The field that the unknowns describe; further ones are not looked at.
+  /// The field that the unknowns describe. Further unknowns are ignored.
   model::TurningField field(const Eigen::VectorXd& unknowns) const;
 
   /// Adds the equation weight * (direction . v(theta) - value) of one corner, with the position
@@ -105,7 +103,7 @@ class LatticeUnknowns {
   void addBlock(EquationRows& rows, const model::TurningField& field, const TileBlock& block,
                 const Eigen::VectorXd& unknowns, int logarithm) const;
 
-  /// Adds weight * (F - wanted F) for all places of the sheet and at its sides.
+  /// Adds weight * (F - desired F) for all places of the sheet and at its sides.
   void addConstants(EquationRows& rows, const model::TurningField& field,
                     const model::TurningField& desired, double weight) const;
 

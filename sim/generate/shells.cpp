@@ -12,7 +12,7 @@
 // t in [0, 1] along the strip, s across it (m), n the number of half twists, R the radius (m). Tips
 // at both ends are made to coincide, crosswise for odd n; no joints hold them.
 //
-// *Sphere to saddle*: both states are curved and closed. Each node is wanted on its surface, at the
+// *Sphere to saddle*: both states are curved and closed. Each node should be on its surface, at the
 // distance f(p) / |grad f|, to first order. Curved surfaces are too far from the flat start, so
 // that their curvature is raised in four stages, each begun with the last stage's sheet lifted onto
 // the surfaces of the next. The sphere lies below the origin, z = sqrt(R^2 - x^2 - y^2) - R; the
@@ -37,7 +37,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// Wraps a flat sheet round a regular prism whose sides are `side` wide: x, from 0, runs round it.
+/// Wraps a flat sheet round a regular prism whose sides are `side` wide: x, >= 0, runs round it.
 std::vector<model::Tile> wrapped(std::vector<model::Tile> flat, int sides, double side) {
   // The circumscribed circle of a regular polygon with that side.
   const double radius = 0.5 * side / std::sin(pi / sides);
@@ -47,12 +47,12 @@ std::vector<model::Tile> wrapped(std::vector<model::Tile> flat, int sides, doubl
   return mapped(std::move(flat), [&](const Vector3& point) {
     // x runs from -M side / 2 to M side / 2.
     const double around = point.x() / side + 0.5 * sides;
-    // Vertices stand at the prism's edges or between two of them, to rounding.
+    // Vertices are at the prism's edges or between two of them, to rounding.
     const int before = static_cast<int>(std::floor(around + 1e-9));
     const double share = around - before;
     const int next = (before + 1) % sides;
     Vector3 place = (1 - share) * edge(before % sides) + share * edge(next);
-    // The tube stands along z.
+    // The tube's axis is z.
     place.z() = point.y();
     return place;
   });
@@ -239,7 +239,7 @@ model::Model makeMoebiusBand(const BandShape& shape) {
 
 // The curvature grows in stages, each begun from the sheet before.
 model::Model makeSphereToSaddle(const SaddleShape& shape) {
-  // Four stages are enough for the usual curvature.
+  // Four stages are enough for the default curvature.
   constexpr int kStages = 4;
   const model::Lattice lattice{shape.columns, shape.rows};
   const double scale = shape.width / std::max(shape.columns, shape.rows);
@@ -499,7 +499,7 @@ Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
   if (fit.violation <= kExactFit) return fit.unknowns;
   throw InputError(
       fmt::format("{}: error: no sheet of this shape was found (its equations miss by {:.2g}); "
-                  "give sizes and parameters nearer to the usual ones",
+                  "give sizes and parameters nearer to the defaults",
                   family, fit.violation));
 }
 
@@ -563,7 +563,7 @@ void FlatRectangle::addEvenGrid(EquationRows& rows, const Eigen::VectorXd& unkno
       for (int axis = 0; axis < 2; ++axis) {
         const int half = halves_[std::size_t(axis)];
         addPosition(rows, point, Vector3::Unit(axis), shares[axis] * unknowns[half], weight);
-        // The wanted place moves with the half side.
+        // The desired position moves with the half side.
         rows.slope(half, -weight * shares[axis]);
       }
     }

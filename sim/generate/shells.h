@@ -17,7 +17,7 @@ namespace kirireel::generate {
 // Sheets of quads that deploy to curved surfaces. Lengths in metres, angles in radians.
 //
 // Each function throws InputError when no such sheet was found, which happens for shapes that are
-// far from the usual ones.
+// far from the defaults.
 
 /// A rectangular tube that becomes a slimmer, longer one: columns x rows rectangles wrapped round a
 /// regular prism with as many sides as columns.
@@ -120,7 +120,7 @@ void addPosition(EquationRows& rows, const UnknownPoint& point, const Vector3& d
 /// Adds weight * (|point| - radius).
 void addOnSphere(EquationRows& rows, const UnknownPoint& point, double radius, double weight = 1);
 
-/// Adds weight * (point - wanted), one equation a coordinate.
+/// Adds weight * (point - desired), one equation per coordinate.
 void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& desired, double weight);
 
 /// Adds that every quad has the same shape in both states: the inner products of its edges from

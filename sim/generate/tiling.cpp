@@ -15,9 +15,9 @@
 // a vertex, at the sum of their centres; a corner of one honeycomb within a cell of the other is a
 // triangle; two sides that cross are a rhombus, a square where they cross at right angles.
 //
-// Vertices are told apart by whole numbers and never by their places: rounding cannot split
-// or merge any. A patch is the tiles nearest to the centre, in whole rings of equal distance, which
-// keeps the symmetry.
+// Vertices are identified by integers and never by positions: rounding cannot split or merge any. A
+// patch is the tiles nearest to the centre, in whole rings of equal distance, which keeps the
+// symmetry.
 #include "sim/generate/tiling.h"
 
 #include <algorithm>
@@ -151,7 +151,7 @@ class LineGrids {
   double spread() const { return 0.5 * static_cast<double>(directions_.size()); }
 
  private:
-  /// Counted so that the middle of the grids is the middle of the tiling.
+  /// Numbered from the middle of the grids, which is the middle of the tiling.
   Complex position(const VertexKey& key) const {
     Complex sum;
     for (std::size_t i = 0; i < key.size(); ++i) sum += (key[i] - offset_ - 0.5) * directions_[i];
@@ -629,7 +629,7 @@ int sharedVertex(const Tiling& tiling, int a, int b) {
   return *std::find_first_of(inA.begin(), inA.end(), inB.begin(), inB.end());
 }
 
-/// Where a tile's corner at a vertex stands when tiles and cells have turned.
+/// The position of a tile's corner at a vertex after tiles and cells have turned.
 Vector3 expandedCorner(const Tiling& tiling, int tile, int vertex, double angle) {
   const Complex turn = std::polar(1.0, 0.5 * angle - pi / 4);
   const Complex place = tiling.vertices[std::size_t(vertex)] * turn +
@@ -669,9 +669,8 @@ model::Model makeThinned(const Tiling& tiling) {
   std::vector<VertexJoint> joints = clockwiseJoints(tiling, kept);
   Parts parts(tiling.tiles.size());
   for (const VertexJoint& joint : joints) parts.join(joint);
-  // Parts that touch at a vertex alone are linked there.
-  // Which parts touch is judged before any of them is linked: the order of vertices does
-  // not matter.
+  // Parts that touch only at a vertex are linked there. Touching parts are found before any of them
+  // is linked: the order of vertices does not matter.
   const Parts byEdges = parts;
   for (std::vector<int>& around : tilesRound(tiling)) {
     std::erase_if(around, isThin);

@@ -199,7 +199,7 @@ TEST(Families, RefuseSheetsThatAreNone) {
   // Tiles of the narrow strip fold over.
   EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
             "heart: error: no sheet with these parameters was found (its tiles are not convex at "
-            "the start); give values nearer to the usual ones");
+            "the start); give values nearer to the defaults");
   EXPECT_EQ(messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
             "chain: error: none through all of these 24 tiles was found; give another number of "
             "tiles");
