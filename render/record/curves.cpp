@@ -178,7 +178,7 @@ class Plotter {
   }
 
  private:
-  /// All curves of a group share one axis; values that do not exist are left out.
+  /// All curves of a group share one axis; missing values are omitted.
   static picture::Axis axisOf(const trajectory::CurveGroup& group) {
     std::vector<double> values;
     for (const trajectory::Curve& curve : group.curves) {

@@ -48,7 +48,7 @@ enum class CurvesAgainst {
   Opening,   ///< the mean opening of the joints, degrees
 };
 
-/// What is to be written of a run.
+/// The outputs of a run's curves.
 struct CurvesSettings {
   std::filesystem::path folder;                 ///< made if need be
   std::vector<picture::PageFormat> plots;       ///< curves.svg, curves.pdf, curves.png

@@ -33,7 +33,7 @@ enum class Pace {
   Real,  ///< each frame brings the same simulated time
 };
 
-/// A moment of a run that is wanted as a picture of its own.
+/// A moment of a run for a separate picture.
 struct FrameChoice {
   /// What `value` counts.
   enum class Unit { Seconds, Share };
@@ -43,7 +43,7 @@ struct FrameChoice {
   bool operator==(const FrameChoice&) const = default;
 };
 
-/// Which pictures of a run are wanted, how they look, and where they go. Defaults are those of the
+/// The pictures of a run: which ones, their style, and their folder. Defaults are those of the
 /// command line. Ranges are checked by record() and render().
 struct PictureSettings {
   std::optional<picture::GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
@@ -121,7 +121,7 @@ struct RecordSettings : PictureSettings {
   /// The word that selected PyKirigami's constants for what was not given; empty: none.
   std::string peerSpelling;
   std::vector<InputFile> inputs;  ///< files that the run is made from, for summary.json
-  bool resume = false;     ///< go on from the folder's checkpoint, if it is of the same order
+  bool resume = false;     ///< continue from the folder's checkpoint, if it is of the same order
   bool meshes = true;      ///< initial and final, OBJ and PLY
   bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too
   exports::ExportSettings exports;  ///< further files; none without formats
@@ -141,13 +141,13 @@ struct RecordCost {
 struct PictureReport {
   int videoFrames = 0;              ///< frames in the video
   std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
-  std::string stoppedBy;            ///< who ended it then, as Interruption has it
+  std::string stoppedBy;            ///< what stopped it, as in Interruption
   RecordCost recordCost;            ///< of pictures and video
   std::string graphics;             ///< version of OpenGL and its maker; empty when none was used
   std::vector<std::string> files;   ///< relative to the folder, in the order written
 };
 
-/// Everything that summary.json says about a run, besides its settings.
+/// The contents of summary.json, without the settings.
 struct RunSummary : PictureReport {
   deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
   std::string reason;                                    ///< one line: why it ended so
@@ -171,13 +171,13 @@ struct RunSummary : PictureReport {
   deploy::DeployCost deployCost;                   ///< of the run itself
   std::optional<mechanics::LoadCurve> loadCurve;   ///< of a scene with grips
   std::optional<model::Elasticity> elasticity;     ///< absent where no hinge has a spring
-  std::string leftOut;  ///< why nothing was exported that was to be; mostly empty
-  std::vector<output::FileDigest> digests;  ///< of all files but summary.json
+  std::string leftOut;                             ///< why an export is missing; mostly empty
+  std::vector<output::FileDigest> digests;         ///< of all files but summary.json
 };
 
 /// How far a run is, for a progress line. `stage` lives as long as the program.
 struct Progress {
-  const char* stage = "";          ///< "looking for a path", "deploying", "painting" or "exporting"
+  const char* stage = "";          ///< "searching a path", "deploying", "painting" or "exporting"
   double share = 0;                ///< of this stage, 0 to 1
   std::string remark = {};         ///< a line to print once; mostly empty
   bool isRemarkInSummary = false;  ///< the remark is one of RunSummary::warnings

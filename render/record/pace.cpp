@@ -1,8 +1,8 @@
 // Pictures follow the length of the run's path, s(t) = integral of ds with
 //   ds^2 = mean over bricks of |dx|^2 + rho^2 |dphi|^2  (pathDistance),
-// dx a brick's move, dphi its turn, rho its radius of gyration: a mechanism that snaps open in a
-// tenth of a second and then creeps for two shows each part of its motion for equally long. A frame
-// at video time tau of T has s = S p(tau / T), p the integral of a trapezoid.
+// dx a brick's move, dphi its turn, rho its radius of gyration: a mechanism that opens suddenly in
+// a tenth of a second and then creeps for two shows each part of its motion for equally long. A
+// frame at video time tau of T has s = S p(tau / T), p the integral of a trapezoid.
 #include "render/record/pace.h"
 
 #include <algorithm>
@@ -208,11 +208,11 @@ StateSource replay(const trajectory::TrajectoryReader& run, const std::vector<Fr
 
 namespace {
 
-/// A wanted time may lie this much after the end, seconds: people round.
+/// A requested time may be this much after the end, seconds: people round.
 constexpr double kAfterEnd = 0.01;
 
-/// The entry of rising numbers that is nearest to a wanted one. Of two that are equally near, the
-/// lower.
+/// The entry of rising numbers that is nearest to a requested one. Of two that are equally near,
+/// the lower.
 int nearestIndex(const std::vector<double>& numbers, double requested) {
   const auto above = std::lower_bound(numbers.begin(), numbers.end(), requested);
   if (above == numbers.begin()) return 0;

@@ -43,8 +43,8 @@ void TaskGroup::finish() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Writing and compressing samples takes time: on a thread of its own it costs the deployment
-// nothing as long as there is a core for it. Sixteen samples may wait; then the deployment waits.
+// Writing and compressing samples takes time: on its own thread it costs the deployment nothing as
+// long as there is a core for it. Sixteen samples may wait; then the deployment waits.
 
 ThreadedTrajectoryWriter::ThreadedTrajectoryWriter(const std::filesystem::path& path,
                                                    const trajectory::Subject& subject)

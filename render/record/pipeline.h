@@ -92,18 +92,18 @@ class BoundedQueue {
 // ------------------------------------------------------------------------------------------------
 // Threads that work on one job and end together.
 
-/// Starts the stages of a job, each on a thread of its own. The first error of any of them stops
-/// the others, and finish() throws it.
+/// Starts the stages of a job, each on its own thread. The first error of any of them stops the
+/// others, and finish() throws it.
 class TaskGroup {
  public:
-  /// stopAll: makes every stage end soon, whatever it waits for; called from any thread.
+  /// stopAll: stops every stage soon, also while it waits; may be called from any thread.
   explicit TaskGroup(std::function<void()> stopAll) : stopAll_(std::move(stopAll)) {}
   /// Stops what is still at work and waits for it.
   ~TaskGroup();
   TaskGroup(const TaskGroup&) = delete;
   TaskGroup& operator=(const TaskGroup&) = delete;
 
-  /// Runs a stage on a thread of its own; what may end this thread from within may end that one.
+  /// Runs a stage on its own thread, with the interruption checks of this thread.
   void start(std::function<void()> stage);
 
   /// Runs a stage on this thread. Throws nothing: an error is kept for finish().
@@ -134,7 +134,7 @@ using SharedSample = std::shared_ptr<const trajectory::Sample>;
 inline constexpr std::size_t kWaitingSamples = 16;
 
 // ------------------------------------------------------------------------------------------------
-// Writes a run's trajectory on a thread of its own while the deployment goes on.
+// Writes a run's trajectory on its own thread during the deployment.
 
 /// Owns the file and the thread. A writer that goes without finish() leaves no file.
 class ThreadedTrajectoryWriter {
@@ -143,8 +143,8 @@ class ThreadedTrajectoryWriter {
   /// OutputError when the file cannot be made.
   ThreadedTrajectoryWriter(const std::filesystem::path& path, const trajectory::Subject& subject);
 
-  /// Hands over a sample. False once writing has failed; finish() says why. May wait for room in
-  /// the queue.
+  /// Hands over a sample. False once writing has failed; finish() throws the reason. May wait for
+  /// room in the queue.
   bool take(const SharedSample& sample);
 
   /// Waits for the last sample and puts the file in place. Throws OutputError.
@@ -162,10 +162,10 @@ class ThreadedTrajectoryWriter {
 // Frames of a video whose memory is used again.
 
 /// Spare frames, for any thread. Painters would else ask the heap for some tens of megabytes a
-/// frame, which the encoder's thread returns: the heap then grows as a video goes on.
+/// frame, which the encoder's thread returns: the heap then grows during a video.
 class FramePool {
  public:
-  /// A spare frame, whatever it shows; an empty one when there is none.
+  /// A spare frame with any content; an empty one if there is none.
   picture::Frame take() {
     const std::lock_guard lock(mutex_);
     if (spare_.empty()) return {};

@@ -1,17 +1,16 @@
 // record() in its order:
 //
-// - 1. Everything that can be refused is refused: settings, looks, exports, files of others in the
+// - 1. Invalid input is refused: settings, styles, exports, files of others in the
 //   folder, the font, the encoder, the graphics library.
-// - 2. The scene is deployed. Samples go to trajectory.h5 on a thread of its own (pipeline.h); a
-//   checkpoint lets a killed run go on.
+// - 2. The scene is deployed. Samples go to trajectory.h5 on a separate thread (pipeline.h). A
+// killed run can continue from a checkpoint.
 // - 3. End state, meshes, load curve, pictures, video and exports are made from trajectory.h5, so
 //   that render() and export can make them again.
 // - 4. Files are hashed, summary.json is written, and all of them are put in place together
 //   (FileSet).
 //
-// An interruption ends the stage at work; what exists so far is written out, and the summary says
-// who ended it. Only errors (a full disk) leave the folder as it was, and then the checkpoint
-// stays.
+// An interruption ends the current stage; the results so far are written, and the summary says who
+// ended it. Only errors (a full disk) leave the folder as it was, and then the checkpoint stays.
 //
 // Memory does not grow with the run: samples are streamed to the file and read back one by one.
 #include "render/record/record.h"
@@ -49,7 +48,7 @@ constexpr std::chrono::milliseconds kPatience{100};
 /// Of a video at an even pace between what is held, seconds.
 constexpr double kLeastMotion = 0.1;
 
-/// `meaning` says what the number is, as in "a factor".
+/// `meaning`: for the message, as in "a factor".
 void requireWithin(double value, double least, double most, const char* option,
                    const char* meaning) {
   if (value >= least && value <= most) return;
@@ -83,8 +82,8 @@ void requireValidSettings(const PictureSettings& settings) {
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
   if (settings.fontPoints && !settings.gridWidth) {
     throw InputError(
-        "error: --font-size works with --width alone, such as --width 180mm; give that too, or "
-        "leave --font-size away");
+        "error: --font-size requires --width, as in --width 180mm. Add --width or remove "
+        "--font-size");
   }
   const double dots = settings.gridWidth.value_or(0) / 25.4 * settings.gridDotsPerInch();
   if (dots > picture::kMaxFrameSide) {
@@ -194,7 +193,7 @@ class LiveRun {
     };
     const deploy::TrialObserver searching = [&](const deploy::SearchNews& news) {
       if (!news.warning.empty()) reportWarning(news.warning);
-      return tell("looking for a path", news.share);
+      return tell("searching a path", news.share);
     };
     const InterruptionScope scope([this] { endStepThatTakesLong(); });
     end_.result = deployer_(scene_, settings_.sampleInterval(), watch, searching,
@@ -213,12 +212,12 @@ class LiveRun {
 
  private:
   void reportWarning(const std::string& warning) {
-    observer_({"looking for a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning),
-               true});
+    observer_(
+        {"searching a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning), true});
   }
 
-  /// Returns whether the deployment goes on. Who has ended it is not asked again: what comes next
-  /// may be ended by itself.
+  /// Returns whether the deployment continues. After the first stop the observer is not called
+  /// again.
   bool tell(const char* stage, double share) {
     stage_ = stage;
     share_ = share;
@@ -248,8 +247,8 @@ class LiveRun {
   trajectory::Subject subject_;
   picture::PictureContent start_;
   deploy::Checkpoints checkpoints_;
-  std::string remark_;  // not told yet
-  const char* stage_ = "looking for a path";
+  std::string remark_;  // not reported yet
+  const char* stage_ = "searching a path";
   double share_ = 0;
   Interruption interruption_;
   Clock::time_point reportedAt_;
@@ -306,7 +305,7 @@ std::string madeBy(const std::string& model, const std::string& order) {
   return order.empty() ? text : fmt::format("{}, order {}", text, order);
 }
 
-/// Sets up the graphics library; says what is missing of it before a simulation, not after it.
+/// Sets up the graphics library. Missing parts are reported before a simulation, not after it.
 /// Making a context takes a moment; a run of hours that ends without pictures would cost more.
 void prepareGraphics(const PictureSettings& settings) {
   if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
@@ -320,7 +319,7 @@ void prepareGraphics(const PictureSettings& settings) {
   if (settings.paints()) const picture::Context probe;
 }
 
-/// All pictures of a finished run. Nothing where the settings want none.
+/// All pictures of a finished run. Nothing if the settings have none.
 void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
                   const ProgressObserver& observer, PictureReport& report) {
   if (!settings.paints()) return;
@@ -340,7 +339,7 @@ void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
   }
 }
 
-/// A state to export may turn out not to be in the run, which is none the worse for it.
+/// A missing state to export does not make the run fail.
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
   const trajectory::TrajectoryReader trajectory(settings.folder / output::kTrajectory);
   try {
@@ -353,8 +352,8 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
   }
 }
 
-/// Whether pictures of some run may have this name. Names with numbers count whatever the number:
-/// how many there will be is not known.
+/// Whether pictures of some run may have this name. Names with any number count: how many there
+/// will be is not known.
 bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
   return (settings.video && name == settings.videoFile) ||
@@ -434,7 +433,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   }
 
   summary.files.emplace_back(output::kSummary);
-  // Where an export fails, all else is put in place all the same.
+  // If an export fails, all other files are still written.
   std::exception_ptr exportFailure;
   try {
     if (!settings.exports.formats.empty()) writeExports(settings, summary);

@@ -16,14 +16,14 @@ using Deployer = std::function<deploy::DeploymentResult(
     const scene::Scene& scene, double sampleInterval, const deploy::SampleObserver& observer,
     const deploy::TrialObserver& searching, deploy::Checkpoints* checkpoints)>;
 
-/// What a deployment says of itself in a summary; nothing is painted or written yet. `endTime` in
-/// simulated seconds.
+/// The results of a deployment for a summary, before painting and writing. `endTime` in simulated
+/// seconds.
 RunSummary summaryOf(const deploy::DeploymentResult& result, double endTime);
 
 /// Deploys the scene into trajectory.h5, then makes everything else from that file as the settings
 /// ask for, and at last summary.json. Memory does not grow with the length of the run, and the
 /// video of a run that is interrupted is whole as far as it goes. A run that diverges or is
-/// interrupted leaves its files too, and says so in the summary. Until it is over, a checkpoint in
+/// interrupted writes its files too, with a note in the summary. Until it is over, a checkpoint in
 /// the folder lets another call resume it. Throws InputError for settings out of range, OutputError
 /// when a file cannot be written; the folder and the settings are checked before the deployment
 /// starts.
@@ -32,8 +32,8 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& settings,
                   const Deployer& deployer = deploy::deployUnkept);
 
 /// Makes the pictures of a recorded run again, from its trajectory.h5, without simulating. Throws
-/// InputError when the file is no whole trajectory, and as record(). The folder gets contents.json,
-/// or a new one; trajectory.h5 stays as it is.
+/// InputError if the file is not a complete trajectory, and as record(). The folder gets
+/// contents.json, or a new one; trajectory.h5 stays as it is.
 PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
                      const ProgressObserver& observer);
 

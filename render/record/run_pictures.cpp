@@ -1,7 +1,7 @@
 // A video is painted and encoded at the same time, by threads with short queues between them:
 //
 //     reader (1 thread)    reads states in order; for each a promise of its frame
-//       orders  ->  painters (several), each on a thread of its own: keep the promises
+//       orders  ->  painters (several), each on its own thread: keep the promises
 //       frames  ->  encoder (1 thread): takes the frames in the order of the states
 //
 // The order of frames is that of the futures in the queue, whichever painter is done first. So the
@@ -39,11 +39,12 @@
 namespace kirireel::record {
 namespace {
 
-/// The camera looks at about this many samples: enough for any smooth motion.
+/// Number of samples for the fit of the camera: enough for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
-/// Between painting and encoding, beside one a painter, for the same reason as kWaitingSamples.
+/// Between painting and encoding, in addition to one per painter, for the same reason as
+/// kWaitingSamples.
 constexpr std::size_t kWaitingFrames = 4;
-/// Half the picture's width and height, with room for rounding.
+/// Half the picture's width and height, with a margin for rounding.
 constexpr double kBorder = 1 + 1e-9;
 
 /// The last sample is always among them.
@@ -63,7 +64,7 @@ void keepStates(picture::PictureContent& content, const trajectory::TrajectoryRe
   content.states.push_back(run.sample(count - 1).poses);
 }
 
-/// Without a target there is one end alone, so all of the run counts.
+/// Without a target there is only one end, so all of the run counts.
 bool fitsEnds(const model::Model& model, const PictureSettings& settings) {
   if (settings.look.fit == picture::FitScope::Auto) return model.target.has_value();
   return settings.look.fit == picture::FitScope::Ends;
@@ -220,7 +221,7 @@ void RunPictures::paint(picture::StatePainter& painter, OrderQueue& orders, Fram
   }
 }
 
-/// On a thread of its own, with the only sink.
+/// On its own thread, with the only sink.
 void RunPictures::encode(FrameQueue& frames, FramePool& pool) {
   FrameSink sink(settings_, report_);
   const picture::Style& style = frames_.setup().style();
@@ -364,7 +365,7 @@ void FrameSink::finish() {
 namespace {
 
 constexpr double kTitleSize = 0.07;      // em, in heights of the picture
-constexpr double kSubtitleSize = 0.045;  // likewise
+constexpr double kSubtitleSize = 0.045;  // the same
 constexpr double kCardLineEms = 1.35;    // from line to line
 constexpr double kMostWidth = 0.9;       // of the picture that text may take
 constexpr double kMostHeight = 0.9;
@@ -433,7 +434,7 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 // the same layout from the geometries, without pixels.
 //
 // With W millimetres and d dots an inch the sheet is W d / 25.4 pixels wide; text of p points is p
-// / 72 inches high, whatever the width came to be.
+// / 72 inches high, for any width.
 
 namespace {
 
@@ -505,7 +506,7 @@ void PanelSheet::writeDrawings() {
 }
 
 /// How much larger pictures must be painted, of which this part is shown, for the sheet to be as
-/// wide as it is to be in print; less where pictures would be too large.
+/// wide as in print; less if pictures would be too large.
 double PanelSheet::enlargement(const picture::PictureBox& part,
                                const picture::GridStyle& style) const {
   if (!settings_.gridWidth) return 1;
@@ -519,7 +520,7 @@ double PanelSheet::enlargement(const picture::PictureBox& part,
   return std::min(most, requested / (columns * part.size.width + gaps));
 }
 
-/// Em of the text that is to have a size in print, pixels.
+/// Em of text with a size in print, pixels.
 int PanelSheet::textSize(const picture::PictureBox& part, const picture::GridStyle& style) const {
   const double inches = *settings_.gridWidth / picture::kMillimetresPerInch;
   const double dots = picture::layOutGrid(part.size, shape_, style).sheet.width / inches;
@@ -591,7 +592,7 @@ void PanelSheet::write() {
 
 namespace {
 
-/// The view that suits all runs if none is given: the one that each has alone, if they agree.
+/// The default view of all runs: that of the single runs, if they agree.
 picture::ViewAngles sharedView(std::span<const trajectory::TrajectoryReader* const> runs) {
   const auto viewOf = [](const trajectory::TrajectoryReader* run) {
     return picture::defaultView(contentOf(run->subject()).points);
@@ -610,14 +611,14 @@ picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> ru
   if (camera.orthographic == false || camera.orbit != 0 || !camera.keys.empty()) {
     throw InputError(
         "error: pictures of several runs share one scale, which needs a parallel projection and a "
-        "camera that stands still; leave --projection perspective, --orbit and --camera-keys away");
+        "fixed camera; remove --projection perspective, --orbit and --camera-keys");
   }
   camera.orthographic = true;
   if (!camera.view) camera.view = sharedView(runs);
   return look;
 }
 
-/// Which model a row shows stands before its first caption.
+/// The name of a row's model is before its first caption.
 std::vector<std::string> captionsOf(const std::vector<FrameState>& states,
                                     const CaptionWriter& writer, const std::string& model) {
   std::vector<std::string> captions;

@@ -30,12 +30,11 @@ picture::PictureContent contentOf(const trajectory::Subject& subject);
 picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings);
 
-/// Throws InputError when the look or the grid asks for what the content cannot give, before
-/// anything is deployed. Needs no graphics context.
+/// Throws InputError if the style or the grid needs data that the content lacks, before anything is
+/// deployed. Needs no graphics context.
 void requirePaintable(const picture::PictureContent& content, const PictureSettings& settings);
 
-/// Writes what pictures say of the states that they show. Holds a copy of the start, from which
-/// turns are measured.
+/// Writes the captions of pictures. Holds a copy of the start, from which turns are measured.
 class CaptionWriter {
  public:
   /// Captions with these parts for pictures of this content.
@@ -58,16 +57,16 @@ class CaptionWriter {
   bool hasTarget_;
 };
 
-/// What stands under the frames of a video.
+/// The text under the frames of a video.
 picture::StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
                                double endTime);
 
 /// Paints the pictures of one run. Belongs to the thread that makes it.
 class RunPictures {
  public:
-  /// Everything passed must outlive the pictures. Throws InputError when the look asks for what the
-  /// content lacks, OutputError when no graphics context can be made. Makes a graphics context and
-  /// reads what contentOf() reads.
+  /// Everything passed must outlive the pictures. Throws InputError if the style needs data that
+  /// the content lacks, OutputError when no graphics context can be made. Makes a graphics context
+  /// and reads what contentOf() reads.
   RunPictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
               PictureReport& report);
 
@@ -102,7 +101,7 @@ class RunPictures {
   PictureReport& report_;
   CaptionWriter captions_;
   picture::StatePainter frames_;                 ///< with a strip under its pictures
-  std::optional<picture::StatePainter> stills_;  ///< the same, smoother: of frames that stand alone
+  std::optional<picture::StatePainter> stills_;  ///< the same, smoother: for single frames
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -117,8 +116,8 @@ picture::VideoSettings videoSettings(const PictureSettings& settings);
 /// How its single pictures are written.
 picture::PngSettings pngSettings(const PictureSettings& settings);
 
-/// Encodes and writes frames in order; holds the first and the last as long as the settings say.
-/// Belongs to the thread that makes it.
+/// Encodes and writes frames in order; repeats the first and the last frame for the time in the
+/// settings. Belongs to the thread that makes it.
 class FrameSink {
  public:
   /// Throws OutputError when the video cannot be made. Settings and report must outlive the sink.
@@ -150,7 +149,7 @@ class FrameSink {
 // ------------------------------------------------------------------------------------------------
 // The card before a video.
 
-/// What a card says, UTF-8; line feeds begin new lines.
+/// The text of a card, UTF-8; line feeds begin new lines.
 struct Title {
   std::string title;     ///< over the frame, UTF-8; empty: none
   std::string subtitle;  ///< below the title, UTF-8; empty: none
@@ -173,8 +172,8 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 // Sheets of pictures: states of one run or of several, side by side, as pixels and as vector
 // graphics.
 
-/// States of one run that stand in a row on a sheet, cell after cell. Rows of a figure may have
-/// different models; those of one run have one row, which fills all cells.
+/// States of one run in a row of a sheet. Rows of a figure may have different models; those of one
+/// run have one row, which fills all cells.
 struct PanelRow {
   picture::Look look;                 ///< of all its pictures
   picture::PictureContent content;    ///< the run that is shown
@@ -182,7 +181,7 @@ struct PanelRow {
   std::vector<std::string> captions;  ///< one a state
 };
 
-/// The name of the sheet's file in this format. PNG has a name of its own, see output::kSnapshots.
+/// The name of the sheet's file in this format. PNG has a special name, see output::kSnapshots.
 const char* pageFile(picture::PageFormat format);
 
 /// What a picture of a state shows.
@@ -197,8 +196,8 @@ class PanelSheet {
              const PictureSettings& settings, PictureReport& report)
       : rows_(rows), shape_(shape), settings_(settings), report_(report) {}
 
-  /// Writes snapshots.png and whatever else of the sheet the settings ask for. Throws OutputError.
-  /// Paints every picture once, twice where the sheet has a width in print.
+  /// Writes snapshots.png and the other files of the sheet that the settings request. Throws
+  /// OutputError. Paints every picture once, twice where the sheet has a width in print.
   void write();
 
  private:

@@ -14,10 +14,10 @@
 //     versions    name: version
 //     sha256      the seal (output_folder.h)
 //
-// Lengths are in metres. What does not exist is null and never left out: readers find every
-// key. Numbers have the shortest digits that read back to the same double.
+// Lengths are in metres. Missing values are null and never omitted: readers find every key. Numbers
+// have the shortest digits that read back to the same double.
 //
-// The same texts of settings and findings stand in trajectory.h5, where `verify` compares them.
+// The same texts of settings and findings are in trajectory.h5, where `verify` compares them.
 #include "render/record/summary.h"
 
 #include <array>
@@ -263,7 +263,7 @@ Json pictureJson(const RecordSettings& settings) {
           {"snapshots", settings.spacing == SnapshotSpacing::Time ? "time" : "progress"}};
 }
 
-/// What a setting says, as scene.toml has it; null where it says nothing.
+/// The value of a setting as in scene.toml; null if it has none.
 Json settingJson(const scene::Setting& setting, const scene::Scene& scene) {
   const std::string text = setting.write(scene);
   if (text.empty()) return nullptr;
@@ -294,8 +294,8 @@ Json springsJson(const scene::Scene& scene) {
            })}};
 }
 
-/// The settings by table and key, and beside them what follows from the model or is fixed. Values
-/// of settings are JSON already; a text that is none becomes a string.
+/// The settings by table and key, and values that follow from the model or are fixed. Values of
+/// settings are JSON already; other text becomes a string.
 Json settingsJson(const scene::Scene& scene, const RecordSettings& settings) {
   Json json = Json::object();
   for (const scene::SettingGroup& group : scene::sceneSettings()) {
@@ -319,7 +319,7 @@ Json settingsJson(const scene::Scene& scene, const RecordSettings& settings) {
   return json;
 }
 
-/// Names without their folders: where a model stood says nothing about a run.
+/// Names without their folders: the folder of a model does not change a run.
 Json inputsJson(const std::vector<InputFile>& inputs) {
   Json json = Json::array();
   for (const InputFile& input : inputs) {

@@ -20,9 +20,9 @@ Json vectorJson(const Vector3& vector);
 Json eventsJson(const std::vector<trajectory::Event>& events);
 
 /// The text of summary.json, keys in a fixed order, ending in a newline. The same run gives the
-/// same text but for "cost", "versions" and "sha256", the seal of all that stands before it.
-/// Figures that do not exist (an error without a target) are null. `summary.digests` holds all
-/// files but summary.json itself.
+/// same text but for "cost", "versions" and "sha256", the hash of everything before it. Figures
+/// that do not exist (an error without a target) are null. `summary.digests` holds all files but
+/// summary.json itself.
 std::string summaryJson(const scene::Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary);
 
@@ -48,7 +48,7 @@ std::vector<std::pair<std::string, std::string>> allVersions();
 std::string versionText();
 
 // ------------------------------------------------------------------------------------------------
-// Whether what a finished run left still is what it says it is.
+// Checks that the files of a finished run are unchanged.
 
 /// What was found in a run's folder. Complaints begin with the path of the file that they are
 /// about.
@@ -60,7 +60,7 @@ struct VerifyReport {
 
 /// A run that is over, its files whole.
 struct FinishedRun {
-  std::string outcome;   ///< as summary.json has it, never "interrupted"
+  std::string outcome;   ///< as in summary.json, never "interrupted"
   bool isShort = false;  ///< summary.json has a shortfall
   std::string summary;   ///< the text of summary.json
 };

@@ -5,7 +5,7 @@
 //
 // Figures: trajectory.h5 holds the poses of all samples, one record for each step, and the states
 // in which the extreme figures of the run were found ("figure states"). From these the figures are
-// computed again by the functions of sim/trajectory and compared with what the summary says:
+// computed again by the functions of sim/trajectory and compared with the summary:
 //
 //     per sample   joint_gap, penetration, target_error
 //     all steps    joint_gap_mean = sum of means / steps, counts; with the samples joint_gap_max,
@@ -54,8 +54,8 @@ std::string summaryText(const fs::path& folder) {
       folder.string(), output::kSummary));
 }
 
-/// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
-/// hold any bytes.
+/// A text as in summary.json: bytes that are not UTF-8 are U+FFFD there. Names of models may hold
+/// any bytes.
 std::string asInJson(const std::string& text) {
   return parseJson(jsonText(Json(text)));
 }
@@ -99,7 +99,7 @@ class Verifier {
     report_.complaints.push_back(fmt::format("{}: {}", (folder_ / place).string(), what));
   }
 
-  /// What was exported or painted again since counts as contents.json has it.
+  /// What was exported or painted again since counts as listed in contents.json.
   void compareFiles(const Json& contents) {
     output::FileList files = output::listedFiles(folder_ / output::kContents);
     if (files.empty() && fs::exists(folder_ / output::kContents)) {
@@ -277,7 +277,7 @@ class Verifier {
     if (!isElastic || stated.is_null()) return;
     const model::Elasticity found = model::elasticityOf(subject.pairForces, start, end);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
-      // Summaries of earlier releases do not tell of all kinds.
+      // Summaries of earlier releases do not have all kinds.
       const std::string name = kind.name.counted;
       compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
@@ -322,7 +322,7 @@ class Verifier {
   /// Counts the packets of the first video in the list.
   void compareVideo(const Json& summary) {
     for (const std::string name : summary.at("files")) {
-      // A GIF leaves out what its players could not show.
+      // A GIF omits frames that its players could not show.
       if (!picture::isVideo(name) || endingOf(name) == ".gif") continue;
       // One that was painted again since is not the run's.
       if (output::listedFiles(folder_ / output::kContents).contains(name)) return;

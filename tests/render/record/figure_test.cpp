@@ -82,8 +82,8 @@ TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
                  "error: pictures of several runs share one scale, which needs a parallel "
-                 "projection and a camera that stands still; leave --projection perspective, "
-                 "--orbit and --camera-keys away");
+                 "projection and a fixed camera; remove --projection perspective, --orbit "
+                 "and --camera-keys");
   }
 }
 

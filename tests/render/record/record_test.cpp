@@ -233,8 +233,8 @@ TEST_F(RecordTest, MakesAGridForPrint) {
   EXPECT_NO_THROW(record::record(tessellationScene(), settings_, proceed_));
   settings_.gridWidth.reset();
   EXPECT_EQ(messageOfRecording(),
-            "error: --font-size works with --width alone, such as --width 180mm; give that too, or "
-            "leave --font-size away");
+            "error: --font-size requires --width, as in --width 180mm. Add --width or remove "
+            "--font-size");
   settings_.gridWidth = 5000;
   settings_.dotsPerInch = 1200;
   EXPECT_THAT(messageOfRecording(), HasSubstr("give a smaller --dpi"));
