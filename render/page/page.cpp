@@ -6,8 +6,8 @@
 //     <!--words-->                                 facts, warnings and embedded files of each run
 //     <!--data-->                                  JSON: styles for both themes, colour map, runs
 //
-// Everything is within the file, since it is to be sent by mail and opened from a disk, where
-// browsers refuse to load neighbours of a file. The still picture shows where WebGL is missing.
+// The file contains everything, because it is sent by mail and opened from a disk, where browsers
+// refuse to load neighbours of a file. The still picture shows where WebGL is missing.
 //
 // Text from a model (names, warnings) is escaped; the JSON is in a script element, which ends
 // at "</", so every "<" is written as \u003c.
@@ -141,7 +141,7 @@ std::string embeddedHtml(const std::filesystem::path& file) {
   return fmt::format("<a download=\"{0}\" href=\"{1}\">{0}</a>\n", name, source);
 }
 
-/// Embedded files are looked for in the run's folder.
+/// Embedded files are searched in the run's folder.
 std::string wordsHtml(const trajectory::TrajectoryReader& run, const std::filesystem::path& folder,
                       const std::vector<std::string>& names) {
   std::string files;
@@ -272,7 +272,7 @@ picture::PictureContent anyContent() {
   return content;
 }
 
-/// Without what is said of single tiles, which no style holds.
+/// Without settings of single tiles, which no style holds.
 picture::Style styleOf(picture::Look look) {
   look.tileColours.clear();
   look.tileOpacities.clear();
@@ -297,8 +297,8 @@ Json polygonsJson(const std::vector<model::Tile>& tiles) {
           {"corners", packedArray(std::span<const float>(corners))}};
 }
 
-/// The bricks' bottoms in their own axes, and what leads from there to their tops. A brick is a
-/// prism: its top is its bottom moved by one vector. One vector per brick is enough.
+/// The bricks' bottoms in their own axes, and the offsets to their tops. A brick is a prism: its
+/// top is its bottom moved by one vector. One vector per brick is enough.
 Json bricksJson(const std::vector<model::Brick>& bricks) {
   std::vector<model::Tile> bottoms;
   std::vector<float> rises;
@@ -413,8 +413,8 @@ Json statesJson(const trajectory::TrajectoryReader& run, const picture::PictureC
   return collector.json();
 }
 
-/// The values with as many digits as a diagram can show, and a reader wants to know. Groups without
-/// any value are left out; a value that does not exist is null.
+/// The values with the digits that a diagram can show. Groups without any value are omitted; a
+/// value that does not exist is null.
 Json curvesJson(const trajectory::RunCurves& curves) {
   Json groups = Json::array();
   for (const trajectory::CurveGroup& group : curves.groups) {
@@ -601,7 +601,7 @@ Facts factsOf(const trajectory::TrajectoryReader& run) {
   addErrors(run, tile, facts);
   addAccuracy(run, tile, facts);
   if (!run.hasMechanics()) facts.emplace_back("Energies and forces", trajectory::kNoMechanics);
-  // A fact without a value is left out.
+  // A fact without a value is omitted.
   std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
   return facts;
 }
@@ -803,7 +803,7 @@ void PosePacker::addRounded(const std::vector<double>& entries) {
   }
 }
 
-/// In 16 bits where all of them have room there, which is quicker to unpack.
+/// In 16 bits if all of them fit, which is faster to unpack.
 Json PosePacker::packedDifferences() const {
   const bool areSmall = std::ranges::all_of(differences_, [](std::int32_t difference) {
     return difference >= 0 && difference <= std::numeric_limits<std::uint16_t>::max();

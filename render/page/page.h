@@ -18,7 +18,7 @@
 namespace kirireel::page {
 
 // ------------------------------------------------------------------------------------------------
-// What a page says of a run in words.
+// The text of a page about a run.
 
 /// Facts in the order of reading: what, and how much.
 using Facts = std::vector<std::pair<std::string, std::string>>;
@@ -47,9 +47,9 @@ Json packedArray(std::span<const float> entries);
 Json packedArray(std::span<const double> entries);
 /// The same for whole numbers of 32 bits.
 Json packedArray(std::span<const std::int32_t> entries);
-/// The same for whole numbers of 16 bits from 0.
+/// The same for unsigned integers of 16 bits.
 Json packedArray(std::span<const std::uint16_t> entries);
-/// The same for whole numbers of 8 bits from 0.
+/// The same for unsigned integers of 8 bits.
 Json packedArray(std::span<const std::uint8_t> entries);
 
 /// The resolution of poses.
@@ -61,7 +61,7 @@ struct PoseSteps {
 
 /// Steps that move no corner of bricks by more than 1/17,500 of what is in sight: a ninth of a
 /// pixel where that fills 2000 pixels. `size`: its diagonal; `radius`: the largest distance of a
-/// corner from its brick's centre of mass; both metres, above 0.
+/// corner from its brick's centre of mass; both metres, > 0.
 PoseSteps finePoseSteps(const Vector3& origin, double size, double radius);
 
 /// Packs the poses of one run's samples, one after the other: x, y, z, then the quaternion's w, x,
@@ -116,8 +116,8 @@ Json styleJson(picture::Theme theme, const picture::Look& look);
 Json mapJson(picture::ColourMap map);
 
 /// One run: bricks, poses, joints, measures, target, surroundings and cameras. See stage.js, which
-/// reads it. Throws InputError when the look asks for what the run lacks. Reads the trajectory once
-/// for the states, once for the curves. `states.samples` of a thousand bricks take 14 kB each
+/// reads it. Throws InputError if the style needs data that the run lacks. Reads the trajectory
+/// once for the states, once for the curves. `states.samples` of a thousand bricks take 14 kB each
 /// before they are compressed.
 Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,
              const PageStates& states);
@@ -139,7 +139,7 @@ inline constexpr const char* kPageFile = "page.html";
 /// The largest number of runs on a page.
 inline constexpr std::size_t kMostPageRuns = 2;
 
-/// Which page is wanted. One look for all runs: two of them can be compared.
+/// Settings of a page. All runs have one style, for comparison.
 struct WebPageSettings {
   std::filesystem::path folder;  ///< made if need be
   PageStates states;             ///< that are shown, in rising time
@@ -151,7 +151,7 @@ struct WebPageSettings {
 };
 
 /// All bytes of a file of render/page/web or of three.js by its name, for example "page.css", as
-/// the program has it within; empty where it was built without it.
+/// embedded in the program; empty in a build without it.
 std::string_view embeddedFile(std::string_view name);
 
 /// Whether this program can make pages: three.js was there when it was built. three.js is taken in
@@ -160,7 +160,7 @@ bool canMakePages();
 /// Throws OutputError where it cannot, with what to do about it.
 void requirePages();
 
-/// The text of a page of one run or two. Throws InputError where a run lacks what the look asks for
+/// The text of a page of one run or two. Throws InputError if a run lacks data that the style needs
 /// and where the page would be too large, OutputError where the program cannot make pages. A run is
 /// read from its trajectory; with 201 states of a thousand bricks the text has some megabytes.
 std::string pageText(const std::vector<std::filesystem::path>& trajectories,
@@ -175,9 +175,9 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 // The cameras of a page, by the same fit as our pictures.
 
 /// A list of {"name", "key", "fits": [{"aspect", "eye", "centre", "up", "orthographic",
-/// "field_of_view", "view_height"}, ...]}: first the view of the look, as pictures have it, then
+/// "field_of_view", "view_height"}, ...]}: first the view of the style, as in pictures, then
 /// others. Of a view's fits, narrowest first, the page takes the widest that its canvas holds.
-/// Aspect is width by height. Costs five fits a view, each a look at all points of the content.
+/// Aspect is width by height. Cost: five fits per view, each O(n) in the points of the content.
 Json camerasJson(const picture::Look& look, const picture::PictureContent& content);
 
 }  // namespace kirireel::page
