@@ -6,9 +6,9 @@
 // process ends in any way, so no stale lock has to be guessed by its age. On NFS Linux turns
 // flock into locks of the server, which holds across machines.
 //
-// The order in take() matters. Between the first look and the lock another process may finish the
+// The order in take() matters. Between the first check and the lock another process may finish the
 // run: it renames the folder, with the lock in it. So after locking, isOf() checks that the locked
-// file still is the one that the name leads to, and the finished folder is looked for again.
+// file still is the one that the name leads to, and the finished folder is checked again.
 #include "render/sweep/collect.h"
 
 #include <algorithm>
@@ -101,7 +101,7 @@ std::optional<FileLock> FileLock::take(const fs::path& file, IfHeld ifHeld) {
                   file.string(), std::strerror(errno)));
 }
 
-/// A file that was renamed keeps its inode, and the name then leads elsewhere or nowhere.
+/// A file that was renamed keeps its inode, and the name then refers to another file or to none.
 bool FileLock::isOf(const fs::path& file) const {
   struct stat held = {};
   struct stat named = {};
@@ -128,7 +128,8 @@ std::optional<RunRecord> readRunRecord(const fs::path& runFolder) {
     }
     return record;
   } catch (const Json::exception&) {
-    throw inputErrorAt({file}, "this is no run's record; remove its folder to run it again");
+    throw inputErrorAt({file},
+                       "this is not the record of a run; remove its folder to run it again");
   }
 }
 
@@ -229,13 +230,14 @@ const std::vector<Figure>& costFigures() {
   return figures;
 }
 
-/// Parsing throws nothing: what is no object is refused below.
+/// Parsing throws nothing: anything but an object is refused below.
 Json readRunSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
   std::ifstream stream = openInputFile(file);
   Json summary = parseJsonOrDiscard(std::string(std::istreambuf_iterator<char>(stream), {}));
   if (!summary.is_object() || !summary.contains("accuracy") || !summary.contains(kThickness)) {
-    throw inputErrorAt({file}, "this is no summary of a run; remove its folder to run it again");
+    throw inputErrorAt({file},
+                       "this is not the summary of a run; remove its folder to run it again");
   }
   return summary;
 }
@@ -434,7 +436,7 @@ namespace {
 /// Pixels. A hundred of them make a page of 3200 x 2400 and a little more for captions.
 constexpr picture::FrameSize kPictureSize = {320, 240};
 
-/// Of a series of more, when not all pictures find room. Ten by ten pictures is kMostContacts.
+/// Of a longer series, if not all pictures fit. Ten by ten pictures is kMostContacts.
 constexpr std::size_t kMostOfSeries = 10;
 
 /// Rows may end where series do when the page is at most this many times longer than it is wide, or
@@ -444,7 +446,7 @@ constexpr double kMostStretch = 4;
 /// Paints end states, all in one graphics context.
 class EndStatePainter {
  public:
-  /// Bricks made of the tiles where they ended look as the deployed bricks do.
+  /// Bricks made of the final tiles show the deployed bricks.
   picture::Frame paint(const ContactPicture& picture) {
     // An empty picture in the colour of the page keeps the place of a run that failed.
     if (picture.vertices.empty())
@@ -467,7 +469,7 @@ class EndStatePainter {
   std::optional<picture::StatePainter> painter_;
 };
 
-/// At most so many of the numbers from 0 on, evenly, the first and the last among them.
+/// At most so many indices >= 0, evenly spaced, with the first and the last.
 std::vector<std::size_t> chooseEvenly(std::size_t count, std::size_t most) {
   const std::size_t chosen = std::min(count, most);
   std::vector<std::size_t> numbers;
@@ -549,9 +551,9 @@ picture::Frame composeContactSheet(const std::vector<std::string>& keys,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Finds the fewest digits, from three on, with which values that differ still look different, one
-// parameter at a time. Values of a range have nine digits (12.6991457), and captions with all of
-// them would not fit under small pictures.
+// Finds the fewest digits, from three on, that still distinguish different values, one parameter at
+// a time. Values of a range have nine digits (12.6991457), and captions with all of them would not
+// fit under small pictures.
 
 namespace {
 

@@ -83,9 +83,10 @@ TEST_F(CollectTest, ArraysHoldNumbersAndTexts) {
 
 TEST_F(CollectTest, SaysWhichSummaryIsDamaged) {
   finish("b", "{");
-  EXPECT_THAT([&] { gatherThree(); }, testing::ThrowsMessage<InputError>(testing::EndsWith(
-                                          "b/summary.json: error: this is no summary of a run; "
-                                          "remove its folder to run it again")));
+  EXPECT_THAT([&] { gatherThree(); },
+              testing::ThrowsMessage<InputError>(
+                  testing::EndsWith("b/summary.json: error: this is not the summary of a run; "
+                                    "remove its folder to run it again")));
 }
 
 }  // namespace

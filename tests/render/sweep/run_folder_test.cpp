@@ -72,10 +72,9 @@ TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
 TEST_F(RunFolderTest, SaysWhenARecordIsDamaged) {
   std::filesystem::create_directory(finished());
   std::ofstream(finished() / "run.json") << "{";
-  EXPECT_THAT(
-      [&] { take(); },
-      testing::ThrowsMessage<InputError>(testing::EndsWith(
-          "abc/run.json: error: this is no run's record; remove its folder to run it again")));
+  EXPECT_THAT([&] { take(); }, testing::ThrowsMessage<InputError>(testing::EndsWith(
+                                   "abc/run.json: error: this is not the record of a run; remove "
+                                   "its folder to run it again")));
 }
 
 }  // namespace
