@@ -1,7 +1,7 @@
-// Python's handler of SIGINT only sets a flag, which the interpreter looks at between its own
-// instructions; a run of minutes in C++ would not see it. While a watch lives, our handler stands
-// before Python's: it counts, then calls Python's, which sets its flag as ever. check() compares
-// the count with that at the watch's beginning, from whichever thread works.
+// Python's handler of SIGINT only sets a flag, which the interpreter checks between its own
+// instructions. A long run in C++ would ignore it. While a watch lives, our handler stands before
+// Python's: it counts, then calls Python's, which sets its flag as ever. check() compares the count
+// with that at the watch's beginning, from whichever thread works.
 //
 // Several watches may live at the same time, on several threads; the first puts the handler in and
 // the last takes it out.
@@ -50,7 +50,7 @@ extern "C" void noteAndPassOn(int signal) {
   pythonAction.sa_handler(signal);
 }
 
-/// Neither ignored nor left to the system, and of the kind that takes a signal's number alone.
+/// A handler that is neither ignored nor the default and that takes only a signal's number.
 bool isHandled(const struct sigaction& action) {
   return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN &&
          (action.sa_flags & SA_SIGINFO) == 0;
@@ -92,7 +92,7 @@ void InterruptionWatch::raise() {
 
 namespace {
 
-/// NumPy arrays are no lists here; their text would be refused by the option.
+/// NumPy arrays are not lists here; the option would refuse their text.
 bool isList(const py::handle& value) {
   return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value);
 }
@@ -109,7 +109,7 @@ bool holdsNumbers(const py::handle& list) {
   });
 }
 
-/// "3,0,7". No spaces, as the command line wants it.
+/// "3,0,7". Without spaces, as on the command line.
 std::string joinedText(const py::handle& list) {
   std::string text;
   for (const auto& entry : py::reinterpret_borrow<py::sequence>(list)) {
@@ -145,7 +145,7 @@ std::vector<std::string> optionWords(const py::kwargs& options,
   for (const auto& [key, value] : options) {
     std::string name = textOf(key);
     if (std::ranges::find(notHere, name) != notHere.end()) {
-      throw InputError(fmt::format("error: {} is no option of this call; leave it away", name));
+      throw InputError(fmt::format("error: {} is not an option of this call; remove it", name));
     }
     std::replace(name.begin(), name.end(), '_', '-');
     appendWords("--" + name, value, words);
@@ -197,7 +197,7 @@ py::array_t<int> jointArray(const model::Model& model) {
   return array;
 }
 
-/// Options are `record`'s own that decide how files are read. Warnings are told once the
+/// Options are `record`'s own that decide how files are read. Warnings are issued once the
 /// interpreter is held again.
 cli::LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   const std::vector<std::string> words = optionWords(options, {});
@@ -253,15 +253,15 @@ void addModels(py::module_& module) {
       .def("__repr__", &describeModel);
   module.def(
       "read", &read, "path"_a,
-      "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
+      "Reads a model: a folder, a .fold file, or any model that `kirireel record` takes.\n\n"
       "joints_file, frame, fold, join_coplanar, strict, cut, ignore, widest_neck and joint_at "
-      "are its options. What was mended is told as a UserWarning.");
+      "are its options. Repairs are reported as a UserWarning.");
   module.def("generate", &generate, "family"_a, cli::generateDoc(cli::describeProgram()).c_str());
 }
 
 // ------------------------------------------------------------------------------------------------
-// A run keeps its samples in arrays, which NumPy sees as they stand in memory: the arrays keep the
-// run alive, and nobody may write to them. Deploying, painting and saving leave the interpreter to
+// A run keeps its samples in arrays, which NumPy uses without a copy: the arrays keep the run
+// alive, and nobody may write to them. Deploying, painting and saving leave the interpreter to
 // other threads.
 
 namespace {
@@ -297,7 +297,7 @@ struct DeployedRun : MemoryRun {
 
 // ---- arrays
 
-/// Numbers as they stand in memory that `owner` keeps.
+/// A view of numbers in memory that `owner` keeps.
 template <typename T>
 /// NumPy's `base` is the owner: as long as an array lives, the run lives.
 py::array view(const T* data, const std::vector<py::ssize_t>& shape,
@@ -352,7 +352,7 @@ py::array_t<double> poseArray(const trajectory::Sample& sample, std::size_t widt
   return array;
 }
 
-/// A copy, because the sample given to on_sample lives for the call alone.
+/// A copy, because the sample given to on_sample lives only during the call.
 py::array_t<double> samplePositions(const trajectory::Sample& sample) {
   return poseArray(sample, 3, [](const Pose& pose, double* at) {
     return std::copy_n(pose.position.data(), 3, at);
@@ -377,12 +377,12 @@ class SampleReporter {
   /// False ends the run. To be called without the interpreter.
   bool operator()(const trajectory::Sample& sample) {
     if (tell_.is_none()) return true;
-    // The run goes on without the interpreter: other threads of Python work meanwhile; it
-    // is held for the call alone.
+    // The run does not hold the interpreter: other threads of Python work meanwhile; it is held
+    // only for the call.
     const py::gil_scoped_acquire acquire;
     if (thrown_) return false;
     try {
-      // None, which a function without return gives, goes on.
+      // None, the result of a function without return, continues the run.
       return !tell_(sample).is(py::bool_(false));
     } catch (...) {
       thrown_ = std::current_exception();
@@ -442,7 +442,7 @@ std::size_t nearestSample(const std::vector<double>& times, std::optional<double
 }
 
 /// How much of the camera's orbit is behind at a time, as in a video at an even pace, 0 to 1. The
-/// whole run is looked at only where there is an orbit.
+/// whole run is needed only for an orbit.
 double orbitBehind(const MemoryRun& run, const record::PictureSettings& settings, double time) {
   if (settings.look.camera.orbit == 0) return 0;
   return record::momentAt(record::motionOf(run.reader), record::Pace::Even, time).turn;
@@ -460,7 +460,7 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
   withoutInterpreter([&] {
     if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
     const trajectory::Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
-    // As frames are: where colours stand for values, a bar under the picture says which.
+    // As in frames: if colours show values, a bar under the picture is their scale.
     picture::StatePainter painter(settings.size, settings.look,
                                   record::contentOf(run.reader, settings), {.colours = true});
     *frame = painter.paint(
@@ -603,7 +603,7 @@ void addRun(py::module_& module) {
           "at_target", [](const DeployedRun& run) { return run.result.atTarget; },
           "whether it ended at its target; None where nothing pulls to one")
       .def_property_readonly("summary", &summary,
-                             "The summary as summary.json has it, no files written yet.")
+                             "The summary as in summary.json, without written files.")
       .def("save", &save, "folder"_a,
            "Writes the files that `kirireel record` leaves, the same bytes (but for cost and hash "
            "in summary.json). Returns their names.");

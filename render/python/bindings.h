@@ -59,10 +59,10 @@ std::invoke_result_t<Work> withoutInterpreter(const Work& work) {
 // ------------------------------------------------------------------------------------------------
 // Options as Python gives them: keyword arguments with the names that scene.toml has.
 
-/// The words of the command line that say the same: thickness=0.02 is --thickness=0.02, ground=True
-/// is --ground, a list of numbers is 1,2,3, a list of lists or texts gives the option for each.
-/// What is False or None is left out. `notHere` are names that the command has but this call has
-/// not; throws InputError for them.
+/// The equivalent words of the command line: thickness=0.02 is --thickness=0.02, ground=True is
+/// --ground, a list of numbers is 1,2,3, a list of lists or texts gives the option for each. Values
+/// of False or None are omitted. `notHere` are names that the command has but this call has not;
+/// throws InputError for them.
 std::vector<std::string> optionWords(const pybind11::kwargs& options,
                                      const std::vector<std::string>& notHere);
 

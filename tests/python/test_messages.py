@@ -30,7 +30,7 @@ class Messages(unittest.TestCase):
 
     def test_name_what_a_call_has_not(self):
         self.assertEqual(self.message(out="x"),
-                         "error: out is no option of this call; leave it away")
+                         "error: out is not an option of this call; remove it")
 
     def test_are_also_what_python_calls_them(self):
         with self.assertRaisesRegex(ValueError, "nowhere: error: there is no such folder"):
