@@ -15,8 +15,8 @@
 // Two figures a and b agree when |a - b| <= 1e-12 max(|a|, |b|), two lengths also when they differ
 // by 1e-12 of a tile or less.
 //
-// So a summary that was edited, or a figure that the program computed wrongly in passing, shows; a
-// wrong simulation does not.
+// This finds an edited summary and figures that the run computed wrongly. It does not find a wrong
+// simulation.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -39,18 +39,17 @@ namespace kirireel::record {
 namespace {
 
 namespace fs = std::filesystem;
-// Figures are computed again from the same numbers by the same arithmetic, so they agree to the
-// last bit. This part of a figure is left to compilers that add in another order.
+// Figures are computed again from the same numbers by the same arithmetic, and agree to the last
+// bit. The tolerance allows for compilers that add in another order.
 constexpr double kFigureRounding = 1e-12;
 
-/// Throws InputError where there is none.
+/// Throws InputError if there is none.
 std::string summaryText(const fs::path& folder) {
   if (fs::exists(folder / output::kSummary)) {
-    return readTextFile(folder / output::kSummary, "give the folder that a run left");
+    return readTextFile(folder / output::kSummary, "give the folder of a run");
   }
   throw InputError(fmt::format(
-      "{}: error: there is no {} here; give the folder that a run of kirireel record or "
-      "simulate left",
+      "{}: error: there is no {} here; give the folder of a run of kirireel record or simulate",
       folder.string(), output::kSummary));
 }
 

@@ -1,4 +1,4 @@
-/// What the runs of a sweep leave: a folder each, one table and one page of them all.
+/// The files of a sweep: one folder per run, one table and one page of all runs.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ namespace kirireel::sweep {
 // ------------------------------------------------------------------------------------------------
 // The folders that a sweep's runs are kept in: OUT/runs/HASH, there only when finished.
 
-/// A file that one process at a time holds, whichever machine it runs on; let go when its process
-/// ends, however it ends.
+/// A lock file that one process at a time holds, also across machines. It is released when its
+/// process ends.
 class FileLock {
  public:
   /// What to do while another process holds the file.
   enum class IfHeld { Wait, GiveUp };
 
-  /// The lock, or nothing when another process holds it. The file is made if need be. Throws
-  /// OutputError when it cannot be. With Wait it blocks until the lock is free; it is nothing all
-  /// the same when the file was moved away meanwhile.
+  /// Returns the lock, or null if another process holds it. Creates the file if needed. Throws
+  /// OutputError if that fails. Wait blocks until the lock is free. It returns null if the file was
+  /// moved meanwhile.
   static std::optional<FileLock> take(const std::filesystem::path& file, IfHeld ifHeld);
 
-  /// Takes the lock over; the other holds nothing any more.
+  /// Takes over the lock of the other.
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&&) = delete;
   ~FileLock();
@@ -52,13 +52,13 @@ struct RunRecord {
 /// The record of a finished run, or null. Throws InputError for a damaged one.
 std::optional<RunRecord> readRunRecord(const std::filesystem::path& runFolder);
 
-/// The right to make one run, until it is finished or dropped. What is dropped leaves no finished
+/// The right to make one run, until finish() or destruction. Without finish() there is no finished
 /// run.
 class RunClaim {
  public:
   /// Claims the run of that name in the folder of all runs, and makes an empty folder to work in.
-  /// Nothing when another process is at it or it is finished; a failed run counts as finished
-  /// unless it is to be retried. Throws OutputError.
+  /// Null if another process makes it or it is finished. A failed run counts as finished unless
+  /// `retryFailed`. Throws OutputError.
   static std::optional<RunClaim> take(const std::filesystem::path& runs, const std::string& name,
                                       bool retryFailed);
 
@@ -68,7 +68,7 @@ class RunClaim {
   /// Removes the files of the run so far.
   void clear() const;
 
-  /// Writes the record and puts the folder in place, whole. Throws OutputError.
+  /// Writes the record and renames the folder to its final name. Throws OutputError.
   void finish(const RunRecord& record);
 
  private:

@@ -9,7 +9,7 @@
 
 namespace kirireel::generate {
 
-/// An exact equation that is off by more than this does not hold. Largest met: 2e-14.
+/// Largest allowed residual of an exact equation. Largest seen: 2e-14.
 inline constexpr double kExactFit = 1e-11;
 
 /// Values of equations (zero when they hold) and their slopes, at one point.
@@ -22,7 +22,7 @@ class EquationRows {
     slopes_.emplace_back(static_cast<int>(values_.size()) - 1, unknown, value);
   }
 
-  /// One entry an equation.
+  /// One entry per equation.
   Eigen::VectorXd values() const;
   /// (equations x unknowns).
   Eigen::SparseMatrix<double> slopes(int unknowns) const;
@@ -34,8 +34,8 @@ class EquationRows {
 
 /// The equations of a design.
 struct DesignEquations {
-  EquationRows desired;  ///< to hold as nearly as they can, in the sum of squares
-  EquationRows exact;    ///< to hold to rounding; may repeat each other
+  EquationRows desired;  ///< soft: minimised as a sum of squares
+  EquationRows exact;    ///< hard: hold to rounding; may be redundant
 };
 
 /// Writes the equations at the given unknowns: the same ones with slopes along the same unknowns at
@@ -48,19 +48,18 @@ struct FitSettings {
   int rounds = 200;       ///< at most
 };
 
-/// What a fit arrived at.
+/// Result of a fit.
 struct Fit {
-  Eigen::VectorXd unknowns;  ///< where the fit has ended
+  Eigen::VectorXd unknowns;  ///< at the end of the fit
   double violation = 0;      ///< the largest exact equation's value
 };
 
 /// Minimises |desired|^2 / 2 subject to exact = 0 from the given start: damped Gauss-Newton steps,
-/// each from one quasi-definite system (which needs no pivots and minds no repeated equations), a
+/// each from one quasi-definite system (which needs no pivots and accepts redundant equations), a
 /// line search on |desired|^2 / 2 + rho |exact|_1 (Nocedal and Wright, Numerical Optimization,
 /// chapter 18), and at the end Newton steps of least length on the exact equations only. The
-/// returned violation shows whether they hold. Never throws itself: a fit that does not come to
-/// hold shows in `violation`. A round costs one sparse factorisation and up to twelve evaluations
-/// of the equations.
+/// returned violation shows whether they hold. Never throws itself: `violation` shows a failed fit.
+/// A round costs one sparse factorisation and up to twelve evaluations of the equations.
 Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettings& settings);
 
 }  // namespace kirireel::generate

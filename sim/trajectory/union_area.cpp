@@ -6,7 +6,7 @@
 // 2. A group is cut into horizontal slabs at all corners and at all crossings of sides. Within a
 //    slab no sides cross, so the covered length is linear in y and its value half way times the
 //    height is the exact area. Sides that go up count +1, those that go down -1; from left to right
-//    a stretch is covered where the sum is not 0 (non-zero winding).
+//    a stretch is covered if the sum is not 0 (non-zero winding).
 //
 // Cost: a test for each pair of polygons with overlapping boxes, and O(m^2 log m) for a group of m
 // sides and as many crossings.

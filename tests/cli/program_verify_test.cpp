@@ -220,8 +220,8 @@ TEST_F(Verify, NeedsASummary) {
   const ProgramEnd end = runKirireel({"verify", empty.path().string()});
   EXPECT_EQ(end.exitCode, 2);
   EXPECT_EQ(end.err, "kirireel: " + empty.path().string() +
-                         ": error: there is no summary.json here; give the folder that a run of "
-                         "kirireel record or simulate left\n");
+                         ": error: there is no summary.json here; give the folder of a run of "
+                         "kirireel record or simulate\n");
   writeText(empty / "summary.json", "{}\n");
   EXPECT_THAT(runKirireel({"verify", empty.path().string()}).out,
               HasSubstr("it names no files to compare with; record the run again"));

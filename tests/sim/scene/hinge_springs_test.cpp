@@ -336,10 +336,10 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
   scene.grips.clear();
   EXPECT_EQ(refusal(scene), "accepted");
   scene.timeline = {{scene::Trigger{}, scene::timeline::Drag{}, {}}};
-  EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
+  EXPECT_THAT(refusal(scene), HasSubstr("renumbers"));
   scene.timeline.clear();
   scene.hinges.own.emplace_back();
-  EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
+  EXPECT_THAT(refusal(scene), HasSubstr("renumbers"));
 }
 
 TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
