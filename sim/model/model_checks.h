@@ -121,7 +121,8 @@ struct JointTable {
   int countsFrom = 0;          ///< the file's first tile and vertex
 };
 
-/// Gives the row of a joint, from 0, the neck that its file has: width > kerf / 2, length >= kerf >= 0.
+/// Gives the row of a joint, from 0, the neck that its file has: width > kerf / 2, length >= kerf,
+/// kerf >= 0.
 /// Throws InputError at this place for other lengths, a joint that does not exist, and a second
 /// neck of one joint.
 void setNeck(int joint, const Neck& neck, const FileLocation& location, JointTable& table);
