@@ -1384,9 +1384,24 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
   return momentsThrough(from, closed, to);
 }
 
-// p(s) = straight(s) + b(s) (p(1/3) - straight(1/3)) + b(1 - s) (p(2/3) - straight(2/3)) with
+// p(s) = open(s) + b(s) (closed(1/3) - open(1/3)) + b(1 - s) (closed(2/3) - open(2/3)) with
 // b(s) = 27/2 s (1 - s) (2/3 - s), rotations by rotation vectors. Joints open by the fourth power
 // of the turn.
+void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
+                  const std::array<Poses, 2>& closed) {
+  const double whole = 13.5 * share * (1 - share);
+  const std::array<double, 2> bulges = {whole * (2.0 / 3 - share), whole * (share - 1.0 / 3)};
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    Vector3 turn = Vector3::Zero();
+    for (std::size_t third = 0; third < 2; ++third) {
+      const Pose &from = open[third][i], &to = closed[third][i];
+      poses[i].position += bulges[third] * (to.position - from.position);
+      turn += bulges[third] * turnBetween(from.rotation, to.rotation);
+    }
+    poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
+  }
+}
+
 std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,
                                   const Poses& to) {
   const std::array<Poses, 2> straight = {interpolate(from, to, 1.0 / 3),
@@ -1394,18 +1409,7 @@ std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>&
   std::vector<Poses> moments;
   for (int k = 1; k <= kMomentsBetween; ++k) {
     const double share = static_cast<double>(k) / (kMomentsBetween + 1);
-    const double whole = 13.5 * share * (1 - share);
-    const std::array<double, 2> bulges = {whole * (2.0 / 3 - share), whole * (share - 1.0 / 3)};
-    Poses& poses = moments.emplace_back(interpolate(from, to, share));
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      Vector3 turn = Vector3::Zero();
-      for (std::size_t third = 0; third < 2; ++third) {
-        const Pose &open = straight[third][i], &shut = thirds[third][i];
-        poses[i].position += bulges[third] * (shut.position - open.position);
-        turn += bulges[third] * turnBetween(open.rotation, shut.rotation);
-      }
-      poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
-    }
+    moveByThirds(moments.emplace_back(interpolate(from, to, share)), share, straight, thirds);
   }
   return moments;
 }

@@ -195,6 +195,11 @@ inline constexpr int kMomentsBetween = 10;
 /// Radians. Joints of momentsBetween() open by less than 1e-7 of a tile then.
 inline constexpr double kMostTurnBetween = 0.05;
 
+/// Moves a state at a share of the way between two others as closing the joints moves the states at
+/// a third and at two thirds of it: by the cubic through these moves that is 0 at both ends.
+void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
+                  const std::array<Poses, 2>& closed);
+
 /// States at kMomentsBetween equal shares of the way between two states, by the cubic through them
 /// and the states at a third and at two thirds of the way.
 std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,

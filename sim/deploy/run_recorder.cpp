@@ -47,15 +47,22 @@ void RunRecorder::observe(const StepReport& report, bool jointsAreCompliant) {
 // Trials are measured at the ends of their steps only.
 StatesWithin RunRecorder::statesWithin() {
   if (isTrial_) return {};
-  const double begin = clock_.time() - clock_.length();
-  const Poses before = motion_.posesAt(begin);
-  const bool isClosed = figures_.areClosed(before) && figures_.areClosed(motion_.poses());
-  std::array<Poses, 2> thirds;
-  for (std::size_t k = 0; k < thirds.size(); ++k) {
-    const double time = begin + static_cast<double>(k + 1) / 3 * clock_.length();
-    thirds[k] = isClosed ? motion_.closedPosesAt(time, forces_.pinned()) : motion_.posesAt(time);
+  StatesWithin within = {clock_.time() - clock_.length(), {}};
+  const auto timeAt = [&](double share) { return within.begin + share * clock_.length(); };
+  std::array<Poses, 2> open, closed;
+  const bool isClosed =
+      figures_.areClosed(motion_.posesAt(within.begin)) && figures_.areClosed(motion_.poses());
+  for (std::size_t k = 0; k < open.size() && isClosed; ++k) {
+    const double time = timeAt(static_cast<double>(k + 1) / 3);
+    open[k] = motion_.posesAt(time);
+    closed[k] = motion_.closedPosesAt(time, forces_.pinned());
   }
-  return {begin, momentsThrough(before, thirds, motion_.poses())};
+  for (int k = 1; k <= kMomentsBetween; ++k) {
+    const double share = static_cast<double>(k) / (kMomentsBetween + 1);
+    Poses& poses = within.states.emplace_back(motion_.posesAt(timeAt(share)));
+    if (isClosed) moveByThirds(poses, share, open, closed);
+  }
+  return within;
 }
 
 void RunRecorder::showStep() {
