@@ -54,10 +54,10 @@ class DrawnModels {
   double draw(const generate::FamilyParameter& parameter) {
     if (parameter.name == "seed") return 1 + std::floor(1e6 * share());
     // Half of the sheets are closed at their start.
-    if (parameter.name == "start-angle" && share() < 0.5) return parameter.usual;
+    if (parameter.name == "start-angle" && share() < 0.5) return parameter.defaultValue;
     if (parameter.unit == "DEGREES") return drawAngle(parameter);
-    const double low = std::max(parameter.least, parameter.usual / 3);
-    const double high = std::min(parameter.most, parameter.usual * 2);
+    const double low = std::max(parameter.least, parameter.defaultValue / 3);
+    const double high = std::min(parameter.most, parameter.defaultValue * 2);
     if (parameter.whole) return std::ceil(low) + std::floor((high - std::ceil(low) + 1) * share());
     return low * std::pow(high / low, share());
   }

@@ -11,8 +11,8 @@ TEST(ConstrainedFit, FindsThePointOfACircleNearestToAPoint) {
   // Closed form: the point of the unit circle in the direction of (0.66, 0.88).
   const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
     for (const int k : {0, 1}) {
-      equations.wanted.begin(x[k] - (k == 0 ? 0.66 : 0.88));
-      equations.wanted.slope(k, 1);
+      equations.desired.begin(x[k] - (k == 0 ? 0.66 : 0.88));
+      equations.desired.slope(k, 1);
     }
     equations.exact.begin(x.squaredNorm() - 1);
     for (const int k : {0, 1}) equations.exact.slope(k, 2 * x[k]);
@@ -25,8 +25,8 @@ TEST(ConstrainedFit, FindsThePointOfACircleNearestToAPoint) {
 
 TEST(ConstrainedFit, MindsNoRepeatedEquations) {
   const auto source = [](const Eigen::VectorXd& x, generate::DesignEquations& equations) {
-    equations.wanted.begin(x[0]);
-    equations.wanted.slope(0, 1);
+    equations.desired.begin(x[0]);
+    equations.desired.slope(0, 1);
     for (const double scale : {1.0, 2.0, 1.0}) {
       equations.exact.begin(scale * (x[0] + x[1] - 2));
       equations.exact.slope(0, scale);
