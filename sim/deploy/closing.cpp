@@ -170,13 +170,13 @@ class ClosingPath {
   void requireOneMotion() const {
     if (!isExtension(scene_, path_)) {
       throw InputError(
-          "error: --to closed follows the motion of the sheet, but the sheet does not extend from "
-          "its start; give --target, or other joints (--joints-file)");
+          "error: `to = closed` follows the motion of the sheet, but the sheet does not extend from "
+          "its start; give `target`, or other joints (`joints_file`)");
     }
     if (found_.evaluation.overlapGrowth > kClearShare * tile_) {
       throw InputError(
-          "error: --to closed: tiles overlap on the way to full extension, so that they cannot get "
-          "beyond it; give --target");
+          "error: `to = closed`: tiles overlap on the way to full extension, so that they cannot get "
+          "beyond it; give `target`");
     }
     const auto half = std::ranges::lower_bound(path_.lengths, 0.5 * extension_);
     const Poses& state = path_.states[static_cast<std::size_t>(half - path_.lengths.begin())];
@@ -186,19 +186,19 @@ class ClosingPath {
         isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space, scene_.brick.thickness);
     if (!left.isCounted || left.freedoms <= 1) return;
     throw InputError(fmt::format(
-        "error: --to closed needs a sheet with one motion, but this one has {} half way "
-        "to full extension; give --target, or hold tiles together (--fix)",
+        "error: `to = closed` needs a sheet with one motion, but this one has {} half way "
+        "to full extension; give `target`, or hold tiles together (`fix`)",
         left.freedoms));
   }
 
   static InputError stopped() {
     return InputError(
-        "error: --to closed: the sheet stops beyond full extension before its tiles meet; give "
-        "--target");
+        "error: `to = closed`: the sheet stops beyond full extension before its tiles meet; give "
+        "`target`");
   }
   static InputError neverMeets() {
     return InputError(
-        "error: --to closed: the tiles do not meet again beyond full extension; give --target");
+        "error: `to = closed`: the tiles do not meet again beyond full extension; give `target`");
   }
 
   /// The last state of the path that is far enough from its end to tell the direction.

@@ -225,13 +225,13 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) {
     if (!isClosing) return;
     throw InputError(
-        "error: --to closed follows the motion of the sheet as geometry; remove --path, or use "
-        "--path continuation");
+        "error: `to = closed` follows the motion of the sheet as geometry; remove `path`, or use "
+        "`path = continuation`");
   }
   if (std::string reason; !scene::isQuasiStatic(scene, reason)) {
     if (isClosing) {
       throw InputError(fmt::format(
-          "error: --to closed follows the motion of the sheet as geometry, but {}; remove that",
+          "error: `to = closed` follows the motion of the sheet as geometry, but {}; remove that",
           reason));
     }
     if (kind == scene::PathKind::Continuation) {
