@@ -196,7 +196,7 @@ void requireNecks(const Scene& scene) {
   if (without == model.joints.end()) return;
   const int first = model.fileOrder.countsFrom;
   throw InputError(fmt::format(
-      "error: --hinge-neck has a material only, but the model has no neck at the joint between "
+      "error: `hinge_neck` has a material only, but the model has no neck at the joint between "
       "tiles {} and {}; give width, length and Young's modulus, for example 0.1,0.3,2e9",
       first + without->a.tile, first + without->b.tile));
 }
@@ -207,7 +207,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   requireNecks(scene);
   if (scene.path.to == Destination::Closed) {
     if (!parts.targets.empty()) {
-      throw InputError("error: --to closed finds its own end, and --target names another; use one");
+      throw InputError("error: `to = closed` finds its own end, and `target` names another; use one");
     }
     scene.model.target.reset();
     scene.model.waypoints.clear();

@@ -84,22 +84,22 @@ TEST(Closing, RefusesSheetsWithoutOneMotion) {
   model::Model chain = model::makeTessellation({});
   chain.joints.resize(chain.joints.size() - 3);
   EXPECT_THAT(refusal(closing(chain)),
-              HasSubstr("error: --to closed needs a sheet with one motion, but this one has "));
+              HasSubstr("error: `to = closed` needs a sheet with one motion, but this one has "));
   model::Model loose = model::makeTessellation({});
   loose.joints.clear();
-  EXPECT_THAT(refusal(closing(loose)), HasSubstr("error: --to closed"));
+  EXPECT_THAT(refusal(closing(loose)), HasSubstr("error: `to = closed`"));
 }
 
 TEST(Closing, RefusesWhatItDoesNotFollow) {
   scene::Scene falling = closing(model::makeTessellation({}));
   falling.environment.gravity = {0, 0, -9.81};
-  EXPECT_THAT(refusal(falling), HasSubstr("error: --to closed follows the motion of the sheet as "
+  EXPECT_THAT(refusal(falling), HasSubstr("error: `to = closed` follows the motion of the sheet as "
                                           "geometry, but there is gravity; remove "
                                           "that"));
   scene::Scene dynamic = closing(model::makeTessellation({}));
   dynamic.path.kind = scene::PathKind::Dynamic;
   EXPECT_EQ(refusal(dynamic),
-            "error: --to closed follows the motion of the sheet as geometry; remove --path, or use "
+            "error: `to = closed` follows the motion of the sheet as geometry; remove --path, or use "
             "--path continuation");
   scene::SceneParts parts;
   parts.targets = {"other"};
@@ -109,7 +109,7 @@ TEST(Closing, RefusesWhatItDoesNotFollow) {
   std::vector<std::string> warnings;
   EXPECT_THAT([&] { scene::completeScene(parts, scene, warnings); },
               testing::ThrowsMessage<InputError>(
-                  "error: --to closed finds its own end, and --target names another; use one"));
+                  "error: `to = closed` finds its own end, and `target` names another; use one"));
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST_F(HingeSpringsOfAScene, AreAsStiffAsNecks) {
 TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
   scene_.brick.thickness = 0.02;
   scene_.hinges.neck = scene::HingeNeck{.youngs = 2e9};
-  EXPECT_THAT(refusal(), HasSubstr("--hinge-neck has a material only, but the model has no neck at "
+  EXPECT_THAT(refusal(), HasSubstr("`hinge_neck` has a material only, but the model has no neck at "
                                    "the joint between tiles"));
   for (model::Joint& joint : scene_.model.joints) {
     joint.neck = {0.05 + 0.01 * (joint.a.tile + joint.b.tile), 0.3, 0};
