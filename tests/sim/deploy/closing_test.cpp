@@ -99,8 +99,8 @@ TEST(Closing, RefusesWhatItDoesNotFollow) {
   scene::Scene dynamic = closing(model::makeTessellation({}));
   dynamic.path.kind = scene::PathKind::Dynamic;
   EXPECT_EQ(refusal(dynamic),
-            "error: `to = closed` follows the motion of the sheet as geometry; remove --path, or use "
-            "--path continuation");
+            "error: `to = closed` follows the motion of the sheet as geometry; remove `path`, or use "
+            "`path = continuation`");
   scene::SceneParts parts;
   parts.targets = {"other"};
   scene::Scene scene = scene::openScene();
