@@ -102,7 +102,7 @@ TEST_F(FileSetTest, OverwritesNothingOfOthers) {
                 ThrowsMessage<InputError>(StrEq(
                     folder_.path().string() +
                     ": error: b.txt, c.txt would be overwritten, but no earlier run left them "
-                    "so; move them away, or choose another folder")));
+                    "so; move them away, or choose another folder with --out")));
   }
   EXPECT_EQ(contentsOf(folder_.path()), before);
 }

@@ -434,7 +434,7 @@ TEST(Video, SaysThatTheDiskIsFull) {
   }
   EXPECT_EQ(message, (folder / "disk.mp4").string() +
                          ": error: the video cannot be written (File too large); free some space "
-                         "or choose another folder");
+                         "or choose another folder with --out");
   EXPECT_TRUE(folder.isEmpty());
 }
 
