@@ -20,6 +20,8 @@ using contacts::SeparatingPlane;
 
 // Points of an edge reach equally far to this part of the reach.
 constexpr double kTie = 1e-4;
+// Planes keep bricks apart equally well to this part of their radii.
+constexpr double kEqualPlanes = 1e-9;
 
 /// The first and the last of the points that reach farthest against `direction`, to `tie` metres:
 /// the ends of an edge, or one corner twice.
@@ -120,17 +122,19 @@ void NearGapFinder::place(const PiecePair& pair, const Poses& poses) {
   contacts::placeOutline(outlines_[pair.b], poses[pair.brickB], placedB_);
 }
 
-/// The largest separation of a placed pair, metres, and its plane in `known`. Ends at the first
-/// plane that keeps the pair apart by the margin.
+/// The largest separation of a placed pair, metres, and its plane in `known`: of planes that keep
+/// the pair apart equally well the first. Ends at the first plane that keeps it apart by the margin.
 double NearGapFinder::separate(PiecePair& pair, double margin) {
   const auto along = [&](std::size_t plane) {
     return contacts::separation((*pair.planes)[plane], placedA_, placedB_);
   };
-  double best = along(pair.known);
-  if (margin > 0 && best >= margin) return best;
+  if (const double known = along(pair.known); margin > 0 && known >= margin) return known;
+  const double tie = kEqualPlanes * (radii_[pair.brickA] + radii_[pair.brickB]);
+  double best = -std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < pair.planes->size(); ++k) {
     const double distance = along(k);
-    if (!(distance > best) || !contacts::isSteady((*pair.planes)[k], placedA_, placedB_)) continue;
+    if (!(distance > best + tie)) continue;
+    if (!contacts::isSteady((*pair.planes)[k], placedA_, placedB_)) continue;
     best = distance;
     pair.known = k;
     if (margin > 0 && best >= margin) return best;

@@ -326,8 +326,10 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
   after.candidate = "the selected path, improved as a whole";
   after.work = budget.spent() - spent;
   const PathEvaluation improved = after;
+  // Joints that are open by no more count as closed.
+  const double closed = found.path.isRounded ? 0 : kOpenJoints * tile;
   if (after.overlapGrowth <= std::max(before.overlapGrowth, clear) &&
-      after.opening <= std::max(before.opening, kOpenJoints * tile) &&
+      after.opening <= std::max(before.opening, closed) &&
       after.stepChange < before.stepChange) {
     found = std::move(better);
   }

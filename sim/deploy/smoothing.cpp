@@ -49,6 +49,8 @@ using Eigen::VectorXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // Lengths are fractions of a tile.
+// Larger sheets stay as they are: the null space by QR is O(bricks^3), and all pairs are listed.
+constexpr std::size_t kMostBricks = 250;
 constexpr int kIntervals = 60;          // between the states that are improved
 constexpr double kFinalSpacing = 0.02;  // of the states of the result
 constexpr double kLeastFinal = 120;     // of its intervals
@@ -691,7 +693,7 @@ MechanismPath smoothed(const scene::Scene& scene, const GeometricPath& found,
                        scene::ContactFilter contacts, SearchBudget& budget,
                        const PathObserver& shouldContinue) {
   MechanismPath path = found.path;
-  if (!(path.length() > 0)) return path;
+  if (!(path.length() > 0) || path.states.front().size() > kMostBricks) return path;
   std::vector<Poses> states = Smoothing(scene, found, contacts, budget, shouldContinue).find();
   if (states.empty()) return path;
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);

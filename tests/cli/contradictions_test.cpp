@@ -61,8 +61,8 @@ TEST(Contradictions, NameWhatSaysTheSame) {
       "Use only one of them");
   EXPECT_EQ(
       refusal({"--damping-ratio", "1", "--force-damping", "25", "--torque-damping", "1"}),
-      "error: --damping-ratio and --force-damping with --torque-damping say the same; leave one of "
-      "them away");
+      "error: --damping-ratio and --force-damping with --torque-damping are equivalent. Use only one "
+      "of them");
   EXPECT_EQ(refusal({"--damping-ratio", "1", "--spring-stiffness", "25"}), "accepted");
   EXPECT_EQ(refusal({"--spring-frequency", "3", "--torque-stiffness", "25"}), "accepted");
   EXPECT_EQ(refusal({"--damping-ratio", "1", "--force-damping", "25"}), "accepted");

@@ -235,7 +235,7 @@ TEST(BadOutput, FolderThatCannotBeWritten) {
   expectOneLine(runKirireel(recordArguments(disk.path())), 1,
                 disk.path().string() +
                     ": error: cannot write in this folder (Read-only file "
-                    "system); choose another with --out");
+                    "system); choose another folder");
 }
 
 TEST(BadOutput, FolderOfARunThatIsUnderWay) {
@@ -247,7 +247,7 @@ TEST(BadOutput, FolderOfARunThatIsUnderWay) {
   expectOneLine(runKirireel(recordArguments(scratch.path())), 1,
                 scratch.path().string() +
                     ": error: another run is writing into this folder; wait "
-                    "for its end, or choose another with --out");
+                    "for its end, or choose another folder");
 }
 
 TEST(BadSystem, MissingEncoder) {

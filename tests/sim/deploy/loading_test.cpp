@@ -161,7 +161,7 @@ std::string refusalOf(const scene::Scene& scene) {
 TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene::Scene scene = turnedUnit();
   scene.environment.contacts = scene::ContactFilter::All;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("equilibria under grips are without contacts"));
+  EXPECT_THAT(refusalOf(scene), HasSubstr("equilibria under grips have no contacts"));
   scene = turnedUnit();
   scene.environment.gravity = {0, 0, -9.81};
   EXPECT_THAT(refusalOf(scene), HasSubstr("but there is gravity; leave that away, or the grips"));
@@ -192,7 +192,7 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   EXPECT_THAT(refusalOf(scene), HasSubstr("`ligaments` needs necks with a length"));
   scene = turnedUnit();
   scene.grips[0].z = 0;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load this sheet in its plane; leave z away"));
+  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load this sheet in its plane; remove z"));
 }
 
 /// Two squares in the plane, joined at both ends of a common edge x = 1 as in folded sheets. The
