@@ -317,10 +317,12 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
   if (isSmooth && before.overlapGrowth <= clear && before.opening == 0) return std::nullopt;
   const double spent = budget.spent();
   GeometricPath better = found;
-  if (mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile) {
-    better.contacts = contactsIfOn(scene.environment.contacts);
-  }
-  better.path = smoothed(scene, found, better.contacts, budget, shouldContinue);
+  const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
+  const scene::ContactFilter contacts =
+      arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
+  better.path = smoothed(scene, found, contacts, budget, shouldContinue);
+  // Bricks that did not meet on the found path do not need contacts on a path near it.
+  if (before.overlapGrowth > clear) better.contacts = contacts;
   evaluate(scene, better);
   PathEvaluation& after = better.evaluation;
   after.candidate = "the selected path, improved as a whole";
@@ -329,8 +331,7 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
   // Joints that are open by no more count as closed.
   const double closed = found.path.isRounded ? 0 : kOpenJoints * tile;
   if (after.overlapGrowth <= std::max(before.overlapGrowth, clear) &&
-      after.opening <= std::max(before.opening, closed) &&
-      after.stepChange < before.stepChange) {
+      after.opening <= std::max(before.opening, closed) && after.stepChange < before.stepChange) {
     found = std::move(better);
   }
   return improved;

@@ -247,7 +247,7 @@ TEST(BadOutput, FolderOfARunThatIsUnderWay) {
   expectOneLine(runKirireel(recordArguments(scratch.path())), 1,
                 scratch.path().string() +
                     ": error: another run is writing into this folder; wait "
-                    "for its end, or choose another folder");
+                    "for its end, or choose another with --out");
 }
 
 TEST(BadSystem, MissingEncoder) {
