@@ -187,8 +187,11 @@ const CLI::App& chosenCommand(const CLI::App& program) {
 std::string replacementOf(const std::string& option) {
   static const std::map<std::string, std::string> replacements = {
       {"--format", "--video NAME.WORD"},
+      {"--guide-stiffness", "--spring-frequency HZ, and --joint-ratio R for softer joints"},
+      {"--joint-stiffness", "--joint-ratio R"},
       {"--pitch", "--view AZ,EL with EL = -pitch"},
       {"--quadratic", "nothing, since it is the default"},
+      {"--search", "--search-effort FACTOR (default 1)"},
       {"--state", "--states"},
       {"--yaw", "--view AZ,EL with AZ = yaw - 90"}};
   const auto found = replacements.find(option);

@@ -223,7 +223,6 @@ void applyPeerDefaults(CLI::App& command) {
       {"--path", "dynamic"},
       {"--contacts", "all"},
       {"--thickness", "0.02"},
-      {"--search", "60"},
       {"--actuation", "target"},
       {"--tolerance", "0"}};
   for (const auto& [option, value, other] : defaults) {

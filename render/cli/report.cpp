@@ -289,7 +289,7 @@ std::string headline(const scene::Scene& scene, const record::RunSummary& summar
   if (!isExplained) {
     text += summary.forbiddenOverlap > 0
                 ? fmt::format(", but tiles overlap by {:.2g} m", summary.forbiddenOverlap)
-                : ", but the search used up its budget (--search)";
+                : ", but the search used up its budget (--search-effort)";
   }
   return fmt::format("{}; exit code {}", text, kExitShort);
 }

@@ -118,8 +118,9 @@ Json candidatesJson(const std::vector<deploy::PathEvaluation>& candidates) {
   return json;
 }
 
-/// Times in simulated seconds; what a kind of path does not have is null.
-Json pathJson(const scene::Scene& scene, const RunSummary& summary) {
+/// Times in simulated seconds, work in multiplications; what a kind of path does not have is null.
+Json pathJson(const RunSummary& summary) {
+  const double searchLimit = summary.deployCost.searchLimit;
   const scene::PathSettings& path = summary.path;
   const bool isGuided = path.kind == scene::PathKind::Guided;
   const bool isWalked = path.kind == scene::PathKind::Continuation;
@@ -128,15 +129,11 @@ Json pathJson(const scene::Scene& scene, const RunSummary& summary) {
                               : "straight"},
           {"reason", summary.pathReason},
           {"candidates", candidatesJson(summary.candidates)},
-          {"search_seconds", summary.deployCost.searchSeconds},
-          {"search_budget", summary.deployCost.searchBudget},
+          {"search_work", summary.deployCost.searchWork},
+          {"search_limit", onlyIf(std::isfinite(searchLimit), searchLimit)},
           {"open_time", onlyIf(isGuided && path.openTime > 0, path.openTime)},
           {"guide_time", onlyIf(isGuided, path.guideTime)},
-          {"guide_stiffness", isGuided ? Json(path.guideStiffness.value_or(deploy::usualStiffness(
-                                             deploy::leadingSprings(scene),
-                                             model::makeBricks(scene.model.tiles, scene.brick))))
-                                       : Json(nullptr)},
-          {"joint_stiffness", onlyIf(path.jointsAreCompliant(), path.jointStiffness)}};
+          {"joint_ratio", onlyIf(path.jointsAreCompliant(), path.jointRatio)}};
 }
 
 /// Pairs of bricks that would overlap at the target, and what would free them.
@@ -353,7 +350,7 @@ Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
           {"bricks_left_out_from", leftOut ? Json(*leftOut) : Json(nullptr)},
           {"warnings", summary.warnings},
           {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},
-          {"path", pathJson(scene, summary)},
+          {"path", pathJson(summary)},
           {"blocking", blockingJson(summary.blocking)},
           {"needs", fieldsJson<Json>(summary.needs)}};
 }

@@ -33,8 +33,6 @@ namespace {
 constexpr double kOverlap = 1e-6;
 // Flat states are flat to this part of the model's size.
 constexpr double kFlatOfModel = 1e-9;
-// What looking for the state nearest to the target may cost, seconds of a reference core.
-constexpr double kSearchTime = 10;
 
 /// A pivot is told by the face that it lies on.
 std::string kindOf(const model::Joint& joint) {
@@ -232,10 +230,7 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
   lookAt("looking for the state nearest to the target");
-  // The search is bounded in work and not in time: the result does not depend on the
-  // machine.
-  deploy::SearchBudget budget(kSearchTime);
-  inspection.assembledError = deploy::assembleAtTarget(scene, budget).error;
+  inspection.assembledError = deploy::assembleAtTarget(scene).error;
   return inspection;
 }
 

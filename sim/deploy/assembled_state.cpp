@@ -59,7 +59,7 @@ constexpr double kMostWeight = 30;
 /// Joined bricks that springs pull to their target, step by step from rest.
 class Assembly {
  public:
-  Assembly(const scene::Scene& scene, SearchBudget& budget, const std::function<bool()>& goesOn)
+  Assembly(const scene::Scene& scene, const std::function<bool()>& shouldContinue)
       : scene_(scene),
         target_(*scene.model.target),
         bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
@@ -67,8 +67,7 @@ class Assembly {
         weights_(bricks_.size(), 1.0),
         tile_(model::tileSize(scene.model)),
         rigidBound_(trajectory::rigidBound(scene.model.tiles, target_)),
-        budget_(budget),
-        goesOn_(goesOn) {
+        shouldContinue_(shouldContinue) {
     pull_ = [this](const Poses& poses, std::vector<model::Load>& loads) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
         loads[i] = springs_.load(static_cast<int>(i), poses[i], kSpringStiffening);
@@ -85,7 +84,6 @@ class Assembly {
     comeToRest(kSteps);
     soften();
     findNearest(state);
-    state.isCutShort = budget_.isSpent() && !isNearEnough(state);
     return state;
   }
 
@@ -173,13 +171,13 @@ class Assembly {
   }
 
   double error() const { return trajectory::targetError(target_, bricks_, motion_.poses); }
-  bool mayStep() const { return !budget_.isSpent() && (!goesOn_ || goesOn_()); }
+  bool mayStep() const { return !shouldContinue_ || shouldContinue_(); }
 
   // One implicit step from rest.
   void step() {
     // From rest: what moves on by its speed would run past the minimum.
     motion_.velocities.assign(bricks_.size(), Velocity{});
-    budget_.spend(dynamics_->advance(motion_, kStep, pull_).work);
+    dynamics_->advance(motion_, kStep, pull_);
   }
 
   // Until the error changes no more; `steps` at most.
@@ -229,8 +227,7 @@ class Assembly {
   std::vector<double> weights_;  // of the springs, one a brick; 1 in the mean
   double tile_;                  // metres
   double rigidBound_;            // metres
-  SearchBudget& budget_;
-  const std::function<bool()>& goesOn_;
+  const std::function<bool()>& shouldContinue_;
   Motion motion_;
   std::unique_ptr<Dynamics> dynamics_;
   mechanics::LoadSource pull_;
@@ -238,18 +235,13 @@ class Assembly {
 
 }  // namespace
 
-AssembledState assembleAtTarget(const scene::Scene& scene, SearchBudget& budget,
-                                const std::function<bool()>& goesOn) {
+AssembledState assembleAtTarget(const scene::Scene& scene,
+                                const std::function<bool()>& shouldContinue) {
   if (!scene.model.target) return {};
   scene::Scene alone = scene;
   alone.environment = scene::Environment{};
   alone.solver.kind = scene::SolverKind::Direct;
-  return Assembly(alone, budget, goesOn).find();
-}
-
-AssembledState assembleAtTarget(const scene::Scene& scene) {
-  SearchBudget budget(scene.path.searchTime);
-  return assembleAtTarget(scene, budget);
+  return Assembly(alone, shouldContinue).find();
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -309,9 +301,6 @@ constexpr double kNegligibleDepth = 1e-4;
 // Thicknesses are tried in steps of this factor, down to this part of the scene's own.
 constexpr double kThinnerStep = 0.9;
 constexpr double kThinnest = 1e-3;
-// What looking at one pair of bricks once is worth, in multiplications.
-// Counted and not measured, so that the search ends alike on every machine.
-constexpr double kWorkOfPair = 20'000;
 
 // Pairs that contacts would look at, the deepest first.
 std::vector<trajectory::Penetration> overlapsAt(const scene::Scene& scene, const Poses& poses) {
@@ -348,8 +337,7 @@ model::Model withFreeingFaces(const model::Model& model,
 
 /// The faces that joints of pairs would have to lie on, for the pairs that this frees.
 std::map<TilePair, model::JointFace> freeingFaces(
-    const scene::Scene& scene, const std::vector<trajectory::Penetration>& overlaps,
-    SearchBudget& budget) {
+    const scene::Scene& scene, const std::vector<trajectory::Penetration>& overlaps) {
   scene::Scene freed = scene;
   freed.model = withFreeingFaces(scene.model, overlaps);
   std::map<TilePair, model::JointFace> faces;
@@ -360,7 +348,7 @@ std::map<TilePair, model::JointFace> freeingFaces(
   }
   if (faces.empty()) return faces;
   for (const trajectory::Penetration& overlap :
-       overlapsAt(freed, assembleAtTarget(freed, budget).restPoses)) {
+       overlapsAt(freed, assembleAtTarget(freed).restPoses)) {
     faces.erase({overlap.brickA, overlap.brickB});
   }
   return faces;
@@ -416,11 +404,9 @@ bool isFree(const scene::Scene& scene, const trajectory::Penetration& overlap, c
 
 // The largest thickness tried that frees the pair, metres; 0 where none does.
 double freeingThickness(const scene::Scene& scene, const trajectory::Penetration& overlap,
-                        const Poses& poses, const std::vector<model::Joint>& between,
-                        SearchBudget& budget) {
+                        const Poses& poses, const std::vector<model::Joint>& between) {
   for (double share = kThinnerStep; share > kThinnest; share *= kThinnerStep) {
     const double thickness = share * scene.brick.thickness;
-    budget.spend(kWorkOfPair);
     if (isFree(scene, overlap, poses, between, thickness)) return thickness;
   }
   return 0;
@@ -428,24 +414,21 @@ double freeingThickness(const scene::Scene& scene, const trajectory::Penetration
 
 }  // namespace
 
-std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget,
-                                        SearchBudget& budget) {
+std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget) {
   std::vector<BlockingPair> pairs;
   if (atTarget.empty() || !scene::sceneNeeds(scene).contacts.on) return pairs;
   const std::vector<trajectory::Penetration> overlaps = overlapsAt(scene, atTarget);
   if (overlaps.empty()) return pairs;
-  const std::map<TilePair, model::JointFace> faces = freeingFaces(scene, overlaps, budget);
+  const std::map<TilePair, model::JointFace> faces = freeingFaces(scene, overlaps);
   const JointsByPair joints = jointsByPair(scene.model);
   for (const trajectory::Penetration& overlap : overlaps) {
-    BlockingPair pair{overlap.brickA, overlap.brickB, overlap.depth, !budget.isSpent(), {}, 0};
+    BlockingPair pair{overlap.brickA, overlap.brickB, overlap.depth, {}, 0};
     const auto face = faces.find({pair.tileA, pair.tileB});
     if (face != faces.end()) pair.freeingFace = face->second;
     const auto between = joints.find({pair.tileA, pair.tileB});
-    if (pair.isExplained) {
-      pair.freeingThickness = freeingThickness(
-          scene, overlap, atTarget,
-          between == joints.end() ? std::vector<model::Joint>{} : between->second, budget);
-    }
+    pair.freeingThickness =
+        freeingThickness(scene, overlap, atTarget,
+                         between == joints.end() ? std::vector<model::Joint>{} : between->second);
     pairs.push_back(pair);
   }
   return pairs;
@@ -462,9 +445,8 @@ std::string describe(const BlockingPair& pair, int countsFrom) {
   }
   return fmt::format("tiles {} and {} by {:.2g} ({})", countsFrom + pair.tileA,
                      countsFrom + pair.tileB, pair.overlap,
-                     !pair.isExplained && ways.empty() ? "what frees them was not looked for"
-                     : ways.empty()                    ? "the tiles themselves overlap"
-                                    : fmt::format("free with {}", fmt::join(ways, " or ")));
+                     ways.empty() ? "the tiles themselves overlap"
+                                  : fmt::format("free with {}", fmt::join(ways, " or ")));
 }
 
 }  // namespace kirireel::deploy

@@ -48,54 +48,15 @@ void softenWhileClosed(const model::Model& model,
                        const std::function<bool(double stiffness)>& closes);
 
 // ------------------------------------------------------------------------------------------------
-// How much work a search may cost.
-
-/// What a reference core does in a second, in the multiplications that StepReport::work counts:
-/// measured on the trials of data/cap and data/cube_to_sphere among bricks that touch (3.9e9 and
-/// 5.2e9 on a core with AVX2 that was shared with others). Where steps are smaller it is half of
-/// that.
-inline constexpr double kWorkPerSecond = 4e9;
-
-/// Work that may still be done. It is counted, not measured: a search takes the same decisions on
-/// every machine and under every load, and a second is one of the reference core.
-/// It may be overspent by the last piece of work, which is not broken off.
-class SearchBudget {
- public:
-  /// `seconds` of a reference core, from 0.
-  explicit SearchBudget(double seconds) : all_(seconds * kWorkPerSecond) {}
-
-  /// Takes away what was done, in multiplications.
-  void spend(double work) { spent_ += work; }
-
-  /// What is left, in multiplications; from 0.
-  double left() const { return std::max(0.0, all_ - spent_); }
-  /// What was done, in multiplications.
-  double spent() const { return spent_; }
-  /// Whether nothing is left.
-  bool isSpent() const { return spent_ >= all_; }
-  /// The part that is spent, 0 to 1.
-  double share() const { return all_ > 0 ? std::min(1.0, spent_ / all_) : 1; }
-  /// Seconds of a reference core, as given and as spent so far.
-  double seconds() const { return all_ / kWorkPerSecond; }
-  /// What was spent, seconds of a reference core.
-  double spentSeconds() const { return spent_ / kWorkPerSecond; }
-
- private:
-  double all_;
-  double spent_ = 0;
-};
-
-// ------------------------------------------------------------------------------------------------
 // How near a jointed model was found to come to its target.
 
 /// Joint-closed states near the target. Without a target the errors are negative, and there are no
 /// poses.
 struct AssembledState {
-  double error = -1;        ///< the least target error found, metres: an upper bound of the least
-  Poses poses;              ///< where it was found, one a tile
-  double restError = -1;    ///< where the scene's springs come to rest near the target, metres
-  Poses restPoses;          ///< that state
-  bool isCutShort = false;  ///< the budget ended the search: there may be a nearer state
+  double error = -1;      ///< the least target error found, metres: an upper bound of the least
+  Poses poses;            ///< where it was found, one a tile
+  double restError = -1;  ///< where the scene's springs come to rest near the target, metres
+  Poses restPoses;        ///< that state
 };
 
 /// Joint-closed states near the target. First every tile is put where it fits its target best, the
@@ -106,22 +67,18 @@ struct AssembledState {
 /// start, too. The best of all states is kept, the start among them. Both errors are zero where the
 /// target's own data close. In a model whose coordinates were rounded, joints are closed within the
 /// rounding only, see assembled_state.h. Contacts, ground and gravity are left out. Ends early when
-/// the budget is spent or `goesOn`, which may be empty, returns false.
-AssembledState assembleAtTarget(const scene::Scene& scene, SearchBudget& budget,
-                                const std::function<bool()>& goesOn = {});
-
-/// The same within the scene's own budget for a search.
-AssembledState assembleAtTarget(const scene::Scene& scene);
+/// `shouldContinue`, which may be empty, returns false.
+AssembledState assembleAtTarget(const scene::Scene& scene,
+                                const std::function<bool()>& shouldContinue = {});
 
 // ------------------------------------------------------------------------------------------------
 // Which bricks are in each other's way at the target.
 
 /// Two bricks that would overlap at the target: contact stops the deployment before it gets there.
 struct BlockingPair {
-  int tileA = 0;            ///< from 0
-  int tileB = 0;            ///< above tileA
-  double overlap = 0;       ///< the shortest move that would separate them there, metres
-  bool isExplained = true;  ///< false: the budget was spent before it was looked what frees them
+  int tileA = 0;       ///< from 0
+  int tileB = 0;       ///< above tileA
+  double overlap = 0;  ///< the shortest move that would separate them there, metres
   /// The face on which joints between the two would have to lie for them not to overlap there.
   std::optional<model::JointFace> freeingFace;
   /// The largest thickness (metres, to a few percent) at which they do not overlap there; 0 when
@@ -132,9 +89,8 @@ struct BlockingPair {
 /// What blocks a scene, the deepest overlap first. Empty without contacts or a target. `atTarget`:
 /// the state of rest, see assembleAtTarget(); overlaps that the contacts do not look at (of pairs
 /// that are left out, of the corners at shared pivots) and overlaps below 1e-4 of a tile do not
-/// count. What frees a pair is looked for as long as the budget lasts.
-std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget,
-                                        SearchBudget& budget);
+/// count.
+std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget);
 
 /// "tiles 3 and 4 by 0.012 (free with joints on the top)"; lengths in metres. `countsFrom`: the
 /// first tile's number.

@@ -4,6 +4,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/search_budget.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::deploy {

@@ -53,7 +53,6 @@ namespace {
 // Lengths below are in parts of a tile or of a state; a state is the distance from one kept state
 // to the next.
 constexpr double kStateShare = 0.02;
-constexpr double kLeastStates = 60;
 constexpr double kMostStates = 200;
 // A leap may be so much longer than its guide's, and the length of a state more.
 constexpr double kLongestLeap = 4;
@@ -599,7 +598,7 @@ MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, do
     return trajectory::jointGap(pivots, state).max > roundedReach(scene.model);
   });
   if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
-  SearchBudget part(std::min(kExactCost * cost, budget.left()) / kWorkPerSecond);
+  SearchBudget part(std::min(kExactCost * cost, budget.left()));
   MechanismPath exact = Continuation(scene, rounded.states.front(), {.leap = 0},
                                      std::numeric_limits<double>::infinity(), part, goesOn)
                             .along(rounded.states);

@@ -14,6 +14,7 @@
 #include "sim/base/geometry.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/search_budget.h"
 #include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/isometry.h"
@@ -61,6 +62,9 @@ bool closeInPlace(Poses& poses, Dynamics& dynamics);
 trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
                                           const std::vector<model::Brick>& bricks,
                                           std::span<const model::Pivot> pivots, const Poses& start);
+
+/// A guide is divided into so many states at least.
+inline constexpr double kLeastStates = 60;
 
 /// How a path is followed.
 struct ContinuationSettings {

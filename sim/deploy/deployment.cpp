@@ -7,9 +7,9 @@
 // 4. A scene that is geometry takes a path of the mechanism (planner.cpp), which is played back.
 // 5. Any other scene is run by its dynamics (path_choice.cpp).
 //
-// The search is paid from one budget of counted work, so that the same path is taken on every
-// machine. With checkpoints, the trials of step 5 are kept as they end, and the run itself between
-// its steps.
+// The search has one budget of counted work (search_budget.h), so that the same path is taken on
+// every machine. With checkpoints, the trials of step 5 are kept as they end, and the run itself
+// between its steps.
 #include "sim/deploy/deployment.h"
 
 #include <algorithm>
@@ -39,13 +39,6 @@
 
 namespace kirireel::deploy {
 namespace {
-
-// A run that is to last a fraction of a second is not to wait for minutes: so many seconds of
-// search, on a reference core, for each of the run.
-constexpr double kSearchPerSecond = 30;
-
-// Finding the state nearest to the target may cost this part of the search.
-constexpr double kAssemblingShare = 0.3;
 
 // What is tried before any path.
 constexpr const char* kAssembling = "the state nearest to the target";
@@ -208,18 +201,14 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
     found.warnings.push_back(std::move(rigid));
   }
   for (const std::string& warning : found.warnings) watch({kAssembling, 0, warning});
-  SearchBudget assembling(kAssemblingShare * budget.seconds());
-  found.nearest = assembleAtTarget(scene, assembling, [&] {
-    return watch({kAssembling, kAssemblingShare * assembling.share()});
-  });
-  budget.spend(assembling.spent());
+  found.nearest = assembleAtTarget(scene, [&] { return watch({kAssembling, 0}); });
   if (const std::string far = reachWarning(scene, found.nearest); !far.empty()) {
     found.warnings.push_back(far);
     watch({kAssembling, budget.share(), far});
   }
   scene::Scene touching = scene;
   touching.environment.contacts = contactsIfOn(scene.environment.contacts);
-  found.blocking = blockingPairs(touching, found.nearest.restPoses, budget);
+  found.blocking = blockingPairs(touching, found.nearest.restPoses);
   const scene::PathKind kind = scene.path.kind;
   const bool isClosing = scene.path.to == scene::Destination::Closed;
   if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) {
@@ -395,7 +384,6 @@ class OverlapWatch {
 
 /// Whether the budget ended the search before it found a path on which nothing is wanting.
 bool isCutShort(const Search& found, const DeploymentResult& result, bool isOverlapping) {
-  if (found.nearest.isCutShort) return true;
   const bool isBest = found.planned.path && result.accuracy.jointOpeningMax == 0 &&
                       result.atTarget.value_or(true) && !isOverlapping;
   return (found.planned.isCutShort || found.choice.isCutShort) && !isBest;
@@ -418,9 +406,7 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
                                  grown, grown / tile));
   }
   if (isCutShort(found, result, isOverlapping)) {
-    faults.push_back(
-        fmt::format("the search for a path ended at its budget of {:.3g} s; raise `search`",
-                    scene.path.searchTime));
+    faults.push_back("the search for a path ended at its budget; raise `search_effort`");
     result.warnings.push_back(faults.back());
   }
   result.shortfall = fmt::format("{}", fmt::join(faults, "; "));
@@ -445,7 +431,8 @@ bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const S
   if (!found.planned.path) return false;
   const GeometricPath& path = *found.planned.path;
   const bool isRounded = path.path.isRounded || std::isfinite(roundedJointStiffness(scene.model));
-  return !isCollisionFree(scene, path) || (path.hasCompliantJoints && !isRounded);
+  const bool mayOpen = isRounded || given.path.jointsAreCompliant();
+  return !isCollisionFree(scene, path) || (path.hasCompliantJoints && !mayOpen);
 }
 
 /// Replaces scene and path by those through space, if one there keeps joints closed and bricks
@@ -455,7 +442,7 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
   scene::Scene inSpace = given;
   inSpace.spaceReason =
       "no path in the plane keeps joints closed and bricks apart, one in space does";
-  SearchBudget budget(std::min(inSpace.path.searchTime, kSearchPerSecond * inSpace.stop.duration));
+  SearchBudget budget;
   Search other;
   search(inSpace, budget, watch, other);
   const std::optional<GeometricPath>& path = other.planned.path;
@@ -488,7 +475,7 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
   const double startSeconds = threadCpuSeconds() - searchSeconds;
-  SearchBudget budget(std::min(scene.path.searchTime, kSearchPerSecond * scene.stop.duration));
+  SearchBudget budget;
   bool goOn = true;
   std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
   const TrialObserver watchSearch = [&](const SearchNews& news) {
@@ -534,8 +521,8 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
   result.warnings = std::move(found.warnings);
   addShortfall(scene, found, overlaps.grown(result.accuracy), result);
-  result.cost.searchSeconds = budget.spentSeconds();
-  result.cost.searchBudget = budget.seconds();
+  result.cost.searchWork = budget.spent();
+  result.cost.searchLimit = budget.all();
   result.cost.cpuSecondsSearch = searchSeconds;
   return result;
 }

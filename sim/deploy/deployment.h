@@ -13,9 +13,7 @@ namespace kirireel::deploy {
 /// the scene's, and a sample between two of them is made from their poses. Throws InputError when
 /// the scene makes no sense; a run that diverges is reported, not thrown, and ends with its last
 /// step that left no brick behind. `searching` is told of each trial while a path is sought, and
-/// may end the run. Either observer may be empty. The search may cost what
-/// scene.path.searchTime says, yet at most 30 s of a reference core for each second of
-/// scene.stop.duration.
+/// may end the run. Either observer may be empty.
 DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
                         const SampleObserver& observer, const TrialObserver& searching = {});
 

@@ -21,7 +21,7 @@
 namespace kirireel::deploy {
 
 double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks) {
-  return 1e5 * usualStiffness(scene.springs, bricks);
+  return kMisfitRatio * placeStiffness(scene.springs, bricks);
 }
 
 bool keepsTolerance(const scene::Scene& scene) {

@@ -23,8 +23,11 @@ namespace kirireel::deploy {
 // ------------------------------------------------------------------------------------------------
 // The seam between the deployment and the two solvers.
 
-/// Of joints that cannot be held exactly, because the tiles do not fit each other in the states on
-/// the way, N/m: a hundred thousand times the pull's usual stiffness (see usualStiffness()).
+/// The joint ratio where joints cannot be held exactly, because the tiles do not fit each other in
+/// the states on the way.
+inline constexpr double kMisfitRatio = 2.5e4;
+
+/// The stiffness of such joints, N/m.
 double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks);
 
 /// Of joints that are held exactly, N/m.

@@ -67,11 +67,11 @@ BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSetting
   return spring;
 }
 
-double usualStiffness(const scene::TargetSpringSettings& settings,
+double placeStiffness(const scene::TargetSpringSettings& settings,
                       const std::vector<model::Brick>& bricks) {
   double mass = 0;
   for (const model::Brick& brick : bricks) mass += brick.mass;
-  return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings) / 4;
+  return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings);
 }
 
 // ------------------------------------------------------------------------------------------------

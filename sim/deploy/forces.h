@@ -30,9 +30,10 @@ struct BrickSpring {
 /// The brick's spring by the settings. See the equations in forces.cpp.
 BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSettings& settings);
 
-/// k_f by the settings' frequency of a brick with 4 vertices and the mean mass of these bricks,
-/// N/m: stiffnesses that nobody gave are multiples of it.
-double usualStiffness(const scene::TargetSpringSettings& settings,
+/// By how much springs of the settings' frequency hold one tile at its place, at the mean mass of
+/// these bricks, N/m: m (2 pi f)^2. Compliant joints have a multiple of it
+/// (PathSettings::jointRatio).
+double placeStiffness(const scene::TargetSpringSettings& settings,
                       const std::vector<model::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------

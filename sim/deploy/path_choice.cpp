@@ -3,7 +3,7 @@
 // The ways, in the order in which they are tried: a straight pull; guided tiles, with exact
 // joints; guided tiles on compliant joints, from stiff to soft. Among touching bricks tiles
 // are guided after the bricks were pushed apart first. Times are periods of the scene's springs and
-// stiffnesses multiples of the usual one (usualStiffness() in forces.h), so that a model of another
+// stiffnesses multiples of that which holds a tile at its place, so that a model of another
 // size or mass is tried in the same ways. A trial ends when it arrives, when it stops to come
 // nearer, when exact joints jam, when bricks overlap that may not, or when a third of the budget's
 // rest is spent. Each trial takes the steps that the run itself would take, so that what arrives
@@ -18,10 +18,11 @@
 //                         islamic tiles that turn far, a cylinder, saddles; a Moebius band, which
 //                         arrives among touching bricks only where it is not pushed apart first
 //   pushed apart and guided  2 more among touching bricks: caps, whose start lies flush
-//   compliant joints      3 and 2 more, which have no freedom: without contacts all at 1e6, among
-//                         touching bricks two at 1e5; one arrives at 1e4, but opens too far
+//   compliant joints      3 and 2 more, which have no freedom: without contacts all at a ratio of
+//                         1e5, among touching bricks two at 1e4; one arrives at 1e3, but opens
+//                         too far
 // At twice, half or a quarter of the pace, or led by a quarter or a twentieth of the stiffness, no
-// row arrived that does not so; joints of 1e3 and 1e2 times the usual stiffness opened farther.
+// row arrived that does not so; joints of a ratio of 100 and 10 opened farther.
 //
 // Trials that were made before a checkpoint are taken from the list as they ended.
 #include "sim/deploy/path_choice.h"
@@ -76,9 +77,8 @@ constexpr long kJammedSteps = 512;
 // are pushed apart before.
 constexpr double kGuidedPeriods = 12;
 constexpr double kOpenPeriods = 4;
-// Stiffnesses of compliant joints, over the usual one: from stiff to soft, so that they open as
-// little as arrives.
-constexpr std::array kCompliantShares = {1e6, 1e5, 1e4};
+// Ratios of compliant joints: from stiff to soft, so that they open as little as arrives.
+constexpr std::array kCompliantRatios = {1e5, 1e4, 1e3};
 
 /// The ways to the scene's target, in the order in which they are tried.
 std::vector<scene::PathSettings> waysOf(const scene::Scene& scene, bool areAmongBricks) {
@@ -91,11 +91,9 @@ std::vector<scene::PathSettings> waysOf(const scene::Scene& scene, bool areAmong
     ways.back().openTime = kOpenPeriods * period;
   }
   ways.push_back(guided);
-  const double usual =
-      usualStiffness(scene.springs, model::makeBricks(scene.model.tiles, scene.brick));
-  for (const double share : kCompliantShares) {
+  for (const double ratio : kCompliantRatios) {
     ways.push_back(guided);
-    ways.back().jointStiffness = share * usual;
+    ways.back().jointRatio = ratio;
   }
   return ways;
 }
@@ -105,9 +103,8 @@ std::string describe(const scene::PathSettings& path) {
   if (path.kind == scene::PathKind::Straight) return "straight pull";
   std::string way = fmt::format("guided for {:.3g} s", path.guideTime);
   if (path.openTime > 0) way = fmt::format("opened for {:.3g} s, {}", path.openTime, way);
-  return path.jointsAreCompliant()
-             ? fmt::format("{}, joints of {:.2g} N/m", way, path.jointStiffness)
-             : way + ", exact joints";
+  return path.jointsAreCompliant() ? fmt::format("{}, joint ratio {:g}", way, path.jointRatio)
+                                   : way + ", exact joints";
 }
 
 /// Watches a trial that may cost so much.
@@ -337,6 +334,9 @@ class PathSearch {
     }
     last_ = trials_[count_++];
     budget_.spend(last_.work);
+    if (!budget_.isLimited()) {
+      budget_.limit(scene_.path.searchEffort * kSearchMultiple * last_.work);
+    }
     if (last_.cutShort) ++cutShort_;
     return last_.arrives;
   }
@@ -366,8 +366,7 @@ class PathSearch {
       parts.push_back(fmt::format("{} trial{} cut short", cutShort_, cutShort_ == 1 ? "" : "s"));
     }
     if (isIncomplete_) parts.push_back("others not made");
-    return fmt::format(" ({} by the search budget of {:.3g} s; raise `search`)",
-                       fmt::join(parts, ", "), budget_.seconds());
+    return fmt::format(" ({} by the search budget; raise `search_effort`)", fmt::join(parts, ", "));
   }
 
   /// What a path does that comes to where the scene's springs rest.
@@ -463,6 +462,12 @@ class PathSearch {
   std::optional<Attempt> wide_;     // arrives, but joints open too far
 };
 
+std::string jamming() {
+  return fmt::format(
+      "exact joints jam, the tiles fit each other in no open state; joint ratio {:g}",
+      kMisfitRatio);
+}
+
 }  // namespace
 
 // The first rule that applies decides. Everything up to the last lines names a case in which a
@@ -477,24 +482,15 @@ PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
   if (scene.solver.kind == scene::SolverKind::Bullet)
     return {straight, "the baseline tries no others"};
   if (std::isfinite(roundedJointStiffness(scene.model)) && exactJointsJam(scene, budget, watch)) {
-    straight.jointStiffness =
-        misfitStiffness(scene, model::makeBricks(scene.model.tiles, scene.brick));
-    return {
-        straight,
-        fmt::format("exact joints jam, the tiles fit each other in no open state; joints of {:.2g} "
-                    "N/m",
-                    straight.jointStiffness),
-        true};
+    straight.jointRatio = kMisfitRatio;
+    return {straight, jamming(), true};
   }
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const scene::Drive drive = scene.actuation.drive;
   if (drive != scene::Drive::Target && drive != scene::Drive::None &&
       exactJointsJam(scene, budget, watch)) {
-    straight.jointStiffness =
-        misfitStiffness(scene, model::makeBricks(scene.model.tiles, scene.brick));
-    return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
-                                  "joints of {:.2g} N/m",
-                                  straight.jointStiffness)};
+    straight.jointRatio = kMisfitRatio;
+    return {straight, jamming()};
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};

@@ -8,6 +8,7 @@
 #include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/search.h"
+#include "sim/deploy/search_budget.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::deploy {

@@ -67,6 +67,16 @@ constexpr auto kCandidates = std::to_array<Candidate>({
     {Guide::OwnMotion, true, 1e2, true},
 });
 constexpr double kStiffer = 10;
+// Joints are stiffened for as long as each step leaves less than this part of the opening.
+constexpr double kOpeningLeft = 0.9;
+
+/// The candidates of a scene: those above, or those with the joint ratio that it sets.
+std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
+  if (!path.jointsAreCompliant()) return {kCandidates.begin(), kCandidates.end()};
+  return {{Guide::OwnMotion, false, path.jointRatio},
+          {Guide::PreviousPath, true, path.jointRatio},
+          {Guide::OwnMotion, true, path.jointRatio}};
+}
 
 /// What summary.json calls a candidate.
 std::string describe(const Candidate& candidate) {
@@ -285,8 +295,7 @@ void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budg
     scene::Scene among = scene;
     among.environment.contacts =
         isThrough ? found.contacts : contactsIfOn(scene.environment.contacts);
-    SearchBudget part(
-        std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
+    SearchBudget part(std::min(budget.left(), kShorteningShare * budget.all()));
     shorter.path = evenlyTight(among, shorter.path, mostGrown, part, shouldContinue);
     if (isDetour(scene, shorter.path)) {
       shorter.path = withShortcuts(among, std::move(shorter.path), mostGrown, part, shouldContinue);
@@ -325,7 +334,7 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
   if (before.overlapGrowth > clear) better.contacts = contacts;
   evaluate(scene, better);
   PathEvaluation& after = better.evaluation;
-  after.candidate = "the selected path, improved as a whole";
+  after.candidate = "improved as a whole: " + before.candidate;
   after.work = budget.spent() - spent;
   const PathEvaluation improved = after;
   // Joints that are open by no more count as closed.
@@ -382,14 +391,17 @@ class Planner {
         start_(model::startPoses(scene.model.tiles, bricks_)) {}
 
   PlannedPath find() {
-    for (const Candidate& candidate : kCandidates) {
-      if (planned_.path && (isOver_ || !isWorthTrying(candidate))) continue;
+    const std::vector<Candidate> candidates = candidatesOf(scene_.path);
+    for (const Candidate& candidate : candidates) {
+      const bool isLast = &candidate == &candidates.back();
+      if (planned_.path && (isOver_ || !isWorthTrying(candidate, isLast))) continue;
       if (planned_.path && budget_.isSpent()) {
         planned_.isCutShort = true;
         break;
       }
       tryCandidate(candidate);
-      if (isExact(*planned_.path) && isCollisionFree(scene_, *planned_.path)) break;
+      if (!budget_.isLimited()) limitBudget();
+      if (isExactEnough(*planned_.path) && isCollisionFree(scene_, *planned_.path)) break;
     }
     if (planned_.path->evaluation.end == PathEnd::Arrived) {
       shorten(scene_, *planned_.path, budget_, [&](double) { return tell(kShortening); });
@@ -409,25 +421,39 @@ class Planner {
   }
 
  private:
-  static bool isExact(const GeometricPath& found) {
-    return !found.hasCompliantJoints || found.path.isRounded;
+  /// Whether joints are exact, or compliant because the scene wants them so.
+  bool isExactEnough(const GeometricPath& found) const {
+    return !found.hasCompliantJoints || found.path.isRounded || scene_.path.jointsAreCompliant();
   }
 
-  bool isWorthTrying(const Candidate& candidate) {
+  /// Limits the search by the work of the first candidate. One that was stuck early counts as if it
+  /// had kLeastStates states.
+  void limitBudget() {
+    const auto states = static_cast<double>(planned_.path->path.states.size());
+    const double work = planned_.candidates.front().work * std::max(1.0, kLeastStates / states);
+    budget_.limit(scene_.path.searchEffort * kSearchMultiple * work);
+  }
+
+  bool isWorthTrying(const Candidate& candidate, bool isLast) {
     if (candidate.hasContacts && !mayTouch(scene_)) return false;
     const bool hasExactJoints = std::isinf(candidate.jointStiffness);
     // Bricks that overlap at the goal keep any path with contacts from it: one with contacts shows
     // where the sheet stops.
     if (isBlocked()) {
-      return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && hasExactJoints
+      const bool isStiffest = hasExactJoints || scene_.path.jointsAreCompliant();
+      return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && isStiffest
                                    : !firstArrives();
     }
     // Exact joints that lead nowhere do so among touching bricks, too.
     if (hasExactJoints && candidate.guide != Guide::FromTarget && !firstArrives()) return false;
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
+    const bool isFree = isCollisionFree(scene_, *planned_.path);
+    // Exact joints among touching bricks cost most, and gain nothing where joints hardly open.
+    if (hasExactJoints && candidate.guide == Guide::OwnMotion) {
+      return !isFree || planned_.path->evaluation.opening >= kOpeningStep * tile_;
+    }
     // The softest joints come last.
-    const bool isSoftest = &candidate == &kCandidates.back();
-    return !isSoftest || !isCollisionFree(scene_, *planned_.path);
+    return !isLast || !isFree;
   }
 
   /// Whether the first candidate, whose joints are exact, arrives.
@@ -460,9 +486,10 @@ class Planner {
       if (arrives) guide = found.path.states;
       const bool isBack = candidate.guide == Guide::FromTarget;
       consider(std::move(found), isBack && !arrives);
-      const bool isStiffer = !last || evaluation.opening < last->opening;
-      if (!candidate.stiffens || !arrives || !isStiffer || isOver_) break;
-      if (!candidate.hasContacts) previous_ = guide;
+      const bool isStiffer = !last || evaluation.opening < kOpeningLeft * last->opening;
+      if (!arrives || !isStiffer || isOver_) break;
+      if (!candidate.hasContacts && std::isfinite(candidate.jointStiffness)) previous_ = guide;
+      if (!candidate.stiffens) break;
       if (candidate.hasContacts && evaluation.overlapGrowth > clear()) break;
       last = evaluation;
       candidate.jointStiffness *= kStiffer;
@@ -479,12 +506,12 @@ class Planner {
     trial.environment.contacts = found.contacts;
     found.evaluation.candidate = describe(candidate);
     found.evaluation.hasContacts = candidate.hasContacts;
-    SearchBudget part(budget_.left() / kWorkPerSecond);
+    SearchBudget part(budget_.left());
     const bool isBack = candidate.guide == Guide::FromTarget;
     const auto shouldContinue = [&](double progress) {
       const double share =
           isBack && firstArrives() ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
-      return tell(found.evaluation.candidate) && part.spentSeconds() <= share * budget_.seconds();
+      return tell(found.evaluation.candidate) && part.spent() <= share * budget_.all();
     };
     found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
     if (isBack) {
@@ -576,7 +603,7 @@ GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts
                         SearchBudget& budget, const TrialObserver& observer) {
   scene::Scene trial = scene;
   trial.environment.contacts = contacts;
-  SearchBudget part(share * budget.left() / kWorkPerSecond);
+  SearchBudget part(share * budget.left());
   GeometricPath found;
   found.path = continueToExtension(trial, part, [&](double) {
     return !observer || observer({kExtending, budget.share()});
@@ -642,6 +669,9 @@ PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
     if (isBetter && !isHeld) planned.path = std::move(found);
   };
   consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
+  if (!budget.isLimited()) {
+    budget.limit(scene.path.searchEffort * kSearchMultiple * planned.candidates.front().work);
+  }
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
   }
@@ -680,10 +710,11 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
       scene::sceneNeeds(scene).planar.on
           ? ""
           : fmt::format("`thickness = {:.2g}`, ", 0.25 * scene.brick.thickness);
-  return words + fmt::format(
-                     ". No collision-free path was found. Try {}a larger `search`, or `contacts = "
-                     "all` to see where the sheet stops",
-                     thinner);
+  return words +
+         fmt::format(
+             ". No collision-free path was found. Try {}a larger `search_effort`, or `contacts = "
+             "all` to see where the sheet stops",
+             thinner);
 }
 
 }  // namespace kirireel::deploy

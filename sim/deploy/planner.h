@@ -8,6 +8,7 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/path_evaluation.h"
+#include "sim/deploy/search_budget.h"
 
 namespace kirireel::deploy {
 

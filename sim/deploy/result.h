@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,8 +82,9 @@ struct DeployCost {
   StepReport took;              ///< all steps together
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
   double cpuSecondsSearch = 0;  ///< of finding the assembled error and a path
-  double searchSeconds = 0;     ///< that these count as, of the search's budget: see SearchBudget
-  double searchBudget = 0;      ///< what the search could have had, likewise
+  double searchWork = 0;        ///< of all candidates, multiplications
+  /// Up to which the search could have gone, multiplications; infinite if none was set.
+  double searchLimit = std::numeric_limits<double>::infinity();
 
   /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(took); }

@@ -411,7 +411,7 @@ void Run::goOnFrom(const RunState& state) {
 namespace {
 
 // Joints with this multiple of the usual stiffness let tiles move that have no freedom.
-constexpr double kCompliantStiffness = 1e3;
+constexpr double kCompliantRatio = 100;
 
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
@@ -511,8 +511,8 @@ std::string RunReasons::holdup() const {
   if (isImmobile()) {
     return fmt::format(
         "the joints leave the tiles no way to move (0 degrees of freedom); compliant joints would "
-        "(`path = guided` with `joint_stiffness = {:.1g}`)",
-        kCompliantStiffness * usualStiffness(bricks_.scene.springs, bricks_.bricks));
+        "(`path = guided` with `joint_ratio = {:g}`)",
+        kCompliantRatio);
   }
   const double error = target_.error(motion_.poses());
   if (target_.isNearest(error)) return "no state with closed joints was found nearer";

@@ -113,9 +113,8 @@ constexpr double kLedFrequency = std::numbers::sqrt2;
 // Seconds to catch up with a target that has stopped, and to stiffen compliant joints.
 constexpr double kCatchUp = 0.5;
 constexpr double kStiffeningTime = 0.5;
-// The joints' stiffness at the end, of the usual one: what is left of their openings closes in one
-// step.
-constexpr double kClosingShare = 1e8;
+// The joint ratio at the end: what is left of openings closes in one step.
+constexpr double kClosingRatio = 1e7;
 
 }  // namespace
 
@@ -124,11 +123,15 @@ scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
   scene::TargetSpringSettings springs;
   springs.frequency = kLedFrequency * scene.springs.frequency;
   springs.dampingRatio = 1;
-  springs.springStiffness = scene.path.guideStiffness;
-  if (scene.path.guideStiffness) springs.torqueStiffness = kTurnShare * *scene.path.guideStiffness;
   springs.turnShare = kTurnShare;
   springs.adaptive = false;
   return springs;
+}
+
+double jointStiffnessOf(const scene::Scene& scene, const std::vector<model::Brick>& bricks) {
+  const bool isGuided = scene.path.kind == scene::PathKind::Guided;
+  return scene.path.jointRatio *
+         placeStiffness(isGuided ? leadingSprings(scene) : scene.springs, bricks);
 }
 
 // The guide leads from the bricks' poses at the start of leading, not from the model's start.
@@ -137,7 +140,7 @@ PathFollower::PathFollower(const scene::Scene& scene, const std::vector<model::B
                            double beginTime)
     : path_(scene.path),
       beginTime_(beginTime),
-      closingStiffness_(kClosingShare * usualStiffness(scene.springs, bricks)),
+      placeStiffness_(placeStiffness(leadingSprings(scene), bricks)),
       guide_(model::bottomTiles(bricks, start), target),
       springs_(bricks, guide_.at(0), scene.model.pulledTiles, leadingSprings(scene)) {}
 
@@ -147,8 +150,8 @@ Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double late = elapsed - path_.guideTime - kCatchUp;
   if (!path_.jointsAreCompliant()) return late <= 0 ? Phase::Guide : Phase::Settle;
   const double part = std::clamp(late / kStiffeningTime, 0.0, 1.0);
-  const double range = std::max(1.0, closingStiffness_ / path_.jointStiffness);
-  dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));
+  const double range = std::max(1.0, kClosingRatio / path_.jointRatio);
+  dynamics.setJointStiffness(path_.jointRatio * placeStiffness_ * std::pow(range, part));
   if (late <= 0) return Phase::Guide;
   return late <= kStiffeningTime ? Phase::Close : Phase::Settle;
 }

@@ -105,6 +105,9 @@ enum class Phase {
 /// the springs of the guide the scene's tiles: as its path says, else by its springs' frequency.
 scene::TargetSpringSettings leadingSprings(const scene::Scene& scene);
 
+/// The stiffness of joints that the scene's path makes compliant, N/m; infinite if they are exact.
+double jointStiffnessOf(const scene::Scene& scene, const std::vector<model::Brick>& bricks);
+
 /// Leads the tiles of a run to their target: springs pull every tile after a target that moves
 /// along the tile's own rigid motion, by the turn more than by the place (a mechanism that turns
 /// has to swing out on its way, which straight lines do not know). Joints may be compliant
@@ -128,7 +131,7 @@ class PathFollower {
  private:
   scene::PathSettings path_;
   double beginTime_;
-  double closingStiffness_;  // of joints at the end, N/m
+  double placeStiffness_;  // of leading springs, N/m
   TargetGuide guide_;
   TargetSprings springs_;
 };

@@ -219,7 +219,7 @@ bool JointFit::close(RunMotion& motion, RunFigures& figures) {
 void JointFit::hold(Dynamics& solver) const {
   const scene::PathSettings& path = bricks_.scene.path;
   if (path.jointsAreCompliant()) {
-    solver.setJointStiffness(path.jointStiffness);
+    solver.setJointStiffness(jointStiffnessOf(bricks_.scene, bricks_.bricks));
   } else if (isMisfit_) {
     solver.setJointStiffness(misfitStiffness(bricks_.scene, bricks_.bricks));
   }
@@ -236,8 +236,8 @@ std::string JointFit::trouble() const {
   if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
   return fmt::format(
       "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
-      "that are compliant would not (`path = guided` with `joint_stiffness = {:.2g}`)",
-      pushedAtStart_, misfit);
+      "that are compliant would not (`path = guided` with `joint_ratio = {:g}`)",
+      pushedAtStart_, kMisfitRatio);
 }
 
 }  // namespace kirireel::deploy

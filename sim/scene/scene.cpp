@@ -44,7 +44,6 @@ Scene openScene() {
   scene.actuation.drive = Drive::Auto;
   scene.environment.contacts = ContactFilter::Auto;
   scene.path.kind = PathKind::Auto;
-  scene.path.searchTime = 20;  // seconds: someone waits for it
   scene.solver.tolerance = kDefaultTolerance;
   return scene;
 }

@@ -159,14 +159,11 @@ struct PathSettings {
   /// would jam. >= 0.
   double openTime = 0;
   double guideTime = 4;  ///< seconds in which the tiles are guided to the target, > 0
-  /// k_f while guided, N/m; absent: twice that of the springs' frequency. k_tau is 40 times k_f.
-  std::optional<double> guideStiffness;
-  /// Of each pivot, N/m: while guided, joints are compliant and are closed at the end, on a
-  /// straight path they are compliant throughout. Infinity: exact.
-  double jointStiffness = std::numeric_limits<double>::infinity();
-  /// What finding a path may cost, seconds of a reference core (see SearchBudget), >= 0. Short runs
-  /// get less: see deploy().
-  double searchTime = 60;
+  /// r, the stiffness of each joint over that by which one tile is held at its place, > 0.
+  /// Infinity: exact joints. While guided, compliant joints are closed at the end.
+  double jointRatio = std::numeric_limits<double>::infinity();
+  /// Scales what finding a path may cost after the first candidate, see SearchBudget, >= 0.
+  double searchEffort = 1;
   /// Seconds in which a kinematic path is played back, at an even pace, > 0. A shorter duration of
   /// the run comes first.
   double walkTime = 6;
@@ -175,7 +172,7 @@ struct PathSettings {
   Destination to = Destination::Auto;  ///< where the path leads
 
   /// Whether joints are springs from the start on.
-  bool jointsAreCompliant() const { return std::isfinite(jointStiffness); }
+  bool jointsAreCompliant() const { return std::isfinite(jointRatio); }
 };
 
 /// Which solver holds the joints.

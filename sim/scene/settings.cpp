@@ -25,6 +25,12 @@ namespace {
 // A bound against slips of the pen; springs of 1e12 N/m are beyond any material at these sizes.
 constexpr Range kFromZero{0, 1e12};
 
+/// Whether the path is one on which joints may be compliant.
+bool mayOpenJoints(const Scene& scene) {
+  const PathKind kind = scene.path.kind;
+  return kind == PathKind::Auto || kind == PathKind::Continuation || kind == PathKind::Guided;
+}
+
 bool isGuided(const Scene& scene) {
   return scene.path.kind == PathKind::Guided;
 }
@@ -308,11 +314,11 @@ SettingGroup pathSettings() {
       "Path to the target",
       "actuation",
       {choice<&Scene::path, &PathSettings::to>(
-            "to", Choices<Destination>{{"auto", Destination::Auto}, {"closed", Destination::Closed}},
-            "where the sheet goes: auto to the target, without one to full extension; closed "
-            "ignores the target and continues beyond full extension until the tiles meet again, "
-            "the second compact state of a sheet with one motion"),
-        choice<&Scene::path, &PathSettings::kind>(
+           "to", Choices<Destination>{{"auto", Destination::Auto}, {"closed", Destination::Closed}},
+           "where the sheet goes: auto to the target, without one to full extension; closed "
+           "ignores the target and continues beyond full extension until the tiles meet again, "
+           "the second compact state of a sheet with one motion"),
+       choice<&Scene::path, &PathSettings::kind>(
            "path",
            Choices<PathKind>{{"auto", PathKind::Auto},
                              {"continuation", PathKind::Continuation},
@@ -334,24 +340,20 @@ SettingGroup pathSettings() {
        number<&Scene::path, &PathSettings::guideTime>("guide_time", {1e-6, 1e6}, "SECONDS",
                                                       "of guiding, with `path = guided`")
            .with(isGuided, kGuided),
-       givenStrength<&Scene::path, &PathSettings::guideStiffness>(
-           "guide_stiffness", "N/M", "twice that of the spring frequency",
-           "stiffness of the spring at each vertex while guided")
-           .with(isGuided, kGuided),
        specialNumber(
-           "joint_stiffness", "N/M", "exact", "stiffness of joints while guided; closed at the end",
+           "joint_ratio", "R", "exact joints first, softer ones if they do not arrive",
+           "joints that open: their stiffness over that by which one tile is held at its place",
            [](Scene& scene, const TypedValue& typed) {
-             scene.path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
+             scene.path.jointRatio = parseNumber(typed, {1e-6, 1e12});
            },
            [](const Scene& scene) {
-             return scene.path.jointsAreCompliant() ? numberText(scene.path.jointStiffness) : "";
+             return scene.path.jointsAreCompliant() ? numberText(scene.path.jointRatio) : "";
            })
            .with(isDirect, kDirect)
-           .with(isGuided, kGuided),
-       number<&Scene::path, &PathSettings::searchTime>(
-           "search", {0, 1e9}, "SECONDS",
-           "search limit, in seconds of a reference core (work is counted, so every machine finds "
-           "the same path); at most 30 per second of `duration`")}};
+           .with(mayOpenJoints, "`path = auto`, `path = continuation` or `path = guided`"),
+       number<&Scene::path, &PathSettings::searchEffort>(
+           "search_effort", {0, 1e9}, "FACTOR",
+           "how much work the search for a path may do, over the usual")}};
 }
 
 /// The ground, put there if there is none yet.

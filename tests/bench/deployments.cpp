@@ -14,7 +14,7 @@
 //   open     joints open by more than 1e-10 tiles and 1.2 x the least that was found
 // Rows whose bricks would overlap at the target are marked as blocked there. The last line counts.
 //
-//     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
+//     build/release/tests/bench/deployments [FOLDER ...] [--search-effort FACTOR] [--contacts auto]
 //     build/release/tests/bench/deployments --seed 1 --count 40 [--tiles 100]
 
 #include <algorithm>
@@ -306,7 +306,7 @@ int main(int count, char** arguments) {
   int first = 0, members = 40;
   std::size_t tiles = 100;
   program.add_option("folders", folders, "models, or folders of models");
-  program.add_option("--search", scene.path.searchTime, "seconds of a reference core");
+  program.add_option("--search-effort", scene.path.searchEffort, "work over the usual");
   program.add_option("--thickness", scene.brick.thickness, "metres; else from the model");
   program.add_option("--contacts", contacts, "auto, none, unjoined or all");
   const CLI::Option* drawn = program.add_option("--seed", seed, "draw members of all families");

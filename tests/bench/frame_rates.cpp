@@ -2,7 +2,7 @@
 // folder, deployed at eight rates, contacts auto, none and all. Prints a row for each model, and
 // ends with 1 where a run differs from the one at 60 samples a second.
 //
-//     build/release/tests/bench/frame_rates [MODELS] [--dynamic] [--search SECONDS]
+//     build/release/tests/bench/frame_rates [MODELS] [--dynamic] [--search-effort FACTOR]
 
 #include <algorithm>
 #include <filesystem>
@@ -27,11 +27,10 @@ std::vector<double> figuresOf(const scene::Scene& scene, double rate,
                               deploy::DeploymentResult& result) {
   result = deploy::deploy(scene, 1 / rate, nullptr);
   StateTape tape;
-  double guideStiffness = result.path.guideStiffness.value_or(0);
   tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
-                result.path.kind, result.path.openTime, result.path.guideTime, guideStiffness,
-                result.path.jointStiffness, result.trajectory.events,
-                result.trajectory.figureStates, result.trajectory.samples.back().poses);
+                result.path.kind, result.path.openTime, result.path.guideTime,
+                result.path.jointRatio, result.trajectory.events, result.trajectory.figureStates,
+                result.trajectory.samples.back().poses);
   return tape.numbers();
 }
 
@@ -88,7 +87,7 @@ int main(int count, char** arguments) {
   kirireel::scene::Scene scene = kirireel::scene::openScene();
   bool isDynamic = false;
   program.add_option("models", folder, "a model, or a folder of models");
-  program.add_option("--search", scene.path.searchTime, "seconds of a reference core");
+  program.add_option("--search-effort", scene.path.searchEffort, "work over the usual");
   program.add_flag("--dynamic", isDynamic, "springs that move masses, instead of the default path");
   CLI11_PARSE(program, count, arguments);
   if (isDynamic) scene.path.kind = kirireel::scene::PathKind::Dynamic;

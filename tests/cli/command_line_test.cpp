@@ -103,7 +103,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
                                           "off",
                                           "--seed",
                                           "42",
-                                          "--search",
+                                          "--search-effort",
                                           "5",
                                           "--no-align"})
                                  .scene;
@@ -129,7 +129,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.solver.iterations, 9);
   EXPECT_EQ(scene.solver.planar, false);
   EXPECT_EQ(scene.solver.seed, 42U);
-  EXPECT_EQ(scene.path.searchTime, 5);
+  EXPECT_EQ(scene.path.searchEffort, 5);
   EXPECT_FALSE(scene.alignment.requested);
 }
 
@@ -390,7 +390,8 @@ TEST(CommandLine, RemovedSpellingsNameTheirReplacement) {
   EXPECT_EQ(messageOf({"export", "run", "--format", "inp", "--quadratic"}),
             "error: option --quadratic was removed; give nothing, since it is the default; see "
             "kirireel export --help");
-  for (const char* word : {"--pitch", "--state", "--format"}) {
+  for (const char* word :
+       {"--pitch", "--state", "--format", "--search", "--joint-stiffness", "--guide-stiffness"}) {
     EXPECT_THAT(messageOf({"record", "fan", word, "1"}), HasSubstr(" was removed; give --"));
   }
 }

@@ -19,16 +19,15 @@ std::string refusal(std::vector<std::string> options) {
 }
 
 TEST(Contradictions, NameWhatAnOptionNeeds) {
-  EXPECT_EQ(refusal({"--solver", "bullet", "--joint-stiffness", "1e6"}),
-            "error: --joint-stiffness works only with --solver direct. Add --solver direct or "
-            "remove --joint-stiffness");
+  EXPECT_EQ(refusal({"--solver", "bullet", "--joint-ratio", "1e3"}),
+            "error: --joint-ratio works only with --solver direct. Add --solver direct or "
+            "remove --joint-ratio");
   EXPECT_EQ(refusal({"--path", "straight", "--guide-time", "2"}),
             "error: --guide-time works only with --path guided. Add --path guided or remove "
             "--guide-time");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"--guide-stiffness", "10"}, "--guide-stiffness works only with --path guided."},
-      {{"--path", "straight", "--joint-stiffness", "1e6"},
-       "--joint-stiffness works only with --path guided."},
+      {{"--path", "straight", "--joint-ratio", "1e3"},
+       "--joint-ratio works only with --path auto, --path continuation or --path guided."},
       {{"--path", "guided", "--solver", "bullet"},
        "--path guided works only with --solver direct."},
       {{"--path", "guided", "--cm_expansion"}, "--path guided works only with --actuation target."},
@@ -59,18 +58,17 @@ TEST(Contradictions, NameWhatSaysTheSame) {
       refusal({"--spring-frequency", "3", "--spring-stiffness", "25", "--torque-stiffness", "25"}),
       "error: --spring-frequency and --spring-stiffness with --torque-stiffness are equivalent. "
       "Use only one of them");
-  EXPECT_EQ(
-      refusal({"--damping-ratio", "1", "--force-damping", "25", "--torque-damping", "1"}),
-      "error: --damping-ratio and --force-damping with --torque-damping are equivalent. Use only one "
-      "of them");
+  EXPECT_EQ(refusal({"--damping-ratio", "1", "--force-damping", "25", "--torque-damping", "1"}),
+            "error: --damping-ratio and --force-damping with --torque-damping are equivalent. Use "
+            "only one "
+            "of them");
   EXPECT_EQ(refusal({"--damping-ratio", "1", "--spring-stiffness", "25"}), "accepted");
   EXPECT_EQ(refusal({"--spring-frequency", "3", "--torque-stiffness", "25"}), "accepted");
   EXPECT_EQ(refusal({"--damping-ratio", "1", "--force-damping", "25"}), "accepted");
 }
 
 TEST(Contradictions, LeaveConsistentOptionsAlone) {
-  EXPECT_EQ(refusal({"--path", "guided", "--guide-time", "2", "--joint-stiffness", "1e6"}),
-            "accepted");
+  EXPECT_EQ(refusal({"--path", "guided", "--guide-time", "2", "--joint-ratio", "1e3"}), "accepted");
   EXPECT_EQ(refusal({"--solver", "bullet", "--iterations", "90"}), "accepted");
   EXPECT_EQ(refusal({"--actuation", "boundary", "--boundary-size", "3"}), "accepted");
   EXPECT_EQ(refusal({"--mass", "prism", "--density", "900"}), "accepted");

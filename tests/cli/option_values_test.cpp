@@ -26,8 +26,9 @@ std::string messageOf(const Read& read) {
 }
 
 TEST(OptionNames, AreMadeOfTheKeysInMessages) {
-  EXPECT_EQ(cli::spellOptions("raise `search`, or use `path = dynamic` (`align = false` keeps it)"),
-            "raise --search, or use --path dynamic (--no-align keeps it)");
+  EXPECT_EQ(cli::spellOptions(
+                "raise `search_effort`, or use `path = dynamic` (`align = false` keeps it)"),
+            "raise --search-effort, or use --path dynamic (--no-align keeps it)");
   EXPECT_EQ(cli::spellOptions("`hinge_stiffness`: error: none"), "--hinge-stiffness: error: none");
   EXPECT_EQ(cli::spellOptions("no keys, `kirireel export` and a ` alone"),
             "no keys, `kirireel export` and a ` alone");

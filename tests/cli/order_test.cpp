@@ -29,8 +29,7 @@ Words neededFor(const scene::Setting& setting) {
   for (const scene::Condition& condition : setting.conditions) {
     if (condition.isWithout || condition.holds(scene::openScene())) continue;
     const std::string needed = cli::spellOptions(condition.needed);
-    for (const std::string_view word : scene::split(needed, ' '))
-      words.emplace_back(word);
+    for (const std::string_view word : scene::split(needed, ' ')) words.emplace_back(word);
   }
   return words;
 }
@@ -206,7 +205,9 @@ const std::vector<Sample>& samples() {
     std::vector<Sample> made = chosenSamples();
     for (const scene::SettingGroup& group : scene::sceneSettings()) {
       for (const scene::Setting& setting : group.settings) {
-        const auto isKnown = [&](const Sample& one) { return one.option == cli::optionName(setting.key); };
+        const auto isKnown = [&](const Sample& one) {
+          return one.option == cli::optionName(setting.key);
+        };
         if (std::ranges::none_of(chosenSamples(), isKnown)) made.push_back(sampleOf(setting));
       }
     }
@@ -314,7 +315,7 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
   Words peer = plain;
   peer.insert(peer.end(), {"--spring-stiffness", "100", "--torque-stiffness", "100",
                            "--force-damping", "50", "--torque-damping", "2", "--path", "dynamic",
-                           "--search", "60", "--actuation", "target", "--tolerance", "0"});
+                           "--actuation", "target", "--tolerance", "0"});
   for (const Words& words :
        {Words{"-bt", "0.030", "--no_collision"},
         Words{"--like", "pykirigami", "--thickness", "0.03", "--contacts", "unjoined"},

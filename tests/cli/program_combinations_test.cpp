@@ -307,10 +307,10 @@ class Combinations : public testing::Test {
     if (row[kSpelling] == 1) words.push_back("--model");
     words.push_back(model);
     writeText(scratch_ / "scene.toml", scene);
-    const Words rest = {"--scene",    (scratch_ / "scene.toml").string(),
-                        "--out",      (scratch_ / "out").string(),
-                        "--duration", "5",
-                        "--search",   "0.1"};
+    const Words rest = {"--scene",         (scratch_ / "scene.toml").string(),
+                        "--out",           (scratch_ / "out").string(),
+                        "--duration",      "5",
+                        "--search-effort", "0"};
     words.insert(words.end(), rest.begin(), rest.end());
     return words;
   }

@@ -234,7 +234,7 @@ class LargePages(unittest.TestCase):
             run_program("generate", "tessellation", folder / "model", "--columns", 100,
                         "--rows", 100)
             run_program("simulate", folder / "model", "--out", folder / "run", "--fps", 30,
-                        "--search", 1)
+                        "--search-effort", 1)
             run_program("page", folder / "run", "--samples", 200)
             page = folder / "run" / "page.html"
             self.assertLess(page.stat().st_size, 12e6)

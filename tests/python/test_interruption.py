@@ -84,7 +84,7 @@ class Interruption(unittest.TestCase):
 
     def test_ends_painting_and_saving(self):
         for count, model in self.sheets():
-            run = kirireel.deploy(model, path="dynamic", search=0, duration=0.1)
+            run = kirireel.deploy(model, path="dynamic", search_effort=0, duration=0.1)
             self.check(f"a picture of {count} tiles", lambda: run.render(size="1920x1080"))
             with tempfile.TemporaryDirectory() as folder:
                 place = pathlib.Path(folder, "run")

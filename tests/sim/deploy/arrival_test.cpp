@@ -88,10 +88,10 @@ TEST(Arrival, OverlapsOfJoinedPairsDoNotCountWhereOnlyUnjoinedOnesTouch) {
 TEST(Arrival, ASearchThatItsBudgetEndsIsAShortfall) {
   scene::Scene scene = sceneOf(familyOf("cap", {{"half-size", 3}}));
   EXPECT_THAT(deploy::deploy(scene, 1, nullptr).shortfall, IsEmpty());
-  scene.path.searchTime = 0.3;
+  scene.path.searchEffort = 0;
   const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_THAT(run.shortfall,
-              HasSubstr("the search for a path ended at its budget of 0.3 s; raise `search`"));
+              HasSubstr("the search for a path ended at its budget; raise `search_effort`"));
   EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("ended at its budget")));
 }
 

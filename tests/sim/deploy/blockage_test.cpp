@@ -29,8 +29,7 @@ scene::Scene foldedPair(double angle) {
 }
 
 std::vector<deploy::BlockingPair> blockingOf(const scene::Scene& scene) {
-  deploy::SearchBudget budget(1000);
-  return deploy::blockingPairs(scene, deploy::assembleAtTarget(scene, budget).restPoses, budget);
+  return deploy::blockingPairs(scene, deploy::assembleAtTarget(scene).restPoses);
 }
 
 TEST(Blockage, AFoldAwayFromTheJointsLeavesRoom) {

@@ -292,7 +292,6 @@ TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
 
 TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
   scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
-  scene.path.searchTime = 1;
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   const bool isClear = run.accuracy.penetrationGrownMax <= 1e-4 * model::tileSize(scene.model);
   const bool isSaid = std::ranges::any_of(run.warnings, [](const std::string& warning) {

@@ -128,7 +128,7 @@ std::vector<std::pair<deploy::Phase, double>> phasesOf(const scene::Scene& scene
 TEST(RunDrive, APathThatIsLedGoesThroughItsPhases) {
   scene::Scene scene = ledSheet();
   scene.path.openTime = 0.31;
-  scene.path.jointStiffness = 1e5;
+  scene.path.jointRatio = 1e3;
   const auto phases = phasesOf(scene);
   ASSERT_EQ(phases.size(), 4U);
   const double step = 1.0 / 240;

@@ -38,7 +38,7 @@ Poses folded(const scene::Scene& scene, double angle) {
     const double turn = i % 2 == 0 ? angle : -angle;
     guide[i].rotation = Quaternion(Eigen::AngleAxisd(turn, Vector3::UnitZ()));
   }
-  deploy::SearchBudget budget(5);
+  deploy::SearchBudget budget;
   return deploy::connect(scene, {model::startPoses(scene.model.tiles, bricks), guide}, budget)
       .states.back();
 }
@@ -52,7 +52,7 @@ TEST(Shortcuts, LeaveADetourOut) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   const Poses from = folded(scene, 0.3), by = folded(scene, 1.2), to = folded(scene, 0.6);
-  deploy::SearchBudget budget(5);
+  deploy::SearchBudget budget;
   const deploy::MechanismPath detour = deploy::connect(scene, {from, by, to}, budget);
   const deploy::MechanismPath direct = deploy::connect(scene, {from, to}, budget);
   ASSERT_TRUE(deploy::isDetour(scene, detour));
@@ -83,7 +83,7 @@ scene::Scene nearlyClosedAgain() {
 TEST(Shortcuts, KeepThePathOfAMechanismThatHasNoOther) {
   const scene::Scene scene = nearlyClosedAgain();
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  deploy::SearchBudget budget(5);
+  deploy::SearchBudget budget;
   const deploy::MechanismPath path =
       deploy::continueAlong(scene,
                             {model::startPoses(scene.model.tiles, bricks),
@@ -96,7 +96,7 @@ TEST(Shortcuts, KeepThePathOfAMechanismThatHasNoOther) {
 
 TEST(Shortcuts, EndWithTheBudget) {
   const scene::Scene scene = row();
-  deploy::SearchBudget budget(5);
+  deploy::SearchBudget budget;
   const deploy::MechanismPath detour =
       deploy::connect(scene, {folded(scene, 0.3), folded(scene, 1.2), folded(scene, 0.6)}, budget);
   deploy::SearchBudget none(0);
@@ -112,13 +112,13 @@ TEST(Shortcuts, EndWithTheBudget) {
 
 /// A path through these states with joints closed.
 deploy::MechanismPath pathThrough(const scene::Scene& scene, std::vector<Poses> states) {
-  deploy::SearchBudget budget(5);
+  deploy::SearchBudget budget;
   return deploy::connect(scene, std::move(states), budget);
 }
 
 deploy::MechanismPath pulledTight(const scene::Scene& scene, const deploy::MechanismPath& path,
                                   double turnWeight = 1) {
-  deploy::SearchBudget budget(20);
+  deploy::SearchBudget budget;
   return deploy::pulledTight(scene, path, turnWeight, kAnyOverlap, budget);
 }
 
@@ -216,7 +216,7 @@ TEST(PulledTight, APathIsTheSameButForExponentsInOtherUnits) {
     for (Pose& pose : state) pose.position *= 1024;
   }
   for (double& length : larger.lengths) length *= 1024;
-  deploy::SearchBudget budget(20);
+  deploy::SearchBudget budget;
   larger = deploy::pulledTight(scaled, larger, 1, kAnyOverlap, budget);
   ASSERT_EQ(larger.states.size(), path.states.size());
   for (std::size_t k = 0; k < path.states.size(); ++k) {
@@ -237,7 +237,7 @@ TEST(PulledTight, APathAmongContactsStaysClear) {
   scene.environment.contacts = scene::ContactFilter::All;
   const deploy::MechanismPath detour =
       pathThrough(scene, {from, folded(scene, 0.9), folded(scene, 0.2), to});
-  deploy::SearchBudget budget(20);
+  deploy::SearchBudget budget;
   trajectory::PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, from, 0);
   const double most = 1e-4 * model::tileSize(scene.model);
   const deploy::MechanismPath path = deploy::pulledTight(scene, detour, 1, most, budget);
@@ -253,7 +253,7 @@ TEST(PulledTight, ADetourLeavesASaddleAndKeepsItsSymmetries) {
   scene.environment.contacts = scene::ContactFilter::None;
   scene::fillFromModel(scene);
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  deploy::SearchBudget budget(20);
+  deploy::SearchBudget budget;
   const deploy::MechanismPath path =
       deploy::continueAlong(scene,
                             {model::startPoses(scene.model.tiles, bricks),
@@ -296,7 +296,7 @@ TEST(PulledTight, APathStaysAsItIsWithoutBudgetAndWhenStopped) {
   const scene::Scene scene = row();
   const deploy::MechanismPath detour =
       pathThrough(scene, {folded(scene, 0.3), folded(scene, 1.2), folded(scene, 0.6)});
-  deploy::SearchBudget none(0), budget(5);
+  deploy::SearchBudget none(0), budget;
   EXPECT_EQ(deploy::pulledTight(scene, detour, 1, kAnyOverlap, none).lengths, detour.lengths);
   const deploy::MechanismPath stopped =
       deploy::pulledTight(scene, detour, 1, kAnyOverlap, budget, [](double) { return false; });

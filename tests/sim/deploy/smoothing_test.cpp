@@ -178,7 +178,7 @@ TEST(Smoothing, StraightensAKink) {
     }
     return guide;
   };
-  deploy::SearchBudget budget(20);
+  deploy::SearchBudget budget;
   deploy::GeometricPath found;
   found.path =
       deploy::connect(squares.scene, {squares.start, folded(0.1, 0.5), folded(0.6, 0.6)}, budget);
