@@ -93,7 +93,7 @@ Poses poseAtNoGap(const std::vector<double>& gaps, const std::vector<Poses>& sta
 
 class ClosingPath {
  public:
-  ClosingPath(const scene::Scene& scene, SearchBudget& budget, const PathObserver& goesOn,
+  ClosingPath(const scene::Scene& scene, SearchBudget& budget, const PathObserver& shouldContinue,
               GeometricPath& found)
       : scene_(withoutSurroundings(scene)),
         tile_(model::tileSize(scene.model)),
@@ -106,7 +106,7 @@ class ClosingPath {
             makeDynamics(scene_, scene::sceneNeeds(scene), metric_, found.path.states.front())),
         meter_(overlapMeter(scene.environment, bricks_, pivots_, found.path.states.front())),
         budget_(budget),
-        goesOn_(goesOn),
+        shouldContinue_(shouldContinue),
         found_(found),
         path_(found.path),
         extension_(found.path.length()) {
@@ -124,7 +124,7 @@ class ClosingPath {
     double step = longest;
     // The first gaps are those of the state before: they say which ones are closing.
     std::vector<double> earlier = gapsAt(before_, gaps_);
-    while (mayGoOn()) {
+    while (mayContinue()) {
       const double made = pathDistance(metric_, before_, last_);
       step = std::min(step, kGapShare * distanceToMeeting(earlier, made));
       Poses tried = interpolate(before_, last_, 1 + step / made);
@@ -165,17 +165,21 @@ class ClosingPath {
     return std::max(kNearGap, kAboveRounding * std::sqrt(scene_.model.rounding / tile_));
   }
 
-  bool mayGoOn() { return !budget_.isSpent() && (!goesOn_ || goesOn_(budget_.share())); }
+  bool mayContinue() {
+    return !budget_.isSpent() && (!shouldContinue_ || shouldContinue_(budget_.share()));
+  }
 
   void requireOneMotion() const {
     if (!isExtension(scene_, path_)) {
       throw InputError(
-          "error: `to = closed` follows the motion of the sheet, but the sheet does not extend from "
+          "error: `to = closed` follows the motion of the sheet, but the sheet does not extend "
+          "from "
           "its start; give `target`, or other joints (`joints_file`)");
     }
     if (found_.evaluation.overlapGrowth > kClearShare * tile_) {
       throw InputError(
-          "error: `to = closed`: tiles overlap on the way to full extension, so that they cannot get "
+          "error: `to = closed`: tiles overlap on the way to full extension, so that they cannot "
+          "get "
           "beyond it; give `target`");
     }
     const auto half = std::ranges::lower_bound(path_.lengths, 0.5 * extension_);
@@ -337,7 +341,7 @@ class ClosingPath {
   std::unique_ptr<Dynamics> dynamics_;  // closes joints
   trajectory::PenetrationMeter meter_;
   SearchBudget& budget_;
-  const PathObserver& goesOn_;
+  const PathObserver& shouldContinue_;
   GeometricPath& found_;
   MechanismPath& path_;
   double extension_;  // length of the path to full extension, metres
@@ -348,8 +352,8 @@ class ClosingPath {
 }  // namespace
 
 void continueUntilClosed(const scene::Scene& scene, SearchBudget& budget,
-                         const PathObserver& goesOn, GeometricPath& found) {
-  ClosingPath(scene, budget, goesOn, found).follow();
+                         const PathObserver& shouldContinue, GeometricPath& found) {
+  ClosingPath(scene, budget, shouldContinue, found).follow();
 }
 
 }  // namespace kirireel::deploy

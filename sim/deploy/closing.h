@@ -15,6 +15,6 @@ namespace kirireel::deploy {
 /// Throws InputError for a sheet that does not extend, one with more than one motion half way to
 /// full extension, one that stops before its tiles meet, and one whose tiles never meet.
 void continueUntilClosed(const scene::Scene& scene, SearchBudget& budget,
-                         const PathObserver& goesOn, GeometricPath& found);
+                         const PathObserver& shouldContinue, GeometricPath& found);
 
 }  // namespace kirireel::deploy

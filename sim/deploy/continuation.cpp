@@ -273,7 +273,7 @@ class Continuation {
  public:
   /// `closedStiffness`: of joints that are closed, as ContinuationSettings::jointStiffness.
   Continuation(const scene::Scene& scene, Poses start, const ContinuationSettings& settings,
-               double closedStiffness, SearchBudget& budget, const PathObserver& goesOn)
+               double closedStiffness, SearchBudget& budget, const PathObserver& shouldContinue)
       : scene_(withoutLoads(scene)),
         settings_(heldBy(settings, closedStiffness)),
         closedStiffness_(closedStiffness),
@@ -283,7 +283,7 @@ class Continuation {
         mechanism_(scene_, settings_, poses_),
         symmetries_(scene),
         budget_(budget),
-        goesOn_(goesOn) {
+        shouldContinue_(shouldContinue) {
     symmetries_.keepThoseOf(poses_);
     if (!settings_.areJointsCompliant()) mechanism_.close(poses_);
     mechanism_.restore(symmetries_, poses_);
@@ -314,7 +314,7 @@ class Continuation {
     stateLength_ = std::max(kStateShare * tile_, radius / kRadiusStates);
     extend();
     // Where nothing extends the tiles, they stand at a maximum or, often by symmetry, at a saddle.
-    while (mayGoOn() && leaveSaddle()) continue;
+    while (mayContinue() && leaveSaddle()) continue;
     leaveOutRest();
     path_.guideLength = path_.length();
     return finish();
@@ -331,8 +331,9 @@ class Continuation {
     return settings_.jointStiffness == closedStiffness_ && settings_.areJointsCompliant();
   }
 
-  bool mayGoOn() {
-    path_.isCutShort = path_.isCutShort || budget_.isSpent() || (goesOn_ && !goesOn_(progress_));
+  bool mayContinue() {
+    path_.isCutShort =
+        path_.isCutShort || budget_.isSpent() || (shouldContinue_ && !shouldContinue_(progress_));
     return !path_.isCutShort && !path_.isStuck;
   }
 
@@ -362,7 +363,7 @@ class Continuation {
     double reached = extent(poses_, pieces_);
     Poses last = poses_;
     int gains = 0;  // in a row
-    for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayGoOn(); ++i) {
+    for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayContinue(); ++i) {
       // Going on as before, more so the longer it gains.
       const double momentum = gains / (gains + 3.0);
       const Poses ahead = interpolate(last, poses_, 1 + momentum);
@@ -435,12 +436,12 @@ class Continuation {
   void follow(const PathGuide& guide, double largest) {
     double advance = progress_ > 0 ? std::min(progress_, largest) : kFirstProgress;
     int still = 0;
-    for (; progress_ < 1 && mayGoOn(); advance = std::min(kGrowth * advance, largest)) {
+    for (; progress_ < 1 && mayContinue(); advance = std::min(kGrowth * advance, largest)) {
       progress_ = std::min(1.0, progress_ + advance);
       const double wanted = advance * path_.guideLength;
       const double before = path_.length();
       const Poses place = guide.at(progress_);
-      for (int i = 0; i < kMovesAState && mayGoOn(); ++i) {
+      for (int i = 0; i < kMovesAState && mayContinue(); ++i) {
         if (moveTowards(place) < kShortMove * wanted) break;
       }
       still = path_.length() - before < kShortMove * wanted ? still + 1 : 0;
@@ -448,7 +449,7 @@ class Continuation {
       path_.isStuck = still >= kStuckPlaces && (isRounded() || !settings_.areJointsCompliant());
     }
     if (settings_.areJointsCompliant()) {
-      for (int i = 0; i < kMovesToSettle && mayGoOn(); ++i) {
+      for (int i = 0; i < kMovesToSettle && mayContinue(); ++i) {
         if (moveTowards(guide.end()) < noMove()) break;
       }
       mechanism_.holdJoints(closedStiffness_);
@@ -459,7 +460,7 @@ class Continuation {
 
   // Moves towards the goal until a move is none.
   void goTo(const Poses& goal) {
-    for (int i = 0; i < kMovesAtGoal && mayGoOn(); ++i) {
+    for (int i = 0; i < kMovesAtGoal && mayContinue(); ++i) {
       if (moveTowards(goal) < noMove()) break;
     }
   }
@@ -522,19 +523,19 @@ class Continuation {
   double stateLength_ = 0;      // of the guide from state to state, metres
   double progress_ = 0;         // along the guide, 0 to 1
   SearchBudget& budget_;
-  const PathObserver& goesOn_;
+  const PathObserver& shouldContinue_;
   MechanismPath path_;
 };
 
 /// Follows a guide between two states of which neither need be the scene's target.
 MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
-                            const PathObserver& goesOn) {
+                            const PathObserver& shouldContinue) {
   scene::Scene between = scene;
   between.solver.planar = scene::sceneNeeds(scene).planar.on;
   between.model.target.reset();
   const double exact = std::numeric_limits<double>::infinity();
-  return Continuation(between, guide.front(), settings, exact, budget, goesOn)
+  return Continuation(between, guide.front(), settings, exact, budget, shouldContinue)
       .along(std::move(guide));
 }
 
@@ -589,7 +590,7 @@ void endBeforeJointsOpen(const scene::Scene& scene, MechanismPath& path) {
 /// A path whose joints close within the rounding of the coordinates, which cost that much work:
 /// with exact joints where the tiles fit each other all along it.
 MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, double cost,
-                            SearchBudget& budget, const PathObserver& goesOn) {
+                            SearchBudget& budget, const PathObserver& shouldContinue) {
   rounded.isRounded = true;
   if (rounded.isStuck || rounded.isCutShort) return rounded;
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
@@ -600,7 +601,7 @@ MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, do
   if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
   SearchBudget part(std::min(kExactCost * cost, budget.left()));
   MechanismPath exact = Continuation(scene, rounded.states.front(), {.leap = 0},
-                                     std::numeric_limits<double>::infinity(), part, goesOn)
+                                     std::numeric_limits<double>::infinity(), part, shouldContinue)
                             .along(rounded.states);
   budget.spend(part.spent());
   if (exact.isStuck || exact.isCutShort) return rounded;
@@ -648,34 +649,35 @@ double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, 
 
 MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
-                            const PathObserver& goesOn) {
+                            const PathObserver& shouldContinue) {
   const double closed = roundedJointStiffness(scene.model);
   const double before = budget.spent();
-  MechanismPath path =
-      Continuation(scene, guide.front(), settings, closed, budget, goesOn).along(std::move(guide));
+  MechanismPath path = Continuation(scene, guide.front(), settings, closed, budget, shouldContinue)
+                           .along(std::move(guide));
   if (!std::isfinite(closed) || settings.areJointsCompliant()) return path;
-  return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
+  return closedExactly(scene, std::move(path), budget.spent() - before, budget, shouldContinue);
 }
 
 MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
-                      const PathObserver& goesOn) {
-  return followBetween(scene, std::move(guide), {.leap = 0}, budget, goesOn);
+                      const PathObserver& shouldContinue) {
+  return followBetween(scene, std::move(guide), {.leap = 0}, budget, shouldContinue);
 }
 
 MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, const Poses& goal,
-                               SearchBudget& budget, const PathObserver& goesOn) {
+                               SearchBudget& budget, const PathObserver& shouldContinue) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const double near = kNoFarther * model::tileSize(scene.model);
   const auto isAtStart = [&](const MechanismPath& path) {
     return pathDistance(bricks, path.states.back(), start) <= near;
   };
-  MechanismPath back = connect(scene, {goal, start}, budget, goesOn);
+  MechanismPath back = connect(scene, {goal, start}, budget, shouldContinue);
   endNearest(bricks, start, back);
   back.isStuck = !isAtStart(back);
   for (const double stiffness : kNearStart) {
     if (back.isCutShort || !back.isStuck) break;
-    MechanismPath rest = followBetween(scene, {back.states.back(), start},
-                                       {.leap = 0, .jointStiffness = stiffness}, budget, goesOn);
+    MechanismPath rest =
+        followBetween(scene, {back.states.back(), start}, {.leap = 0, .jointStiffness = stiffness},
+                      budget, shouldContinue);
     back.isCutShort = rest.isCutShort;
     if (!isAtStart(rest)) continue;
     back.isStuck = false;
@@ -690,581 +692,16 @@ MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, co
 }
 
 MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budget,
-                                  const PathObserver& goesOn) {
+                                  const PathObserver& shouldContinue) {
   const Poses start =
       model::startPoses(scene.model.tiles, model::makeBricks(scene.model.tiles, scene.brick));
   const double closed = roundedJointStiffness(scene.model);
   const double before = budget.spent();
   MechanismPath path =
-      Continuation(scene, start, {.turnWeight = 1}, closed, budget, goesOn).toExtension();
+      Continuation(scene, start, {.turnWeight = 1}, closed, budget, shouldContinue).toExtension();
   if (!std::isfinite(closed)) return path;
   endBeforeJointsOpen(scene, path);
-  return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
-}
-
-// ------------------------------------------------------------------------------------------------
-// Shortcuts by a local planner, as sampled paths of robots are shortened: Geraerts, Overmars
-// (2007), "Creating high-quality paths for motion planning", Int. J. Robotics Research 26.
-//
-// A few states at even distances along the path are its nodes. From the first node on, the way to
-// the farthest later node is sought by following the mechanism along the tiles' own motions from
-// the one to the other, then to the one before, and so on. A way that arrives, is clear and clearly
-// shorter takes the place of the states between; the search goes on from its end. Nothing is drawn
-// at random. Each round halves the pieces, as long as that still gains.
-
-namespace {
-
-// The path is cut into so many pieces, then into twice as many.
-constexpr int kPieces = 8;
-constexpr int kRounds = 2;
-// A way counts as shorter below this factor.
-constexpr double kShorter = 0.9;
-// It has arrived within this part of a tile: half of what lies between two states of a path.
-constexpr double kArrived = 0.01;
-// So many ways in a row that gain nothing: the mechanism has no shorter ones.
-constexpr int kPatience = 12;
-// A way that is stuck within this part of its guide cannot leave its start.
-constexpr double kNoStart = 0.05;
-// Whether a path turns back is looked at in so many pieces.
-constexpr int kTurnPieces = 200;
-// Moves that are together shorter than this part of the path are no turn.
-constexpr double kLeastTurn = 1e-6;
-// Bricks that go straight from one state to another are looked at in these parts of the way.
-constexpr double kBetween[] = {0.25, 0.5, 0.75};
-
-/// Which states lie at even distances along a path, in so many pieces; the first and the last too.
-std::vector<std::size_t> evenStates(const MechanismPath& path, int pieces) {
-  std::vector<std::size_t> found = {0};
-  const std::size_t last = path.states.size() - 1;
-  for (int k = 1; k < pieces; ++k) {
-    const double length = path.length() * k / pieces;
-    const auto there = std::ranges::lower_bound(path.lengths, length);
-    const auto state = static_cast<std::size_t>(there - path.lengths.begin());
-    if (state > found.back() && state < last) found.push_back(state);
-  }
-  if (last > 0) found.push_back(last);
-  return found;
-}
-
-/// Which states a path may have: those on which joints are open by at most `mostGap` metres and
-/// bricks overlap by no more than `mostGrown` metres beyond the start; infinity: by anything.
-class ClearStates {
- public:
-  ClearStates(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
-              const Poses& start, double mostGap, double mostGrown)
-      : mostGap_(mostGap),
-        mostGrown_(mostGrown),
-        pivots_(model::makePivots(scene.model.joints, bricks)),
-        meter_(overlapMeter(scene.environment, bricks, pivots_, start)) {}
-
-  bool contain(const Poses& poses) {
-    return trajectory::jointGap(pivots_, poses).max <= mostGap_ &&
-           (std::isinf(mostGrown_) || meter_.at(poses).grown <= mostGrown_);
-  }
-
- private:
-  double mostGap_;    // metres
-  double mostGrown_;  // likewise
-  std::vector<model::Pivot> pivots_;
-  trajectory::PenetrationMeter meter_;
-};
-
-/// Where a path turns back: its moves from one state to a second, and on to a third, are opposed.
-struct Kink {
-  std::size_t before = 0;
-  std::size_t middle = 0;
-  std::size_t after = 0;
-};
-
-/// The first such place whose middle is the state `from` or a later one, for moves of about
-/// 1/kTurnPieces of the path.
-std::optional<Kink> nextKink(const std::vector<model::Brick>& bricks, const MechanismPath& path,
-                             std::size_t from) {
-  const double step = path.length() / kTurnPieces;
-  if (!(step > 0)) return std::nullopt;
-  Kink kink;
-  for (std::size_t k = from; k + 1 < path.states.size(); ++k) {
-    while (path.lengths[kink.before + 1] <= path.lengths[k] - step) ++kink.before;
-    kink.after = std::max(kink.after, k);
-    while (kink.after + 1 < path.states.size() &&
-           path.lengths[kink.after] < path.lengths[k] + step) {
-      ++kink.after;
-    }
-    if (path.lengths[k] - path.lengths[kink.before] < step) continue;
-    // The last moves may be none but for rounding.
-    if (path.length() - path.lengths[k] < kLeastTurn * path.length()) break;
-    kink.middle = k;
-    const Poses& middle = path.states[k];
-    const double come = pathDistance(bricks, path.states[kink.before], middle);
-    const double go = pathDistance(bricks, middle, path.states[kink.after]);
-    // By the law of cosines the two moves are opposed.
-    const double both = pathDistance(bricks, path.states[kink.before], path.states[kink.after]);
-    if (both * both < come * come + go * go) return kink;
-  }
-  return std::nullopt;
-}
-
-/// Leaves out the states from `first` to the one before `last`.
-void leaveOut(const std::vector<model::Brick>& bricks, MechanismPath& path, std::size_t first,
-              std::size_t last) {
-  const double present = path.lengths[last] - path.lengths[first - 1];
-  const double saved = present - pathDistance(bricks, path.states[first - 1], path.states[last]);
-  for (std::size_t k = last; k < path.lengths.size(); ++k) path.lengths[k] -= saved;
-  const auto begin = static_cast<long>(first), end = static_cast<long>(last);
-  path.states.erase(path.states.begin() + begin, path.states.begin() + end);
-  path.lengths.erase(path.lengths.begin() + begin, path.lengths.begin() + end);
-}
-
-class Shortening {
- public:
-  Shortening(const scene::Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
-             const PathObserver& goesOn)
-      : scene_(scene),
-        path_(std::move(path)),
-        mostGrown_(mostGrown),
-        budget_(budget),
-        goesOn_(goesOn),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(model::makePivots(scene.model.joints, bricks_)),
-        meter_(overlapMeter(scene.environment, bricks_, pivots_, path_.states.front())) {}
-
-  // Rounds go on while one makes the path clearly shorter; else the next, with shorter pieces,
-  // would be work for nothing.
-  MechanismPath find() {
-    for (int round = 0, pieces = kPieces; round < kRounds; ++round, pieces *= 2) {
-      const double before = path_.length();
-      cutAmong(evenStates(path_, pieces));
-      if (isOver() || !(path_.length() < kShorter * before)) break;
-    }
-    return std::move(path_);
-  }
-
- private:
-  bool isOver() const { return budget_.isSpent() || (goesOn_ && !goesOn_(1)); }
-
-  // Greedy: from each node the farthest one that a shorter way leads to.
-  void cutAmong(const std::vector<std::size_t>& nodes) {
-    MechanismPath kept = path_;
-    kept.states.resize(1);
-    kept.lengths.resize(1);
-    int inVain = 0;
-    for (std::size_t from = 0; from + 1 < nodes.size();) {
-      std::size_t to = nodes.size() - 1;
-      std::vector<Poses> way;
-      for (; to > from + 1 && inVain < kPatience && !isOver(); --to) {
-        bool mayStart = true;
-        way = shorterWay(nodes[from], nodes[to], mayStart);
-        inVain = way.empty() ? inVain + 1 : 0;
-        if (!way.empty() || !mayStart) break;
-      }
-      if (way.empty()) {
-        to = from + 1;
-        way.assign(path_.states.begin() + static_cast<long>(nodes[from]) + 1,
-                   path_.states.begin() + static_cast<long>(nodes[to]) + 1);
-      }
-      for (Poses& state : way) append(kept, std::move(state));
-      from = to;
-    }
-    if (kept.length() < path_.length()) path_ = std::move(kept);
-  }
-
-  void append(MechanismPath& path, Poses state) const {
-    path.lengths.push_back(path.length() + pathDistance(bricks_, path.states.back(), state));
-    path.states.push_back(std::move(state));
-  }
-
-  /// The states after `from` up to `to` on a way that is clear and shorter; none where there is no
-  /// such way. `mayStart`: whether the mechanism moves from there at all.
-  std::vector<Poses> shorterWay(std::size_t from, std::size_t to, bool& mayStart) {
-    // No way is shorter than the straight distance between the states, so that the search is spared
-    // where even this is not short enough.
-    const double least = pathDistance(bricks_, path_.states[from], path_.states[to]);
-    const double present = path_.lengths[to] - path_.lengths[from];
-    if (least > kShorter * present) return {};
-    const double most = kShorter * present;
-    MechanismPath way = connect(scene_, {path_.states[from], path_.states[to]}, budget_,
-                                [&](double) { return !isOver(); });
-    mayStart = !way.isStuck || way.length() > kNoStart * way.guideLength;
-    const double missing = pathDistance(bricks_, way.states.back(), path_.states[to]);
-    const bool arrives =
-        !way.isStuck && !way.isCutShort && missing <= kArrived * model::tileSize(scene_.model);
-    if (!arrives || way.length() + missing > most) return {};
-    way.states.push_back(path_.states[to]);
-    way.states.erase(way.states.begin());
-    // Overlaps are measured last, because they are the dearest test.
-    const bool isClear = std::ranges::all_of(
-        way.states, [&](const Poses& state) { return meter_.at(state).grown <= mostGrown_; });
-    return isClear ? std::move(way.states) : std::vector<Poses>{};
-  }
-
-  const scene::Scene& scene_;
-  MechanismPath path_;
-  double mostGrown_;  // metres
-  SearchBudget& budget_;
-  const PathObserver& goesOn_;
-  std::vector<model::Brick> bricks_;
-  std::vector<model::Pivot> pivots_;
-  trajectory::PenetrationMeter meter_;
-};
-
-}  // namespace
-
-// Whether a path is longer than its ends' distance by a factor that leaves room for shortcuts.
-bool isDetour(const scene::Scene& scene, const MechanismPath& path) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  return path.length() > kDetour * pathDistance(bricks, path.states.front(), path.states.back());
-}
-
-bool turnsBack(const scene::Scene& scene, const MechanismPath& path) {
-  return nextKink(model::makeBricks(scene.model.tiles, scene.brick), path, 1).has_value();
-}
-
-MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double mostGap,
-                           double mostGrown) {
-  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  ClearStates clear(scene, bricks, path.states.front(), mostGap, mostGrown);
-  std::size_t from = 1;
-  while (const std::optional<Kink> kink = nextKink(bricks, path, from)) {
-    const Poses& before = path.states[kink->before];
-    const Poses& after = path.states[kink->after];
-    const bool mayGoStraight = std::ranges::all_of(
-        kBetween, [&](double share) { return clear.contain(interpolate(before, after, share)); });
-    if (mayGoStraight) {
-      leaveOut(bricks, path, kink->before + 1, kink->after);
-      from = std::max<std::size_t>(1, kink->before);
-    } else {
-      from = kink->middle + 1;
-    }
-  }
-  return path;
-}
-
-MechanismPath withShortcuts(const scene::Scene& scene, MechanismPath path, double mostGrown,
-                            SearchBudget& budget, const PathObserver& goesOn) {
-  return Shortening(scene, std::move(path), mostGrown, budget, goesOn).find();
-}
-
-// ------------------------------------------------------------------------------------------------
-// A path pulled tight along the mechanism.
-//
-// Images q_0 ... q_m of the path, the ends fixed, minimise the energy of a chain of springs
-//   E = sum over k of |q_(k+1) - q_k|^2 / h_k  with  c(q_k) = 0,  phi(q_k) >= 0,
-// h_k their distances at first and |.| the distance of pathDistance(), in which turns may weigh
-// more than places. Where E is least the images lie on a geodesic of the mechanism, straight but
-// for joints and contacts, and evenly. The pull on image k is d_k, from it to the weighted mean of
-// its neighbours; the mechanism follows it by P d_k, a move of the joint solver from rest. The
-// images then move by u,
-//   (1 + a) w_k u_k - u_(k-1) / h_(k-1) - u_(k+1) / h_k = w_k P d_k,  w_k = 1 / h_(k-1) + 1 / h_k,
-// as far as the mechanism lets them. With a = 0 that is Newton's method in free space: what each
-// image finds is spread over the whole path, which moves of single images would need m^2 rounds
-// for. The larger a, the less is spread, and the surer is it that E falls; a follows from that as
-// in the method of Levenberg and Marquardt. Birkhoff (1917), "Dynamical systems with two degrees of
-// freedom", Trans. AMS 18; Neuberger (2010), "Sobolev gradients and differential equations".
-
-namespace {
-
-// Images are this part of the path apart. What lies so many times that from the start stays as it
-// is: bricks leave a singular start, and wedge there, by tiny moves.
-constexpr double kImageShare = 1.0 / 80;
-constexpr double kKeptImages = 2;
-// Rounds at most, and tries in each. A round that takes less than this part off the energy is the
-// last.
-constexpr int kPulls = 30;
-constexpr int kTries = 6;
-constexpr double kLeastGain = 2e-3;
-// Of a: at first, the least that is not 0, and from try to try.
-constexpr double kFirstCaution = 1e-2;
-constexpr double kLeastCaution = 1e-3;
-constexpr double kCautionFactor = 8;
-// A move is at most as long as images are apart, at first; longer by this factor each time that it
-// succeeds, up to so many times that distance. One that wedges makes this part of itself the
-// longest; below the last part an image stays where it is.
-constexpr double kBolder = 1.25;
-constexpr double kLongestPull = 3;
-constexpr double kWedged = 0.25;
-constexpr double kLeastPull = 1e-4;
-// A detour that rounds make no shorter is moved by this part of a tile.
-constexpr double kNudgeShare = 0.1;
-// Images count as no nearer to each other than this part of their mean distance.
-constexpr double kLeastGap = 0.1;
-// Joints of an image may be open by this part of a tile.
-constexpr double kOpenImage = 1e-10;
-
-using Displacements = std::vector<Vector6>;  // one a brick: metres, radians
-
-/// The displacements from one state to another.
-Displacements displacementsBetween(const Poses& from, const Poses& to) {
-  Displacements displacements(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    displacements[i].head<3>() = to[i].position - from[i].position;
-    displacements[i].tail<3>() = turnBetween(from[i].rotation, to[i].rotation);
-  }
-  return displacements;
-}
-
-/// A state displaced by a part of the displacements.
-Poses displaced(Poses poses, const Displacements& by, double part = 1) {
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i] = displaced(poses[i], part * by[i].head<3>(), part * by[i].tail<3>());
-  }
-  return poses;
-}
-
-void scale(Displacements& displacements, double factor) {
-  for (Vector6& each : displacements) each *= factor;
-}
-
-/// Adds a multiple of displacements to others.
-void add(double factor, const Displacements& more, Displacements& to) {
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * more[i];
-}
-
-class CurveShortening {
- public:
-  CurveShortening(const scene::Scene& scene, MechanismPath path, double turnWeight,
-                  double mostGrown, SearchBudget& budget, const PathObserver& goesOn)
-      : scene_(withoutLoads(scene)),
-        path_(std::move(path)),
-        turnWeight_(turnWeight),
-        budget_(budget),
-        goesOn_(goesOn),
-        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
-        clear_(scene, bricks_, path_.states.front(), kOpenImage * model::tileSize(scene.model),
-               mostGrown),
-        symmetries_(scene_, path_.symmetries) {
-    takeImages();
-  }
-
-  MechanismPath find() {
-    const double first = energyOf(images_);
-    double energy = settle(first);
-    for (const double nudge : {kNudgeShare, -kNudgeShare}) {
-      if (isOver() || !isLong()) break;
-      const std::vector<Poses> before = images_;
-      nudgeApart(nudge);
-      const double reached = settle(energyOf(images_));
-      if (reached < energy) {
-        energy = reached;
-      } else {
-        images_ = before;
-      }
-    }
-    if (energy < first) takePath();
-    return std::move(path_);
-  }
-
- private:
-  bool isOver() const { return budget_.isSpent() || (goesOn_ && !goesOn_(1)); }
-
-  /// Takes a state near the start, the last, and states between at even distances.
-  void takeImages() {
-    const double spacing = kImageShare * path_.length();
-    double next = kKeptImages * spacing;
-    for (std::size_t k = 0; k + 1 < path_.states.size(); ++k) {
-      const double length = path_.lengths[k];
-      if (length < next || path_.length() - length < 0.5 * spacing) continue;
-      if (images_.empty()) first_ = k;
-      images_.push_back(path_.states[k]);
-      next = length + spacing;
-    }
-    if (images_.empty()) images_.push_back(path_.states.front());
-    images_.push_back(path_.states.back());
-    takeGaps();
-    longest_.assign(images_.size(), spacing_);
-    mechanisms_.resize(images_.size());
-  }
-
-  /// Where the path turns back, images may lie near each other; a chain needs some distance.
-  void takeGaps() {
-    for (std::size_t k = 1; k < images_.size(); ++k) {
-      gaps_.push_back(distance(images_[k - 1], images_[k]));
-      spacing_ += gaps_.back();
-    }
-    spacing_ /= static_cast<double>(gaps_.size());
-    for (double& gap : gaps_) gap = std::max(gap, kLeastGap * spacing_);
-  }
-
-  /// Of two states in the metric of the chain, metres.
-  double distance(const Poses& from, const Poses& to) const {
-    return pathDistance(bricks_, from, to, turnWeight_);
-  }
-
-  /// The mechanism at an image. Contacts remember the image's own overlaps; where bricks never
-  /// touch there is nothing to remember, and one mechanism serves all images.
-  Mechanism& mechanismAt(std::size_t image) {
-    const bool isOneForAll = !scene::sceneNeeds(scene_).contacts.on;
-    std::unique_ptr<Mechanism>& mechanism = mechanisms_[isOneForAll ? 0 : image];
-    if (!mechanism) {
-      const ContinuationSettings even = {.turnWeight = turnWeight_};
-      mechanism = std::make_unique<Mechanism>(scene_, even, images_[image]);
-    }
-    return *mechanism;
-  }
-
-  double energyOf(const std::vector<Poses>& images) const {
-    double energy = 0;
-    for (std::size_t k = 1; k < images.size(); ++k) {
-      const double length = distance(images[k - 1], images[k]);
-      energy += length * length / gaps_[k - 1];
-    }
-    return energy;
-  }
-
-  /// An image moved by displacements, as far as that is a state of the mechanism on which bricks
-  /// are clear; else the image as it is.
-  Poses moved(std::size_t image, const Displacements& by) {
-    const Poses& from = images_[image];
-    double& longest = longest_[image];
-    if (longest < kLeastPull * spacing_) return from;
-    const double whole = distance(from, displaced(from, by));
-    const double wanted = std::min(whole, longest);
-    if (!(wanted > 0)) return from;
-    Poses to = from;
-    Mechanism& mechanism = mechanismAt(image);
-    const double anyLength = std::numeric_limits<double>::infinity();
-    const bool hasMoved =
-        mechanism.move(to, displaced(from, by, wanted / whole), anyLength, budget_) > 0;
-    mechanism.restore(symmetries_, to);
-    const bool isState = hasMoved && clear_.contain(to);
-    longest = isState ? std::min(kBolder * longest, kLongestPull * spacing_) : kWedged * wanted;
-    return isState ? to : from;
-  }
-
-  double weightOf(std::size_t image) const { return 1 / gaps_[image - 1] + 1 / gaps_[image]; }
-
-  /// What the mechanism follows of the pull on each image between the ends, times its weight.
-  std::vector<Displacements> pulls() {
-    std::vector<Displacements> found;
-    for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
-      const double share = 1 / gaps_[k] / weightOf(k);
-      Displacements towards = displacementsBetween(images_[k], images_[k + 1]);
-      scale(towards, share);
-      add(1 - share, displacementsBetween(images_[k], images_[k - 1]), towards);
-      found.push_back(displacementsBetween(images_[k], moved(k, towards)));
-      scale(found.back(), weightOf(k));
-    }
-    return found;
-  }
-
-  /// Solves the tridiagonal system for u by elimination: row j is that of image j + 1.
-  std::vector<Displacements> solve(std::vector<Displacements> rows) const {
-    std::vector<double> diagonal(rows.size());
-    for (std::size_t j = 0; j < rows.size(); ++j) {
-      diagonal[j] = (1 + caution_) * weightOf(j + 1);
-      if (j == 0) continue;
-      const double factor = 1 / (gaps_[j] * diagonal[j - 1]);
-      diagonal[j] -= factor / gaps_[j];
-      add(factor, rows[j - 1], rows[j]);
-    }
-    for (std::size_t j = rows.size(); j-- > 0;) {
-      if (j + 1 < rows.size()) add(1 / gaps_[j + 1], rows[j + 1], rows[j]);
-      scale(rows[j], 1 / diagonal[j]);
-    }
-    limit(rows);
-    return rows;
-  }
-
-  /// Makes moves of all images shorter by one factor where one is too long.
-  void limit(std::vector<Displacements>& moves) const {
-    double farthest = 0;
-    for (std::size_t j = 0; j < moves.size(); ++j) {
-      const Poses& image = images_[j + 1];
-      farthest = std::max(farthest, distance(image, displaced(image, moves[j])));
-    }
-    const double longest = kLongestPull * spacing_;
-    if (!(farthest > longest)) return;
-    for (Displacements& move : moves) scale(move, longest / farthest);
-  }
-
-  /// Rounds until one gains hardly anything. Returns the energy then.
-  double settle(double energy) {
-    for (int round = 0; round < kPulls && !isOver(); ++round) {
-      const double before = energy;
-      energy = pull(energy);
-      if (!(energy < (1 - kLeastGain) * before)) break;
-    }
-    return energy;
-  }
-
-  /// Whether the images are a detour.
-  bool isLong() const {
-    double length = path_.lengths[first_];
-    for (std::size_t k = 1; k < images_.size(); ++k) {
-      length += pathDistance(bricks_, images_[k - 1], images_[k]);
-    }
-    return length > kDetour * pathDistance(bricks_, path_.states.front(), images_.back());
-  }
-
-  /// Moves the bricks of all images but the ends apart, or together where `share` is below 0, by up
-  /// to that part of a tile in the middle of the path.
-  void nudgeApart(double share) {
-    const std::vector<int> pieces = model::piecesOf(scene_.model);
-    for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
-      const double part = static_cast<double>(k) / static_cast<double>(images_.size() - 1);
-      const Poses wide = spread(images_[k], pieces, 1);
-      const double whole = distance(images_[k], wide);
-      if (!(whole > 0)) continue;
-      Displacements apart = displacementsBetween(images_[k], wide);
-      scale(apart, 4 * part * (1 - part) * share * model::tileSize(scene_.model) / whole);
-      images_[k] = moved(k, apart);
-    }
-  }
-
-  /// One round. Returns the energy after it, which is the one before where no try made it less.
-  double pull(double energy) {
-    const std::vector<Displacements> pulled = pulls();
-    for (int i = 0; i < kTries && !isOver(); ++i) {
-      const std::vector<Displacements> moves = solve(pulled);
-      std::vector<Poses> tried = images_;
-      for (std::size_t k = 1; k + 1 < images_.size() && !isOver(); ++k) {
-        tried[k] = moved(k, moves[k - 1]);
-      }
-      const double reached = energyOf(tried);
-      if (reached < energy) {
-        caution_ = caution_ > kLeastCaution ? caution_ / kCautionFactor : 0;
-        images_ = std::move(tried);
-        return reached;
-      }
-      caution_ = std::max(kLeastCaution, kCautionFactor * caution_);
-    }
-    return energy;
-  }
-
-  /// Puts the images in the place of the states from the first of them on.
-  void takePath() {
-    path_.states.resize(first_);
-    std::ranges::move(images_, std::back_inserter(path_.states));
-    measureLengths(bricks_, path_);
-  }
-
-  scene::Scene scene_;
-  MechanismPath path_;
-  double turnWeight_;
-  double spacing_ = 0;  // of images in the mean, metres; see distance()
-  SearchBudget& budget_;
-  const PathObserver& goesOn_;
-  std::vector<model::Brick> bricks_;
-  ClearStates clear_;
-  SymmetricStates symmetries_;
-  std::vector<Poses> images_;
-  std::size_t first_ = 0;        // state that is an image
-  std::vector<double> gaps_;     // between images at first, metres; see distance()
-  std::vector<double> longest_;  // move of each image, metres
-  std::vector<std::unique_ptr<Mechanism>> mechanisms_;
-  double caution_ = kFirstCaution;  // a
-};
-
-}  // namespace
-
-MechanismPath pulledTight(const scene::Scene& scene, MechanismPath path, double turnWeight,
-                          double mostGrown, SearchBudget& budget, const PathObserver& goesOn) {
-  double before = 0;
-  do {
-    before = path.length();
-    if (!(before > 0)) return path;
-    path = CurveShortening(scene, std::move(path), turnWeight, mostGrown, budget, goesOn).find();
-  } while (path.length() < kShorter * before);
-  return path;
+  return closedExactly(scene, std::move(path), budget.spent() - before, budget, shouldContinue);
 }
 
 // ------------------------------------------------------------------------------------------------

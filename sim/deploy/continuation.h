@@ -90,18 +90,18 @@ using PathObserver = std::function<bool(double progress)>;
 /// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
 /// and damping are left out. A path with exact joints ends where it is nearest to the scene's
 /// target. In a model whose coordinates were rounded, exact joints are taken where the tiles fit
-/// each other all along the path; see assembled_state.h. `goesOn` may be empty.
+/// each other all along the path; see assembled_state.h. `shouldContinue` may be empty.
 /// Costs 60 to 200 states of a few factorisations each, more where bricks meet. All results depend
 /// on their arguments alone. `budget` is charged for the work.
 MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
-                            const PathObserver& goesOn = {});
+                            const PathObserver& shouldContinue = {});
 
 /// A path from the first state of a guide, whose joints are closed, as near as the mechanism comes
 /// to the last; joints exact, among the contacts that the scene asks for. The scene's target is
 /// left out.
 MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
-                      const PathObserver& goesOn = {});
+                      const PathObserver& shouldContinue = {});
 
 /// A path from a start to a goal, both with closed joints, found from the goal on: bricks that lie
 /// flush at the start wedge when they leave it by a finite move, and come near it all the same.
@@ -109,12 +109,12 @@ MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, Searc
 /// compliant for what is left; `isStuck` where even so the start is not reached. Among the contacts
 /// that the scene asks for.
 MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, const Poses& goal,
-                               SearchBudget& budget, const PathObserver& goesOn = {});
+                               SearchBudget& budget, const PathObserver& shouldContinue = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.
 MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budget,
-                                  const PathObserver& goesOn = {});
+                                  const PathObserver& shouldContinue = {});
 
 // ------------------------------------------------------------------------------------------------
 // What a path of the mechanism follows.
@@ -151,45 +151,6 @@ class PathGuide {
   std::vector<Poses> states_;
   std::vector<double> lengths_ = {0};  // up to each state, metres
 };
-
-// ------------------------------------------------------------------------------------------------
-// Paths of the mechanism made shorter.
-
-/// A path is a detour where it is longer than its tiles' own motions by more than this factor.
-inline constexpr double kDetour = 1.5;
-
-/// Whether a path is that much longer than the tiles' own motions from its first state to its last.
-/// Costs one distance of two states.
-bool isDetour(const scene::Scene& scene, const MechanismPath& path);
-
-/// Whether a path turns back: two moves of about 1/200 of its length, one after the other, are
-/// opposed. Costs some hundred distances of two states.
-bool turnsBack(const scene::Scene& scene, const MechanismPath& path);
-
-/// The path with its detours cut out: the states in between are left out wherever the mechanism,
-/// among the contacts that the scene asks for, goes a shorter way from one state to a later one, on
-/// which no bricks overlap by more than `mostGrown` metres beyond their overlap at the start.
-/// Joints of the path are closed. Ends early when the budget is spent or `goesOn`, which may be
-/// empty, returns false.
-MechanismPath withShortcuts(const scene::Scene& scene, MechanismPath path, double mostGrown,
-                            SearchBudget& budget, const PathObserver& goesOn = {});
-
-/// The path pulled tight along the mechanism, its ends held, among the contacts that the scene asks
-/// for: until it is about as short as any path nearby, where turns count by `turnWeight` as in
-/// pathDistance(). With the weight 1 that is the shortest path; the heavier turns are, the more
-/// evenly each tile turns, and the more regular a sheet looks on the way. Joints are exact, and no
-/// bricks overlap by more than `mostGrown` metres beyond their overlap at the start. The path keeps
-/// its symmetries.
-/// Ends early when the budget is spent or `goesOn`, which may be empty, returns false. Costs some
-/// tens of moves of each of about a hundred states.
-MechanismPath pulledTight(const scene::Scene& scene, MechanismPath path, double turnWeight,
-                          double mostGrown, SearchBudget& budget, const PathObserver& goesOn = {});
-
-/// A path with compliant joints without the places where it turns back: the states there are left
-/// out wherever bricks go straight past them, which may overlap by `mostGrown` metres beyond the
-/// start, and joints may be open by `mostGap` metres. Costs a look at some states for each place.
-MechanismPath withoutKinks(const scene::Scene& scene, MechanismPath path, double mostGap,
-                           double mostGrown);
 
 // ------------------------------------------------------------------------------------------------
 // States of a recorded run between its samples.

@@ -232,10 +232,11 @@ class TrialClearance {
 };
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
-/// long as `goesOn` says so and the budget allows. `wanted`: which pairs may touch in the end.
+/// long as `shouldContinue` says so and the budget allows. `wanted`: which pairs may touch in the
+/// end.
 TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
                  const TargetFindings& atTarget, const SearchBudget& budget,
-                 const std::function<bool(double work)>& goesOn) {
+                 const std::function<bool(double work)>& shouldContinue) {
   const AssembledState& nearest = atTarget.nearest;
   StallWatch stalls(scene);
   const Run* running = nullptr;
@@ -245,7 +246,7 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   RunObservers watch;
   clearance.watch(watch);
   watch.step = [&](const trajectory::StepRecord& step) {
-    if (!goesOn(running->cost().took.work) || !stalls(step)) return false;
+    if (!shouldContinue(running->cost().took.work) || !stalls(step)) return false;
     if (!limit.allows(running->cost())) return false;
     return isAmongBricks ? clearance.holds(running->accuracy()) : !isJammed(running->cost());
   };

@@ -10,10 +10,7 @@
 // ends, a path that is followed state by state jumps, and its states do not show that.
 //
 // The selected path is improved as a whole if it is rough, overlaps or opens joints
-// (smoothing.cpp). Before that it is shortened where it is a detour or turns back
-// (continuation.cpp), first as far as that makes tiles turn more evenly. One that stays a detour is
-// shortened further, at the cost of even turns, if it is then no detour. If shortening makes bricks
-// overlap, the path stays as it was found.
+// (smoothing.cpp). If that makes it worse, it stays as it was found.
 #include "sim/deploy/planner.h"
 
 #include <algorithm>
@@ -100,12 +97,6 @@ constexpr double kFromTargetShare = 0.75;
 constexpr double kLastMove = 1e-3;
 // Extending without contacts may cost this part of the budget.
 constexpr double kWithoutContactsShare = 0.6;
-// Shortening the selected path may cost this part of it.
-constexpr double kShorteningShare = 0.25;
-// Of turns against positions, times rho^2, in what a shorter path is: from where tiles turn evenly
-// to the length itself.
-constexpr auto kTurnWeights = std::to_array<double>({10, 3, 1});
-
 // ------------------------------------------------------------------------------------------------
 // The evaluation.
 
@@ -262,50 +253,6 @@ class PathOrder {
 // ------------------------------------------------------------------------------------------------
 // Improvement of the selected path.
 
-/// A path pulled tight: tiles turn on it as evenly as they can on a path that is no detour.
-/// If every one is a detour, the one on which they turn most evenly.
-MechanismPath evenlyTight(const scene::Scene& scene, const MechanismPath& path, double mostGrown,
-                          SearchBudget& budget, const PathObserver& shouldContinue) {
-  std::optional<MechanismPath> mostEven;
-  for (const double turnWeight : kTurnWeights) {
-    MechanismPath pulled =
-        pulledTight(scene, mostEven.value_or(path), turnWeight, mostGrown, budget, shouldContinue);
-    if (!isDetour(scene, pulled)) return pulled;
-    if (!mostEven) mostEven = std::move(pulled);
-  }
-  return *std::move(mostEven);
-}
-
-/// Shortens a path that is a detour or turns back, at a part of the budget. A path with compliant
-/// joints is only cleared of the places where it turns back.
-void shorten(const scene::Scene& scene, GeometricPath& found, SearchBudget& budget,
-             const PathObserver& shouldContinue) {
-  const bool isBack = turnsBack(scene, found.path);
-  if (!isBack && (found.hasCompliantJoints || !isDetour(scene, found.path))) return;
-  const PathEvaluation& evaluation = found.evaluation;
-  const double clear = kClearShare * model::tileSize(scene.model);
-  const double mostGrown = mayTouch(scene) ? std::max(evaluation.overlapGrowth, clear)
-                                           : std::numeric_limits<double>::infinity();
-  GeometricPath shorter = found;
-  if (found.hasCompliantJoints) {
-    shorter.path = withoutKinks(scene, std::move(shorter.path), evaluation.opening, mostGrown);
-  } else {
-    // Bricks that did not meet may do so on a shorter path.
-    const bool isThrough = found.contacts == scene::ContactFilter::None && overlaps(scene, found);
-    scene::Scene among = scene;
-    among.environment.contacts =
-        isThrough ? found.contacts : contactsIfOn(scene.environment.contacts);
-    SearchBudget part(std::min(budget.left(), kShorteningShare * budget.all()));
-    shorter.path = evenlyTight(among, shorter.path, mostGrown, part, shouldContinue);
-    if (isDetour(scene, shorter.path)) {
-      shorter.path = withShortcuts(among, std::move(shorter.path), mostGrown, part, shouldContinue);
-    }
-    budget.spend(part.spent());
-  }
-  evaluate(scene, shorter);
-  if (shorter.evaluation.overlapGrowth <= mostGrown) found = std::move(shorter);
-}
-
 // A path is smooth if no step changes by more than this part of the usual step, and if the
 // velocities of all tiles together turn by no more than this from frame to frame, radians.
 constexpr double kSmoothStepChange = 0.2;
@@ -349,7 +296,6 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
 // ------------------------------------------------------------------------------------------------
 // The words about a path, for the summary.
 
-const char* const kShortening = "shorter paths along the one that was found";
 const char* const kSmoothing = "improvement of the path as a whole";
 const char* const kExtending = "the path to full extension";
 
@@ -404,7 +350,6 @@ class Planner {
       if (isExactEnough(*planned_.path) && isCollisionFree(scene_, *planned_.path)) break;
     }
     if (planned_.path->evaluation.end == PathEnd::Arrived) {
-      shorten(scene_, *planned_.path, budget_, [&](double) { return tell(kShortening); });
       const auto improved =
           improve(scene_, *planned_.path, budget_, [&](double) { return tell(kSmoothing); });
       if (improved) planned_.candidates.push_back(*improved);
@@ -675,9 +620,6 @@ PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
   }
-  shorten(scene, *planned.path, budget, [&](double) {
-    return !observer || observer({kShortening, budget.share()});
-  });
   const auto improved = improve(scene, *planned.path, budget, [&](double) {
     return !observer || observer({kSmoothing, budget.share()});
   });

@@ -127,6 +127,9 @@ struct Row {
   }
 };
 
+// Longer runs, over the tiles' own motions, are compared with the string method.
+constexpr double kDetour = 1.5;
+
 /// How much longer than its tiles' own motions a run is; of a long one also how many ways there
 /// are in which its tiles can move, and to what part of its length the string method shortens it. A
 /// mechanism whose tiles must move apart to turn has no path as short as the tiles' own motions.
@@ -134,7 +137,7 @@ void addWinding(const scene::Scene& scene, const deploy::DeploymentResult& resul
   const trajectory::Trajectory& trajectory = result.trajectory;
   const double winding = windingOf(scene, trajectory);
   row.add(fmt::format("winding {:5.2f}", winding));
-  if (winding <= deploy::kDetour) return;
+  if (winding <= kDetour) return;
   const double least = leastLength(scene, statesOf(trajectory), mostGrownOf(scene, result));
   row.add(fmt::format("freedom {} shortened {:.2f}", freedomsOf(scene, trajectory), least));
   row.require(least * kLong >= 1, "long");
