@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iterator>
 #include <span>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -113,6 +115,13 @@ bool hasNecks(const OptionContext& context) {
 }
 bool hasSolids(const OptionContext& context) {
   return context.exports->elements.family == fea::ElementFamily::Solid;
+}
+/// Whether the option describes a sheet with necks that is exported as a solid.
+bool describesSolid(const std::string& option, const OptionContext& context) {
+  constexpr std::string_view kOptions[] = {"--joints", "--neck-width", "--neck-length",
+                                           "--neck-radius", "--kerf"};
+  return context.exports && hasNecks(context) && exportsOneOf(context, {"stl", "step"}) &&
+         std::ranges::find(kOptions, option) != std::end(kOptions);
 }
 bool countsElements(const OptionContext& context) {
   return context.exports->elements.size == 0;
@@ -399,6 +408,7 @@ void requireEffect(const OptionContext& context, const std::set<std::string>& gi
     if (!mayAsk(effect, context) || effect.holds(context)) continue;
     for (const CLI::Option* option : optionsOf(effect, *context.command)) {
       if (!given.contains(option->get_name())) continue;
+      if (describesSolid(option->get_name(), context)) continue;
       throw InputError(fmt::format("error: {0} has no effect {1}. {2} or remove {0}",
                                    option->get_name(), effect.reason, effect.remedy));
     }

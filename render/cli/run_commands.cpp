@@ -282,7 +282,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
   group.choice<std::optional<LengthUnit>>(
       "--export-unit", settings.unit, unitChoices(),
       "unit of obj, planar-obj, ply, stl, dxf, fold, vtu, msh and vertices files; auto: mm for stl "
-      "and dxf, else the model's. glb is in m, svg in mm");
+      "and dxf, else the model's. glb is in m, svg and step in mm");
   addElementOptions(command, settings.elements);
   addDeckOptions(command, settings.decks, formatOption == "--format");
 }

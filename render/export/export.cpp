@@ -33,6 +33,7 @@
 
 #include "render/fea/deck.h"
 #include "render/fea/job.h"
+#include "render/fea/neck_solid.h"
 #include "render/fea/outside_program.h"
 #include "render/output/output_folder.h"
 #include "render/writers/flat_sheet.h"
@@ -64,6 +65,8 @@ struct ExportFile {
   void (*writeDeployment)(Exporter&, const std::filesystem::path&) = nullptr;
   /// Whether these settings ask for it; null: always.
   bool (*isRequested)(const fea::DeckSettings&) = nullptr;
+  /// Writes the file of the flat start with necks, in place of the states' files.
+  void (*writeNecks)(Exporter&, const std::filesystem::path&) = nullptr;
 
   bool showsElements() const { return !writeState && !writeDeployment; }
 };
@@ -110,6 +113,7 @@ constexpr const char* kBucklingFile = "_buckle.inp";
 constexpr const char* kMapFile = "_map.inp";
 constexpr const char* kGmshFile = ".msh";
 constexpr const char* kPeriodicFile = "_periodic.inp";
+constexpr const char* kPeriodicMesh = "_periodic_mesh.inp";
 
 // Formats whose files show elements.
 constexpr const char* kDeck = "inp";
@@ -187,7 +191,14 @@ class Exporter {
 
   /// Necked sheets first, then state by state, then what shows the whole deployment.
   void writeAll() {
-    if (isNecked()) writeNeckSheet();
+    if (isNecked()) {
+      writeNeckSheet();
+      for (const std::string& format : settings_.formats) {
+        for (const ExportFile& file : exportFormat(format).files) {
+          if (file.writeNecks) file.writeNecks(*this, files_.add(std::string(kSheet) + file.name));
+        }
+      }
+    }
     for (const ChosenState& state : states_) writeState(state, trajectory_.sample(state.sample));
     for (const std::string& format : settings_.formats) {
       for (const ExportFile& file : exportFormat(format).files) {
@@ -270,7 +281,8 @@ class Exporter {
     for (const ExportFormat& format : exportFormats()) {
       if (!wants(format.name)) continue;
       for (const ExportFile& file : format.files) {
-        if (file.writeState) file.writeState(*this, sample, files_.add(name + file.name));
+        if (!file.writeState || (isNecked() && file.writeNecks)) continue;
+        file.writeState(*this, sample, files_.add(name + file.name));
       }
     }
   }
@@ -311,6 +323,13 @@ class Exporter {
     std::string sets;
     if (isDriven(0)) sets = writeDrive(mesh, kSheet, origin, 0, {});
     writeElements(mesh, kSheet, origin, sets);
+    if (!wants(kDeck) || !settings_.decks.periodic) return;
+    // The cell of an infinite sheet has necks at its border that the sheet itself does not have.
+    const fea::ElementMesh cell = fea::makePeriodicNeckMesh(subject_.model, thickness, elements_);
+    const std::string name = std::string(kSheet) + kPeriodicMesh;
+    writeTextFile(files_.add(name), fea::meshDeck(cell, settings_.decks, origin));
+    writeTextFile(files_.add(std::string(kSheet) + kPeriodicFile),
+                  fea::periodicJob(cell, settings_.decks, origin, name).text);
   }
 
   /// `driveSets` are those of a drive on this mesh.
@@ -324,14 +343,16 @@ class Exporter {
     // Sets of nodes that a job needs are at the end of the mesh deck: readers need them after the
     // nodes.
     const fea::DeckJob job = fea::staticJob(mesh, settings_.decks, origin, name + kMeshFile);
+    fea::DeckSettings decks = settings_.decks;
+    decks.periodic = decks.periodic && !isNecked();
     writeTextFile(files_.add(name + kMeshFile),
-                  fea::meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
+                  fea::meshDeck(mesh, decks, origin) + job.sets + driveSets);
     writeTextFile(files_.add(name + kJobFile), job.text);
     if (settings_.decks.buckling) {
       writeTextFile(files_.add(name + kBucklingFile),
                     fea::bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
     }
-    if (settings_.decks.periodic) {
+    if (decks.periodic) {
       writeTextFile(files_.add(name + kPeriodicFile),
                     fea::periodicJob(mesh, settings_.decks, origin, name + kMeshFile).text);
     }
@@ -423,6 +444,23 @@ void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
                      isStl ? exporter.unitOfMachines() : exporter.unit());
 }
 
+void writeNeckStl(Exporter& exporter, const std::filesystem::path& file) {
+  const trajectory::Subject& subject = exporter.subject();
+  writeTextFile(file, fea::neckSheetStl(subject.model, exporter.settings().elements.neck,
+                                        subject.brickRule.thickness, exporter.unitOfMachines()));
+}
+
+void writeNeckStep(Exporter& exporter, const std::filesystem::path& file) {
+  const trajectory::Subject& subject = exporter.subject();
+  writeTextFile(file, fea::neckSheetStep(subject.model, exporter.settings().elements.neck,
+                                         subject.brickRule.thickness));
+}
+
+void writeBrickStep(Exporter& exporter, const trajectory::Sample& sample,
+                    const std::filesystem::path& file) {
+  writeTextFile(file, fea::brickStep(exporter.subject().bricks, sample.poses));
+}
+
 std::vector<writers::PatternLine> patternOf(const Exporter& exporter) {
   return patternOf(exporter.subject().model, exporter.settings());
 }
@@ -433,6 +471,10 @@ void requirePattern(const model::Model& model, const ExportSettings& settings) {
 
 bool isDriven(const fea::DeckSettings& decks) {
   return decks.drive.kind != fea::DriveChoice::None;
+}
+
+bool isPeriodic(const fea::DeckSettings& decks) {
+  return decks.periodic;
 }
 
 // Files of a deployment have no writer of states.
@@ -451,8 +493,8 @@ ExportFormat deckFormat() {
             .isRequested = [](const fea::DeckSettings& decks) { return decks.buckling; }},
            {.name = kMapFile,
             .isRequested = [](const fea::DeckSettings& decks) { return decks.stateMap; }},
-           {.name = kPeriodicFile,
-            .isRequested = [](const fea::DeckSettings& decks) { return decks.periodic; }}}};
+           {.name = kPeriodicFile, .isRequested = isPeriodic},
+           {.name = kPeriodicMesh, .isRequested = isPeriodic}}};
 }
 
 using Path = std::filesystem::path;
@@ -500,7 +542,9 @@ const std::vector<ExportFormat>& exportFormats() {
       // Closed bricks: a group a tile; triangles; triangles, binary.
       {"obj", {{".obj", writeSurface}}},
       {"ply", {{".ply", writeSurface}}},
-      {"stl", {{".stl", writeSurface}}},
+      {"stl", {{.name = ".stl", .writeState = writeSurface, .writeNecks = writeNeckStl}}},
+      // The same as solids of a CAD program, in millimetres.
+      {"step", {{.name = ".step", .writeState = writeBrickStep, .writeNecks = writeNeckStep}}},
       // The bottoms of bricks, which are the tiles: polygons as PyKirigami has them; as
       // vertices.txt.
       {"planar", {{"_planar.obj", writePlanarObj}}},
@@ -517,6 +561,49 @@ const std::vector<ExportFormat>& exportFormats() {
       {"svg", {ofDeployment("cut_pattern.svg", writeSvg)}, requirePattern},
       {"dxf", {ofDeployment("cut_pattern.dxf", writeDxf)}, requirePattern}};
   return formats;
+}
+
+/// Warns of elements with which programs are too stiff. Both fits are of decks in CalculiX beside
+/// theory or finer meshes: of the deflection of clamped plates with elements r times as long as the
+/// plate is thick (r of 6, 25 and 62), and of natural frequencies of triangles with a corner of 5
+/// and of 1 degrees.
+void appendQualityWarnings(std::vector<std::string>& lines, const trajectory::Subject& subject,
+                           const ExportSettings& settings) {
+  constexpr double kErrorToTell = 0.05;
+  const auto first = static_cast<std::size_t>(subject.model.fileOrder.countsFrom);
+  double thinnest = 0, sharpest = 180;
+  std::size_t thin = 0, sharp = 0;
+  const int usual = settings.elements.perEdge > 0
+                        ? settings.elements.perEdge
+                        : fea::usualPerEdge(subject.bricks, settings.elements);
+  for (std::size_t t = 0; t < subject.bricks.size(); ++t) {
+    const model::Brick& brick = subject.bricks[t];
+    const std::size_t count = brick.bottom.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vector3 next = brick.bottom[(k + 1) % count] - brick.bottom[k];
+      const Vector3 previous = brick.bottom[(k + count - 1) % count] - brick.bottom[k];
+      const double length =
+          settings.elements.size > 0 ? settings.elements.size : next.norm() / usual;
+      if (length / brick.thickness > thinnest) thinnest = length / brick.thickness, thin = t;
+      const double angle =
+          std::atan2(next.cross(previous).norm(), next.dot(previous)) / kDegree;
+      if (angle < sharpest) sharpest = angle, sharp = t;
+    }
+  }
+  const double tooStiff = 0.0012 * thinnest + 2.4e-5 * thinnest * thinnest;
+  if (tooStiff > kErrorToTell) {
+    lines.push_back(fmt::format(
+        "warning: elements of tile {} are {:.0f} times as long as thick; with clamped edges it "
+        "bends about {:.0f}% too little: use more with --elements-per-edge",
+        first + thin, thinnest, 100 * std::min(tooStiff, 1.0)));
+  }
+  const double tooFast = 0.42 * std::pow(sharpest, -1.23);
+  if (tooFast > kErrorToTell) {
+    lines.push_back(fmt::format(
+        "warning: tile {} has a corner of {:.2g} degrees; natural frequencies may be about {:.0f}% "
+        "too high: use more elements with --elements-per-edge",
+        first + sharp, sharpest, 100 * tooFast));
+  }
 }
 
 }  // namespace
@@ -547,11 +634,12 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
     const ExportFormat& format = exportFormat(name);
     if (format.require) format.require(model, settings);
   }
-  if (!wantsElements(settings)) return;
-  if (settings.elements.joints == fea::JointStyle::Neck) {
+  const bool hasSolid = wants(settings, "stl") || wants(settings, "step");
+  if (settings.elements.joints == fea::JointStyle::Neck && (hasSolid || wantsElements(settings))) {
     writers::neckOutline(model, settings.elements.neck);
     return;
   }
+  if (!wantsElements(settings)) return;
   fea::ElementRule elements = numbered(settings.elements, model);
   // How well corners meet that share a node is known only from the run's states.
   if (elements.joints == fea::JointStyle::Shared) elements.joints = fea::JointStyle::Equation;
@@ -574,9 +662,10 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
   const auto isOfFile = [&](const ExportFile& file) {
     if (file.isRequested && !file.isRequested(settings.decks)) return false;
     if (file.writeDeployment) return name == file.name;
-    const bool isOfSheet =
-        file.showsElements() && settings.elements.joints == fea::JointStyle::Neck;
-    if (isOfSheet) return name == std::string(kSheet) + file.name;
+    const bool hasNecks = settings.elements.joints == fea::JointStyle::Neck;
+    const bool isOfSheet = hasNecks && name == std::string(kSheet) + file.name;
+    if (hasNecks && file.showsElements()) return isOfSheet;
+    if (file.writeNecks && isOfSheet) return true;
     return std::ranges::any_of(
         settings.states, [&](const std::string& state) { return isOfState(state, file.name); });
   };
@@ -597,6 +686,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
                     "truly; choose with --elements-per-edge or --element-size",
                     bricks.size(), fea::usualPerEdge(bricks, settings.elements)));
   }
+  appendQualityWarnings(lines, trajectory.subject(), settings);
   if (!wants(settings, kDeck)) return lines;
   const std::vector<model::HingeSpring>& springs =
       model::hingeSpringsOf(trajectory.subject().pairForces);
@@ -617,9 +707,10 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
     const double overlap = trajectory.sample(state.sample).penetration;
     if (!fea::isOverlapToTell(overlap, thickness)) continue;
     lines.push_back(
-        fmt::format("warning: in state {} bricks overlap by {:.2g} m, {:.0f}% of their thickness; "
+        fmt::format("warning: in state {} bricks overlap by {}, {:.0f}% of their thickness; "
                     "an analysis with contact would start overclosed",
-                    state.label, overlap, 100 * overlap / thickness));
+                    state.label, lengthText(overlap, trajectory.subject().model.unit, 2),
+                    100 * overlap / thickness));
   }
   return lines;
 }
@@ -884,8 +975,7 @@ double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings,
   settings.unit = fea::DeckUnit::Model;
   settings.periodic = false;
   const fea::DeckJob job = fea::staticJob(mesh, settings, origin, "mesh.inp");
-  return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text,
-                                fea::longestAxis(mesh));
+  return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text);
 }
 
 /// Metres by newton, with four digits, and the change in per cent.

@@ -28,7 +28,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -110,6 +109,8 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
              mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
              mesh.rule.quadratic ? "quadratic" : "linear",
              settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh));
+  appendText(text, "** Smallest angle between two sides of an element: {:.3g} degrees.\n",
+             smallestElementAngle(mesh));
   if (mesh.rule.countsFrom != 0) {
     appendText(text, "** Sets count from 0: TILE_00000 is tile {} of the model's file.\n",
                mesh.rule.countsFrom);
@@ -621,11 +622,11 @@ int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> sprin
 }
 
 // ------------------------------------------------------------------------------------------------
-// Finds the nodes that a user is likely to hold or to load: those in the six planes of the box
-// round the sheet.
+// Finds the nodes that a user is likely to hold or to load: those at the ends of the sheet.
 //
-// The box is that of all nodes, followers too. With lo and hi its corners, s its diagonal (all
-// metres) and x a node's coordinate along an axis, the node lies
+// Ends are faces of elements (SheetEnds). Where no edge is an end, it is the plane of the box round
+// the sheet in its axes. With lo and hi the box's corners, s its diagonal (all metres) and x a
+// node's coordinate along an axis, the node lies
 //
 //     in MIN where x - lo <= 1e-6 s,    in MAX where hi - x <= 1e-6 s.
 //
@@ -633,114 +634,166 @@ int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> sprin
 // Abaqus refuse a displacement that is prescribed at a dependent node. Reference nodes of patches
 // replace the nodes that they lead.
 //
-// Planes of the box, and not the outline of the sheet, are what is named, since a load on a plane
-// can be described to a reader in one word; a round sheet has few nodes there, which jobs allow
-// for.
+// An even traction on an end gives a node the integral of its shape function over the faces,
+// divided by their area. On a rectangle of 8 nodes that is -1/12 at corners and 1/3 at middles, of 4
+// nodes 1/4; on a line of 3 nodes 1/6 at its ends and 2/3 at the middle, of 2 nodes 1/2.
 
 namespace {
 
 /// It lies between the rounding of poses and the length of the shortest elements.
-constexpr double kSamePlane = 1e-6;    ///< of the sheet's size
-constexpr double kFlatOfSheet = 1e-3;  ///< of the size: a sheet whose tiles lie side by side
+constexpr double kSamePlane = 1e-6;   ///< of the sheet's size
+constexpr double kSameLength = 1e-9;  ///< of the sheet's size: extents count as equal
 /// By axis, then MIN before MAX: plane k is across axis k / 2.
 constexpr const char* kPlanes[] = {"XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"};
 
-/// Empty (its minimum above its maximum) where there are no nodes.
-Eigen::AlignedBox3d boxOf(const std::vector<Vector3>& nodes) {
+/// In the sheet's axes. Empty (its minimum above its maximum) where there are no nodes.
+Eigen::AlignedBox3d boxOf(const ElementMesh& mesh) {
   Eigen::AlignedBox3d box;
-  for (const Vector3& node : nodes) box.extend(node);
+  for (const Vector3& node : mesh.nodes) box.extend(mesh.ends.axes.transpose() * node);
   return box;
 }
 
-/// Whether all bottoms lie in one plane across the axis.
-bool isFlatAcross(const ElementMesh& mesh, int axis, double size) {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -least;
-  for (const TileElements& tile : mesh.tiles) {
-    for (const int node : tile.bottom) {
-      least = std::min(least, mesh.nodes[node][axis]);
-      most = std::max(most, mesh.nodes[node][axis]);
-    }
-  }
-  return most - least <= kFlatOfSheet * size;
+/// The area of a face with these nodes; of shells and plane elements its length.
+double faceSize(const ElementMesh& mesh, const std::vector<int>& nodes) {
+  const auto at = [&](std::size_t k) { return mesh.nodes[nodes[k]]; };
+  if (mesh.rule.family != ElementFamily::Solid) return (at(1) - at(0)).norm();
+  return 0.5 * (at(2) - at(0)).cross(at(3) - at(1)).norm();
 }
 
-/// The nodes that a boundary condition may hold, with their positions.
-std::vector<std::pair<int, Vector3>> freeNodes(const ElementMesh& mesh) {
-  // Numbers of reference nodes are beyond mesh.nodes, so their positions come along here.
-  const std::vector<bool> follows = followers(mesh);
-  std::vector<std::pair<int, Vector3>> nodes;
-  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
-    if (!follows[k]) nodes.emplace_back(static_cast<int>(k), mesh.nodes[k]);
+/// The integral of the shape function of the node at a place of faceNodes(), by the face's size.
+double shapeIntegral(const ElementMesh& mesh, std::size_t place) {
+  const bool isQuadratic = mesh.rule.quadratic;
+  if (mesh.rule.family != ElementFamily::Solid) {
+    if (!isQuadratic) return 0.5;
+    return place < 2 ? 1.0 / 6 : 2.0 / 3;
   }
-  if (mesh.rule.joints == JointStyle::Patch) {
-    for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
-      nodes.emplace_back(referenceNode(mesh, c), referencePosition(mesh, c));
+  if (!isQuadratic) return 0.25;
+  return place < 4 ? -1.0 / 12 : 1.0 / 3;
+}
+
+/// For each node of the mesh whether it is at an end.
+std::vector<bool> isAtEnd(const ElementMesh& mesh, int end, const Eigen::AlignedBox3d& box) {
+  std::vector<bool> found(mesh.nodes.size());
+  if (!mesh.ends.faces[end].empty()) {
+    for (const ElementFace& face : mesh.ends.faces[end]) {
+      for (const int node : faceNodes(mesh, face)) found[node] = true;
     }
+    return found;
   }
-  return nodes;
+  const double tolerance = kSamePlane * box.sizes().norm();
+  const int axis = end / 2;
+  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+    const double x = mesh.ends.axes.col(axis).dot(mesh.nodes[k]);
+    found[k] = (end % 2 == 0 ? x - box.min()[axis] : box.max()[axis] - x) <= tolerance;
+  }
+  return found;
+}
+
+/// In planes across how many axes of the box a point lies.
+int planesAt(const Vector3& point, const Eigen::AlignedBox3d& box, int axes) {
+  const double tolerance = kSamePlane * box.sizes().norm();
+  int count = 0;
+  for (int axis = 0; axis < axes; ++axis) {
+    const double inside = std::min(point[axis] - box.min()[axis], box.max()[axis] - point[axis]);
+    count += inside <= tolerance ? 1 : 0;
+  }
+  return count;
 }
 
 }  // namespace
 
 std::vector<NamedNodes> boundarySets(const ElementMesh& mesh) {
-  const Eigen::AlignedBox3d box = boxOf(mesh.nodes);
-  const double size = box.sizes().norm();
+  const Eigen::AlignedBox3d box = boxOf(mesh);
   // In a flat sheet ZMIN and ZMAX would hold every node of the two faces. They name nothing there.
-  const bool isFlat = isFlatAcross(mesh, 2, size);
-  const int axes = isFlat ? 2 : 3;
+  const int axes = mesh.ends.isFlat ? 2 : 3;
+  const std::vector<bool> follows = followers(mesh);
+  const bool hasReferences = mesh.rule.joints == JointStyle::Patch;
   std::vector<NamedNodes> sets(2 * axes + 1);
-  for (int k = 0; k < 2 * axes; ++k) sets[k].name = kPlanes[k];
-  sets.back().name = "BOXCORNERS";
-  for (const auto& [node, position] : freeNodes(mesh)) {
-    int across = 0;
-    for (int axis = 0; axis < axes; ++axis) {
-      const bool isLeast = position[axis] - box.min()[axis] <= kSamePlane * size;
-      const bool isMost = box.max()[axis] - position[axis] <= kSamePlane * size;
-      if (isLeast) sets[2 * axis].nodes.push_back(node);
-      if (isMost) sets[2 * axis + 1].nodes.push_back(node);
-      across += isLeast || isMost ? 1 : 0;
+  for (int k = 0; k < 2 * axes; ++k) {
+    sets[k].name = kPlanes[k];
+    const std::vector<bool> isThere = isAtEnd(mesh, k, box);
+    for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
+      if (isThere[node] && !follows[node]) sets[k].nodes.push_back(node);
     }
-    // A corner of the box lies in a plane across each axis.
-    if (across == axes) sets.back().nodes.push_back(node);
+    for (std::size_t c = 0; c < mesh.clusters.size() && hasReferences; ++c) {
+      const std::vector<int>& corners = mesh.clusters[c].nodes;
+      if (std::ranges::any_of(corners, [&](int node) { return isThere[node]; })) {
+        sets[k].nodes.push_back(referenceNode(mesh, c));
+      }
+    }
+  }
+  sets.back().name = "BOXCORNERS";
+  const auto addCorner = [&](int node, const Vector3& position) {
+    const Vector3 inSheet = mesh.ends.axes.transpose() * position;
+    if (planesAt(inSheet, box, axes) == axes) sets.back().nodes.push_back(node);
+  };
+  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+    if (!follows[k]) addCorner(static_cast<int>(k), mesh.nodes[k]);
+  }
+  for (std::size_t c = 0; c < mesh.clusters.size() && hasReferences; ++c) {
+    addCorner(referenceNode(mesh, c), referencePosition(mesh, c));
   }
   return sets;
 }
 
 int longestAxis(const ElementMesh& mesh) {
-  const Eigen::AlignedBox3d box = boxOf(mesh.nodes);
-  const int axes = isFlatAcross(mesh, 2, box.sizes().norm()) ? 2 : 3;
-  int axis = 0;
-  // Of equal extents the first counts: squares are pulled along x.
-  box.sizes().head(axes).maxCoeff(&axis);
-  return axis;
+  const Eigen::AlignedBox3d box = boxOf(mesh);
+  const int axes = mesh.ends.isFlat ? 2 : 3;
+  int longest = 0;
+  for (int axis = 1; axis < axes; ++axis) {
+    const double more = box.sizes()[axis] - box.sizes()[longest];
+    if (more > kSameLength * box.sizes().norm()) longest = axis;
+  }
+  return longest;
+}
+
+std::vector<NodeShare> endShares(const ElementMesh& mesh, int end) {
+  std::map<int, double> sizes;
+  double whole = 0;
+  for (const ElementFace& face : mesh.ends.faces[end]) {
+    const std::vector<int> nodes = faceNodes(mesh, face);
+    const double size = faceSize(mesh, nodes);
+    whole += size;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      sizes[nodes[k]] += size * shapeIntegral(mesh, k);
+    }
+  }
+  if (sizes.empty()) {
+    const std::vector<bool> isThere = isAtEnd(mesh, end, boxOf(mesh));
+    for (std::size_t k = 0; k < isThere.size(); ++k) {
+      if (!isThere[k]) continue;
+      sizes[static_cast<int>(k)] = 1;
+      ++whole;
+    }
+  }
+  std::vector<NodeShare> shares;
+  for (const auto& [node, size] : sizes) shares.push_back({node, size / whole});
+  return shares;
 }
 
 // ------------------------------------------------------------------------------------------------
-// A node b at XMAX follows its partner a at XMIN and the control node of x, u_b = u_a + u_cx. Nodes
-// at a corner of the sheet follow one node and both control nodes: no node that follows is
-// followed, which programs refuse: u_b = u_a + i u_cx + j u_cy with i and j of 0 or 1. The sheet's
-// mean displacement gradient times the period is what a control node is moved by, and the reaction
-// there is the force on that side (compare S. Li, A. Wongsto, Unit cells for micromechanical
-// analyses of particle-reinforced composites, Mech. Mater. 36, 2004).
+// A node b in a cell that lies n P_1 + m P_2 from that of its leader a moves as a does and with
+// what the mean displacement gradient H adds, u_b = u_a + H (n P_1 + m P_2). H has two control
+// nodes, c_x = H e_x L_x and c_y = H e_y L_y, whose displacements are given in the sheet's axes:
+//
+//     u_b = u_a + R ((p_x / L_x) c_x + (p_y / L_y) c_y),   p = R^T (n P_1 + m P_2).
+//
+// R has the sheet's axes as columns. A node that follows is not followed, which programs refuse.
+// The reaction at a control node is the force on a side of the cell (compare S. Li, A. Wongsto, Unit
+// cells for micromechanical analyses of particle-reinforced composites, Mech. Mater. 36, 2004).
 
 namespace {
 
 /// Below it corners that a run leaves apart still count as partners.
 constexpr double kSameNodePlace = 1e-5;  ///< of the sheet's size, what a run leaves of symmetry
 
-Eigen::AlignedBox3d boxAround(const ElementMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3& node : mesh.nodes) box.extend(node);
-  return box;
-}
-
 /// For each node at one end the partner at the other; nothing where some have none. Compares each
 /// node at one end with those at the other: the product of their numbers, which are small.
 std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh, int axis,
                                                          const std::vector<int>& low,
                                                          const std::vector<int>& high) {
-  const double tolerance = kSameNodePlace * boxAround(mesh).sizes().norm();
+  const double tolerance = kSameNodePlace * boxOf(mesh).sizes().norm();
+  const Vector3 along = mesh.ends.axes.col(axis);
   if (low.empty() || low.size() != high.size()) return std::nullopt;
   std::vector<std::pair<int, int>> pairs;
   std::vector<bool> isTaken(high.size());
@@ -749,7 +802,7 @@ std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh
     for (; found < high.size(); ++found) {
       Vector3 offset = mesh.nodes[high[found]] - mesh.nodes[node];
       // Only across the axis: along it the nodes lie a period apart.
-      offset[axis] = 0;
+      offset -= along.dot(offset) * along;
       if (!isTaken[found] && offset.norm() <= tolerance) break;
     }
     if (found == high.size()) return std::nullopt;
@@ -759,15 +812,125 @@ std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh
   return pairs;
 }
 
-/// The mesh's own nodes of a set: reference nodes of patches are no part of its ends.
-std::vector<int> ownNodes(const ElementMesh& mesh, const NamedNodes& set) {
-  std::vector<int> nodes;
-  std::ranges::copy_if(set.nodes, std::back_inserter(nodes),
-                       [&](int node) { return node < static_cast<int>(mesh.nodes.size()); });
-  return nodes;
+/// A sheet without joints: its ends are tied whole.
+Periodicity plateTies(const ElementMesh& mesh) {
+  const std::vector<NamedNodes> ends = boundarySets(mesh);
+  const Eigen::AlignedBox3d box = boxOf(mesh);
+  Periodicity periodic;
+  periodic.axes = mesh.ends.axes;
+  std::vector<PeriodicTie> pairs;
+  for (const int axis : {0, 1}) {
+    const auto found = partners(mesh, axis, ends[2 * axis].nodes, ends[2 * axis + 1].nodes);
+    if (!found) {
+      throw InputError(
+          fmt::format("error: --periodic ties opposite ends of a sheet, but in this state {} has "
+                      "other nodes than {}; choose a state or a number of tiles in which the sheet "
+                      "repeats",
+                      ends[2 * axis].name, ends[2 * axis + 1].name));
+    }
+    periodic.period[axis] = box.sizes()[axis];
+    periodic.periods[axis] = box.sizes()[axis] * mesh.ends.axes.col(axis);
+    for (const auto& [low, high] : *found) {
+      PeriodicTie& pair = pairs.emplace_back(PeriodicTie{high, low, {}});
+      pair.times[axis] = 1;
+    }
+  }
+  periodic.ties = tiesBetween(pairs);
+  return periodic;
+}
+
+/// The corner of a tile that a node belongs to. `edges` has one list a corner. The number of
+/// corners where none holds the node.
+int cornerOf(const TileElements& tile, int node) {
+  const auto holds = [node](const std::vector<int>& edge) {
+    return std::ranges::find(edge, node) != edge.end();
+  };
+  return static_cast<int>(std::ranges::find_if(tile.edges, holds) - tile.edges.begin());
+}
+
+/// The nodes of a corner that a joint on this face holds.
+std::vector<int> heldNodes(const std::vector<int>& edge, model::JointFace face) {
+  if (face == model::JointFace::Bottom) return {edge.front()};
+  if (face == model::JointFace::Top) return {edge.back()};
+  return edge;
+}
+
+model::JointFace faceOf(const JointNodes& joint, const TileElements& tile) {
+  if (joint.isHinge) return model::JointFace::Both;
+  const std::vector<int>& edge = tile.edges[cornerOf(tile, joint.a[0])];
+  return joint.a[0] == edge.front() ? model::JointFace::Bottom : model::JointFace::Top;
+}
+
+/// A sheet of hinged tiles: the corners that joints hold across the border are tied.
+Periodicity hingeTies(const ElementMesh& mesh) {
+  std::vector<std::vector<Vector3>> tiles;
+  for (const TileElements& tile : mesh.tiles) {
+    std::vector<Vector3>& corners = tiles.emplace_back();
+    for (const std::vector<int>& edge : tile.edges) corners.push_back(mesh.nodes[edge.front()]);
+  }
+  std::vector<model::Joint> joints;
+  for (const JointNodes& joint : mesh.joints) {
+    const TileElements &a = mesh.tiles[joint.tileA], &b = mesh.tiles[joint.tileB];
+    model::Joint& own = joints.emplace_back();
+    own.a = {joint.tileA, cornerOf(a, joint.a[0])};
+    own.b = {joint.tileB, cornerOf(b, joint.b[0])};
+    own.face = faceOf(joint, a);
+  }
+  const SheetLattice lattice = findSheetLattice(tiles, joints, mesh.rule.countsFrom);
+  // With *EQUATION the first node of a cluster leads the others already.
+  std::map<int, int> firstOf;
+  for (const NodeCluster& cluster : mesh.clusters) {
+    for (const int node : cluster.nodes) firstOf[node] = cluster.nodes[0];
+  }
+  const auto leading = [&](int node) {
+    const auto found = firstOf.find(node);
+    return found == firstOf.end() ? node : found->second;
+  };
+  std::vector<PeriodicTie> pairs;
+  for (const BorderJoint& border : lattice.joints) {
+    const auto nodesOf = [&](const model::Corner& corner) {
+      return heldNodes(mesh.tiles[corner.tile].edges[corner.vertex], border.joint.face);
+    };
+    const std::vector<int> a = nodesOf(border.joint.a), b = nodesOf(border.joint.b);
+    // Corner a lies where b does in the other cell.
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      pairs.push_back({leading(a[k]), leading(b[k]), border.cell});
+    }
+  }
+  return {lattice.periods, lattice.axes, lattice.lengths, tiesBetween(pairs)};
 }
 
 }  // namespace
+
+std::vector<PeriodicTie> tiesBetween(const std::vector<PeriodicTie>& pairs) {
+  // Trees of nodes: each node but the roots has a parent and the cells from there to it.
+  std::map<int, PeriodicTie> trees;
+  const auto rootOf = [&trees](int node) {
+    PeriodicTie tie{node, node, {}};
+    for (auto found = trees.find(node); found != trees.end(); found = trees.find(tie.leader)) {
+      for (const int axis : {0, 1}) tie.times[axis] += found->second.times[axis];
+      tie.leader = found->second.leader;
+    }
+    return tie;
+  };
+  for (const PeriodicTie& pair : pairs) {
+    const PeriodicTie node = rootOf(pair.node), leader = rootOf(pair.leader);
+    if (node.leader == leader.leader) continue;
+    // root(node) + times(node) = node = leader + pair = root(leader) + times(leader) + pair.
+    PeriodicTie tie{node.leader, leader.leader, {}};
+    for (const int axis : {0, 1}) {
+      tie.times[axis] = leader.times[axis] + pair.times[axis] - node.times[axis];
+    }
+    if (tie.node < tie.leader) {
+      std::swap(tie.node, tie.leader);
+      for (int& times : tie.times) times = -times;
+    }
+    trees[tie.node] = tie;
+  }
+  std::vector<PeriodicTie> ties;
+  for (const auto& [node, tie] : trees) ties.push_back(rootOf(node));
+  return ties;
+}
 
 Periodicity periodicity(const ElementMesh& mesh) {
   if (mesh.rule.family == ElementFamily::Shell) {
@@ -775,70 +938,57 @@ Periodicity periodicity(const ElementMesh& mesh) {
         "error: --periodic ties the displacements of solids and plane elements; leave out "
         "--shells");
   }
-  const std::vector<NamedNodes> ends = boundarySets(mesh);
-  const Eigen::AlignedBox3d box = boxAround(mesh);
-  Periodicity periodic;
-  std::map<int, PeriodicTie> ties;
-  for (const int axis : {0, 1}) {
-    const auto pairs =
-        partners(mesh, axis, ownNodes(mesh, ends[2 * axis]), ownNodes(mesh, ends[2 * axis + 1]));
-    if (!pairs) continue;
-    periodic.axes[axis] = true;
-    periodic.period[axis] = box.sizes()[axis];
-    for (const auto& [low, high] : *pairs) {
-      // A node that follows along x already will follow its leader's leader, see below.
-      if (ties.contains(high)) continue;
-      PeriodicTie tie{high, low, {}};
-      tie.times[axis] = 1;
-      ties[high] = tie;
-    }
+  if (mesh.rule.joints == JointStyle::Patch) {
+    throw InputError(
+        "error: --periodic ties the corners of tiles, and rigid patches lie round them; choose "
+        "other --joints");
   }
-  for (auto& [node, tie] : ties) {
-    // A leader must not follow: chains are walked to their end and the control nodes added up. They
-    // end, since each tie leads to a smaller x or y.
-    while (ties.contains(tie.leader)) {
-      const PeriodicTie& next = ties.at(tie.leader);
-      for (const int axis : {0, 1}) tie.times[axis] += next.times[axis];
-      tie.leader = next.leader;
-    }
+  if (mesh.lattice) {
+    return {mesh.lattice->periods, mesh.lattice->axes, mesh.lattice->lengths, mesh.ties};
   }
-  for (const auto& [node, tie] : ties) periodic.ties.push_back(tie);
-  if (!periodic.ties.empty()) return periodic;
-  throw InputError(
-      "error: --periodic ties opposite ends of a sheet, but in this state XMIN has other nodes "
-      "than "
-      "XMAX, and YMIN than YMAX; choose a state or a number of tiles in which the sheet repeats");
+  return mesh.joints.empty() ? plateTies(mesh) : hingeTies(mesh);
 }
 
 void appendTies(std::string& text, const Periodicity& periodic, const ElementMesh& mesh,
                 int firstControl) {
-  const std::array<int, 2> controls = {firstControl, firstControl + (periodic.axes[0] ? 1 : 0)};
+  constexpr double kRounding = 1e-12;
   const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
   for (const PeriodicTie& tie : periodic.ties) {
-    for (int direction = 1; direction <= directions; ++direction) {
-      // u_node - u_leader - i u_cx - j u_cy = 0, the dependent node first.
-      appendText(text, "*EQUATION\n{}\n{}, {}, 1., {}, {}, -1.", 2 + tie.times[0] + tie.times[1],
-                 tie.node + 1, direction, tie.leader + 1, direction);
-      for (const int axis : {0, 1}) {
-        if (tie.times[axis] == 0) continue;
-        appendText(text, ", {}, {}, -1.", controls[axis] + 1, direction);
+    const Vector3 offset = periodic.axes.transpose() * (tie.times[0] * periodic.periods[0] +
+                                                        tie.times[1] * periodic.periods[1]);
+    for (int direction = 0; direction < directions; ++direction) {
+      // The dependent node first; four terms a line.
+      std::string terms;
+      int count = 0;
+      const auto append = [&](int node, int along, double factor) {
+        const char* before = count == 0 ? "" : count % 4 == 0 ? ",\n" : ", ";
+        appendText(terms, "{}{}, {}, {}", before, node + 1, along + 1, deckNumber(factor));
+        ++count;
+      };
+      append(tie.node, direction, 1);
+      append(tie.leader, direction, -1);
+      for (const int control : {0, 1}) {
+        for (int along = 0; along < directions; ++along) {
+          const double factor =
+              -offset[control] / periodic.period[control] * periodic.axes(direction, along);
+          if (std::abs(factor) > kRounding) append(firstControl + control, along, factor);
+        }
       }
-      text += '\n';
+      appendText(text, "*EQUATION\n{}\n{}\n", count, terms);
     }
   }
 }
 
 std::vector<Vector3> controlPositions(const Periodicity& periodic, const ElementMesh& mesh) {
-  const Eigen::AlignedBox3d box = boxAround(mesh);
+  const Eigen::AlignedBox3d box = boxOf(mesh);
   std::vector<Vector3> positions;
   for (const int axis : {0, 1}) {
-    if (!periodic.axes[axis]) continue;
     Vector3 position = box.center();
     // A tenth of the period outside: viewers show it apart from the sheet. Its place enters
     // no equation.
     position[axis] = box.max()[axis] + 0.1 * periodic.period[axis];
-    if (mesh.rule.family == ElementFamily::Plane) position.z() = 0;
-    positions.push_back(position);
+    positions.emplace_back(mesh.ends.axes * position);
+    if (mesh.rule.family == ElementFamily::Plane) positions.back().z() = 0;
   }
   return positions;
 }
@@ -862,15 +1012,6 @@ namespace {
 
 /// A tile's edge, from its corner `edge` to the next.
 using TileEdge = std::pair<int, int>;
-
-/// The corner of a tile that a node belongs to. `edges` has one list a corner. The number of
-/// corners where none holds the node.
-int cornerOf(const TileElements& tile, int node) {
-  const auto holds = [node](const std::vector<int>& edge) {
-    return std::ranges::find(edge, node) != edge.end();
-  };
-  return static_cast<int>(std::ranges::find_if(tile.edges, holds) - tile.edges.begin());
-}
 
 /// The pairs of edges that face each other across a gap, each once and sorted: decks do not
 /// depend on the order of joints: the two joints of a fold or two joints on both faces of one

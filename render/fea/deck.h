@@ -217,40 +217,59 @@ struct NamedNodes {
   std::vector<int> nodes;  ///< rising, from 0; reference nodes count on after the mesh's own
 };
 
-/// XMIN, XMAX, YMIN, YMAX, ZMIN and ZMAX: the nodes in the six planes of the box round the sheet,
-/// to 1e-6 of its size; ZMIN and ZMAX are left out of flat sheets, whose faces they would be. Then
-/// BOXCORNERS, the nodes in two planes across different axes (three where there is a ZMIN). Nodes
-/// that follow others are left out; the reference nodes of rigid patches are in. A set may be
-/// empty. The order is that of this list. One pass over the nodes; nothing is thrown.
+/// XMIN, XMAX, YMIN, YMAX, ZMIN and ZMAX: the nodes at the ends of the sheet (SheetEnds), or where
+/// no edge is an end, those in the plane of the box round it, to 1e-6 of its size. ZMIN and ZMAX
+/// are left out of flat sheets, whose faces they would be. Then BOXCORNERS, the nodes in two planes
+/// across different axes (three where there is a ZMIN). Nodes that follow others are left out; the
+/// reference nodes of rigid patches are in. A set may be empty. The order is that of this list. One
+/// pass over the nodes; nothing is thrown.
 std::vector<NamedNodes> boundarySets(const ElementMesh& mesh);
 
-/// The axis along which the sheet is longest, among those with a MIN and a MAX. 0 for x, 1 for y, 2
-/// for z. Of axes of equal extent the first.
+/// The axis of the sheet (SheetEnds) along which it is longest, among those with a MIN and a MAX. 0
+/// for x, 1 for y, 2 for z. Of axes of equal extent the first.
 int longestAxis(const ElementMesh& mesh);
+
+/// A part of a load of 1 N that is spread evenly over an end.
+struct NodeShare {
+  int node = 0;      ///< from 0
+  double share = 0;  ///< of the load; of all nodes 1 in sum
+};
+
+/// The consistent nodal forces of an even traction on the end `end` of boundarySets(), by rising
+/// node: integrals of the shape functions over the faces (over lines for shells and plane
+/// elements). Nodes that follow others count too. Where no edge is an end, equal shares of its
+/// nodes.
+std::vector<NodeShare> endShares(const ElementMesh& mesh, int end);
 
 // ------------------------------------------------------------------------------------------------
 // Sheets that repeat: nodes at opposite ends that move alike but for what control nodes say.
 
-/// Which ends of a sheet are tied to each other.
+/// How a sheet is tied to its neighbours, which are copies of it.
 struct Periodicity {
-  std::array<bool, 2> axes{};      ///< x, y
-  std::array<double, 2> period{};  ///< of the axes that are tied, metres
-  std::vector<PeriodicTie> ties;   ///< by rising node
+  std::array<Vector3, 2> periods;          ///< from cell to cell, metres
+  Matrix3 axes = Matrix3::Identity();      ///< columns: the sheet's x, y and z in the world
+  std::array<double, 2> period{};          ///< a rectangle of the cell's area, along x and y, metres
+  std::vector<PeriodicTie> ties;           ///< by rising node
 };
 
-/// The ties of a mesh along x and y, where the nodes of XMIN have partners in XMAX at the same
-/// place but for the period, and the same in y. Throws InputError for shells, and for sheets that
-/// repeat along neither. Partners agree to 1e-5 of the sheet's size. Costs the product of the
-/// numbers of nodes at two opposite ends.
+/// The ties of a mesh to copies of it. Only what joints hold across the border is tied
+/// (findSheetLattice); slits stay open. The mesh of a sheet without joints is a plate: all nodes of
+/// XMIN follow those of XMAX, which lie at the same place but for the period, and the same in y.
+/// Throws InputError for shells, rigid patches, and sheets that do not repeat.
 Periodicity periodicity(const ElementMesh& mesh);
 
-/// Appends *EQUATION for each tie; the control node of the first axis that is tied has the number
-/// `firstControl`, from 0, that of the other the next. Two directions for plane elements, three for
-/// solids.
+/// The ties that pairs of nodes make: each node is its leader in another cell. Of all nodes that
+/// are tied together the lowest leads.
+std::vector<PeriodicTie> tiesBetween(const std::vector<PeriodicTie>& pairs);
+
+/// Appends *EQUATION for each tie. The control nodes of x and y have the numbers `firstControl`,
+/// from 0, and the next. Their displacements are along the sheet's axes: H e_x times the first
+/// period and H e_y times the second, H being the mean displacement gradient. Two directions for
+/// plane elements, three for solids.
 void appendTies(std::string& text, const Periodicity& periodic, const ElementMesh& mesh,
                 int firstControl);
 
-/// The control nodes' positions, one for each tied axis: next to the sheet, metres.
+/// The control nodes' positions, next to the sheet, metres.
 std::vector<Vector3> controlPositions(const Periodicity& periodic, const ElementMesh& mesh);
 
 // ------------------------------------------------------------------------------------------------

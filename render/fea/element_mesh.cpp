@@ -24,6 +24,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -32,6 +33,7 @@
 
 #include <fmt/format.h>
 
+#include "render/fea/sheet_ends.h"
 #include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 
@@ -91,6 +93,7 @@ struct Division {
   int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
   int second = 0;  ///< cells along edge 1 of a grid; 0 of a fan
   std::vector<std::array<int, 3>> triangles = {};  ///< of a concave tile, in place of a fan
+  bool isEven = false;  ///< nodes lie at equal distances along edges, in shells too
 
   auto operator<=>(const Division&) const = default;
 
@@ -126,6 +129,33 @@ std::vector<Division> divisionsOf(const std::vector<model::Brick>& bricks, const
   return divisions;
 }
 
+/// Gives all edges of tiles that fixed joints hold together the same number of elements, an even
+/// one: they meet node by node.
+void matchDivisions(std::vector<Division>& divisions, const std::vector<model::Joint>& joints) {
+  DisjointSets sets(divisions.size());
+  std::vector<bool> isJoined(divisions.size());
+  for (const model::Joint& joint : joints) {
+    if (joint.kind != model::JointKind::Fixed) continue;
+    sets.unite(joint.a.tile, joint.b.tile);
+    isJoined[joint.a.tile] = isJoined[joint.b.tile] = true;
+  }
+  std::map<int, int> halves;
+  for (int t = 0; t < static_cast<int>(divisions.size()); ++t) {
+    const Division& own = divisions[t];
+    const int half = own.second > 0 ? (std::max(own.first, own.second) + 1) / 2 : own.first;
+    int& most = halves[sets.lowestOf(t)];
+    most = std::max(most, half);
+  }
+  for (int t = 0; t < static_cast<int>(divisions.size()); ++t) {
+    if (!isJoined[t]) continue;
+    Division& own = divisions[t];
+    const int half = halves[sets.lowestOf(t)];
+    own.isEven = true;
+    own.first = own.second > 0 ? 2 * half : half;
+    if (own.second > 0) own.second = 2 * half;
+  }
+}
+
 /// Counted without making any, which decides how fine the mesh may be.
 std::size_t elementsIn(const std::vector<Division>& divisions, const ElementRule& rule) {
   std::size_t count = 0;
@@ -146,7 +176,7 @@ Footprint footprintOf(const Division& division, const ElementRule& rule) {
   if (!division.triangles.empty()) {
     return triangleFootprint(division.triangles, division.sides, division.first);
   }
-  const bool isGraded = rule.family == ElementFamily::Shell;
+  const bool isGraded = rule.family == ElementFamily::Shell && !division.isEven;
   return division.second > 0 ? gridFootprint(division.first, division.second, isGraded)
                              : fanFootprint(division.sides, division.first);
 }
@@ -271,8 +301,8 @@ void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<mod
   if (mesh.rule.family == ElementFamily::Shell) {
     levels = shellLevels(bricks.size(), joints, mesh.rule);
   }
-  const std::vector<Division> divisions =
-      divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
+  std::vector<Division> divisions = divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
+  matchDivisions(divisions, joints);
   requireReasonableCount(divisions, mesh.rule);
   // Sheets have thousands of tiles and few divisions: a footprint is made once for each.
   std::map<Division, Footprint> footprints;
@@ -281,6 +311,30 @@ void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<mod
     if (isNew) place->second = footprintOf(divisions[t], mesh.rule);
     appendBrick(mesh, bricks[t], poses[t], place->second, levels[t]);
   }
+}
+
+/// The ends of hinged tiles. Before corners are merged: bricks have their own.
+SheetEnds endsOf(const ElementMesh& mesh) {
+  std::vector<std::vector<Vector3>> polygons;
+  double length = 0;
+  std::size_t edges = 0;
+  for (const TileElements& tile : mesh.tiles) {
+    std::vector<Vector3>& polygon = polygons.emplace_back();
+    for (const std::vector<int>& edge : tile.edges) polygon.push_back(mesh.nodes[edge.front()]);
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      length += (polygon[(k + 1) % polygon.size()] - polygon[k]).norm();
+    }
+    edges += polygon.size();
+  }
+  const EndEdges found = findEndEdges(polygons, length / static_cast<double>(edges));
+  SheetEnds ends{found.axes, found.isFlat, {}};
+  for (std::size_t k = 0; k < ends.faces.size(); ++k) {
+    for (const PolygonEdge& edge : found.edges[k]) {
+      std::ranges::copy_if(mesh.tiles[edge.polygon].sides, std::back_inserter(ends.faces[k]),
+                           [&](const ElementFace& face) { return face.tileEdge == edge.edge; });
+    }
+  }
+  return ends;
 }
 
 /// Throws InputError for elements that hinged tiles cannot have.
@@ -368,6 +422,8 @@ ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
   mesh.rule = rule;
   if (rule.patchRadius == 0) mesh.rule.patchRadius = usualPatchRadius(bricks);
   divideBricks(bricks, joints, poses, mesh);
+  mesh.ends = endsOf(mesh);
+  joinTiles(mesh, joints);
   mesh.joints = jointNodes(joints, mesh.tiles, mesh.rule.countsFrom);
   mesh.clusters = findClusters(mesh);
   for (const NodeCluster& cluster : mesh.clusters) {
@@ -378,6 +434,31 @@ ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
   if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
   if (rule.family == ElementFamily::Solid) checkElements(mesh, bricks);
   return mesh;
+}
+
+std::vector<int> faceNodes(const ElementMesh& mesh, const ElementFace& face) {
+  const std::array<int, 20>& nodes = mesh.elements[face.element].nodes;
+  const int from = face.side, to = (face.side + 1) % 4;
+  if (mesh.rule.family != ElementFamily::Solid) {
+    if (!mesh.rule.quadratic) return {nodes[from], nodes[to]};
+    return {nodes[from], nodes[to], nodes[4 + from]};
+  }
+  if (!mesh.rule.quadratic) return {nodes[from], nodes[to], nodes[to + 4], nodes[from + 4]};
+  return {nodes[from],     nodes[to],      nodes[to + 4],    nodes[from + 4],
+          nodes[8 + from], nodes[16 + to], nodes[12 + from], nodes[16 + from]};
+}
+
+double smallestElementAngle(const ElementMesh& mesh) {
+  double least = std::numbers::pi;
+  for (const Element& element : mesh.elements) {
+    for (int k = 0; k < 4; ++k) {
+      const Vector3& at = mesh.nodes[element.nodes[k]];
+      const Vector3 next = mesh.nodes[element.nodes[(k + 1) % 4]] - at;
+      const Vector3 previous = mesh.nodes[element.nodes[(k + 3) % 4]] - at;
+      least = std::min(least, std::atan2(next.cross(previous).norm(), next.dot(previous)));
+    }
+  }
+  return least / kDegree;
 }
 
 bool hasEquations(const ElementMesh& mesh) {
@@ -500,6 +581,14 @@ TileElements PrismLayers::append(std::size_t firstCell, std::size_t cellCount,
 std::vector<int> PrismLayers::nodesAt(int point) const {
   std::vector<int> nodes;
   for (const std::vector<int>& level : pointNode_) nodes.push_back(level[point]);
+  return nodes;
+}
+
+std::vector<int> PrismLayers::nodesBetween(int a, int b) const {
+  std::vector<int> nodes;
+  for (const std::vector<int>& level : edgeNode_) {
+    if (!level.empty()) nodes.push_back(level[edgeNumber(a, b)]);
+  }
   return nodes;
 }
 
@@ -826,6 +915,48 @@ void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
   for (NodeCluster& cluster : mesh.clusters) renumber(cluster.nodes, numbers);
 }
 
+/// Makes one node of all that have the same lowest one. The lowest lies where it will be.
+void mergeNodes(ElementMesh& mesh, const std::vector<int>& lowest) {
+  // A follower's lowest node is before it, so its new number is known already.
+  std::vector<int> numbers(mesh.nodes.size());
+  std::vector<Vector3> positions;
+  for (std::size_t node = 0; node < lowest.size(); ++node) {
+    const bool isLowest = lowest[node] == static_cast<int>(node);
+    numbers[node] = isLowest ? static_cast<int>(positions.size()) : numbers[lowest[node]];
+    if (isLowest) positions.push_back(mesh.nodes[node]);
+  }
+  mesh.nodes = std::move(positions);
+  renumberAll(mesh, numbers);
+}
+
+/// The edges of two tiles that lie in one place, run in opposite senses.
+std::vector<std::pair<int, int>> sharedEdges(const ElementMesh& mesh, const TileElements& a,
+                                             const TileElements& b, double tolerance) {
+  std::vector<std::pair<int, int>> shared;
+  const auto areSame = [&](const std::vector<int>& p, const std::vector<int>& q) {
+    return (mesh.nodes[p.front()] - mesh.nodes[q.front()]).norm() <= tolerance &&
+           (mesh.nodes[p.back()] - mesh.nodes[q.back()]).norm() <= tolerance;
+  };
+  for (std::size_t e = 0; e < a.edges.size(); ++e) {
+    for (std::size_t f = 0; f < b.edges.size(); ++f) {
+      const bool isShared = areSame(a.edges[e], b.edges[(f + 1) % b.edges.size()]) &&
+                            areSame(a.edges[(e + 1) % a.edges.size()], b.edges[f]);
+      if (isShared) shared.emplace_back(static_cast<int>(e), static_cast<int>(f));
+    }
+  }
+  return shared;
+}
+
+std::vector<int> nodesOnEdge(const ElementMesh& mesh, const TileElements& tile, int edge) {
+  std::vector<int> nodes;
+  for (const ElementFace& face : tile.sides) {
+    if (face.tileEdge != edge) continue;
+    const std::vector<int> own = faceNodes(mesh, face);
+    nodes.insert(nodes.end(), own.begin(), own.end());
+  }
+  return sortedOnce(std::move(nodes));
+}
+
 Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
   Vector3 sum = Vector3::Zero();
   for (const int node : nodes) sum += positions[node];
@@ -885,18 +1016,68 @@ double leastDistance(const std::vector<Vector3>& points) {
 std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
                                    const std::vector<TileElements>& tiles, int countsFrom) {
   std::vector<JointNodes> nodes;
-  for (const model::Joint& joint : joints) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const model::Joint& joint = joints[j];
+    if (joint.kind == model::JointKind::Fixed) continue;
     if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
           fmt::format("error: joint {} does not hold two corners together; a mesh can "
                       "hold only pivots",
-                      nodes.size() + static_cast<std::size_t>(countsFrom)));
+                      j + static_cast<std::size_t>(countsFrom)));
     }
     nodes.push_back({joint.a.tile, joint.b.tile, joint.face == model::JointFace::Both,
                      nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
                      nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
   }
   return nodes;
+}
+
+void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints) {
+  // What a run leaves open, of the length of an edge.
+  constexpr double kSameEdge = 1e-3;
+  DisjointSets sets(mesh.nodes.size());
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (joints[j].kind != model::JointKind::Fixed) continue;
+    TileElements &a = mesh.tiles[joints[j].a.tile], &b = mesh.tiles[joints[j].b.tile];
+    std::vector<Vector3> corners;
+    for (const TileElements* tile : {&a, &b}) {
+      for (const std::vector<int>& edge : tile->edges) corners.push_back(mesh.nodes[edge.front()]);
+    }
+    const double length = (corners[1] - corners[0]).norm();
+    const auto shared = sharedEdges(mesh, a, b, kSameEdge * length);
+    if (shared.empty()) {
+      throw InputError(fmt::format(
+          "error: joint {} fixes tiles {} and {} to each other, which share no edge; a mesh can "
+          "join only tiles side by side",
+          j + static_cast<std::size_t>(mesh.rule.countsFrom),
+          joints[j].a.tile + mesh.rule.countsFrom, joints[j].b.tile + mesh.rule.countsFrom));
+    }
+    for (const auto& [edgeA, edgeB] : shared) {
+      const std::vector<int> others = nodesOnEdge(mesh, b, edgeB);
+      for (const int node : nodesOnEdge(mesh, a, edgeA)) {
+        const auto nearest = std::ranges::min_element(others, {}, [&](int other) {
+          return (mesh.nodes[other] - mesh.nodes[node]).squaredNorm();
+        });
+        sets.unite(node, *nearest);
+      }
+      std::erase_if(a.sides, [&](const ElementFace& face) { return face.tileEdge == edgeA; });
+      std::erase_if(b.sides, [&](const ElementFace& face) { return face.tileEdge == edgeB; });
+    }
+    mesh.joined.push_back({joints[j].a.tile, joints[j].b.tile});
+  }
+  if (mesh.joined.empty()) return;
+  std::vector<int> lowest(mesh.nodes.size());
+  std::vector<Vector3> sums(mesh.nodes.size(), Vector3::Zero());
+  std::vector<int> counts(mesh.nodes.size());
+  for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
+    lowest[node] = sets.lowestOf(node);
+    sums[lowest[node]] += mesh.nodes[node];
+    ++counts[lowest[node]];
+  }
+  for (std::size_t node = 0; node < lowest.size(); ++node) {
+    if (counts[node] > 1) mesh.nodes[node] = sums[node] / counts[node];
+  }
+  mergeNodes(mesh, lowest);
 }
 
 std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
@@ -937,16 +1118,7 @@ void mergeClusters(ElementMesh& mesh) {
     mesh.nodes[cluster->nodes[0]] = meanOf(cluster->nodes, mesh.nodes);
   }
   mesh.clusters.erase(mesh.clusters.begin(), kept);
-  // A follower's lowest node is before it, so its new number is known already.
-  std::vector<int> numbers(mesh.nodes.size());
-  std::vector<Vector3> positions;
-  for (std::size_t node = 0; node < lowest.size(); ++node) {
-    const bool isLowest = lowest[node] == static_cast<int>(node);
-    numbers[node] = isLowest ? static_cast<int>(positions.size()) : numbers[lowest[node]];
-    if (isLowest) positions.push_back(mesh.nodes[node]);
-  }
-  mesh.nodes = std::move(positions);
-  renumberAll(mesh, numbers);
+  mergeNodes(mesh, lowest);
 }
 
 void spreadPatches(ElementMesh& mesh, int leastPerEdge) {

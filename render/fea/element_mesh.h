@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
+#include "render/fea/periodic.h"
 #include "render/writers/flat_sheet.h"
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
@@ -103,11 +105,17 @@ struct PatchSpring {
   double moment = 0;     ///< on B in the mesh's state, and on A in reverse; N m
 };
 
-/// A node that follows another and the control nodes of a sheet that repeats, see deck.h.
+/// A node that follows another one in the next cell of a sheet that repeats, see deck.h.
 struct PeriodicTie {
   int node = 0;                ///< that follows
   int leader = 0;              ///< that it follows
-  std::array<int, 2> times{};  ///< how often it follows the control nodes of x and y: 0 or 1
+  std::array<int, 2> times{};  ///< from the leader to the node, in periods
+};
+
+/// Two tiles that a fixed joint makes one part of the mesh: they share the nodes of an edge.
+struct JoinedTiles {
+  int tileA = 0;  ///< its number, from 0
+  int tileB = 0;  ///< its number, from 0
 };
 
 /// The neck at a joint of JointStyle::Neck.
@@ -116,19 +124,30 @@ struct MeshNeck {
   writers::NeckShape shape;                  ///< as writers::shapeAt() has it
 };
 
+/// The ends of a sheet, in its own axes: what a person would hold.
+struct SheetEnds {
+  Matrix3 axes = Matrix3::Identity();  ///< columns: unit vectors along the sheet's x, y and z
+  bool isFlat = false;                 ///< all bottoms lie in one plane z = const
+  /// XMIN, XMAX, YMIN, YMAX, ZMIN, ZMAX: faces of elements; empty where no edge is an end.
+  std::array<std::vector<ElementFace>, 6> faces;
+};
+
 /// A mesh of all bricks. Coordinates in metres, world axes.
 struct ElementMesh {
-  ElementRule rule;                   ///< a patch radius of 0 replaced by the one in use
-  std::vector<Vector3> nodes;         ///< places, in the order of their numbers
-  std::vector<Element> elements;      ///< tile by tile
-  std::vector<TileElements> tiles;    ///< one a brick
-  std::vector<TileElements> necks;    ///< of JointStyle::Neck: those with an area of their own
-  std::vector<MeshNeck> neckShapes;   ///< of JointStyle::Neck, one a joint
-  std::vector<JointNodes> joints;     ///< one a joint
-  std::vector<NodeCluster> clusters;  ///< in order of their first node; none are left when shared
-  std::vector<PatchSpring> springs;   ///< of JointStyle::Patch, see deck.h
-  std::vector<PeriodicTie> ties;      ///< of a job on a sheet that repeats
-  double largestGap = 0;              ///< between corners that meet, metres
+  ElementRule rule;                     ///< a patch radius of 0 replaced by the one in use
+  std::vector<Vector3> nodes;           ///< places, in the order of their numbers
+  std::vector<Element> elements;        ///< tile by tile
+  std::vector<TileElements> tiles;      ///< one a brick
+  std::vector<TileElements> necks;      ///< of JointStyle::Neck: those with an area of their own
+  std::vector<MeshNeck> neckShapes;     ///< of JointStyle::Neck, one a joint
+  std::vector<JointNodes> joints;       ///< one a pivot
+  std::vector<JoinedTiles> joined;      ///< one a fixed joint
+  std::vector<NodeCluster> clusters;    ///< in order of their first node; none are left when shared
+  std::vector<PatchSpring> springs;     ///< of JointStyle::Patch, see deck.h
+  std::vector<PeriodicTie> ties;        ///< of a job on a sheet that repeats
+  double largestGap = 0;                ///< between corners that meet, metres
+  SheetEnds ends;                       ///< by findEndEdges()
+  std::optional<SheetLattice> lattice;  ///< of makePeriodicNeckMesh(), which has `ties` too
 };
 
 /// Throws InputError for numbers of elements and sizes that are out of range or contradict each
@@ -167,6 +186,13 @@ bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rul
 ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
                             const std::vector<model::Joint>& joints, const Poses& poses,
                             const ElementRule& rule);
+
+/// The nodes of a face: of solids the corners, then the middles of its sides; of shells and plane
+/// elements the two ends, then the middle.
+std::vector<int> faceNodes(const ElementMesh& mesh, const ElementFace& face);
+
+/// The smallest angle between two sides of an element's bottom, degrees.
+double smallestElementAngle(const ElementMesh& mesh);
 
 /// Whether clusters are tied by *EQUATION: all that are left and have no patches.
 bool hasEquations(const ElementMesh& mesh);
@@ -265,6 +291,10 @@ class PrismLayers {
   /// The nodes at a point, bottom first.
   std::vector<int> nodesAt(int point) const;
 
+  /// The nodes in the middle of the side between two points, bottom first; none when linear. There
+  /// must be such a side.
+  std::vector<int> nodesBetween(int a, int b) const;
+
  private:
   int step() const { return mesh_.rule.quadratic ? 2 : 1; }
   std::size_t edgeNumber(int a, int b) const;
@@ -283,11 +313,16 @@ class PrismLayers {
 /// The least distance between two of the points, infinite for less than two. Compares all pairs.
 double leastDistance(const std::vector<Vector3>& points);
 
-/// The nodes of each joint. Throws InputError for a joint that no deck can hold. That is any joint
-/// but a pivot. One entry a joint, in their order. `countsFrom`: the first joint's number in
+/// The nodes of each pivot, in their order. Fixed joints are left out (joinTiles). Throws
+/// InputError for a joint that no deck can hold, a link. `countsFrom`: the first joint's number in
 /// messages.
 std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
                                    const std::vector<TileElements>& tiles, int countsFrom);
+
+/// Makes tiles that fixed joints hold one part: the nodes of the edges that two tiles share become
+/// one, at their mean, and the faces there are no longer sides. Both tiles must have the same nodes
+/// along such an edge. Throws InputError for a fixed joint between tiles that share no edge.
+void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints);
 
 /// The nodes that the mesh's joints bring together, before any are merged. Throws InputError when
 /// two of them belong to one tile. In order of their lowest node; patches are empty.
@@ -305,11 +340,18 @@ void spreadPatches(ElementMesh& mesh, int leastPerEdge);
 // ------------------------------------------------------------------------------------------------
 // A flat sheet with necks of material at its joints, in one piece, as finite elements.
 
+/// Two lines of an outline that get the same nodes: from a point to another, and the same moved.
+struct TwinLines {
+  std::array<int, 2> line{};  ///< points of the outline
+  std::array<int, 2> twin{};  ///< the same points of its twin
+  std::array<int, 2> cell{};  ///< from the twin to the line, in periods
+};
+
 /// The outline as a Gmsh geometry: one surface a tile and a neck, quadrilaterals of the rule's
 /// size, small at the necks: the finer the rule, the finer both. The text is in Gmsh's own language
 /// (.geo), lengths in metres. `tileSize` is the mean length of tiles' edges, metres.
 std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule,
-                         double tileSize);
+                         double tileSize, const std::vector<TwinLines>& twins = {});
 
 /// The start of a planar model as one sheet with the rule's necks, of this thickness in metres:
 /// solids, shells in the middle of the thickness, or plane elements in the plane z = 0. Tiles and
@@ -319,5 +361,11 @@ std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule&
 /// Throws what neckOutline, requireValidRule and meshedByGmsh throw. The mesh has no joints and no
 /// clusters.
 ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule);
+
+/// The same as one cell of an infinite sheet (findSheetLattice): the necks that its border cuts are
+/// part of it, each once, and their nodes have ties to those of the tile that they lead to. Throws
+/// what findSheetLattice throws besides.
+ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
+                                 const ElementRule& rule);
 
 }  // namespace kirireel::fea

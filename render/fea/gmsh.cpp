@@ -32,6 +32,7 @@ constexpr int kPoint = 15;
 /// Numbers 3 and 16 have 4 and 8 nodes, 5 and 17 have 8 and 20.
 constexpr int kQuadrilateral[] = {3, 16};  ///< linear, quadratic
 constexpr int kHexahedron[] = {5, 17};
+constexpr int kLine[] = {1, 8};
 
 /// The places of Gmsh's edge nodes of a hexahedron in Abaqus's order. Gmsh counts edges by their
 /// lower corner: 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7. Abaqus has those of
@@ -79,6 +80,12 @@ struct Group {
   std::string name;
 };
 
+/// Sides of a part that have one name.
+struct SideEntity {
+  int part = 0;
+  std::vector<int> groups;
+};
+
 /// Collects groups, entities and elements, and writes them section by section.
 class GmshText {
  public:
@@ -100,6 +107,7 @@ class GmshText {
       addJoints();
     }
     for (std::size_t k = 0; k < parts_.size(); ++k) addPart(k);
+    if (mesh.rule.joints == JointStyle::Neck) addNamedSides();
   }
 
   std::string text() const {
@@ -163,6 +171,51 @@ class GmshText {
     namePart(number);
   }
 
+  /// The sides of a sheet with necks: XMIN to YMAX, and SLITS for all others. An entity for each
+  /// part and name, after the other surfaces; of shells and plane elements they are curves.
+  void addNamedSides() {
+    std::map<std::pair<int, int>, std::size_t> nameOf;  // of element and side
+    for (std::size_t end = 0; end < 4; ++end) {
+      for (const ElementFace& face : mesh_.ends.faces[end]) {
+        nameOf[{face.element, face.side}] = end;
+      }
+    }
+    constexpr const char* kNames[] = {"XMIN", "XMAX", "YMIN", "YMAX", "SLITS"};
+    const int dimension = bodyDimension() - 1;
+    std::array<int, 5> groups{};
+    int entity = isSolid() ? 3 * static_cast<int>(parts_.size()) : 0;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      std::array<std::vector<std::vector<int>>, 5> elements;
+      for (const ElementFace& side : parts_[k]->sides) {
+        const auto found = nameOf.find({side.element, side.side});
+        elements[found == nameOf.end() ? 4 : found->second].push_back(sideElement(side));
+      }
+      for (std::size_t name = 0; name < elements.size(); ++name) {
+        if (elements[name].empty()) continue;
+        if (groups[name] == 0) groups[name] = addGroup(dimension, kNames[name]);
+        SideEntity& side = sideEntities_.emplace_back();
+        side.part = static_cast<int>(k);
+        side.groups = {groups[name]};
+        if (isSolid() && sets_ == SetChoice::All) {
+          side.groups.push_back(3);  // SIDES
+          side.groups.push_back(surfaceGroups_[3 * k + 2]);
+        }
+        blocks_.push_back({dimension, ++entity,
+                           (isSolid() ? kQuadrilateral : kLine)[mesh_.rule.quadratic],
+                           std::move(elements[name])});
+      }
+    }
+  }
+
+  /// A side of an element as an element of its own.
+  std::vector<int> sideElement(const ElementFace& side) const {
+    const Element& element = mesh_.elements[side.element];
+    if (isSolid()) return face(element, sideFace(side.side), mesh_.rule.quadratic);
+    std::vector<int> nodes = {element.nodes[side.side], element.nodes[(side.side + 1) % 4]};
+    if (mesh_.rule.quadratic) nodes.push_back(element.nodes[4 + side.side]);
+    return nodes;
+  }
+
   /// Surfaces 3 k + 1, 3 k + 2 and 3 k + 3 are the bottom, top and sides of part k.
   void addFaces(const TileElements& part, int number) {
     const bool quadratic = mesh_.rule.quadratic;
@@ -181,7 +234,9 @@ class GmshText {
     for (Block& block : faces) {
       // A surface without elements would be an entity that no program can show.
       const bool isSide = &block == &faces[2];
-      if (isSide && (sets_ != SetChoice::All || block.elements.empty())) continue;
+      const bool hasSides =
+          sets_ == SetChoice::All && mesh_.rule.joints != JointStyle::Neck;
+      if (isSide && (!hasSides || block.elements.empty())) continue;
       blocks_.push_back(std::move(block));
     }
   }
@@ -201,8 +256,9 @@ class GmshText {
   /// Points have a position, all others the box round their part. Curves: none.
   void appendEntities(std::string& text) const {
     const int parts = static_cast<int>(parts_.size());
-    appendText(text, "$Entities\n{} 0 {} {}\n", pointGroups_.size(), isSolid() ? 3 * parts : parts,
-               isSolid() ? parts : 0);
+    const int sides = static_cast<int>(sideEntities_.size());
+    appendText(text, "$Entities\n{} {} {} {}\n", pointGroups_.size(), isSolid() ? 0 : sides,
+               isSolid() ? 3 * parts + sides : parts, isSolid() ? parts : 0);
     int entity = 0;
     for (const auto& [node, groups] : pointGroups_) {
       const Vector3& at = positions_[node];
@@ -210,9 +266,21 @@ class GmshText {
       for (const int group : groups) appendText(text, " {}", group);
       text += '\n';
     }
+    const auto appendSides = [&](int first) {
+      for (int k = 0; k < sides; ++k) {
+        const SideEntity& side = sideEntities_[k];
+        appendBox(text, first + k + 1, side.part);
+        appendText(text, "{}", side.groups.size());
+        for (const int group : side.groups) appendText(text, " {}", group);
+        text += " 0\n";
+      }
+    };
     // The group of kind 1 + k % 3: BOTTOM, TOP, SIDES.
     if (isSolid()) {
       for (int k = 0; k < 3 * parts; ++k) appendEntity(text, k, k / 3, 1 + k % 3, surfaceGroups_);
+      appendSides(3 * parts);
+    } else {
+      appendSides(0);
     }
     const int tiles = static_cast<int>(mesh_.tiles.size());
     for (int k = 0; k < parts; ++k) appendEntity(text, k, k, k < tiles ? 1 : 2, bodyGroups_);
@@ -222,12 +290,17 @@ class GmshText {
   /// One entity with its box, its kind's group and, if it has one, a group of its own.
   void appendEntity(std::string& text, int number, int part, int kind,
                     const std::vector<int>& own) const {
-    Eigen::AlignedBox3d box;
-    for (const int node : parts_[part]->nodes) box.extend(positions_[node]);
-    appendText(text, "{} {} {} {} {} {} {} ", number + 1, box.min().x(), box.min().y(),
-               box.min().z(), box.max().x(), box.max().y(), box.max().z());
+    appendBox(text, number + 1, part);
     own.empty() ? appendText(text, "1 {} 0\n", kind)
                 : appendText(text, "2 {} {} 0\n", kind, own[number]);
+  }
+
+  /// An entity's number, from 1, and the box round its part.
+  void appendBox(std::string& text, int number, int part) const {
+    Eigen::AlignedBox3d box;
+    for (const int node : parts_[part]->nodes) box.extend(positions_[node]);
+    appendText(text, "{} {} {} {} {} {} {} ", number, box.min().x(), box.min().y(), box.min().z(),
+               box.max().x(), box.max().y(), box.max().z());
   }
 
   void appendNodes(std::string& text) const {
@@ -282,6 +355,7 @@ class GmshText {
   std::map<int, std::vector<int>> pointGroups_;  ///< by node
   std::vector<int> surfaceGroups_;               ///< of single faces, in order of entities
   std::vector<int> bodyGroups_;                  ///< of single tiles and necks
+  std::vector<SideEntity> sideEntities_;         ///< of sheets with necks
   std::vector<Block> blocks_;
 };
 

@@ -33,6 +33,7 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include <Eigen/Dense>
 #include <Eigen/QR>
@@ -84,54 +85,46 @@ std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
   return nodes;
 }
 
-/// The nodes farthest along an axis (`sign` 1) or against it (-1) that are neither held nor follow
-/// others.
-std::vector<int> outermost(const ElementMesh& mesh, const std::vector<int>& held, int axis,
-                           double sign) {
-  const std::vector<bool> follows = followers(mesh);
-  std::vector<std::pair<double, int>> free;
-  for (int k = 0; k < static_cast<int>(mesh.nodes.size()); ++k) {
-    const bool isFree = !follows[k] && !std::ranges::binary_search(held, k);
-    if (isFree) free.emplace_back(-sign * mesh.nodes[k][axis], k);
-  }
-  // The farthest first. Only those with exactly the coordinate of the first are taken.
-  std::ranges::sort(free);
-  std::vector<int> nodes;
-  for (const auto& [place, node] : free) {
-    if (place == free.front().first) nodes.push_back(node);
-  }
-  return nodes;
-}
+/// An end of a sheet and the consistent forces of 1 N on it.
+struct GripLoad {
+  std::string name;  ///< of the set of its nodes, GRIP_XMIN
+  std::vector<NodeShare> shares;
+};
 
-/// GRIP_XMIN and GRIP_XMAX, or of another axis: the nodes at the sheet's two ends that are not
-/// held, or where all are, those next to them. Programs would count what is applied at held nodes
-/// among the reactions.
-std::vector<NamedNodes> gripSets(const ElementMesh& mesh, const std::vector<int>& held) {
-  const std::vector<NamedNodes> ends = boundarySets(mesh);
-  std::vector<NamedNodes> grips;
+/// GRIP_XMIN and GRIP_XMAX, or of another axis: the two ends of the sheet's longest axis.
+std::vector<GripLoad> gripsOf(const ElementMesh& mesh) {
+  std::vector<GripLoad> grips;
   for (const int end : {0, 1}) {
-    const std::size_t place = 2 * longestAxis(mesh) + end;
-    NamedNodes& grip = grips.emplace_back();
-    grip.name = "GRIP_" + ends[place].name;
-    // Both lists rise.
-    std::ranges::set_difference(ends[place].nodes, held, std::back_inserter(grip.nodes));
-    if (grip.nodes.empty()) {
-      grip.nodes = outermost(mesh, held, longestAxis(mesh), end == 0 ? -1 : 1);
-    }
+    const int place = 2 * longestAxis(mesh) + end;
+    grips.push_back({"GRIP_" + boundarySets(mesh)[place].name, endShares(mesh, place)});
   }
   return grips;
 }
 
-/// Equal forces on the nodes of both grips, 1 N in sum at each: apart with sign 1, together with
-/// -1.
-void appendGripForces(std::string& text, const std::vector<NamedNodes>& grips, int axis,
+/// The nodes at the ends that are gripped.
+std::vector<int> nodesOf(const std::vector<GripLoad>& grips) {
+  std::vector<int> nodes;
+  for (const GripLoad& grip : grips) {
+    for (const NodeShare& share : grip.shares) nodes.push_back(share.node);
+  }
+  return nodes;
+}
+
+/// An even traction of 1 N on each grip: apart with sign 1, together with -1.
+void appendGripForces(std::string& text, const ElementMesh& mesh, const std::vector<GripLoad>& grips,
                       double sign) {
+  const Vector3 along = mesh.ends.axes.col(longestAxis(mesh));
   text += "*CLOAD\n";
-  for (const NamedNodes& grip : grips) {
+  for (const GripLoad& grip : grips) {
     // The first grip is the MIN end, so sign 1 pulls it in the negative direction.
     sign = -sign;
-    appendText(text, "{}, {}, {}\n", grip.name, axis + 1,
-               deckNumber(sign / static_cast<double>(grip.nodes.size())));
+    for (const NodeShare& share : grip.shares) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double force = sign * share.share * along[axis];
+        if (force == 0) continue;
+        appendText(text, "{}, {}, {}\n", share.node + 1, axis + 1, deckNumber(force));
+      }
+    }
   }
 }
 
@@ -185,16 +178,16 @@ void appendSpringMoments(std::string& text, const ElementMesh& mesh, const DeckS
 /// What a sheet is held and gripped by.
 struct HeldSheet {
   std::vector<NodeDisplacement> supports;
-  std::vector<NamedNodes> grips;
+  std::vector<GripLoad> grips;
   std::string sets;  ///< NHOLD and those of the grips
 };
 
 HeldSheet heldSheet(const ElementMesh& mesh) {
-  HeldSheet held{leastSupports(mesh), {}, {}};
-  held.grips = gripSets(mesh, nodesOf(held.supports));
+  HeldSheet held{{}, gripsOf(mesh), {}};
+  held.supports = leastSupports(mesh, {}, nodesOf(held.grips));
   held.sets = "** What the job holds and grips.\n";
   appendNodeSet(held.sets, "NHOLD", nodesOf(held.supports));
-  for (const NamedNodes& grip : held.grips) appendNodeSet(held.sets, grip.name, grip.nodes);
+  for (const GripLoad& grip : held.grips) appendNodeSet(held.sets, grip.name, nodesOf({grip}));
   return held;
 }
 
@@ -276,23 +269,31 @@ std::string amplitudeName(const NodeDisplacement& driven) {
   return fmt::format("A{}_{}", driven.node + 1, driven.axis + 1);
 }
 
-/// The tiles with nodes at either end of the longest axis.
+/// The tiles at either end of the longest axis: those with faces there, or where no edge is an end,
+/// with nodes.
 std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   const std::vector<NamedNodes> sets = boundarySets(mesh);
-  std::vector<bool> isAtEnd(mesh.nodes.size());
+  std::vector<bool> isAtEnd(mesh.tiles.size());
   for (const int end : {0, 1}) {
-    const std::size_t place = 2 * longestAxis(mesh) + end;
-    for (const int node : sets[place].nodes) {
+    const int place = 2 * longestAxis(mesh) + end;
+    const std::vector<ElementFace>& faces = mesh.ends.faces[place];
+    for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+      const TileElements& tile = mesh.tiles[t];
+      const bool hasFace = std::ranges::any_of(faces, [&](const ElementFace& face) {
+        const int number = face.element - tile.firstElement;
+        return number >= 0 && number < tile.elementCount;
+      });
       // Reference nodes of patches count on after the mesh's own and belong to no tile.
-      if (static_cast<std::size_t>(node) < isAtEnd.size()) isAtEnd[node] = true;
+      const bool hasNode =
+          faces.empty() && std::ranges::any_of(sets[place].nodes, [&](int node) {
+            return std::ranges::binary_search(tile.nodes, node);
+          });
+      if (hasFace || hasNode) isAtEnd[t] = true;
     }
   }
   std::vector<int> tiles;
-  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
-    const std::vector<int>& nodes = mesh.tiles[t].nodes;
-    if (std::ranges::any_of(nodes, [&](int node) { return isAtEnd[node]; })) {
-      tiles.push_back(static_cast<int>(t));
-    }
+  for (std::size_t t = 0; t < isAtEnd.size(); ++t) {
+    if (isAtEnd[t]) tiles.push_back(static_cast<int>(t));
   }
   return tiles;
 }
@@ -326,6 +327,7 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
       text,
       "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
       "joints.\n"
+      "** The nodal forces are those of an even traction on the end's faces.\n"
       "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
       "by\n"
       "** one displacement, so that nothing else is strained. Holding less leaves a mechanism, "
@@ -338,7 +340,7 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
       deckNumber(9.81 * unitScale(settings.unit).length));
   appendHeldModel(text, mesh, settings, origin, meshFile, held);
   text += "*STEP\n*STATIC\n";
-  appendGripForces(text, held.grips, longestAxis(mesh), 1);
+  appendGripForces(text, mesh, held.grips, 1);
   appendSpringMoments(text, mesh, settings);
   appendRequests(text, settings.solver, "NHOLD", "RF");
   return {held.sets, text + "*END STEP\n"};
@@ -356,7 +358,7 @@ DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const
   appendHeldModel(text, mesh, settings, origin, meshFile, held);
   // Five factors, the smallest first.
   text += "*STEP\n*BUCKLE\n5\n";
-  appendGripForces(text, held.grips, longestAxis(mesh), -1);
+  appendGripForces(text, mesh, held.grips, -1);
   text +=
       settings.solver == Solver::Calculix ? "*NODE FILE\nU\n" : "*OUTPUT, FIELD\n*NODE OUTPUT\nU\n";
   return {held.sets, text + "*END STEP\n"};
@@ -488,44 +490,66 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   ElementMesh tied = mesh;
   tied.ties = periodic.ties;
   const std::vector<NodeDisplacement> supports = leastSupports(tied);
-  // As meshDeck numbers them: after the mesh's nodes and those of patches.
-  const int control =
-      static_cast<int>(mesh.nodes.size() + PatchDeck(mesh, settings.solver).nodes().size());
-  const int axis = periodic.axes[0] ? 0 : 1;
+  // As meshDeck numbers them: after the mesh's nodes.
+  const int control = static_cast<int>(mesh.nodes.size());
+  const double scale = unitScale(settings.unit).length;
   std::string text = heading(origin, "periodic");
   appendOrigin(text, origin, settings.unit);
   appendText(
       text,
-      "** Opposite ends move alike but for the control nodes NCONTROL, whose displacements are "
-      "those of\n"
-      "** one end against the other and whose reactions are the forces on it. Here the sheet is "
-      "strained\n"
-      "** by {} along {}, and free to widen across. Held besides are {} displacements: what "
-      "moves while\n"
-      "** the control nodes rest.\n",
-      kStrain, axis == 0 ? "x" : "y", supports.size());
+      "** An infinite sheet, of which the mesh is a cell of {} x {}. Joints across its border tie "
+      "the cell\n"
+      "** to copies of itself; slits are open. The control nodes NCONTROL carry the mean strain: "
+      "with H the\n"
+      "** displacement gradient, the first has the displacements H e_x {}, the second H e_y {}, "
+      "along the\n"
+      "** sheet's axes e_x = ({}, {}, {}), e_y = ({}, {}, {}). Their reactions are the forces on "
+      "the cell's sides.\n"
+      "** Steps are linear: all displacements change their sign with the strain's. Held besides are "
+      "{}\n"
+      "** displacements: what moves while the control nodes rest.\n",
+      deckNumber(scale * periodic.period[0]), deckNumber(scale * periodic.period[1]),
+      deckNumber(scale * periodic.period[0]), deckNumber(scale * periodic.period[1]),
+      deckNumber(periodic.axes(0, 0)), deckNumber(periodic.axes(1, 0)),
+      deckNumber(periodic.axes(2, 0)), deckNumber(periodic.axes(0, 1)),
+      deckNumber(periodic.axes(1, 1)), deckNumber(periodic.axes(2, 1)), supports.size());
   appendJointWarnings(text, mesh);
   appendModel(text, mesh, settings, origin, meshFile);
   appendTies(text, periodic, mesh, control);
   appendSupports(text, supports);
   const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
-  const bool hasBoth = periodic.axes[0] && periodic.axes[1];
-  for (int direction = 0; direction < directions; ++direction) {
-    // Shear of the sheet is held: the control nodes move only along their own axes.
-    if (direction != axis) appendText(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
-    if (hasBoth && direction != 1) appendText(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
+  if (directions == 3) appendText(text, "{0}, 3, 3\n{1}, 3, 3\n", control + 1, control + 2);
+  // Components of H, and what each step prescribes of them. What a step prescribes stays
+  // prescribed in the next ones. Steps are linear: the other sign gives the same energy.
+  struct Strain {
+    const char* words;
+    double xx, shear;
+    std::optional<double> yy;
+  };
+  const Strain strains[] = {
+      {"stretched along x, free to widen along y", kStrain, 0, std::nullopt},
+      {"sheared, of the same length along x, free to widen along y", 0, kStrain, std::nullopt},
+      {"compressed along y, of the same length along x", 0, 0, -kStrain}};
+  for (const Strain& strain : strains) {
+    appendText(text, "** The sheet is {}.\n*STEP\n*STATIC\n*BOUNDARY\n", strain.words);
+    const auto prescribe = [&](int node, int axis, double component) {
+      appendText(text, "{0}, {1}, {1}, {2}\n", control + node + 1, axis + 1,
+                 deckNumber(component * periodic.period[node] * scale));
+    };
+    prescribe(0, 0, strain.xx);
+    prescribe(0, 1, 0.5 * strain.shear);
+    prescribe(1, 0, 0.5 * strain.shear);
+    if (strain.yy) prescribe(1, 1, *strain.yy);
+    appendRequests(text, settings.solver, "NCONTROL", "U, RF");
+    if (settings.solver == Solver::Calculix) {
+      text +=
+          "** CalculiX leaves the forces of equations out of RF: the force is twice the energy by "
+          "the displacement.\n"
+          "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
+    }
+    text += "*END STEP\n";
   }
-  appendText(text, "*STEP\n*STATIC\n*BOUNDARY\n{0}, {1}, {1}, {2}\n", control + 1, axis + 1,
-             deckNumber(kStrain * periodic.period[axis] * unitScale(settings.unit).length));
-  appendSpringMoments(text, mesh, settings);
-  appendRequests(text, settings.solver, "NCONTROL", "U, RF");
-  if (settings.solver == Solver::Calculix) {
-    text +=
-        "** CalculiX leaves the forces of equations out of RF: the force is twice the energy by "
-        "the displacement.\n"
-        "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
-  }
-  return {{}, text + "*END STEP\n"};
+  return {{}, text};
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -603,8 +627,11 @@ std::vector<Matrix3> someOf(const std::vector<Quaternion>& turns) {
 /// Finds the displacements of tiles one by one.
 class MotionFinder {
  public:
-  explicit MotionFinder(const ElementMesh& mesh)
-      : mesh_(mesh), isJoint_(jointNodesOf(mesh)), follows_(followers(mesh)) {}
+  /// `others` are nodes to be avoided like those of joints.
+  explicit MotionFinder(const ElementMesh& mesh, const std::vector<int>& others = {})
+      : mesh_(mesh), isJoint_(jointNodesOf(mesh)), follows_(followers(mesh)) {
+    for (const int node : others) isJoint_[node] = true;
+  }
 
   /// Tries, in this order, nodes of the bottom that no joint touches, all of the bottom that lead,
   /// and all of the tile: displacements at joints would act on the neighbours at first hand.
@@ -771,6 +798,21 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
           rowsOf(motions[joint.tileB], -1)};
 }
 
+/// What a fixed joint asks: both tiles move and turn alike.
+PairEquations equationsOf(const JoinedTiles& joined, const std::vector<TileMotion>& motions) {
+  const Vector3 point =
+      0.5 * (motions[joined.tileA].centre + motions[joined.tileB].centre);
+  const double size = 0.5 * (motions[joined.tileA].size + motions[joined.tileB].size);
+  const auto rowsOf = [&](const TileMotion& motion, double sign) {
+    PairEquations::Rows rows = PairEquations::Rows::Zero(6, 6);
+    rows.topRows<3>() = motion.motionOf(point);
+    rows.bottomRightCorner<3, 3>() = size / motion.size * Matrix3::Identity();
+    return PairEquations::Rows(sign * rows * motion.fromDisplacements);
+  };
+  return {joined.tileA, joined.tileB, rowsOf(motions[joined.tileA], 1),
+          rowsOf(motions[joined.tileB], -1)};
+}
+
 /// What ties require of tiles while control nodes rest; one body if `motions` has one. u_node =
 /// u_leader, since the control nodes do not move.
 std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
@@ -825,8 +867,9 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 }
 
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
-                                            const std::vector<int>& fixedTiles) {
-  const MotionFinder finder(mesh);
+                                            const std::vector<int>& fixedTiles,
+                                            const std::vector<int>& loadedNodes) {
+  const MotionFinder finder(mesh, loadedNodes);
   const bool isOneBody = mesh.rule.joints == JointStyle::Neck || hasSpringsEverywhere(mesh);
   // One body that a fixed tile holds already needs no more.
   if (isOneBody && !fixedTiles.empty()) return {};
@@ -849,6 +892,9 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
   std::vector<PairEquations> equations = tieEquations(mesh, motions);
   for (const JointNodes& joint : mesh.joints) {
     if (!isOneBody) equations.push_back(equationsOf(mesh, joint, motions));
+  }
+  for (const JoinedTiles& joined : mesh.joined) {
+    if (!isOneBody) equations.push_back(equationsOf(joined, motions));
   }
   std::vector<bool> isFixed(motions.size());
   for (const int tile : fixedTiles) isFixed[tile] = true;

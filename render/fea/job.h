@@ -69,11 +69,10 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
 DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const DeckSettings& settings,
                     const DeckOrigin& origin, const std::string& meshFile);
 
-/// A job on a sheet that repeats (periodicity()): its opposite ends are tied to each other by
-/// *EQUATION with control nodes, it is strained by a thousandth along the first axis that is tied
-/// and free to widen across. Prints the displacements and reactions of the control nodes,
-/// with CalculiX the strain energy too. Throws what periodicity throws. The strain is 0.001 times
-/// the period: the force is in proportion to it.
+/// A job on a sheet that repeats (periodicity()), one cell of an infinite sheet. Three linear steps
+/// strain it by a thousandth: stretched along x, free to widen along y; sheared; compressed along y
+/// without strain along x. Prints the displacements and reactions of the control nodes, with CalculiX the
+/// strain energy too. Throws what periodicity throws.
 DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile);
 
@@ -103,11 +102,13 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 /// The fewest displacements that leave the sheet no way to move without strain, were its tiles
 /// rigid: six for the motions of the whole and one for each mechanism of the first order. None of
 /// them takes load from another; the reactions follow only from equilibrium. With springs at all
-/// hinges no mechanism is left. `fixedTiles` are held by other means already. Sorted. Throws
-/// InputError as tileDisplacements does. Costs a sparse QR factorisation of six unknowns a tile
+/// hinges no mechanism is left. `fixedTiles` are held by other means already; `loadedNodes` are held
+/// only if there are no others, since what loads a held node counts among its reactions. Sorted.
+/// Throws InputError as tileDisplacements does. Costs a sparse QR factorisation of six unknowns a tile
 /// (job.h).
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
-                                            const std::vector<int>& fixedTiles = {});
+                                            const std::vector<int>& fixedTiles = {},
+                                            const std::vector<int>& loadedNodes = {});
 
 // ------------------------------------------------------------------------------------------------
 // Which unknowns of a sparse system of equations between pairs of tiles can be chosen freely.

@@ -8,20 +8,23 @@
 // and at a distance d from their corners, where stresses are singular, at most h_neck / 8 + 0.25 d;
 // all in proportion to the number of elements per edge, for linear elements half as much.
 //
-// Shells are finer along the straight ends of the sheet too, h_tile / 4 + 0.25 d, where they are
-// clamped: CalculiX expands a shell to solids, whose thickness cannot change with bending where all
-// of an edge is held, and it recovers over one element. A strip as wide as that element is too
-// stiff, by which a clamped square plate of 8 elements per edge sinks 5% too little.
+// Shells are finer along the ends of the sheet too, h_tile / 4 + 0.25 d, where they are clamped:
+// CalculiX expands a shell to solids, whose thickness cannot change with bending where all of an
+// edge is held, and it recovers over one element. A strip as wide as that element is too stiff, by
+// which a clamped square plate of 8 elements per edge sinks 5% too little.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <sstream>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "render/fea/deck.h"
 #include "render/fea/element_mesh.h"
 #include "render/fea/outside_program.h"
+#include "render/fea/sheet_ends.h"
 #include "sim/base/error.h"
 
 namespace kirireel::fea {
@@ -38,6 +41,7 @@ struct RegionMesh {
   std::vector<writers::Vector2> points;
   std::vector<std::array<int, 4>> cells;
   std::vector<std::size_t> firstCell;  ///< of each region, and the number of cells at the end
+  std::map<std::pair<int, int>, int> lineOf;  ///< the line, from 0, that a side of a cell lies on
 };
 
 /// Lines between points, each once, and how often regions use them. A line that a tile and a neck
@@ -61,6 +65,25 @@ class OutlineLines {
   std::vector<std::pair<int, int>> ends_;
 };
 
+/// The points of a region: tiles come first, then necks.
+const std::vector<int>& loopOf(const writers::NeckOutline& outline, int region) {
+  const int tiles = static_cast<int>(outline.tiles.size());
+  return region < tiles ? outline.tiles[region] : outline.necks[region - tiles];
+}
+
+/// The ends of the sheet, in the plane in which the outline was drawn.
+EndEdges endsOf(const writers::NeckOutline& outline, double tileSize) {
+  std::vector<std::vector<Vector3>> polygons;
+  for (const auto* loops : {&outline.tiles, &outline.necks}) {
+    for (const std::vector<int>& loop : *loops) {
+      std::vector<Vector3>& polygon = polygons.emplace_back();
+      for (const int k : loop)
+        polygon.emplace_back(outline.points[k].x(), outline.points[k].y(), 0);
+    }
+  }
+  return findEndEdges(polygons, tileSize);
+}
+
 /// Points along the lines of necks, close enough for distances to the necks. Distance fields are
 /// given points, so lines are sampled every quarter of the neck's width.
 std::vector<writers::Vector2> pointsOnNecks(const writers::NeckOutline& outline) {
@@ -82,27 +105,15 @@ std::vector<writers::Vector2> pointsOnNecks(const writers::NeckOutline& outline)
   return points;
 }
 
-/// Points along those lines of the outline that lie on a side of the box round it, so far apart.
-std::vector<writers::Vector2> pointsOnEnds(const writers::NeckOutline& outline, double spacing) {
-  constexpr double kSamePlane = 1e-6;  // of the sheet's size
-  Eigen::AlignedBox2d box;
-  for (const writers::Vector2& point : outline.points) box.extend(point);
-  const double tolerance = kSamePlane * box.sizes().norm();
-  const auto isOnSide = [&](const writers::Vector2& a, const writers::Vector2& b) {
-    for (int axis = 0; axis < 2; ++axis) {
-      for (const double side : {box.min()[axis], box.max()[axis]}) {
-        const double farthest = std::max(std::abs(a[axis] - side), std::abs(b[axis] - side));
-        if (farthest <= tolerance) return true;
-      }
-    }
-    return false;
-  };
+/// Points along the lines of the outline that are ends of the sheet, so far apart.
+std::vector<writers::Vector2> pointsOnEnds(const writers::NeckOutline& outline,
+                                           const EndEdges& ends, double spacing) {
   std::vector<writers::Vector2> points;
-  for (const std::vector<int>& tile : outline.tiles) {
-    for (std::size_t k = 0; k < tile.size(); ++k) {
-      const writers::Vector2& from = outline.points[tile[k]];
-      const writers::Vector2& to = outline.points[tile[(k + 1) % tile.size()]];
-      if (!isOnSide(from, to)) continue;
+  for (const std::vector<PolygonEdge>& edges : ends.edges) {
+    for (const PolygonEdge& edge : edges) {
+      const std::vector<int>& loop = loopOf(outline, edge.polygon);
+      const writers::Vector2& from = outline.points[loop[edge.edge]];
+      const writers::Vector2& to = outline.points[loop[(edge.edge + 1) % loop.size()]];
       const int count = std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing)));
       for (int j = 0; j <= count; ++j) points.emplace_back(from + (to - from) * j / count);
     }
@@ -143,7 +154,8 @@ CellSizes cellSizes(const writers::NeckOutline& outline, const ElementRule& rule
   }
   if (rule.family == ElementFamily::Shell) {
     const double atEnds = sizes.most / kFinerAtEnds;
-    sizes.zones.push_back({pointsOnEnds(outline, atEnds), atEnds, 0});
+    sizes.zones.push_back({pointsOnEnds(outline, endsOf(outline, tileSize), atEnds), atEnds, 0});
+    if (sizes.zones.back().points.empty()) sizes.zones.pop_back();
   }
   return sizes;
 }
@@ -183,7 +195,7 @@ void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoi
 /// Reads what Gmsh wrote: nodes, and quadrilaterals whose first tag is their region. MSH 2.2 in
 /// ASCII: after $Nodes a count and rows "number x y z"; after $Elements a count and rows "number
 /// kind tags tag... node...". The first tag is the physical group, which neckGeometry numbers as
-/// the region, from 1. Kind 3 is a quadrilateral of four nodes.
+/// the region or the line, from 1. Kind 1 is a line of two nodes, kind 3 a quadrilateral of four.
 RegionMesh readMesh(const std::string& text, std::size_t regions) {
   std::istringstream stream(text);
   RegionMesh mesh;
@@ -209,6 +221,13 @@ RegionMesh readMesh(const std::string& text, std::size_t regions) {
         int kind = 0, tags = 0;
         stream >> number >> kind >> tags >> region;
         for (int t = 1; t < tags; ++t) stream >> tag;
+        if (kind == 1) {
+          long from = 0, to = 0;
+          stream >> from >> to;
+          const std::pair<int, int> side = std::minmax(numbers.at(from), numbers.at(to));
+          mesh.lineOf[side] = static_cast<int>(region) - 1;
+          continue;
+        }
         // Any other kind would be a triangle that Gmsh left over, or a region that it did not name.
         if (kind != 3 || region < 1 || region > regions) {
           throw RunError("error: gmsh made other cells of this sheet than quadrilaterals");
@@ -251,6 +270,11 @@ void tidy(RegionMesh& mesh) {
     for (int& point : cell) point = numbers[point];
   }
   mesh.points = std::move(used);
+  std::map<std::pair<int, int>, int> lines;
+  for (const auto& [side, line] : mesh.lineOf) {
+    lines[std::minmax(numbers[side.first], numbers[side.second])] = line;
+  }
+  mesh.lineOf = std::move(lines);
 }
 
 /// The sides of cells that no other cell has, by region; their cells count from the region's first.
@@ -298,7 +322,7 @@ std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region,
 }  // namespace
 
 std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule,
-                         double tileSize) {
+                         double tileSize, const std::vector<TwinLines>& twins) {
   std::string text = "// A sheet with necks, by Kirireel. Metres.\n";
   const auto appendPoint = [&](std::size_t number, const writers::Vector2& at) {
     appendText(text, "Point({}) = {{{}, {}, 0, 1}};\n", number, at.x(), at.y());
@@ -327,10 +351,16 @@ std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule&
     }
   }
   for (std::size_t k = 0; k < lines.ends().size(); ++k) {
-    appendText(text, "Line({}) = {{{}, {}}};\n", k + 1, lines.ends()[k].first + 1,
-               lines.ends()[k].second + 1);
+    appendText(text, "Line({0}) = {{{1}, {2}}};\nPhysical Curve({0}) = {{{0}}};\n", k + 1,
+               lines.ends()[k].first + 1, lines.ends()[k].second + 1);
   }
   text += surfaces;
+  for (const TwinLines& pair : twins) {
+    const writers::Vector2 move = outline.points[pair.line[0]] - outline.points[pair.twin[0]];
+    appendText(text, "Periodic Curve {{{}}} = {{{}}} Translate {{{}, {}, 0}};\n",
+               std::abs(lines.find(pair.line[0], pair.line[1])),
+               std::abs(lines.find(pair.twin[0], pair.twin[1])), move.x(), move.y());
+  }
   appendSizes(text, sizes, firstSample);
   return text;
 }
@@ -350,18 +380,117 @@ std::vector<MeshNeck> necksOf(const model::Model& model, double thickness,
   return necks;
 }
 
-}  // namespace
+/// The lines of an outline in the order of their numbers in neckGeometry, from 0, and the number of
+/// each region's lines.
+std::vector<std::vector<int>> lineNumbers(const writers::NeckOutline& outline) {
+  OutlineLines lines;
+  std::vector<std::vector<int>> numbers;
+  for (const auto* loops : {&outline.tiles, &outline.necks}) {
+    for (const std::vector<int>& loop : *loops) {
+      std::vector<int>& own = numbers.emplace_back();
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        own.push_back(std::abs(lines.find(loop[k], loop[(k + 1) % loop.size()])) - 1);
+      }
+    }
+  }
+  return numbers;
+}
 
-ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule) {
-  requireValidRule(rule);
-  const writers::NeckOutline outline = writers::neckOutline(model, rule.neck);
+/// The element faces at the ends of the outline.
+SheetEnds endsOf(const ElementMesh& mesh, const RegionMesh& region,
+                 const std::vector<std::vector<FootprintSide>>& sides,
+                 const writers::NeckOutline& outline, double tileSize) {
+  const EndEdges found = endsOf(outline, tileSize);
+  SheetEnds ends{found.axes, found.isFlat, {}};
+  if (mesh.rule.family != ElementFamily::Plane) {
+    ends.axes = outline.sheet.turn.conjugate().toRotationMatrix() * found.axes;
+  }
+  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
+  for (std::size_t end = 0; end < ends.faces.size(); ++end) {
+    for (const PolygonEdge& edge : found.edges[end]) {
+      const std::size_t part = edge.polygon;
+      const TileElements& elements =
+          part < mesh.tiles.size() ? mesh.tiles[part] : mesh.necks[part - mesh.tiles.size()];
+      const std::size_t layers =
+          elements.sides.size() / std::max<std::size_t>(1, sides[part].size());
+      for (std::size_t k = 0; k < elements.sides.size(); ++k) {
+        const FootprintSide& side = sides[part][k / layers];
+        const std::array<int, 4>& cell = region.cells[region.firstCell[part] + side.cell];
+        const auto line =
+            region.lineOf.find(std::minmax(cell[side.side], cell[(side.side + 1) % 4]));
+        if (line == region.lineOf.end()) continue;
+        if (line->second == numbers[part][edge.edge]) ends.faces[end].push_back(elements.sides[k]);
+      }
+    }
+  }
+  return ends;
+}
+
+/// A point of the mesh on a line of the outline, by its place along the line.
+std::vector<int> pointsAlong(const RegionMesh& region, int line, const writers::Vector2& along) {
+  std::vector<std::pair<double, int>> places;
+  for (const auto& [side, number] : region.lineOf) {
+    if (number != line) continue;
+    for (const int point : {side.first, side.second}) {
+      places.emplace_back(along.dot(region.points[point]), point);
+    }
+  }
+  std::ranges::sort(places);
+  std::vector<int> points;
+  for (const auto& [place, point] : places) {
+    if (points.empty() || points.back() != point) points.push_back(point);
+  }
+  return points;
+}
+
+/// The ties between the nodes of two lines.
+void appendTies(std::vector<PeriodicTie>& ties, const RegionMesh& region, const PrismLayers& layers,
+                const TwinLines& pair, const std::array<int, 2>& numbers,
+                const writers::NeckOutline& outline) {
+  const writers::Vector2 along = outline.points[pair.line[1]] - outline.points[pair.line[0]];
+  const std::vector<int> points = pointsAlong(region, numbers[0], along);
+  const std::vector<int> twins = pointsAlong(region, numbers[1], along);
+  if (points.size() != twins.size()) {
+    throw RunError("error: gmsh made other nodes on one side of a border than on the other");
+  }
+  const auto tie = [&](const std::vector<int>& nodes, const std::vector<int>& leaders) {
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      ties.push_back({nodes[k], leaders[k], pair.cell});
+  };
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    tie(layers.nodesAt(points[k]), layers.nodesAt(twins[k]));
+    if (k == 0) continue;
+    tie(layers.nodesBetween(points[k - 1], points[k]), layers.nodesBetween(twins[k - 1], twins[k]));
+  }
+}
+
+/// Gmsh's mesh of a geometry. An error that names a surface is of a tile or a neck.
+RegionMesh meshedRegions(const std::string& geometry, std::size_t tiles, std::size_t regions,
+                         int countsFrom) {
+  try {
+    return readMesh(meshedByGmsh(geometry), regions);
+  } catch (const RunError& error) {
+    const std::string words = error.what();
+    const std::string_view before = "urface ";
+    const std::size_t at = words.find(before);
+    if (at == std::string::npos) throw;
+    const auto surface = std::strtoul(words.c_str() + at + before.size(), nullptr, 10);
+    if (surface < 1 || surface > regions) throw;
+    const std::string part = surface > tiles ? fmt::format("neck {}", surface - tiles - 1)
+                                             : fmt::format("tile {}", surface - 1 + countsFrom);
+    throw RunError(fmt::format("{}; that is {} of the sheet", words, part));
+  }
+}
+
+/// The mesh of an outline. Nodes of twin lines are tied.
+ElementMesh meshOf(const writers::NeckOutline& outline, double thickness, const ElementRule& rule,
+                   double tileSize, const std::vector<TwinLines>& twins) {
   const std::size_t regions = outline.tiles.size() + outline.necks.size();
-  RegionMesh region =
-      readMesh(meshedByGmsh(neckGeometry(outline, rule, model::tileSize(model))), regions);
+  RegionMesh region = meshedRegions(neckGeometry(outline, rule, tileSize, twins),
+                                    outline.tiles.size(), regions, rule.countsFrom);
   tidy(region);
   ElementMesh mesh;
   mesh.rule = rule;
-  mesh.neckShapes = necksOf(model, thickness, rule.neck);
   PrismLayers layers(mesh, region.cells, levelsOf(region, outline.sheet, thickness, rule));
   const std::vector<std::vector<FootprintSide>> sides = freeSides(region);
   for (std::size_t k = 0; k < regions; ++k) {
@@ -370,6 +499,165 @@ ElementMesh makeNeckMesh(const model::Model& model, double thickness, const Elem
     // The same order as in neckGeometry.
     (k < outline.tiles.size() ? mesh.tiles : mesh.necks).push_back(std::move(part));
   }
+  mesh.ends = endsOf(mesh, region, sides, outline, tileSize);
+  std::map<std::pair<int, int>, int> numberOf;
+  const std::vector<std::vector<int>> numbers = lineNumbers(outline);
+  for (std::size_t k = 0; k < regions; ++k) {
+    const std::vector<int>& loop = loopOf(outline, static_cast<int>(k));
+    for (std::size_t j = 0; j < loop.size(); ++j) {
+      numberOf[std::minmax(loop[j], loop[(j + 1) % loop.size()])] = numbers[k][j];
+    }
+  }
+  std::vector<PeriodicTie> pairs;
+  for (const TwinLines& pair : twins) {
+    appendTies(pairs, region, layers, pair,
+               {numberOf.at(std::minmax(pair.line[0], pair.line[1])),
+                numberOf.at(std::minmax(pair.twin[0], pair.twin[1]))},
+               outline);
+  }
+  mesh.ties = tiesBetween(pairs);
+  return mesh;
+}
+
+// ------------------------------------------------------------------------------------------------
+// One cell of an infinite sheet. The outline is that of the cell and of those copies of its tiles
+// that joints hold to it across the border, each joint once at either side. Of the necks there the
+// cell keeps those that begin at the joint's first tile. Lines that the cell shares with what is
+// left away come in pairs a period apart.
+
+/// The cell, then copies of tiles beyond its border with the joints that lead to them.
+model::Model withNeighbours(const model::Model& model, const SheetLattice& lattice) {
+  model::Model extended;
+  extended.tiles = model.tiles;
+  extended.joints = model.joints;
+  extended.fileOrder.countsFrom = model.fileOrder.countsFrom;
+  std::map<std::pair<int, std::array<int, 2>>, int> copies;
+  const auto copyOf = [&](int tile, const std::array<int, 2>& cell) {
+    const auto [place, isNew] = copies.try_emplace({tile, cell}, extended.tiles.size());
+    if (isNew) {
+      model::Tile copy = model.tiles[tile];
+      for (Vector3& vertex : copy.vertices) {
+        vertex += cell[0] * lattice.periods[0] + cell[1] * lattice.periods[1];
+      }
+      extended.tiles.push_back(std::move(copy));
+    }
+    return place->second;
+  };
+  for (const BorderJoint& border : lattice.joints) {
+    model::Joint joint = border.joint;
+    joint.b.tile = copyOf(border.joint.b.tile, border.cell);
+    extended.joints.push_back(joint);
+  }
+  for (const BorderJoint& border : lattice.joints) {
+    model::Joint joint = border.joint;
+    joint.a.tile = copyOf(border.joint.a.tile, {-border.cell[0], -border.cell[1]});
+    extended.joints.push_back(joint);
+  }
+  return extended;
+}
+
+/// The lines that regions of the cell share with others, in pairs.
+std::vector<TwinLines> twinLines(const writers::NeckOutline& outline,
+                                 const std::vector<bool>& isKept,
+                                 const std::array<writers::Vector2, 2>& periods, double tolerance) {
+  std::map<std::pair<int, int>, std::array<int, 2>> uses;  // by kept regions and by others
+  for (std::size_t k = 0; k < isKept.size(); ++k) {
+    const std::vector<int>& loop = loopOf(outline, static_cast<int>(k));
+    for (std::size_t j = 0; j < loop.size(); ++j) {
+      ++uses[std::minmax(loop[j], loop[(j + 1) % loop.size()])][isKept[k] ? 0 : 1];
+    }
+  }
+  std::vector<std::pair<int, int>> cut;
+  for (const auto& [line, count] : uses) {
+    if (count[0] > 0 && count[1] > 0) cut.push_back(line);
+  }
+  Eigen::Matrix2d columns;
+  columns << periods[0], periods[1];
+  std::vector<TwinLines> twins;
+  std::vector<bool> isPaired(cut.size());
+  for (std::size_t a = 0; a < cut.size(); ++a) {
+    for (std::size_t b = a + 1; b < cut.size() && !isPaired[a]; ++b) {
+      if (isPaired[b]) continue;
+      const auto at = [&](int point) { return outline.points[point]; };
+      std::array<int, 2> twin = {cut[b].first, cut[b].second};
+      const writers::Vector2 along = at(cut[a].second) - at(cut[a].first);
+      if (along.dot(at(twin[1]) - at(twin[0])) < 0) std::swap(twin[0], twin[1]);
+      const writers::Vector2 move = at(cut[a].first) - at(twin[0]);
+      const Eigen::Vector2d shares = columns.inverse() * move;
+      const std::array<int, 2> cell = {static_cast<int>(std::lround(shares[0])),
+                                       static_cast<int>(std::lround(shares[1]))};
+      const writers::Vector2 whole = cell[0] * periods[0] + cell[1] * periods[1];
+      const bool isTwin = (move - whole).norm() <= tolerance &&
+                          (at(cut[a].second) - at(twin[1]) - whole).norm() <= tolerance;
+      if (!isTwin) continue;
+      twins.push_back({{cut[a].first, cut[a].second}, twin, cell});
+      isPaired[a] = isPaired[b] = true;
+    }
+  }
+  if (2 * twins.size() != cut.size()) {
+    throw InputError(
+        "error: --periodic cannot join necks across the border of this sheet: they differ at its "
+        "opposite ends; choose other lengths of necks, or a number of tiles in which the sheet "
+        "repeats");
+  }
+  return twins;
+}
+
+}  // namespace
+
+ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule) {
+  requireValidRule(rule);
+  const writers::NeckOutline outline = writers::neckOutline(model, rule.neck);
+  ElementMesh mesh = meshOf(outline, thickness, rule, model::tileSize(model), {});
+  mesh.neckShapes = necksOf(model, thickness, rule.neck);
+  return mesh;
+}
+
+ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
+                                 const ElementRule& rule) {
+  if (model.joints.empty()) return makeNeckMesh(model, thickness, rule);
+  requireValidRule(rule);
+  // What is wrong with the cell itself is said of its own tiles.
+  writers::neckOutline(model, rule.neck);
+  std::vector<std::vector<Vector3>> tiles;
+  for (const model::Tile& tile : model.tiles) tiles.push_back(tile.vertices);
+  SheetLattice lattice = findSheetLattice(tiles, model.joints, model.fileOrder.countsFrom);
+  const model::Model extended = withNeighbours(model, lattice);
+  writers::NeckOutline outline = writers::neckOutline(extended, rule.neck);
+  std::vector<bool> isKept(outline.tiles.size() + outline.necks.size());
+  const std::size_t joints = model.joints.size() + lattice.joints.size();
+  for (std::size_t k = 0; k < isKept.size(); ++k) {
+    isKept[k] = k < outline.tiles.size()
+                    ? k < model.tiles.size()
+                    : outline.neckJoints[k - outline.tiles.size()] < static_cast<int>(joints);
+  }
+  const auto inPlane = [&](const Vector3& move) {
+    return writers::Vector2((outline.sheet.turn * move).head<2>());
+  };
+  const double tileSize = model::tileSize(model);
+  const std::vector<TwinLines> twins = twinLines(
+      outline, isKept, {inPlane(lattice.periods[0]), inPlane(lattice.periods[1])}, 1e-4 * tileSize);
+  // Only the cell is left.
+  std::vector<std::vector<int>> necks;
+  for (std::size_t k = 0; k < outline.necks.size(); ++k) {
+    if (isKept[outline.tiles.size() + k]) necks.push_back(outline.necks[k]);
+  }
+  outline.tiles.resize(model.tiles.size());
+  outline.necks = std::move(necks);
+  std::vector<bool> isUsed(outline.points.size());
+  for (std::size_t k = 0; k < outline.tiles.size() + outline.necks.size(); ++k) {
+    for (const int point : loopOf(outline, static_cast<int>(k))) isUsed[point] = true;
+  }
+  for (std::size_t k = 0; k < isUsed.size(); ++k) {
+    outline.isAtNeck[k] = outline.isAtNeck[k] && isUsed[k];
+  }
+  ElementMesh mesh = meshOf(outline, thickness, rule, tileSize, twins);
+  mesh.neckShapes = necksOf(model, thickness, rule.neck);
+  if (rule.family == ElementFamily::Plane) {
+    for (Vector3& period : lattice.periods) period = outline.sheet.turn * period;
+    lattice.axes = outline.sheet.turn.toRotationMatrix() * lattice.axes;
+  }
+  mesh.lattice = lattice;
   return mesh;
 }
 

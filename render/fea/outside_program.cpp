@@ -8,7 +8,10 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -81,25 +84,50 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
 // and one thread keeps the mesh the same from run to run. It is run as a program and not linked, so
 // that it has to be there for sheets with necks only.
 
-std::string meshedByGmsh(const std::string& geometry) {
+namespace {
+
+/// What Gmsh writes of a geometry into a file of this name. `words` are its arguments.
+std::string writtenByGmsh(const std::string& geometry, const std::string& name,
+                          const std::vector<std::string>& words, const char* use,
+                          const char* failure) {
   const WorkFolder folder;
   const std::string input = folder / "sheet.geo";
-  const std::string output = folder / "sheet.msh";
+  const std::string output = folder / name;
   const std::string log = folder / "log";
   writeTextFile(input, geometry);
+  std::vector<std::string> all = {"gmsh", input, "-o", output, "-nt", "1", "-v", "2", "-nopopup"};
+  all.insert(all.end(), words.begin(), words.end());
   const int end = runProgram(
-      {"gmsh", "-2", input, "-format", "msh22", "-o", output, "-nt", "1", "-v", "2", "-nopopup"},
-      log,
-      "sheets with necks are meshed by it: install it (Debian: apt-get install gmsh) or choose "
-      "other "
-      "--joints");
-  std::string mesh = writtenText(output);
-  if (end == 0 && !mesh.empty()) return mesh;
-  // The last line of the log is what failed; line breaks behind it are cut off first.
-  std::string words = writtenText(log);
-  while (!words.empty() && words.back() == '\n') words.pop_back();
-  throw RunError(
-      fmt::format("error: gmsh cannot mesh this sheet ({})", words.substr(words.rfind('\n') + 1)));
+      all, log, fmt::format("{}: install it (Debian: apt-get install gmsh) or choose {}", use,
+                            name.ends_with(".msh") ? "other --joints" : "another format"));
+  std::string text = writtenText(output);
+  if (end == 0 && !text.empty()) return text;
+  // The first error is the cause of those after it.
+  const std::string said = writtenText(log);
+  std::size_t first = said.find("Error");
+  if (first == std::string::npos) first = 0;
+  throw RunError(fmt::format("error: gmsh cannot {} ({})", failure,
+                             said.substr(first, said.find('\n', first) - first)));
+}
+
+}  // namespace
+
+std::string meshedByGmsh(const std::string& geometry) {
+  return writtenByGmsh(geometry, "sheet.msh", {"-2", "-format", "msh22"},
+                       "sheets with necks are meshed by it", "mesh this sheet");
+}
+
+std::string stepByGmsh(const std::string& geometry) {
+  std::string text = writtenByGmsh(geometry, "sheet.step", {"-0"}, "STEP files are written by it",
+                                   "make a solid of this sheet");
+  // The date of writing is the only thing in it that changes from run to run.
+  const std::string before = "FILE_NAME('Open CASCADE Shape Model','";
+  const std::size_t name = text.find(before);
+  if (name != std::string::npos) {
+    const std::size_t date = name + before.size();
+    text.replace(date, text.find('\'', date) - date, "1970-01-01T00:00:00");
+  }
+  return text;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -113,37 +141,52 @@ std::string meshedByGmsh(const std::string& geometry) {
 // A row is a node (from 1) and its displacement in the deck's unit of length. The table ends where
 // a row cannot be read.
 //
-// The opening is the mean of u over the nodes of GRIP_?MAX less that over GRIP_?MIN, along the axis
-// of the force. With 1 N at each end it is the compliance of the sheet in m/N (or mm/N), and twice
-// the strain energy per newton; that makes it a figure to compare meshes by.
+// The opening is the work of the forces by the displacements, sum f u: they are 1 N at each end, so
+// it is the distance by which the ends part, each weighted as it is pulled. It is the compliance of
+// the sheet in m/N (or mm/N), and twice the strain energy per newton; that makes it a figure to
+// compare meshes by.
 
 namespace {
 
-/// The rows "node ux uy uz" below "displacements ... for set NAME" in a .dat file.
-std::vector<Vector3> displacementsOf(const std::string& data, const std::string& set) {
-  std::vector<Vector3> found;
+/// Adds the rows "node ux uy uz" below "displacements ... for set NAME" in a .dat file.
+void readDisplacements(const std::string& data, const std::string& set,
+                       std::map<int, Vector3>& found) {
   const std::size_t title = data.find("for set " + set + " ");
-  if (title == std::string::npos) return found;
+  if (title == std::string::npos) return;
   std::istringstream rows(data.substr(data.find('\n', title)));
   int node = 0;
-  for (Vector3 u; rows >> node >> u.x() >> u.y() >> u.z();) found.push_back(u);
-  return found;
+  for (Vector3 u; rows >> node >> u.x() >> u.y() >> u.z();) found[node] = u;
 }
 
-double meanOf(const std::vector<Vector3>& displacements, int axis) {
-  double sum = 0;
-  for (const Vector3& u : displacements) sum += u[axis];
-  return sum / static_cast<double>(displacements.size());
+/// The work of the rows "node, axis, force" of the job's first *CLOAD; nothing where a displacement
+/// is missing.
+std::optional<double> workOfForces(const std::string& jobText,
+                                   const std::map<int, Vector3>& displacements) {
+  std::istringstream rows(jobText.substr(jobText.find('\n', jobText.find("*CLOAD")) + 1));
+  double work = 0;
+  int node = 0, axis = 0;
+  char comma = 0;
+  for (double force = 0; rows >> node >> comma >> axis >> comma >> force;) {
+    const auto found = displacements.find(node);
+    if (found == displacements.end()) return std::nullopt;
+    work += force * found->second[axis - 1];
+  }
+  return work;
 }
 
 }  // namespace
 
-double openingByCalculix(const std::string& meshText, std::string jobText, int axis) {
+double openingByCalculix(const std::string& meshText, std::string jobText) {
   const WorkFolder folder;
+  std::vector<std::string> sets;
   std::string requests;
-  const char letter = "XYZ"[axis];
-  const std::string sets[] = {fmt::format("GRIP_{}MIN", letter), fmt::format("GRIP_{}MAX", letter)};
-  for (const std::string& set : sets) requests += fmt::format("*NODE PRINT, NSET={}\nU\n", set);
+  constexpr std::string_view kSet = "*NSET, NSET=GRIP_";
+  for (std::size_t at = meshText.find(kSet); at != std::string::npos;
+       at = meshText.find(kSet, at + 1)) {
+    const std::size_t name = at + kSet.find("GRIP_");
+    sets.push_back(meshText.substr(name, meshText.find('\n', name) - name));
+    requests += fmt::format("*NODE PRINT, NSET={}\nU\n", sets.back());
+  }
   jobText.insert(jobText.find("*END STEP"), requests);
   // CalculiX looks for included files where it was started.
   const std::size_t include = jobText.find("*INCLUDE");
@@ -154,15 +197,16 @@ double openingByCalculix(const std::string& meshText, std::string jobText, int a
                              "decks are checked by it: install it (Debian: apt-get install "
                              "calculix-ccx) or leave --check out");
   const std::string data = writtenText(folder / "check.dat");
-  const std::vector<Vector3> low = displacementsOf(data, sets[0]);
-  const std::vector<Vector3> high = displacementsOf(data, sets[1]);
-  if (end != 0 || low.empty() || high.empty()) {
+  std::map<int, Vector3> displacements;
+  for (const std::string& set : sets) readDisplacements(data, set, displacements);
+  const std::optional<double> opening = workOfForces(jobText, displacements);
+  if (end != 0 || displacements.empty() || !opening) {
     std::string words = writtenText(log);
     while (!words.empty() && words.back() == '\n') words.pop_back();
     throw RunError(
         fmt::format("error: ccx cannot solve this job ({})", words.substr(words.rfind('\n') + 1)));
   }
-  return meanOf(high, axis) - meanOf(low, axis);
+  return *opening;
 }
 
 }  // namespace kirireel::fea

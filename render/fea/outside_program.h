@@ -45,15 +45,19 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
 /// InputError when there is no such program, RunError with its last words when it fails.
 std::string meshedByGmsh(const std::string& geometry);
 
+/// The shape of an OpenCASCADE geometry (.geo), as the text of a STEP file, which has lengths in
+/// millimetres. Its date is always the same. Throws as meshedByGmsh does.
+std::string stepByGmsh(const std::string& geometry);
+
 // ------------------------------------------------------------------------------------------------
 // CalculiX as a solver: a program of its own, looked for when it is needed.
 
-/// By how much the two ends that the forces of a job of staticJob pull at part, on the mean, in the
-/// deck's unit of length; the job has keywords of CalculiX and pulls along this axis, `meshText` is
-/// the mesh deck that it includes. Runs `ccx` in a folder of its own. Throws InputError when there
-/// is no such program, RunError with its last words when it fails. `axis` is 0, 1 or 2. The folder
-/// is removed in any case. It takes as long as ccx does: a sparse direct factorisation of three
+/// By how much the two ends that the forces of a job of staticJob pull at part, in the deck's unit
+/// of length: the work of the forces, which are 1 N at each end. The job has keywords of CalculiX;
+/// `meshText` is the mesh deck that it includes, with its sets. Runs `ccx` in a folder of its own,
+/// which is removed in any case. Throws InputError when there is no such program, RunError with its
+/// last words when it fails. It takes as long as ccx does: a sparse direct factorisation of three
 /// unknowns per node.
-double openingByCalculix(const std::string& meshText, std::string jobText, int axis);
+double openingByCalculix(const std::string& meshText, std::string jobText);
 
 }  // namespace kirireel::fea

@@ -447,6 +447,9 @@ class OutlineMaker {
       const CornerGap gap = narrowGap(tiles(), model_.joints[j]);
       shape_ = shapes_[j];
       shape_.length > 0 ? addBeam(gap, j) : addWeb(gap);
+      if (outline_.necks.size() > outline_.neckJoints.size()) {
+        outline_.neckJoints.push_back(static_cast<int>(j));
+      }
     }
     for (std::size_t t = 0; t < tiles().size(); ++t) addTile(static_cast<int>(t));
     return std::move(outline_);

@@ -141,6 +141,7 @@ struct NeckOutline {
   std::vector<bool> isAtNeck;           ///< for each point
   std::vector<std::vector<int>> tiles;  ///< each tile's points, anticlockwise
   std::vector<std::vector<int>> necks;  ///< the same for the necks that have an area
+  std::vector<int> neckJoints;          ///< the joint of each of these
   double neckWidth = 0;                 ///< of the narrowest neck, metres
 };
 

@@ -108,7 +108,10 @@ std::multimap<std::string, Case> cases() {
   all.insert({"Camera", {nothing + Words{"--zoom", "2"}, {"--frames"}}});
   const Words stl = {"export", "run", "--format", "stl"};
   const Words inp = {"export", "run", "--format", "inp"};
-  all.insert({"Elements (inp, msh)", {stl + Words{"--joints", "neck"}, {"--format", "inp"}}});
+  all.insert({"Elements (inp, msh)",
+              {{"export", "run", "--format", "obj", "--joints", "neck"}, {"--format", "stl"}}});
+  all.insert({"Elements (inp, msh)",
+              {stl + Words{"--joints", "neck", "--shells"}, {"--format", "msh"}}});
   all.insert({"Elements (inp, msh)", {stl + Words{"--shells"}, {"--format", "msh"}}});
   all.insert({"Elements (inp, msh)",
               {{"export", "run", "--format", "dxf", "--kerf", "0.1"},

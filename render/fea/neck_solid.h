@@ -1,0 +1,30 @@
+/// Sheets with necks and bricks as closed solids for printers and CAD.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/writers/flat_sheet.h"
+#include "sim/base/geometry.h"
+#include "sim/base/length_unit.h"
+#include "sim/model/brick.h"
+#include "sim/model/model.h"
+
+namespace kirireel::fea {
+
+/// A sheet with necks as an ASCII STL of one closed surface, in the unit. Coordinates read back to
+/// the same doubles. The two banks of a slit without kerf are drawn apart by 1e-7 of the sheet's
+/// size, which programs that work in single precision tell apart. `thickness` in metres.
+std::string neckSheetStl(const model::Model& model, const writers::NeckShape& neck,
+                         double thickness, const LengthUnit& unit);
+
+/// The same as a STEP file of one solid, in millimetres, by Gmsh's OpenCASCADE. Throws what
+/// stepByGmsh throws.
+std::string neckSheetStep(const model::Model& model, const writers::NeckShape& neck,
+                          double thickness);
+
+/// Bricks at these poses as a STEP file of a solid each, in millimetres. Throws what stepByGmsh
+/// throws.
+std::string brickStep(const std::vector<model::Brick>& bricks, const Poses& poses);
+
+}  // namespace kirireel::fea

@@ -1,0 +1,38 @@
+/// How a sheet repeats in its plane, and which corners its joints would hold across its border.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/model/model.h"
+
+namespace kirireel::fea {
+
+/// A joint across the border of a cell: corner a lies where corner b does in another cell.
+struct BorderJoint {
+  model::Joint joint;         ///< corners a and b, both of tiles of the cell; face as its twins'
+  std::array<int, 2> cell{};  ///< of b's tile: how often it is moved by each period; not both 0
+};
+
+/// A sheet as one cell of an infinite sheet.
+struct SheetLattice {
+  std::array<Vector3, 2> periods;      ///< from a cell to its neighbours, metres
+  Matrix3 axes = Matrix3::Identity();  ///< columns: x, y and z of the sheet in the world
+  std::array<double, 2> lengths{};     ///< a rectangle of the cell's area, along x and y
+  std::vector<BorderJoint> joints;     ///< each once
+};
+
+/// Finds the infinite sheet that has these tiles and joints as a cell: the translations under which
+/// the sheet maps onto itself, and from them the joints that the border cuts. If the cell does not
+/// repeat within itself, its straight ends must meet edge by edge, and corners that meet there in
+/// pairs are joined. The x axis is along or across a period, whichever is nearest to the
+/// sheet's own (findEndEdges). Tiles and corners count from 0, in messages from `countsFrom`.
+///
+/// Throws InputError if the border does not repeat, with the edge at which it fails, or if it is
+/// not known which corners the border joins. Lengths agree to 1e-5 of the sheet's size. Costs the
+/// number of translations between tiles times the number of tiles.
+SheetLattice findSheetLattice(const std::vector<std::vector<Vector3>>& tiles,
+                              const std::vector<model::Joint>& joints, int countsFrom);
+
+}  // namespace kirireel::fea

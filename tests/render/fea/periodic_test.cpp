@@ -1,0 +1,196 @@
+// Cells of infinite sheets, and the ends of sheets: which corners, nodes and faces.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/fea/deck.h"
+#include "render/fea/job.h"
+#include "render/fea/periodic.h"
+#include "sim/base/error.h"
+#include "tests/support/layouts.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+model::Model turned(model::Model model, double degrees) {
+  const Quaternion turn = rotationFromVector({0, 0, degrees * kDegree});
+  for (model::Tile& tile : model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
+  }
+  return model;
+}
+
+fea::SheetLattice latticeOf(const model::Model& model) {
+  std::vector<std::vector<Vector3>> tiles;
+  for (const model::Tile& tile : model.tiles) tiles.push_back(tile.vertices);
+  return fea::findSheetLattice(tiles, model.joints, 0);
+}
+
+std::string refusalOf(const model::Model& model) {
+  try {
+    latticeOf(model);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {
+  for (const auto& [columns, rows] : {std::pair{2, 2}, {4, 4}, {2, 4}}) {
+    for (const double opening : {0.0, 0.7}) {
+      for (const double degrees : {0.0, 37.0}) {
+        SCOPED_TRACE(testing::Message() << columns << " x " << rows << " " << opening << " "
+                                        << degrees);
+        const model::Model model =
+            turned(model::makeTessellation(test::squares(columns, rows, opening)), degrees);
+        const fea::SheetLattice lattice = latticeOf(model);
+        std::map<std::pair<int, int>, int> uses;
+        for (const model::Joint& joint : model.joints) {
+          ++uses[{joint.a.tile, joint.a.vertex}];
+          ++uses[{joint.b.tile, joint.b.vertex}];
+        }
+        for (const fea::BorderJoint& border : lattice.joints) {
+          const model::Corner &a = border.joint.a, &b = border.joint.b;
+          ++uses[{a.tile, a.vertex}];
+          ++uses[{b.tile, b.vertex}];
+          const Vector3 gap = model.tiles[a.tile].vertices[a.vertex] -
+                              model.tiles[b.tile].vertices[b.vertex] -
+                              border.cell[0] * lattice.periods[0] -
+                              border.cell[1] * lattice.periods[1];
+          EXPECT_LT(gap.norm(), 1e-9);
+        }
+        // Each tile of the infinite sheet has four joints, one at each corner.
+        EXPECT_EQ(uses.size(), 4 * model.tiles.size());
+        for (const auto& [corner, count] : uses) EXPECT_EQ(count, 1);
+        // A tile of 1 m and its share of the voids, by hand: the sheet's own axes.
+        const double side = std::cos(opening / 2) + std::sin(opening / 2);
+        EXPECT_NEAR(lattice.lengths[0] * lattice.lengths[1], columns * rows * side * side, 1e-9);
+        const Vector3 along(std::cos(degrees * kDegree), std::sin(degrees * kDegree), 0);
+        EXPECT_NEAR(lattice.axes.col(0).dot(along), 1, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(SheetLattice, NamesTheEdgeAtWhichASheetDoesNotRepeat) {
+  const std::string odd = refusalOf(model::makeTessellation(test::squares(3, 3, 0)));
+  EXPECT_THAT(odd, HasSubstr("joints beyond edge 1 of tile 6 at XMAX are at other corners"));
+  EXPECT_THAT(odd, HasSubstr("choose a state or a number of tiles in which the sheet repeats"));
+  EXPECT_THAT(refusalOf(model::makeTessellation(test::squares(4, 3, 0))), HasSubstr("at YMAX"));
+  model::Model skewed = model::makeTessellation(test::squares(4, 4, 0));
+  for (model::Tile& tile : skewed.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex.y() *= 1 + 0.1 * vertex.x();
+  }
+  EXPECT_THAT(refusalOf(skewed), HasSubstr("meets no edge at"));
+}
+
+/// The faces' area and their middle along y.
+std::pair<double, double> endOf(const fea::ElementMesh& mesh, int end) {
+  double sum = 0, middle = 0;
+  for (const fea::NodeShare& one : fea::endShares(mesh, end)) {
+    sum += one.share;
+    middle += one.share * mesh.ends.axes.col(1).dot(mesh.nodes[one.node]);
+  }
+  return {sum, middle};
+}
+
+TEST(SheetEnds, AreTheSameInAnyRotation) {
+  for (const double opening : {0.0, 0.4}) {
+    std::vector<std::size_t> faces;
+    for (const double degrees : {0.0, 1.0, -20.0, 44.0}) {
+      const model::Model model =
+          turned(model::makeTessellation(test::squares(5, 3, opening)), degrees);
+      const test::Layout layout = test::layoutOf(model.tiles, model.joints);
+      const fea::ElementMesh mesh =
+          fea::makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 2});
+      EXPECT_EQ(fea::longestAxis(mesh), 0);
+      for (std::size_t end = 0; end < 4; ++end) {
+        if (degrees == 0) faces.push_back(mesh.ends.faces[end].size());
+        EXPECT_EQ(mesh.ends.faces[end].size(), faces[end]) << degrees << " " << end;
+      }
+      for (const int end : {0, 1}) {
+        const auto [sum, middle] = endOf(mesh, end);
+        EXPECT_NEAR(sum, 1, 1e-12);
+        // A closed sheet is centred, and so is an even traction.
+        if (opening == 0) {
+          EXPECT_NEAR(middle, 0, 1e-9);
+        }
+      }
+    }
+    // Closed: three edges of two elements, two layers each.
+    if (opening == 0) {
+      EXPECT_EQ(faces[0], 3U * 2U * 2U);
+    }
+  }
+}
+
+TEST(SheetEnds, AreWhatAPersonWouldHold) {
+  // Squares that stand on their corners: both edges at each outer corner, none within.
+  const model::Model model = model::makeTessellation(test::squares(2, 1, 0));
+  std::vector<std::vector<Vector3>> diamonds;
+  for (const double x : {0.0, 2.0}) {
+    diamonds.push_back({{x - 1, 0, 0}, {x, -1, 0}, {x + 1, 0, 0}, {x, 1, 0}});
+  }
+  const fea::EndEdges ends = fea::findEndEdges(diamonds, std::sqrt(2.0));
+  EXPECT_EQ(ends.edges[0], (std::vector<fea::PolygonEdge>{{0, 0}, {0, 3}}));
+  EXPECT_EQ(ends.edges[1], (std::vector<fea::PolygonEdge>{{1, 1}, {1, 2}}));
+  // The banks of the slit between two squares are no ends.
+  std::vector<std::vector<Vector3>> squares;
+  for (const model::Tile& tile : model.tiles) squares.push_back(tile.vertices);
+  const fea::EndEdges shut = fea::findEndEdges(squares, 1);
+  EXPECT_EQ(shut.edges[0].size(), 1U);
+  EXPECT_EQ(shut.edges[2].size(), 2U);
+}
+
+TEST(JoinedTiles, AreOnePart) {
+  // Two squares side by side, and a triangle on the second one, joined by their edges.
+  const std::vector<model::Tile> tiles = {
+      model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+      model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}},
+      model::Tile{{{2, 0, 0}, {2.8, 0.5, 0}, {2, 1, 0}}}};
+  const std::vector<model::Joint> joints = {model::makeFixedJoint(tiles, 0, 1),
+                                            model::makeFixedJoint(tiles, 1, 2)};
+  const test::Layout layout = test::layoutOf(tiles, joints);
+  for (const fea::ElementFamily family : {fea::ElementFamily::Solid, fea::ElementFamily::Shell}) {
+    const fea::ElementMesh mesh = fea::makeElementMesh(
+        layout.bricks, layout.joints, layout.poses, {.perEdge = 3, .through = 1, .family = family});
+    for (const int tile : {0, 1}) {
+      std::vector<int> common;
+      std::ranges::set_intersection(mesh.tiles[tile].nodes, mesh.tiles[tile + 1].nodes,
+                                    std::back_inserter(common));
+      // Four elements: nine nodes on a line; of solids two such lines and five between them.
+      EXPECT_EQ(common.size(), family == fea::ElementFamily::Solid ? 9U + 9U + 5U : 9U);
+    }
+    // One body: six displacements hold it.
+    EXPECT_EQ(fea::leastSupports(mesh).size(), 6U);
+  }
+  std::vector<model::Tile> apart = tiles;
+  for (Vector3& vertex : apart[1].vertices) vertex.x() += 0.1;
+  const test::Layout far = test::layoutOf(apart, {model::makeFixedJoint(apart, 0, 1)});
+  try {
+    fea::makeElementMesh(far.bricks, far.joints, far.poses, {});
+    ADD_FAILURE() << "tiles apart are joined";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("fixes tiles 0 and 1 to each other, which share no edge"));
+  }
+}
+
+TEST(ElementMesh, ReportsItsSmallestAngle) {
+  for (const double degrees : {20.0, 5.0}) {
+    const double width = std::tan(degrees * kDegree);
+    const test::Layout layout =
+        test::layoutOf({model::Tile{{{0, 0, 0}, {1, 0, 0}, {0, width, 0}}}}, {});
+    const fea::ElementMesh mesh = fea::makeElementMesh(layout.bricks, {}, layout.poses, {});
+    // The triangle's corner at (1, 0) is a corner of an element.
+    EXPECT_NEAR(fea::smallestElementAngle(mesh), degrees, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
