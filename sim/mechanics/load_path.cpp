@@ -6,10 +6,16 @@
 // care, and the negative entries of D are the directions in which the energy falls within the
 // constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown too,
 // fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981). The path
-// continues at load limits. A step over which the load, or the leading force, turns, or the count
-// of negative entries changes, is halved until the special state is located. Riks, An incremental
-// approach to the solution of snapping and buckling problems, Int. J. Solids Struct. 15, 1979;
-// Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
+// continues at load limits.
+//
+// Newton's method may find a state of another branch. A step is taken if places, forces and energy
+// change over it as the slopes at both of its ends foretell (trapezoidal rule), and if every change
+// of the count of negative entries in it is located; else it is halved. Its length follows from
+// this alone: states that are asked for beyond that are found between its ends, so they do not
+// change the path. Between two states the path is a cubic by their places and tangents, from which
+// Newton's method needs a round or two, also next to bifurcations, where it would stray from
+// farther away. Riks, An incremental approach to the solution of snapping and buckling problems,
+// Int. J. Solids Struct. 15, 1979; Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
 #include "sim/mechanics/load_path.h"
 
 #include <algorithm>
@@ -44,8 +50,21 @@ constexpr int kRelaxations = 500;
 constexpr double kFirstShift = 1e-3;  // of the stiffest spring, where the energy falls
 constexpr double kMostShift = 1e6;
 constexpr double kShortestStep = 1e-7;  // of the longest
-constexpr double kStraight = 0.9;       // cosine between the directions at the ends of a step
-constexpr int kLimitBisections = 60;
+// What a step may miss its prediction by: places as part of the step, energy and forces as parts of
+// their change, and all of them by this part of what the stiffest spring would take.
+constexpr double kPlacesMissed = 0.01;
+constexpr double kEnergyMissed = 0.05;
+constexpr double kForcesMissed = 0.1;
+constexpr double kNothingMissed = 1e-6;
+// Special states are located to this length of path, and bifurcations are those with an eigenvalue
+// below this part of the largest stiffness.
+constexpr double kLocated = 1e-12;
+constexpr double kOneEvent = 1e-7;  // changes closer than this along the path are one
+constexpr double kCritical = 1e-6;
+constexpr double kStraight = 0.9;  // cosine between a tangent and that of the cubic
+constexpr int kEigenRounds = 8;
+// Stiffer than the stiffest spring by this factor, a grip is held by joints.
+constexpr double kRigid = 1e6;
 constexpr double kNoSlope = 1e-8;  // of the force along the path, parts of the stiffest spring
 constexpr double kBackwards = -1;  // loads below this end the path
 
@@ -110,6 +129,19 @@ class Equations {
     return found;
   }
 
+  /// The eigenvalue of H nearest to 0 within the constraints, as part of the largest stiffness.
+  /// Inverse iteration; meant for values near 0.
+  double nearestEigenvalue() const {
+    Vector mode = Vector::LinSpaced(H_.cols(), 1, 2);
+    double value = 0;
+    for (int round = 0; round < kEigenRounds; ++round) {
+      mode = factor_.solve(mode).eval();
+      mode.normalize();
+      value = mode.dot(H_ * mode);
+    }
+    return value / scale_;
+  }
+
  private:
   // The weight is in joules, as H is: the constraints are in length scales or radians.
   void factorise(double weight) {
@@ -156,31 +188,30 @@ class Follower {
   // path, half the step after a failure, a longer one after few rounds. The first step is a tenth
   // of the longest, because nothing is known yet of how the path bends.
   LoadPath follow() {
-    PathPoint at = relax();
-    Tangent along = tangentAt(at, nullptr);
-    bool goesOn = note(at, along, Turning::None);
+    Point at{relax(), {}, 0};
+    at.along = tangentAt(at.at, nullptr);
+    bool goesOn = note(at, Turning::None);
     double step = 0.1 * settings_.longestStep;
-    while (goesOn && mayGoOn(at)) {
+    for (int steps = 0; goesOn && mayGoOn(at, steps);) {
       checkInterruption();
-      step = std::min(step, longestStep(along));
-      const std::optional<Stepped> next = stepFrom(at, along, step);
-      if (!next) {
+      step = std::min(step, settings_.longestStep);
+      std::optional<Point> next = stepFrom(at, step);
+      const bool arrives = next && next->at.load >= 1;
+      if (arrives) next = arrivalBetween(at, *next);
+      std::vector<Special> special;
+      if (!next || !isForetold(at, *next) || !locate(at, *next, special)) {
         step *= 0.5;
         if (step >= kShortestStep * settings_.longestStep) continue;
-        path_.trouble = fmt::format("no equilibrium was found beyond the load {:.6g}", at.load);
-        // A start where what grips move is at its limit, as a sheet of squares is at 90 degrees,
-        // can leave it to two sides.
-        if (at.load == 0)
-          path_.trouble += "; start slightly away from the point where the sheet may turn back";
+        giveUp(at);
         break;
       }
-      // The last step went past the end: the state at the load 1 is found between the two.
-      if (next->at.load >= 1) return arrive(at, next->at, along, goesOn);
-      goesOn = noteTurning(at, along, step, *next);
-      at = next->at;
-      along = next->along;
-      goesOn = goesOn && note(at, along, Turning::None);
+      ++steps;
+      goesOn = noteBetween(at, *next, special) && note(*next, Turning::None);
       if (next->rounds <= kFewRounds) step *= 1.5;
+      at = std::move(*next);
+      if (!arrives) continue;
+      path_.arrives = goesOn;
+      break;
     }
     return std::move(path_);
   }
@@ -195,22 +226,27 @@ class Follower {
     double forceSlope = 0;  // of the leading grip, by its displacement's
     double displacementSlope = 0;
   };
-  struct Stepped {
+  struct Point {
     PathPoint at;
     Tangent along;
     int rounds = 0;
   };
-
-  // The load grows by at most 1 / leastStates in a step: a curve has enough states to be
-  // drawn.
-  double longestStep(const Tangent& along) const {
-    return std::min(settings_.longestStep, 1 / (settings_.leastStates * std::abs(along.load)));
-  }
+  /// A state that is no step's end: one that turns, or one that was asked for.
+  struct Special {
+    Point point;
+    Turning turning = Turning::None;
+  };
 
   // The scalar product of arc length. Divided by a third of the unknowns it is the mean over the
   // tiles, or nodes: a step means the same on sheets of any size.
   double product(const Vector& a, const Vector& b) const {
     return 3 * a.dot(b) / static_cast<double>(sheet_.unknowns());
+  }
+
+  // The length of the straight line between two points.
+  double distance(const PathPoint& a, const PathPoint& b) const {
+    const Vector move = b.q - a.q;
+    return std::hypot(std::sqrt(product(move, move)), b.load - a.load);
   }
 
   // The first equation's residual, gradient + J^T multipliers, joules.
@@ -265,34 +301,34 @@ class Follower {
     along.q *= factor;
     along.multipliers *= factor;
     along.load *= factor;
-    along.forceSlope = sheet_.force(leading_, along.load, along.multipliers);
-    along.displacementSlope = sheet_.displacementSlope(leading_, at.q, along.q);
+    setSlopes(at, along);
     return along;
   }
 
   /// The equilibrium so far along the tangent, where Newton's method finds it.
-  std::optional<Stepped> stepFrom(const PathPoint& from, const Tangent& along, double step) const {
-    PathPoint at{from.q + step * along.q, from.multipliers + step * along.multipliers,
-                 from.load + step * along.load};
+  std::optional<Point> stepFrom(const Point& from, double step) const {
+    return corrected({from.at.q + step * from.along.q,
+                      from.at.multipliers + step * from.along.multipliers,
+                      from.at.load + step * from.along.load},
+                     from.along);
+  }
+
+  /// The equilibrium in the plane through a point across a direction.
+  std::optional<Point> corrected(PathPoint at, const Tangent& along) const {
+    const Vector place = at.q;
+    const double load = at.load;
     for (int round = 0; round < kNewtonRounds; ++round) {
       const Vector forces = forcesAt(at);
       const Vector gaps = sheet_.residual(at.q, at.load);
       if (!forces.allFinite()) return std::nullopt;
-      if (isBalanced(forces, gaps, at) && round > 0) {
-        const Tangent next = tangentAt(at, &along);
-        // Where the path bends that much, the state may be another branch's.
-        if (product(along.q, next.q) + along.load * next.load < kStraight) return std::nullopt;
-        return Stepped{at, next, round};
-      }
+      if (isBalanced(forces, gaps, at)) return Point{at, tangentAt(at, &along), round};
       Equations equations(sheet_, at);
       if (!equations.isFactored()) return std::nullopt;
       const Equations::Change closing = equations.solve(-forces, -gaps);
       const Equations::Change tangent = equations.solve(sheet_.pull(at.q), sheet_.motion());
-      // Arc length: the projection on the tangent must stay at `step`. The change of load that
-      // keeps it is found from two solves on one factor (closing and tangent): the matrix
-      // stays symmetric.
-      const double off =
-          product(along.q, at.q - from.q) + along.load * (at.load - from.load) - step;
+      // The change of load that keeps the plane is found from two solves on one factor (closing and
+      // tangent): the matrix stays symmetric.
+      const double off = product(along.q, at.q - place) + along.load * (at.load - load);
       const double change =
           -(off + product(along.q, closing.q)) / (product(along.q, tangent.q) + along.load);
       at.q += closing.q + change * tangent.q;
@@ -300,6 +336,85 @@ class Follower {
       at.load += change;
     }
     return std::nullopt;
+  }
+
+  /// A point on the cubic that has the places and tangents of two points, not corrected, and the
+  /// direction between them.
+  PathPoint onCubic(const Point& a, const Point& b, double share, Tangent& along) const {
+    const double length = distance(a.at, b.at);
+    const double square = share * share, cube = square * share;
+    const double ofB = 3 * square - 2 * cube;
+    const double slopeA = length * (share - 2 * square + cube), slopeB = length * (cube - square);
+    along.q = (1 - share) * a.along.q + share * b.along.q;
+    along.multipliers = (1 - share) * a.along.multipliers + share * b.along.multipliers;
+    along.load = (1 - share) * a.along.load + share * b.along.load;
+    const double norm = std::hypot(std::sqrt(product(along.q, along.q)), along.load);
+    along.q /= norm;
+    along.multipliers /= norm;
+    along.load /= norm;
+    const auto blend = [&](const auto& from, const auto& to, const auto& slopeFrom,
+                           const auto& slopeTo) {
+      return ((1 - ofB) * from + ofB * to + slopeA * slopeFrom + slopeB * slopeTo);
+    };
+    return {blend(a.at.q, b.at.q, a.along.q, b.along.q),
+            blend(a.at.multipliers, b.at.multipliers, a.along.multipliers, b.along.multipliers),
+            blend(a.at.load, b.at.load, a.along.load, b.along.load)};
+  }
+
+  /// The equilibrium between two of one step. Where the equations are so nearly singular that the
+  /// tangent leads elsewhere, it gets that of the cubic.
+  std::optional<Point> between(const Point& a, const Point& b, double share) const {
+    Tangent along;
+    const PathPoint guess = onCubic(a, b, share, along);
+    std::optional<Point> found = corrected(guess, along);
+    if (!found) return found;
+    Tangent& tangent = found->along;
+    if (product(along.q, tangent.q) + along.load * tangent.load >= kStraight) return found;
+    along.negatives = tangent.negatives;
+    setSlopes(found->at, along);
+    tangent = std::move(along);
+    return found;
+  }
+
+  // How the leading grip's force and displacement change along a tangent.
+  void setSlopes(const PathPoint& at, Tangent& along) const {
+    along.forceSlope = sheet_.force(leading_, along.load, along.multipliers);
+    along.displacementSlope = sheet_.displacementSlope(leading_, at.q, along.q);
+  }
+
+  /// Whether places, energy and forces change from one point to the next as their slopes foretell.
+  bool isForetold(const Point& a, const Point& b) const {
+    const double length = distance(a.at, b.at);
+    if (length == 0) return true;
+    const Vector missed = b.at.q - a.at.q - 0.5 * length * (a.along.q + b.along.q);
+    const double missedLoad =
+        b.at.load - a.at.load - 0.5 * length * (a.along.load + b.along.load);
+    if (std::hypot(std::sqrt(product(missed, missed)), missedLoad) > kPlacesMissed * length)
+      return false;
+    const auto isNear = [&](double change, double slopeA, double slopeB, double part,
+                            double nothing) {
+      const double most = 0.5 * length * (std::abs(slopeA) + std::abs(slopeB));
+      return std::abs(change - 0.5 * length * (slopeA + slopeB)) <= part * most + nothing;
+    };
+    const double stiffness = kNothingMissed * sheet_.stiffnessScale() * length;
+    if (!isNear(sheet_.energy(b.at.q) - sheet_.energy(a.at.q), energySlope(a), energySlope(b),
+                kEnergyMissed, stiffness * length))
+      return false;
+    for (std::size_t g = 0; g < sheet_.grips(); ++g) {
+      const auto force = [&](double load, const Vector& multipliers) {
+        return sheet_.force(g, load, multipliers);
+      };
+      if (!isNear(force(b.at.load, b.at.multipliers) - force(a.at.load, a.at.multipliers),
+                  force(a.along.load, a.along.multipliers),
+                  force(b.along.load, b.along.multipliers), kForcesMissed,
+                  stiffness / sheet_.unit(g)))
+        return false;
+    }
+    return true;
+  }
+
+  double energySlope(const Point& point) const {
+    return sheet_.gradient(point.at.q, 0).dot(point.along.q);
   }
 
   /// The equilibrium at a given load, from one nearby.
@@ -318,62 +433,139 @@ class Follower {
   }
 
   // Ends a path that loops or reaches negative loads, with the reason.
-  bool mayGoOn(const PathPoint& at) {
-    if (static_cast<int>(path_.states.size()) >= settings_.mostStates) {
-      path_.trouble = fmt::format("the path has {} states at the load {:.6g} and continues",
-                                  settings_.mostStates, at.load);
-    } else if (at.load < kBackwards) {
+  bool mayGoOn(const Point& point, int steps) {
+    if (steps >= settings_.mostSteps) {
+      path_.trouble = fmt::format("the path has {} steps at the load {:.6g} and continues",
+                                  settings_.mostSteps, point.at.load);
+    } else if (point.at.load < kBackwards) {
       path_.trouble = "the path turns back to loads below -1";
     }
     return path_.trouble.empty();
   }
 
-  // Guesses the state at the load 1 between the last two, and balances it.
-  LoadPath arrive(const PathPoint& before, const PathPoint& beyond, const Tangent& along,
-                  bool goesOn) {
-    const double share = (1 - before.load) / (beyond.load - before.load);
-    PathPoint guess{before.q + share * (beyond.q - before.q),
-                    before.multipliers + share * (beyond.multipliers - before.multipliers), 1};
-    if (const auto end = balancedAt(std::move(guess), 1); end && goesOn) {
-      note(*end, tangentAt(*end, &along), Turning::None);
-      path_.arrives = true;
-    } else {
-      path_.trouble = "no equilibrium was found at the load 1";
+  // Notes why there is no further step. A grip that is moved, and that no spring could hold as
+  // stiffly, is held by joints: they allow it no more.
+  void giveUp(const Point& at) {
+    path_.trouble = fmt::format("no equilibrium was found beyond the load {:.6g}", at.at.load);
+    // A start where what grips move is at its limit, as a sheet of squares is at 90 degrees, can
+    // leave it to two sides.
+    if (at.at.load == 0) {
+      path_.trouble += "; start slightly away from the point where the sheet may turn back";
+      return;
     }
-    return std::move(path_);
+    const Equilibrium& last = path_.states.back();
+    const double unit = sheet_.unit(leading_);
+    if (std::abs(last.stiffness) * unit * unit > kRigid * sheet_.stiffnessScale())
+      path_.extent = last.displacements[leading_];
   }
 
-  /// What turns between two points of the path.
-  Turning turningBetween(const Tangent& a, const Tangent& b) const {
-    if (a.load * b.load < 0) return Turning::LoadLimit;
-    if (a.negatives != b.negatives) return Turning::Bifurcation;
+  // The state at the load 1 between two points.
+  std::optional<Point> arrivalBetween(const Point& before, const Point& beyond) const {
+    double low = 0, high = 1;
+    Tangent along;
+    while (high - low > kLocated) {
+      const double middle = 0.5 * (low + high);
+      (onCubic(before, beyond, middle, along).load < 1 ? low : high) = middle;
+    }
+    std::optional<PathPoint> end = balancedAt(onCubic(before, beyond, high, along), 1);
+    if (!end) return std::nullopt;
+    Tangent tangent = tangentAt(*end, &along);
+    return Point{std::move(*end), std::move(tangent), beyond.rounds};
+  }
+
+  // Whether no limit of the load and no change of stability lies between two points, as far as
+  // these show.
+  static bool areAlike(const Point& a, const Point& b) {
+    return a.along.load * b.along.load >= 0 && a.along.negatives == b.along.negatives;
+  }
+
+  /// Locates what turns within a step, in order. Returns whether all of it was found.
+  bool locate(const Point& from, const Point& to, std::vector<Special>& found) const {
+    if (!locateChanges(from, to, found)) return false;
     // A slope so small is rounding: its sign means nothing.
     const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
-    const bool isClear = std::abs(a.forceSlope - b.forceSlope) > noise;
-    return isClear && a.forceSlope * b.forceSlope < 0 ? Turning::ForceLimit : Turning::None;
+    const bool isClear = std::abs(from.along.forceSlope - to.along.forceSlope) > noise;
+    if (!isClear || from.along.forceSlope * to.along.forceSlope >= 0) return true;
+    Point low = from, high = to;
+    if (!bisect(low, high, [&](const Point& middle) {
+          return middle.along.forceSlope * from.along.forceSlope > 0;
+        }))
+      return false;
+    // The force of dead loads turns where the load does.
+    if (low.along.load * high.along.load < 0) return true;
+    found.push_back({low, Turning::ForceLimit});
+    std::ranges::stable_sort(found, {}, [&](const Special& special) {
+      return distance(from.at, special.point.at);
+    });
+    return true;
   }
 
-  /// Locates and stores limits within a step. Returns whether the path may continue.
-  bool noteTurning(const PathPoint& from, const Tangent& along, double step, const Stepped& end) {
-    const Turning turning = turningBetween(along, end.along);
-    if (turning == Turning::None) return true;
-    double low = 0, high = step;
-    Stepped found = end;
-    // Bisection on the length of the step from the same point: `low` is before what turns, `high`
-    // behind it. Each try is a whole equilibrium: the state that is noted lies on the path.
-    for (int k = 0; k < kLimitBisections && high - low > 1e-15 * step; ++k) {
-      const double middle = 0.5 * (low + high);
-      const std::optional<Stepped> next = stepFrom(from, along, middle);
-      if (!next) break;
-      found = *next;
-      (turningBetween(along, next->along) == Turning::None ? low : high) = middle;
+  /// Moves two points together, where a property that the first has and the second has not
+  /// changes. Returns false where no equilibrium is found between them.
+  template <typename Property>
+  bool bisect(Point& low, Point& high, const Property& isLow) const {
+    while (distance(low.at, high.at) > kLocated) {
+      checkInterruption();
+      std::optional<Point> middle = between(low, high, 0.5);
+      if (!middle) middle = between(low, high, 0.4);
+      if (!middle) return isCritical(low) || isCritical(high);
+      const double inside = distance(low.at, high.at);
+      if (!(distance(low.at, middle->at) < inside && distance(middle->at, high.at) < inside))
+        return isCritical(low) || isCritical(high);
+      (isLow(*middle) ? low : high) = std::move(*middle);
     }
-    return note(found.at, found.along, turning);
+    return true;
+  }
+
+  bool isCritical(const Point& point) const {
+    const Equations equations(sheet_, point.at);
+    return !equations.isFactored() || std::abs(equations.nearestEigenvalue()) < kCritical;
+  }
+
+  // Limits of the load and changes of stability. Those that lie together are one.
+  bool locateChanges(const Point& from, const Point& to, std::vector<Special>& found) const {
+    Point rest = from;
+    while (!areAlike(rest, to)) {
+      // The first change: what is alike to the begin is before it.
+      Point low = rest, high = to;
+      if (!bisect(low, high, [&](const Point& middle) { return areAlike(rest, middle); }))
+        return false;
+      const bool isLimit = low.along.load * high.along.load < 0;
+      const bool isOne = !isLimit && !found.empty() &&
+                         distance(found.back().point.at, low.at) <= kOneEvent;
+      if (isLimit) {
+        found.push_back({low, Turning::LoadLimit});
+      } else if (!isOne && (isCritical(low) || isCritical(high))) {
+        found.push_back({isCritical(low) ? low : high, Turning::Bifurcation});
+      }
+      rest = std::move(high);
+    }
+    return true;
+  }
+
+  /// Notes what turns in a step, and the states that are asked for. Returns whether the path may
+  /// continue.
+  bool noteBetween(const Point& from, const Point& to, const std::vector<Special>& turning) {
+    std::vector<Special> all = turning;
+    const int parts =
+        static_cast<int>(std::ceil(std::abs(to.at.load - from.at.load) * settings_.leastStates));
+    for (int k = 1; k < parts; ++k) {
+      checkInterruption();
+      std::optional<Point> middle = between(from, to, static_cast<double>(k) / parts);
+      if (middle) all.push_back({std::move(*middle), Turning::None});
+    }
+    std::ranges::stable_sort(all, {}, [&](const Special& special) {
+      return product(from.along.q, special.point.at.q - from.at.q) +
+             from.along.load * (special.point.at.load - from.at.load);
+    });
+    return std::ranges::all_of(
+        all, [&](const Special& special) { return note(special.point, special.turning); });
   }
 
   // Keeps an equilibrium with its forces and displacements, and reports it to the observer. Returns
   // whether the observer continues.
-  bool note(const PathPoint& at, const Tangent& along, Turning turning) {
+  bool note(const Point& point, Turning turning) {
+    const auto& [at, along, rounds] = point;
     Equilibrium state;
     state.load = at.load;
     state.poses = sheet_.posesAt(at.q);

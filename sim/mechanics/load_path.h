@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -130,6 +131,8 @@ struct LoadPath {
   std::vector<Equilibrium> states;  ///< in their order along the path
   bool arrives = false;             ///< its last state has the load 1
   std::string trouble;              ///< why not: one line
+  /// Where joints let the leading grip move no further, its displacement (metres or radians).
+  std::optional<double> extent;
 };
 
 /// How a path is followed.
@@ -137,8 +140,8 @@ struct LoadPathSettings {
   /// Longest step, in the root mean square of all tiles' moves (in length scales and radians) and
   /// the load.
   double longestStep = 0.05;
-  int mostStates = 2000;  ///< of the whole path, where it ends unless it has arrived before
-  int leastStates = 1;    ///< while the load grows by 1
+  int mostSteps = 2000;  ///< of the whole path, where it ends unless it has arrived before
+  int leastStates = 1;   ///< while the load grows by 1; does not change the path
 };
 
 /// Called with each state; return false to end the path.

@@ -1,6 +1,9 @@
 // Bars and hinges: derivatives against finite differences, closed forms, rigid motions.
+#include <array>
 #include <cmath>
+#include <numbers>
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include "sim/mechanics/bar_hinge_sheet.h"
@@ -135,6 +138,105 @@ TEST(BarHingeSheets, SnapThroughAsVonMisesTrussDoes) {
   }
   EXPECT_NEAR(largest, -force(snap), 1e-10);
   EXPECT_NEAR(path.states.back().energy, 0, 1e-14);
+}
+
+/// Eight triangles round a raised vertex, pressed by 0.8 m through the plane of their rims: a
+/// waterbomb, whose bars are 1e8 times stiffer than its folds.
+struct Waterbomb {
+  explicit Waterbomb(double fold) {
+    model.nodes = {Vector3(0, 0, 0.35)};
+    for (int k = 0; k < 8; ++k) {
+      const double angle = std::numbers::pi * k / 4;
+      model.nodes.emplace_back(std::cos(angle), std::sin(angle), k % 2 == 0 ? 0.12 : -0.12);
+    }
+    const auto length = [&](int a, int b) {
+      return (model.nodes[static_cast<std::size_t>(b)] - model.nodes[static_cast<std::size_t>(a)])
+          .norm();
+    };
+    for (int k = 0; k < 8; ++k) {
+      const int a = 1 + k, b = 1 + (k + 1) % 8, before = 1 + (k + 7) % 8;
+      model.bars.push_back({0, a, length(0, a), 4e4});
+      model.bars.push_back({a, b, length(a, b), 3e4});
+      model.folds.push_back({{0, a, b, before}, fold, 0});
+      const std::array<int, 4>& nodes = model.folds.back().nodes;
+      model.folds.back().rest = mechanics::foldAngle(
+          {model.nodes[static_cast<std::size_t>(nodes[0])],
+           model.nodes[static_cast<std::size_t>(nodes[1])],
+           model.nodes[static_cast<std::size_t>(nodes[2])],
+           model.nodes[static_cast<std::size_t>(nodes[3])]});
+    }
+    grips.push_back({{{0}}, Vector3::UnitZ(), -0.8, false});
+    for (const int node : {2, 4, 6, 8}) grips.push_back({{{node}}, Vector3::UnitZ(), 0, false});
+    grips.push_back({{{1}}, Vector3::UnitY(), 0, false});
+    grips.push_back({{{5}}, Vector3::UnitY(), 0, false});
+    grips.push_back({{{3}}, Vector3::UnitX(), 0, false});
+  }
+  mechanics::BarHingeSheet sheet() const { return {model, grips}; }
+
+  mechanics::BarHingeModel model;
+  std::vector<mechanics::NodeGrip> grips;
+};
+
+/// The equilibrium at the load 1, by plain Newton steps at 1500 fixed loads on the dense equations:
+/// energy, force, and the negative eigenvalues of the Hessian within the constraints.
+struct PlainEnd {
+  double energy = 0;
+  double force = 0;
+  int negatives = 0;
+};
+
+PlainEnd plainNewton(const mechanics::LoadedSheet& sheet) {
+  const int n = sheet.unknowns(), m = sheet.rows();
+  Eigen::VectorXd q = sheet.startCoordinates(), before = q;
+  Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(m);
+  const Eigen::MatrixXd J = sheet.jacobian(q);
+  const int steps = 1500;
+  for (int step = 0; step <= steps; ++step) {
+    const double load = static_cast<double>(step) / steps;
+    const Eigen::VectorXd guess = 2 * q - before;
+    before = q;
+    q = guess;
+    for (int round = 0; round < 20; ++round) {
+      Eigen::VectorXd right(n + m);
+      right << -(sheet.gradient(q, load) + J.transpose() * multipliers),
+          -sheet.residual(q, load);
+      if (right.norm() < 1e-9) break;
+      Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + m, n + m);
+      whole.topLeftCorner(n, n) = Eigen::MatrixXd(sheet.hessian(q, load, multipliers));
+      whole.topRightCorner(n, m) = J.transpose();
+      whole.bottomLeftCorner(m, n) = J;
+      const Eigen::VectorXd change = whole.partialPivLu().solve(right);
+      q += change.head(n);
+      multipliers += change.tail(m);
+    }
+  }
+  const Eigen::MatrixXd free = Eigen::FullPivLU<Eigen::MatrixXd>(J).kernel();
+  const Eigen::MatrixXd basis =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(free).householderQ() *
+      Eigen::MatrixXd::Identity(n, free.cols());
+  const Eigen::MatrixXd within =
+      basis.transpose() * Eigen::MatrixXd(sheet.hessian(q, 1, multipliers)) * basis;
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(within).eigenvalues();
+  return {sheet.energy(q), sheet.force(0, 1, multipliers),
+          static_cast<int>((values.array() < 0).count())};
+}
+
+// Steps that only look for any equilibrium jump to a branch of 450 times the energy here.
+TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
+  for (const double fold : {0.1, 0.02}) {
+    const Waterbomb bomb(fold);
+    const PlainEnd wanted = plainNewton(bomb.sheet());
+    for (const int states : {1, 60}) {
+      const mechanics::LoadPath path =
+          mechanics::followLoad(bomb.sheet(), 0, {.leastStates = states}, {});
+      ASSERT_TRUE(path.arrives) << path.trouble;
+      const mechanics::Equilibrium& end = path.states.back();
+      EXPECT_NEAR(end.energy, wanted.energy, 1e-7 * wanted.energy) << fold;
+      EXPECT_NEAR(end.forces[0], wanted.force, 1e-6 * std::abs(wanted.force)) << fold;
+      EXPECT_EQ(end.unstableModes, wanted.negatives);
+    }
+  }
 }
 
 }  // namespace

@@ -136,6 +136,52 @@ TEST(LoadPath, FindsTheBucklingLoadOfAChain) {
   }
 }
 
+// A straight chain that is pressed far has a bifurcation at each load 2 k (1 - cos(j pi / n)): one
+// for each, and one more unstable mode behind it, in steps that are short and in one that passes
+// them all.
+TEST(LoadPath, FindsEachOfSeveralBifurcationsInOneStep) {
+  const int count = 7;
+  for (const double longestStep : {0.02, 0.3, 5.0}) {
+    const mechanics::LoadPath path =
+        chainAlongX(std::vector<double>(count, 0.0), -5, true).follow(3, longestStep);
+    EXPECT_TRUE(path.arrives) << path.trouble;
+    int found = 0;
+    for (const mechanics::Equilibrium& state : path.states) {
+      if (state.turning == mechanics::Turning::None) continue;
+      EXPECT_EQ(state.turning, mechanics::Turning::Bifurcation);
+      ++found;
+      const double wanted = 4 * (1 - std::cos(found * kPi / count));
+      EXPECT_NEAR(-state.forces[3], wanted, 1e-7 * wanted) << longestStep;
+    }
+    EXPECT_EQ(found, 4);  // 4 (1 - cos(4 pi / 7)) = 4.89, the next is at 6.49
+    EXPECT_EQ(path.states.back().unstableModes, 4);
+  }
+}
+
+TEST(LoadPath, IsTheSameForAnyNumberOfStates) {
+  std::vector<double> last;
+  std::size_t turnings = 0;
+  for (const int states : {1, 10, 300}) {
+    const Held chain = chainAlongX({0.3, -0.1, 0.2, -0.4, 0.2}, -6, true);
+    const mechanics::LoadPath path =
+        mechanics::followLoad(chain.sheet(), 3, {.leastStates = states}, {});
+    ASSERT_TRUE(path.arrives) << path.trouble;
+    EXPECT_GE(static_cast<int>(path.states.size()), states);
+    const mechanics::Equilibrium& end = path.states.back();
+    const std::vector<double> now = {end.energy, end.displacements[3], end.stiffness};
+    const auto count = static_cast<std::size_t>(
+        std::ranges::count_if(path.states, [](const mechanics::Equilibrium& state) {
+          return state.turning != mechanics::Turning::None;
+        }));
+    if (states == 1) {
+      last = now;
+      turnings = count;
+    }
+    EXPECT_EQ(now, last);
+    EXPECT_EQ(count, turnings);
+  }
+}
+
 /// A four-bar linkage: a base of length d along x, a rocker of length a at its origin with a
 /// spring, a crank of length c at its other end, and a coupler of length b between them.
 struct FourBar {
