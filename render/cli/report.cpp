@@ -35,8 +35,8 @@ constexpr double kWhole = 0.999;
 constexpr double kExplains = 1.05;
 
 /// "0.0121 m (0.012 tiles)".
-std::string inTiles(double metres, double tile) {
-  return fmt::format("{:.3g} m ({:.2g} tiles)", metres, metres / tile);
+std::string inTiles(double metres, const model::Model& model) {
+  return model::lengthInTiles(metres, model, 3);
 }
 
 /// Why a run that came to rest did not come nearer; empty where it reached its target. One line.
@@ -48,8 +48,8 @@ std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& sum
   // Coordinates with few digits put tiles and target off by as much as the rounding spreads.
   if (scene.model.rounding > 0 && error <= deploy::roundedReach(scene.model)) {
     return fmt::format(
-        "why no nearer: coordinates rounded to {:g} m, with which tiles and target fit no better\n",
-        scene.model.rounding);
+        "why no nearer: coordinates rounded to {}, with which tiles and target fit no better\n",
+        lengthText(scene.model.rounding, scene.model.unit, 6));
   }
   if (error <= kExplains * summary.accuracy.rigidBound) {
     return "why no nearer: the target's tiles have other shapes, and rigid ones cannot fit them\n";
@@ -57,19 +57,19 @@ std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& sum
   if (error > kExplains * summary.assembledError && !summary.blocking.empty()) {
     return fmt::format(
         "why no nearer: bricks would overlap in the state with closed joints that is known to be "
-        "nearer, {:.3g} m from the target\n",
-        summary.assembledError);
+        "nearer, {} from the target\n",
+        lengthText(summary.assembledError, scene.model.unit));
   }
   if (error > kExplains * summary.assembledError) {
     return fmt::format(
-        "why no nearer: the pull rests there; a state with closed joints {:.3g} m from the target "
-        "is known\n",
-        summary.assembledError);
+        "why no nearer: the pull rests there; a state with closed joints {} from the target is "
+        "known\n",
+        lengthText(summary.assembledError, scene.model.unit));
   }
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap > kReached * tile) {
     return fmt::format("reason: the target opens its joints by {}; closed joints cannot reach it\n",
-                       inTiles(gap, tile));
+                       inTiles(gap, scene.model));
   }
   return "why no nearer: no state of bricks with closed joints was found nearer; joints lie on "
          "faces of thick bricks, which the target's tiles do not know\n";
@@ -78,14 +78,15 @@ std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& sum
 /// Two or three lines: error, bounds, reason.
 std::string describeTarget(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::Accuracy& accuracy = summary.accuracy;
-  const double tile = model::tileSize(scene.model);
-  std::string text = fmt::format("target error {} at the end ({:.3g} at the start)\n",
-                                 inTiles(accuracy.targetErrorEnd, tile), accuracy.targetErrorStart);
-  text +=
-      fmt::format("bounds: no rigid tiles come nearer than {}", inTiles(accuracy.rigidBound, tile));
+  const model::Model& model = scene.model;
+  std::string text = fmt::format("target error {} at the end ({} at the start)\n",
+                                 inTiles(accuracy.targetErrorEnd, model),
+                                 lengthText(accuracy.targetErrorStart, model.unit));
+  text += fmt::format("bounds: no rigid tiles come nearer than {}",
+                      inTiles(accuracy.rigidBound, model));
   if (summary.assembledError >= 0) {
-    text +=
-        fmt::format("; nearest found with joints closed {}", inTiles(summary.assembledError, tile));
+    text += fmt::format("; nearest found with joints closed {}",
+                        inTiles(summary.assembledError, model));
   }
   return text + "\n" + whyNoNearer(scene, summary);
 }
@@ -94,12 +95,13 @@ std::string describeTarget(const scene::Scene& scene, const record::RunSummary& 
 /// are listed separately.
 std::string describeJoints(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::Accuracy& accuracy = summary.accuracy;
-  const double tile = model::tileSize(scene.model);
-  std::string text = fmt::format("joint gap {} at most, {:.3g} m at the end",
-                                 inTiles(accuracy.jointGapMax, tile), accuracy.jointGapEnd);
+  const model::Model& model = scene.model;
+  std::string text =
+      fmt::format("joint gap {} at most, {} at the end", inTiles(accuracy.jointGapMax, model),
+                  lengthText(accuracy.jointGapEnd, model.unit));
   if (accuracy.jointOpeningMax > 0) {
     text += fmt::format("; compliant joints opened by {} at most",
-                        inTiles(accuracy.jointOpeningMax, tile));
+                        inTiles(accuracy.jointOpeningMax, model));
   }
   return text + "\n";
 }
@@ -137,18 +139,20 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
 /// joined bricks share cannot be avoided with thick bricks. Contacts prevent the rest.
 std::string describePenetration(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::Accuracy& accuracy = summary.accuracy;
-  std::string text = fmt::format("penetration {} at most",
-                                 inTiles(accuracy.penetrationMax, model::tileSize(scene.model)));
+  const LengthUnit& unit = scene.model.unit;
+  std::string text =
+      fmt::format("penetration {} at most", inTiles(accuracy.penetrationMax, scene.model));
   if (accuracy.penetrationOutsidePivotsMax >= kWhole * accuracy.penetrationMax) {
     text += ", outside of the corners that joined bricks share";
   } else {
-    text += fmt::format(", in the corners that joined bricks share; {:.3g} m outside of them",
-                        accuracy.penetrationOutsidePivotsMax);
+    text += fmt::format(", in the corners that joined bricks share; {} outside of them",
+                        lengthText(accuracy.penetrationOutsidePivotsMax, unit));
   }
   const auto [less, more] =
       std::minmax(accuracy.penetrationGrownMax, accuracy.penetrationOutsidePivotsMax);
   if (less < kWhole * more) {
-    text += fmt::format(", {:.3g} m more than at the start", accuracy.penetrationGrownMax);
+    text +=
+        fmt::format(", {} more than at the start", lengthText(accuracy.penetrationGrownMax, unit));
   }
   return text + "\n";
 }
@@ -180,11 +184,13 @@ std::string describeNeed(const char* name, const scene::Need& need) {
 constexpr std::size_t kPairsNamed = 3;
 
 /// The deepest pairs come first.
-std::string describeBlocking(const std::vector<deploy::BlockingPair>& blocking, int countsFrom) {
+std::string describeBlocking(const std::vector<deploy::BlockingPair>& blocking,
+                             const model::Model& model) {
   if (blocking.empty()) return "";
   std::vector<std::string> pairs;
   for (const deploy::BlockingPair& pair : blocking) {
-    if (pairs.size() < kPairsNamed) pairs.push_back(deploy::describe(pair, countsFrom));
+    if (pairs.size() == kPairsNamed) break;
+    pairs.push_back(deploy::describe(pair, model.fileOrder.countsFrom, model.unit));
   }
   return fmt::format("{} pair{} of bricks would overlap at the target: {}{}\n", blocking.size(),
                      blocking.size() > 1 ? "s" : "", fmt::join(pairs, "; "),
@@ -271,11 +277,14 @@ std::string describeEnd(const scene::Scene& scene, const record::RunSummary& sum
                   summary.endTime);
   const double error = summary.accuracy.targetErrorEnd;
   const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
-  if (summary.outcome == Interrupted) return summary.reason;
-  if (summary.atTarget == true) return fmt::format("target reached, error {:.2g} m", error);
+  // Of a load path the reason tells the outcome and its stability.
+  if (summary.outcome == Interrupted || (summary.loadCurve && summary.outcome != Diverged))
+    return summary.reason;
+  if (summary.atTarget == true) {
+    return fmt::format("target reached, error {}", lengthText(error, scene.model.unit, 2));
+  }
   if (summary.atTarget && summary.outcome != Diverged) {
-    return fmt::format("target missed by {}, {}", inTiles(error, model::tileSize(scene.model)),
-                       end);
+    return fmt::format("target missed by {}, {}", inTiles(error, scene.model), end);
   }
   return isFailed || summary.shortfall.empty() ? end + ": " + summary.reason : end;
 }
@@ -288,7 +297,8 @@ std::string headline(const scene::Scene& scene, const record::RunSummary& summar
   const bool isExplained = summary.atTarget == false || summary.outcome == Locked;
   if (!isExplained) {
     text += summary.forbiddenOverlap > 0
-                ? fmt::format(", but tiles overlap by {:.2g} m", summary.forbiddenOverlap)
+                ? fmt::format(", but tiles overlap by {}",
+                              lengthText(summary.forbiddenOverlap, scene.model.unit, 2))
                 : ", but the search used up its budget (--search-effort)";
   }
   return fmt::format("{}; exit code {}", text, kExitShort);
@@ -312,13 +322,15 @@ std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSum
   const double tile = model::tileSize(scene.model);
   const double grown = summary.accuracy.penetrationGrownMax;
   const bool isOverlapping = grown > deploy::kClearShare * tile;
-  std::string text = isOverlapping ? fmt::format("worst overlap {}\n", inTiles(grown, tile)) : "";
+  std::string text =
+      isOverlapping ? fmt::format("worst overlap {}\n", inTiles(grown, scene.model)) : "";
   if (summary.blocking.empty() || (summary.atTarget == true && !isOverlapping)) return text;
   const deploy::BlockingPair& worst = summary.blocking.front();
   const int first = scene.model.fileOrder.countsFrom;
-  return text + fmt::format("overlaps at the target: {} pair{}, worst tiles {} and {} ({:.2g} m)\n",
+  return text + fmt::format("overlaps at the target: {} pair{}, worst tiles {} and {} ({})\n",
                             summary.blocking.size(), summary.blocking.size() > 1 ? "s" : "",
-                            first + worst.tileA, first + worst.tileB, worst.overlap);
+                            first + worst.tileA, first + worst.tileB,
+                            lengthText(worst.overlap, scene.model.unit, 2));
 }
 
 }  // namespace
@@ -333,9 +345,11 @@ std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSe
   if (!scene.model.joints.empty()) {
     const deploy::Accuracy& accuracy = summary.accuracy;
     text += accuracy.jointOpeningMax > 0
-                ? fmt::format("joints open by up to {}, {:.2g} m at the end\n",
-                              inTiles(accuracy.jointOpeningMax, tile), accuracy.jointGapEnd)
-                : fmt::format("joints closed to {:.2g} m\n", accuracy.jointGapMax);
+                ? fmt::format("joints open by up to {}, {} at the end\n",
+                              inTiles(accuracy.jointOpeningMax, scene.model),
+                              lengthText(accuracy.jointGapEnd, scene.model.unit, 2))
+                : fmt::format("joints closed to {}\n",
+                              lengthText(accuracy.jointGapMax, scene.model.unit, 2));
   }
   text += describeWorstOverlap(scene, summary);
   text += fmt::format("{} files in {} ({:.1f} s)", summary.files.size(), settings.folder.string(),
@@ -361,7 +375,7 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
   for (const std::string& warning : summary.warnings) text += fmt::format("warning: {}\n", warning);
   if (scene.model.target && !summary.loadCurve) {
     text += describeTarget(scene, summary);
-    text += describeBlocking(summary.blocking, scene.model.fileOrder.countsFrom);
+    text += describeBlocking(summary.blocking, scene.model);
   }
   text += describePath(summary, scene.model.target.has_value());
   text += describeJoints(scene, summary) + describeTime(scene, summary);
@@ -375,7 +389,7 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
         picture::kFarthestShown, *summary.leftOutFrom);
   }
   if (scene.alignment.moved > kReached * model::tileSize(scene.model)) {
-    text += scene::describe(scene.alignment) + "\n";
+    text += scene::describe(scene.alignment, scene.model.unit) + "\n";
   }
   text += describeCost(summary);
   text += fmt::format("in {}: {}\n", settings.folder.string(),

@@ -250,10 +250,10 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
   if (overlaps.empty()) return;
   const trajectory::TileOverlap& deepest = overlaps.front();
   warnings.push_back(fmt::format(
-      "{}: warning: tiles {} and {} overlap by {:.3g} m at the start{}; move them "
-      "apart, or let them pass through each other (--contacts none)",
+      "{}: warning: tiles {} and {} overlap by {} at the start{}; move them apart, or let them "
+      "pass through each other (--contacts none)",
       model.name, model.fileOrder.countsFrom + deepest.tileA,
-      model.fileOrder.countsFrom + deepest.tileB, deepest.depth,
+      model.fileOrder.countsFrom + deepest.tileB, lengthText(deepest.depth, model.unit),
       overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
 }
 
@@ -409,11 +409,13 @@ void checkThickness(const scene::Scene& scene, std::vector<std::string>& warning
   constexpr double kLeast = 1e-3;
   const double edge = model::tileSize(scene.model);
   const double thickness = scene.brick.thickness;
+  const LengthUnit& unit = scene.model.unit;
   if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
-  warnings.push_back(
-      fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
-                  "lengths are in metres; try --thickness {:.2g}",
-                  scene.model.name, thickness, edge, model::kDefaultThickness * edge));
+  warnings.push_back(fmt::format(
+      "{}: warning: bricks are {} thick, but a tile's mean edge is {}; lengths are in "
+      "{}; try --thickness {:.2g}",
+      scene.model.name, lengthText(thickness, unit), lengthText(edge, unit),
+      unit.name == "m" ? "metres" : unit.name, model::kDefaultThickness * edge / unit.metres));
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {

@@ -543,32 +543,31 @@ std::string counted(std::size_t count, const char* one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
-/// In metres and in tiles, since models come in any size.
-std::string lengthText(double metres, double tile) {
-  return fmt::format("{:.3g} m ({:.2g} tiles)", metres, metres / tile);
-}
-
 /// The sides of the box along x, y and z.
-std::string sizeText(const std::vector<model::Tile>& tiles) {
+std::string sizeText(const std::vector<model::Tile>& tiles, const LengthUnit& unit) {
   Eigen::AlignedBox3d box;
   for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) box.extend(vertex);
   }
-  const Vector3 sides = box.sizes();
-  return fmt::format("{:.4g} × {:.4g} × {:.4g} m", sides.x(), sides.y(), sides.z());
+  const Vector3 sides = box.sizes() / unit.metres;
+  return fmt::format("{:.4g} × {:.4g} × {:.4g} {}", sides.x(), sides.y(), sides.z(), unit.name);
 }
 
 /// Nothing for models without a target.
-void addErrors(const trajectory::TrajectoryReader& run, double tile, Facts& facts) {
-  if (!run.subject().model.target) return;
+void addErrors(const trajectory::TrajectoryReader& run, Facts& facts) {
+  const model::Model& model = run.subject().model;
+  if (!model.target) return;
   const trajectory::Sample first = run.sample(0);
   const trajectory::Sample last = run.sample(run.times().size() - 1);
-  facts.emplace_back("Distance from the target, start", lengthText(first.targetError, tile));
-  facts.emplace_back("Distance from the target, end", lengthText(last.targetError, tile));
+  facts.emplace_back("Distance from the target, start",
+                     model::lengthInTiles(first.targetError, model, 3));
+  facts.emplace_back("Distance from the target, end",
+                     model::lengthInTiles(last.targetError, model, 3));
 }
 
 /// Joint gaps are known of every step, overlaps only of the samples.
-void addAccuracy(const trajectory::TrajectoryReader& run, double tile, Facts& facts) {
+void addAccuracy(const trajectory::TrajectoryReader& run, Facts& facts) {
+  const model::Model& model = run.subject().model;
   double gap = 0, overlap = 0;
   for (const trajectory::StepRecord& step : run.steps()) gap = std::max(gap, step.jointGap);
   for (std::size_t k = 0; k < run.times().size(); ++k) {
@@ -576,8 +575,8 @@ void addAccuracy(const trajectory::TrajectoryReader& run, double tile, Facts& fa
     gap = std::max(gap, sample.jointGap);
     overlap = std::max(overlap, sample.penetration);
   }
-  facts.emplace_back("Widest joint gap", lengthText(gap, tile));
-  facts.emplace_back("Deepest overlap", lengthText(overlap, tile));
+  facts.emplace_back("Widest joint gap", model::lengthInTiles(gap, model, 3));
+  facts.emplace_back("Deepest overlap", model::lengthInTiles(overlap, model, 3));
 }
 
 }  // namespace
@@ -585,21 +584,21 @@ void addAccuracy(const trajectory::TrajectoryReader& run, double tile, Facts& fa
 Facts factsOf(const trajectory::TrajectoryReader& run) {
   const trajectory::Subject& subject = run.subject();
   const model::Model& model = subject.model;
-  const double tile = model::tileSize(model);
   Facts facts = {
       {"Sheet", counted(model.tiles.size(), "tile") + ", " + counted(model.joints.size(), "joint")},
-      {"Thickness", lengthText(subject.brickRule.thickness, tile)},
-      {"Size, start", sizeText(model.tiles)}};
+      {"Thickness", model::lengthInTiles(subject.brickRule.thickness, model, 3)},
+      {"Size, start", sizeText(model.tiles, model.unit)}};
   const trajectory::Sample last = run.sample(run.times().size() - 1);
-  facts.emplace_back("Size, end", sizeText(model::bottomTiles(subject.bricks, last.poses)));
+  facts.emplace_back("Size, end",
+                     sizeText(model::bottomTiles(subject.bricks, last.poses), model.unit));
   facts.emplace_back("Simulated time", fmt::format("{:.4g} s", run.times().back()));
   if (!run.end().events.empty()) facts.emplace_back("End", run.end().events.back().text);
   const Json findings = findingsOf(run);
   if (findings.contains("path")) {
     facts.emplace_back("Path", findings["path"].value("reason", ""));
   }
-  addErrors(run, tile, facts);
-  addAccuracy(run, tile, facts);
+  addErrors(run, facts);
+  addAccuracy(run, facts);
   if (!run.hasMechanics()) facts.emplace_back("Energies and forces", trajectory::kNoMechanics);
   // A fact without a value is omitted.
   std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });

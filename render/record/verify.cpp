@@ -274,6 +274,9 @@ class Verifier {
       complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
+    const bool isOfBars =
+        !summary.at("settings").at("model").value("panels", "").empty() &&
+        summary.at("files").contains(output::kLoadCurve);
     const model::Elasticity found = model::elasticityOf(subject.pairForces, start, end);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not have all kinds.
@@ -281,6 +284,8 @@ class Verifier {
       compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
     for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
+      // Under grips bars of tiles that bend hold energy too, which poses do not show.
+      if (isOfBars && std::string_view(figure.name).starts_with("energy")) continue;
       compare(output::kSummary, std::string("elasticity.") + figure.name, stated.at(figure.name),
               found.*figure.member);
     }

@@ -230,7 +230,9 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
   lookAt("looking for the state nearest to the target");
-  inspection.assembledError = deploy::assembleAtTarget(scene).error;
+  const std::optional<model::SheetFrame> frame = scene::ownAxes(scene);
+  inspection.assembledError =
+      deploy::assembleAtTarget(frame ? scene::inAxes(*frame, scene) : scene).error;
   return inspection;
 }
 

@@ -288,19 +288,34 @@ std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
   return sceneOf(std::move(meshes));
 }
 
+/// Where single precision counts from: the origin, or the centre of points that lie so far from it
+/// that they would lose more than a digit.
+Vector3 singleOrigin(const std::vector<Vector3>& points) {
+  constexpr double kFar = 10;  // of the diagonal
+  Eigen::AlignedBox3d box;
+  for (const Vector3& point : points) box.extend(point);
+  const bool isFar = box.center().norm() > kFar * box.diagonal().norm();
+  return isFar ? Vector3(box.center()) : Vector3::Zero();
+}
+
 /// Binary STL holds single precision and no shared vertices: nothing to fill in after. Each facet
 /// has its own normal; assimp would smooth them over shared corners.
 std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
                      const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = flatMesh(allTriangles(bricks), corners);
+  const Vector3 origin = singleOrigin(corners);
   for (unsigned k = 0; k < mesh->mNumVertices; ++k) {
     aiVector3D& vertex = mesh->mVertices[k];
-    const Eigen::Vector3f point = corners[static_cast<std::size_t>(vertex.x)].cast<float>();
+    const Eigen::Vector3f point =
+        (corners[static_cast<std::size_t>(vertex.x)] - origin).cast<float>();
     vertex = {point.x(), point.y(), point.z()};
   }
   std::string bytes = exported(*sceneOf(std::move(mesh)), "stlb", path);
   constexpr std::size_t kHeader = 80;
   std::string header = fmt::format("Kirireel: closed bricks, unit {}", unit.name);
+  if (!origin.isZero()) {
+    header += fmt::format(", origin {:.7g} {:.7g} {:.7g}", origin.x(), origin.y(), origin.z());
+  }
   header.resize(kHeader, ' ');
   // The header must not begin with "solid", by which readers tell text from binary.
   return bytes.replace(0, kHeader, header);
@@ -497,16 +512,20 @@ void place(std::string& view, std::size_t index, const std::array<double, count>
   std::memcpy(view.data() + index * sizeof rounded, rounded.data(), sizeof rounded);
 }
 
-/// Reads key by key what glTF stores brick by brick. Returns the poses of the first.
-/// Quaternions keep their sign from key to key, or viewers turn the long way.
-Poses readKeys(std::size_t brickCount, std::size_t keyCount,
-               const std::function<AnimationKey(std::size_t)>& key, Asset& asset) {
+/// Reads key by key what glTF stores brick by brick, from the `origin` of the first key on. Returns
+/// the poses of the first. Quaternions keep their sign from key to key, or viewers turn the long
+/// way.
+Poses readKeys(const std::vector<model::Brick>& bricks, std::size_t keyCount,
+               const std::function<AnimationKey(std::size_t)>& key, Asset& asset, Vector3& origin) {
+  const std::size_t brickCount = bricks.size();
   asset.views[kMoves].resize(brickCount * keyCount * 3 * sizeof(float));
   asset.views[kTurns].resize(brickCount * keyCount * 4 * sizeof(float));
   Poses first;
   Poses last;
   for (std::size_t k = 0; k < keyCount; ++k) {
     AnimationKey read = key(k);
+    if (k == 0) origin = singleOrigin(worldCorners(bricks, read.poses));
+    for (Pose& pose : read.poses) pose.position -= origin;
     appendBytes(asset.views[kTimes], static_cast<float>(read.time));
     for (std::size_t brick = 0; brick < brickCount; ++brick) {
       const Vector3& p = read.poses[brick].position;
@@ -563,14 +582,16 @@ Json materialJson() {
 }
 
 /// Node 0 is the root, node k + 1 the brick k.
-Json nodesJson(const Poses& start, std::size_t brickCount) {
+Json nodesJson(const Poses& start, const Vector3& origin) {
   Json children = Json::array();
-  for (std::size_t k = 0; k < brickCount; ++k) children.push_back(k + 1);
+  for (std::size_t k = 0; k < start.size(); ++k) children.push_back(k + 1);
   const double half = std::sqrt(0.5);
   Json nodes = Json::array();
   nodes.push_back(
       {{"name", "kirigami"}, {"rotation", {-half, 0, 0, half}}, {"children", children}});
-  for (std::size_t k = 0; k < brickCount; ++k) {
+  // In glTF's axes.
+  if (!origin.isZero()) nodes[0]["translation"] = {origin.x(), origin.z(), -origin.y()};
+  for (std::size_t k = 0; k < start.size(); ++k) {
     nodes.push_back(nodeJson(start[k], fmt::format("TILE_{:05}", k), k));
   }
   return nodes;
@@ -632,13 +653,14 @@ std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t 
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     meshes.push_back(meshJson(bricks[k], fmt::format("TILE_{:05}", k), asset));
   }
-  const Poses start = readKeys(bricks.size(), keyCount, key, asset);
+  Vector3 origin = Vector3::Zero();
+  const Poses start = readKeys(bricks, keyCount, key, asset, origin);
   float endTime = 0;
   std::memcpy(&endTime, &asset.views[kTimes].end()[-4], sizeof endTime);
   Json json = {{"asset", {{"version", "2.0"}, {"generator", "Kirireel"}}},
                {"scene", 0},
                {"scenes", Json::array({{{"nodes", {0}}}})},
-               {"nodes", nodesJson(start, bricks.size())},
+               {"nodes", nodesJson(start, origin)},
                {"meshes", std::move(meshes)},
                {"materials", Json::array({materialJson()})}};
   json["animations"] = Json::array({animationJson(bricks.size(), keyCount, endTime, asset)});

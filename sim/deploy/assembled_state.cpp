@@ -434,17 +434,17 @@ std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& 
   return pairs;
 }
 
-std::string describe(const BlockingPair& pair, int countsFrom) {
+std::string describe(const BlockingPair& pair, int countsFrom, const LengthUnit& unit) {
   std::vector<std::string> ways;
   if (pair.freeingFace) {
     ways.push_back(fmt::format("joints on the {}",
                                *pair.freeingFace == model::JointFace::Top ? "top" : "bottom"));
   }
   if (pair.freeingThickness > 0) {
-    ways.push_back(fmt::format("a thickness of {:.2g}", pair.freeingThickness));
+    ways.push_back(fmt::format("a thickness of {}", lengthText(pair.freeingThickness, unit, 2)));
   }
-  return fmt::format("tiles {} and {} by {:.2g} ({})", countsFrom + pair.tileA,
-                     countsFrom + pair.tileB, pair.overlap,
+  return fmt::format("tiles {} and {} by {} ({})", countsFrom + pair.tileA, countsFrom + pair.tileB,
+                     lengthText(pair.overlap, unit, 2),
                      ways.empty() ? "the tiles themselves overlap"
                                   : fmt::format("free with {}", fmt::join(ways, " or ")));
 }

@@ -92,8 +92,8 @@ struct BlockingPair {
 /// count.
 std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& atTarget);
 
-/// "tiles 3 and 4 by 0.012 (free with joints on the top)"; lengths in metres. `countsFrom`: the
-/// first tile's number.
-std::string describe(const BlockingPair& pair, int countsFrom);
+/// "tiles 3 and 4 by 0.012 mm (free with joints on the top)". `countsFrom`: the first tile's
+/// number.
+std::string describe(const BlockingPair& pair, int countsFrom, const LengthUnit& unit = {});
 
 }  // namespace kirireel::deploy

@@ -1,6 +1,7 @@
 // What deploy() does, from a scene to its result.
 //
-// 1. Open choices (drive, thickness) are filled in from the model, and senseless scenes refused.
+// 1. Open choices (drive, thickness) are filled in from the model, planar sheets are turned into
+//    the horizontal, and senseless scenes refused.
 // 2. A scene with grips is followed through its equilibria and ends here (loading.cpp).
 // 3. The target is looked at: can rigid tiles reach it, where do joint-closed states come nearest,
 //    which bricks would overlap there.
@@ -252,9 +253,8 @@ void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
   const double grown = result.accuracy.penetrationGrownMax;
   if (result.needs.contacts.on || grown <= kClearShare * tile) return;
   result.warnings.push_back(
-      fmt::format("bricks passed through each other by up to {:.2g} m ({:.2g} tiles); "
-                  "`contacts = all` lets them touch",
-                  grown, grown / tile));
+      fmt::format("bricks passed through each other by up to {}; `contacts = all` lets them touch",
+                  model::lengthInTiles(grown, scene.model)));
 }
 
 /// Of the tolerance, in the run that measures the error in time.
@@ -402,8 +402,8 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   const bool isOverlapping = grown > kClearShare * tile;
   if (isOverlapping) {
     result.forbiddenOverlap = grown;
-    faults.push_back(fmt::format("bricks pass through each other by up to {:.2g} m ({:.2g} tiles)",
-                                 grown, grown / tile));
+    faults.push_back(fmt::format("bricks pass through each other by up to {}",
+                                 model::lengthInTiles(grown, scene.model)));
   }
   if (isCutShort(found, result, isOverlapping)) {
     faults.push_back("the search for a path ended at its budget; raise `search_effort`");
@@ -461,13 +461,11 @@ void abandonSearch(scene::Scene& scene, Search& found) {
   if (contacts == scene::ContactFilter::Auto) contacts = scene::ContactFilter::None;
 }
 
-}  // namespace
-
-DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
-                              const SampleObserver& observer, const TrialObserver& searching,
-                              Checkpoints* checkpoints) {
+/// Runs a scene that lies in a horizontal plane if it is planar.
+DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval,
+                                const SampleObserver& observer, const TrialObserver& searching,
+                                Checkpoints* checkpoints) {
   scene::Scene scene = given;
-  scene::fillFromModel(scene);
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == scene::SolverKind::Bullet) checkpoints = nullptr;
   if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
@@ -524,6 +522,64 @@ DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
   result.cost.searchWork = budget.spent();
   result.cost.searchLimit = budget.all();
   result.cost.cpuSecondsSearch = searchSeconds;
+  return result;
+}
+
+// A planar sheet in another plane is run in the axes of its frame. Everything that has directions
+// is turned back here, and nowhere else.
+
+Poses inWorld(const model::SheetFrame& frame, Poses poses) {
+  for (Pose& pose : poses) pose = frame.toWorld(pose);
+  return poses;
+}
+
+trajectory::Sample inWorld(const model::SheetFrame& frame, trajectory::Sample sample) {
+  sample.poses = inWorld(frame, std::move(sample.poses));
+  if (!sample.mechanics) return sample;
+  const Matrix3 turn = frame.axes();
+  for (Vector3& force : sample.mechanics->jointForces) force = turn * force;
+  for (trajectory::Hold& hold : sample.mechanics->holds) {
+    hold.force = turn * hold.force;
+    hold.moment = turn * hold.moment;
+    hold.point = frame.toWorld(hold.point);
+  }
+  return sample;
+}
+
+void turnToWorld(const model::SheetFrame& frame, const scene::Scene& scene,
+                 DeploymentResult& result) {
+  for (trajectory::FigureState& state : result.trajectory.figureStates) {
+    state.poses = inWorld(frame, std::move(state.poses));
+  }
+  if (result.loadCurve) {
+    for (mechanics::Equilibrium& state : result.loadCurve->states) {
+      state.poses = inWorld(frame, std::move(state.poses));
+    }
+  }
+  scene::Scene modelled = scene;
+  if (result.needs.planar.on) {
+    result.needs.planar = scene::sceneNeeds(scene).planar;
+  } else {
+    modelled.spaceReason = result.needs.planar.reason;
+  }
+  static_cast<trajectory::Subject&>(result.trajectory) = trajectory::subjectOf(modelled);
+}
+
+}  // namespace
+
+DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
+                              const SampleObserver& observer, const TrialObserver& searching,
+                              Checkpoints* checkpoints) {
+  scene::Scene scene = given;
+  scene::fillFromModel(scene);
+  const std::optional<model::SheetFrame> frame = scene::ownAxes(scene);
+  if (!frame) return deployAsItLies(scene, sampleInterval, observer, searching, checkpoints);
+  const SampleObserver turned = [&](const trajectory::Sample& sample) {
+    return observer(inWorld(*frame, sample));
+  };
+  DeploymentResult result =
+      deployAsItLies(scene::inAxes(*frame, scene), sampleInterval, turned, searching, checkpoints);
+  turnToWorld(*frame, scene, result);
   return result;
 }
 

@@ -109,12 +109,13 @@ std::unique_ptr<mechanics::JointSolver> solverOf(const scene::Scene& scene,
        std::move(ties.pairForces)});
 }
 
-// `countsFrom`: the first tile's number.
-void requireFree(const std::optional<contacts::ObstacleOverlap>& overlap, int countsFrom) {
+void requireFree(const std::optional<contacts::ObstacleOverlap>& overlap,
+                 const model::Model& model) {
   if (!overlap) return;
-  throw InputError(fmt::format(
-      "error: tile {} reaches {:.3g} m into obstacle {} at the start; move the obstacle away",
-      countsFrom + overlap->brick, overlap->depth, overlap->obstacle));
+  throw InputError(
+      fmt::format("error: tile {} reaches {} into obstacle {} at the start; move the obstacle away",
+                  model.fileOrder.countsFrom + overlap->brick,
+                  lengthText(overlap->depth, model.unit), overlap->obstacle));
 }
 
 // Obstacles are bodies in space.
@@ -143,7 +144,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
     auto made = std::make_unique<contacts::ContactFinder>(
         bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
         needs.planar.on, tolerance);
-    requireFree(made->overlapWithObstacle(start), countsFrom_);
+    requireFree(made->overlapWithObstacle(start), scene.model);
     return made;
   };
   contacts_ = finder(touching_);

@@ -80,7 +80,8 @@ double placeStiffness(const scene::TargetSpringSettings& settings,
 //   m + (x, y) / sqrt((x / a)^2 + (y / b)^2),      (x, y) = corner - m
 // which is the corner's anchor, at the corner's own height above the sheet's plane. b is the wanted
 // size times the radius of the smallest circle about m that holds all corners, a is b times the
-// aspect. Anchors stay where they are: the sheet grows towards them.
+// aspect. Anchors stay where they are: the sheet grows towards them. Corners of several tiles at
+// one place of the convex outline, joined or not, share its spring: no order of tiles counts.
 
 namespace {
 
@@ -97,6 +98,21 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
   }
   const double scale = 1 / reach;
   return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
+}
+
+/// All corners of a model that are where this one is, itself included.
+std::vector<model::Corner> cornersAt(const model::Model& model, const model::Corner& corner) {
+  const Vector3 place = model.tiles[corner.tile].vertices[corner.vertex];
+  const double same = std::max(model::flatTolerance(model), 2 * model.rounding);
+  std::vector<model::Corner> found;
+  for (std::size_t tile = 0; tile < model.tiles.size(); ++tile) {
+    const std::vector<Vector3>& vertices = model.tiles[tile].vertices;
+    for (std::size_t vertex = 0; vertex < vertices.size(); ++vertex) {
+      if ((vertices[vertex] - place).norm() > same) continue;
+      found.push_back({static_cast<int>(tile), static_cast<int>(vertex)});
+    }
+  }
+  return found;
 }
 
 }  // namespace
@@ -127,9 +143,13 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
   for (std::size_t k = 0; k < hull.size(); ++k) {
     anchors_.push_back(
         frame.toWorld(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k])));
-    const int tile = hull[k].tile;
-    springs_[tile].push_back({bricks[tile].bottom[hull[k].vertex], anchors_.back(),
-                              strengths_[tile].springStiffness, 0});
+    const std::vector<model::Corner> pulled =
+        model.hull ? std::vector{hull[k]} : cornersAt(model, hull[k]);
+    for (const model::Corner& corner : pulled) {
+      const double stiffness = strengths_[corner.tile].springStiffness;
+      springs_[corner.tile].push_back({bricks[corner.tile].bottom[corner.vertex], anchors_.back(),
+                                       stiffness / static_cast<double>(pulled.size()), 0});
+    }
   }
 }
 

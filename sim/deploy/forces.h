@@ -109,8 +109,8 @@ double pointSpringEnergy(const PointSpring& spring, const Pose& pose);
 // Springs that pull the corners of the hull towards a circle or an oblong round it (Liu, Choi and
 // Mahadevan, "Quasicrystal kirigami", 2022).
 
-/// One damped spring a corner of the hull, from the corner straight out to the curve: an ellipse
-/// round the hull's middle in the plane of x and y.
+/// One damped spring for each place of the hull, which the corners there share, from the corner
+/// straight out to the curve: an ellipse round the hull's middle in the plane of x and y.
 class BoundarySprings : public DriveForce {
  public:
   /// The curve is laid round the start; the corners are the model's hull, or those on the convex

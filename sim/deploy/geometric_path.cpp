@@ -121,24 +121,25 @@ class Walk {
 /// metres.
 std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found, double error,
                           double nearest) {
+  const LengthUnit& unit = scene.model.unit;
   if (hasArrived(scene.model, error, nearest)) {
-    return fmt::format("the path ends {:.3g} from the target", error);
+    return fmt::format("the path ends {} from the target", lengthText(error, unit));
   }
-  const std::string words = fmt::format("the path ends {:.3g} short of the target: ", error);
+  const std::string words =
+      fmt::format("the path ends {} short of the target: ", lengthText(error, unit));
   if (isNearest(scene.model, error, nearest)) {
     return words + "no state with closed joints was found nearer";
   }
-  return words + fmt::format("{}, a state with closed joints {:.3g} from it is known",
+  return words + fmt::format("{}, a state with closed joints {} from it is known",
                              found.contacts == scene::ContactFilter::None
                                  ? "no path was found that comes nearer"
                                  : "among touching bricks no path was found that comes nearer",
-                             nearest);
+                             lengthText(nearest, unit));
 }
 
 /// How a walk ends that nobody interrupts. Errors as in endNearTarget().
 std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error,
                   double nearest) {
-  const double tile = model::tileSize(scene.model);
   std::string words = "the path ends at full extension";
   if (scene.model.target) {
     words = endNearTarget(scene, found, error, nearest);
@@ -147,8 +148,8 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
   } else if (found.path.endsAtOpenJoints) {
     words = fmt::format(
         "the path ends at the last state with closed joints: beyond it they open by more than ten "
-        "times the last digit, {:g} m, of the model's coordinates",
-        scene.model.rounding);
+        "times the last digit, {}, of the model's coordinates",
+        lengthText(scene.model.rounding, scene.model.unit, 6));
   } else if (!isExtension(scene, found.path)) {
     words = fmt::format(
         "{}: no small motion of the mechanism takes them farther apart, so that nothing moves",
@@ -157,17 +158,18 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
             : "the tiles hold each other at the start");
   }
   if (found.hasCompliantJoints) {
-    words += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it", found.evaluation.opening,
-                         found.evaluation.opening / tile);
+    words += fmt::format(", joints open by up to {} on it",
+                         model::lengthInTiles(found.evaluation.opening, scene.model));
   }
   if (found.path.isRounded && found.isFitMeasured) {
-    words +=
-        fmt::format("; the model's tiles fit each other to {:.1g} m only", scene.model.rounding);
+    words += fmt::format("; the model's tiles fit each other to {} only",
+                         lengthText(scene.model.rounding, scene.model.unit, 1));
   } else if (found.path.isRounded) {
     words += fmt::format(
-        ", {:.2g} of the last digit, {:g} m, of the model's coordinates: tiles so rounded fit each "
+        ", {:.2g} of the last digit, {}, of the model's coordinates: tiles so rounded fit each "
         "other no better",
-        found.evaluation.opening / scene.model.rounding, scene.model.rounding);
+        found.evaluation.opening / scene.model.rounding,
+        lengthText(scene.model.rounding, scene.model.unit, 6));
   }
   return words;
 }
@@ -184,9 +186,10 @@ void addPushedWarning(const scene::Scene& scene, const Poses& closed, Deployment
   const double pushed = meter.at(closed).grown;
   if (pushed <= kClearShare * tile) return;
   result.warnings.push_back(fmt::format(
-      "closing the joints of the start, which are open by up to {:.2g} m, pushes bricks {:.2g} m "
-      "({:.2g} tiles) into each other",
-      trajectory::jointGap(pivots, asRead).max, pushed, pushed / tile));
+      "closing the joints of the start, which are open by up to {}, pushes bricks {} into each "
+      "other",
+      lengthText(trajectory::jointGap(pivots, asRead).max, scene.model.unit, 2),
+      model::lengthInTiles(pushed, scene.model)));
 }
 
 }  // namespace

@@ -5,18 +5,23 @@
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
 
+#include <Eigen/SparseCholesky>
+#include <Eigen/QR>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/base/disjoint_sets.h"
 #include "sim/base/error.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/path_evaluation.h"
 #include "sim/mechanics/bar_hinge_sheet.h"
 #include "sim/mechanics/elastic_sheet.h"
 #include "sim/mechanics/load_path.h"
@@ -109,11 +114,11 @@ std::vector<GripOrder> gripsOf(const scene::Scene& scene) {
       if (!amount) return;
       const bool isTurn = direction.isZero();
       found.push_back(
-          {&setting, direction, *amount, {fmt::format("grip {} {}", k + 1, word), isTurn}});
+          {&setting, direction, *amount, {fmt::format("grip {} {}", k + 1, word), isTurn}, word});
     };
-    add(setting.x, Vector3::UnitX(), "x");
-    add(setting.y, Vector3::UnitY(), "y");
-    add(setting.z, Vector3::UnitZ(), "z");
+    add(setting.x, setting.axes.col(0), "x");
+    add(setting.y, setting.axes.col(1), "y");
+    add(setting.z, setting.axes.col(2), "z");
     add(setting.turn, Vector3::Zero(), "turn");
   }
   return found;
@@ -131,19 +136,127 @@ std::size_t leadingOf(const std::vector<GripOrder>& grips) {
   return static_cast<std::size_t>(leading - grips.begin());
 }
 
+/// What a grip holds: "x of tile 3 (grip 2)".
+std::string held(const scene::Scene& scene, const GripOrder& grip) {
+  std::vector<std::string> parts;
+  const int first = scene.model.fileOrder.countsFrom;
+  for (const model::Corner& corner : grip.setting->corners) {
+    parts.push_back(fmt::format("tile {} vertex {}", first + corner.tile, corner.vertex));
+  }
+  if (parts.empty()) {
+    for (const int tile : grip.setting->tiles) parts.push_back(fmt::format("{}", first + tile));
+    return fmt::format("{} of tile{} {}", grip.axis, parts.size() == 1 ? "" : "s",
+                       fmt::join(parts, ", "));
+  }
+  return fmt::format("{} of {}", grip.axis, fmt::join(parts, ", "));
+}
+
+/// Whether joints, pins and grips allow their moves together, as far as the start shows.
+bool allowMoves(const mechanics::LoadedSheet& sheet) {
+  using Matrix = mechanics::LoadedSheet::Matrix;
+  constexpr double kFirm = 1e-9;     // beside the squares of the rows
+  constexpr double kAllowed = 1e-6;  // part of the moves that may be missing
+  const Matrix rows = sheet.jacobian(sheet.startCoordinates());
+  const Eigen::VectorXd motion = sheet.motion();
+  if (motion.size() == 0 || motion.isZero(0)) return true;
+  Matrix firm(rows.cols(), rows.cols());
+  firm.setIdentity();
+  const Matrix square = Matrix(rows.transpose() * rows) + kFirm * firm;
+  const Eigen::SimplicialLDLT<Matrix> factor(square);
+  Eigen::VectorXd move = Eigen::VectorXd::Zero(rows.cols());
+  Eigen::VectorXd missing = motion;
+  // What the diagonal takes is given back round by round.
+  for (int round = 0; round < 5; ++round) {
+    move += factor.solve(Eigen::VectorXd(rows.transpose() * missing));
+    missing = motion - rows * move;
+  }
+  return missing.norm() <= kAllowed * motion.norm();
+}
+
+/// Throws InputError for grips that contradict each other: together they ask for moves that joints
+/// do not allow, and without one of them they do not.
+template <typename MakeSheet>
+void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
+                      const MakeSheet& makeSheet) {
+  if (allowMoves(*makeSheet(grips))) return;
+  std::vector<std::string> names;
+  const GripOrder* last = nullptr;
+  for (std::size_t g = 0; g < grips.size(); ++g) {
+    if (grips[g].setting->isForce) continue;
+    std::vector<GripOrder> others = grips;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(g));
+    const bool isMoving = std::ranges::any_of(others, [](const GripOrder& grip) {
+      return grip.amount != 0 && !grip.setting->isForce;
+    });
+    // The grips that move are a part of each contradiction.
+    const bool isPart = !isMoving || allowMoves(*makeSheet(others));
+    if (!isPart) continue;
+    names.push_back(fmt::format("{} by {:g} ({})", held(scene, grips[g]), grips[g].amount,
+                                grips[g].name.name));
+    last = &grips[g];
+  }
+  // Of one grip, or of none, the joints are the limit: the path says so where it ends.
+  if (names.size() < 2) return;
+  throw inputErrorAt(last->setting->where,
+                     fmt::format("grips contradict each other: the joints do not allow {} "
+                                 "together; remove one of them or change its move",
+                                 fmt::join(names, ", ")));
+}
+
+/// The part of a direction in the plane of the sheet, whose normal is z of the axes that the scene
+/// is turned into.
+Vector3 inPlane(const Vector3& direction) {
+  constexpr double kRounding = 1e-9;
+  const Vector3 part(direction.x(), direction.y(), 0);
+  return part.norm() > kRounding ? part : Vector3::Zero();
+}
+
+/// Throws InputError for a grip that names the normal of the sheet, whose amounts no move in the
+/// plane has, or whose force leaves the plane.
+void requireInPlane(const scene::GripSetting& grip) {
+  constexpr double kRounding = 1e-9;
+  Eigen::Matrix<double, 3, 2> directions = Eigen::Matrix<double, 3, 2>::Zero();
+  Vector3 amounts = Vector3::Zero();
+  const std::optional<double>* const named[] = {&grip.x, &grip.y, &grip.z};
+  for (int k = 0; k < 3; ++k) {
+    if (!*named[k]) continue;
+    directions.row(k) = inPlane(grip.axes.col(k)).head<2>();
+    amounts[k] = **named[k];
+    if (!directions.row(k).isZero(0)) continue;
+    throw inputErrorAt(grip.where, fmt::format("grips load this sheet in its plane; remove {}, or "
+                                               "let the tiles bend (`panels`)",
+                                               "xyz"[k]));
+  }
+  const Eigen::Vector2d move = directions.colPivHouseholderQr().solve(amounts);
+  const double out =
+      grip.isForce ? std::abs((grip.axes * amounts).z()) : (directions * move - amounts).norm();
+  if (out <= kRounding * amounts.norm()) return;
+  throw inputErrorAt(grip.where,
+                     "this grip leaves the plane of the sheet; give x, y and z of a direction in "
+                     "the plane, or let the tiles bend (`panels`)");
+}
+
 /// The sheet in three coordinates a tile.
 std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
                                                     const std::vector<model::Brick>& bricks,
                                                     const scene::Ties& ties,
                                                     const std::vector<GripOrder>& grips) {
+  for (const scene::GripSetting& grip : scene.grips) requireInPlane(grip);
   std::vector<mechanics::Grip> held;
+  std::size_t first = 0;
+  const scene::GripSetting* lastOfThree = nullptr;
   for (const GripOrder& grip : grips) {
-    if (grip.setting->z) {
-      throw inputErrorAt(
-          grip.setting->where,
-          "grips load this sheet in its plane; remove z, or let the tiles bend (`panels`)");
-    }
-    held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
+    held.push_back(
+        {handlesOf(grip, bricks), inPlane(grip.direction), grip.amount, grip.setting->isForce});
+    const scene::GripSetting& setting = *grip.setting;
+    const bool isOfThree = setting.x && setting.y && setting.z && !grip.name.isTurn;
+    if (!isOfThree) continue;
+    // gripsOf() has x, y and z of a setting in a row.
+    const bool isNext = &setting == lastOfThree;
+    first = isNext ? first : held.size() - 1;
+    lastOfThree = &setting;
+    held.back().firstOfThree = first;
+    held.back().outOfPlane = grip.direction.z();
   }
   return std::make_unique<mechanics::ElasticSheet>(
       bricks, model::startPoses(scene.model.tiles, bricks), ties.pairForces, ties.pivots,
@@ -171,22 +284,75 @@ GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics:
 
 /// What happened on the way, each at its time in the walk.
 void noteTurnings(const mechanics::LoadCurve& curve, const MechanismPath& path, double seconds,
-                  DeploymentResult& result) {
+                  const LengthUnit& unit, DeploymentResult& result) {
+  const mechanics::GripName& leading = curve.grips[curve.leading];
   std::vector<trajectory::Event> events;
   for (std::size_t k = 0; k < curve.states.size(); ++k) {
     const mechanics::Equilibrium& state = curve.states[k];
     if (state.turning == mechanics::Turning::None) continue;
     const double time = path.length() > 0 ? seconds * path.lengths[k] / path.length() : 0;
+    const double moved = state.displacements[curve.leading];
     events.push_back(
-        {time, fmt::format("{} at the load {:.6g}: {} {:.6g} {}, {} {:.6g} {}",
-                           mechanics::toString(state.turning), state.load,
-                           curve.grips[curve.leading].name, state.displacements[curve.leading],
-                           curve.grips[curve.leading].isTurn ? "rad" : "m",
-                           curve.grips[curve.leading].isTurn ? "moment" : "force",
-                           state.forces[curve.leading],
-                           curve.grips[curve.leading].isTurn ? "N m" : "N")});
+        {time,
+         fmt::format("{} at the load {:.6g}: {} {}, {} {:.6g} {}",
+                     mechanics::toString(state.turning), state.load, leading.name,
+                     leading.isTurn ? fmt::format("{:.6g} rad", moved) : lengthText(moved, unit, 6),
+                     leading.isTurn ? "moment" : "force", state.forces[curve.leading],
+                     leading.isTurn ? "N m" : "N")});
   }
   result.trajectory.events.insert(result.trajectory.events.begin(), events.begin(), events.end());
+}
+
+/// Whether a grip moves a part of the sheet away from its middle.
+bool movesOutwards(const std::vector<model::Brick>& bricks, const Poses& start,
+                   const GripOrder& grip) {
+  Vector3 middle = Vector3::Zero(), place = Vector3::Zero();
+  for (const Pose& pose : start) middle += pose.position / static_cast<double>(start.size());
+  const std::vector<mechanics::GripHandle> handles = handlesOf(grip, bricks);
+  for (const mechanics::GripHandle& handle : handles) {
+    place += start[static_cast<std::size_t>(handle.brick)].apply(handle.point) /
+             static_cast<double>(handles.size());
+  }
+  return grip.amount * grip.direction.dot(place - middle) >= 0;
+}
+
+/// How the path ended, with its stability, and what is wrong with it.
+void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+             const mechanics::LoadPath& loaded, const GripOrder& leading,
+             DeploymentResult& result) {
+  const mechanics::Equilibrium& last = loaded.states.back();
+  const int modes = last.unstableModes;
+  result.outcome = loaded.arrives ? Outcome::Settled : Outcome::Locked;
+  if (loaded.arrives) {
+    result.reason = modes == 0 ? "reached, stable"
+                               : fmt::format("reached, {} unstable mode{}", modes,
+                                             modes == 1 ? "" : "s");
+    result.reason += fmt::format(", through {} equilibria", loaded.states.size());
+  } else if (loaded.extent && !leading.name.isTurn) {
+    const bool isOut = movesOutwards(bricks, loaded.states.front().poses, leading);
+    result.reason = fmt::format("fully {} at {:.4g} m, at the load {:.4g}",
+                                isOut ? "extended" : "closed", *loaded.extent, last.load);
+  } else {
+    result.reason = loaded.trouble;
+  }
+  if (loaded.arrives && modes > 0) {
+    result.warnings.push_back(fmt::format(
+        "the last equilibrium is not stable: the sheet would leave it in {} independent way{}",
+        modes, modes == 1 ? "" : "s"));
+  }
+  // Tiles that bend have poses that only fit them.
+  const double tile = model::tileSize(scene.model);
+  const double grown = scene.hinges.panels ? 0 : result.accuracy.penetrationGrownMax;
+  if (grown > kClearShare * tile) {
+    result.outcome = Outcome::Locked;
+    result.forbiddenOverlap = grown;
+    result.shortfall =
+        fmt::format("tiles overlap by up to {:.2g} m ({:.2g} tiles): equilibria under grips have "
+                    "no contacts, and the sheet is pressed through itself",
+                    grown, grown / tile);
+    result.reason += "; " + result.shortfall;
+  }
+  result.trajectory.events.back().text = result.reason;
 }
 
 }  // namespace
@@ -198,14 +364,16 @@ DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
   const scene::Ties ties = scene::loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
-  const std::unique_ptr<mechanics::LoadedSheet> sheet =
-      scene.hinges.panels
-          ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), grips)
-          : planarSheet(scene, bricks, ties, grips);
+  const auto makeSheet = [&](const std::vector<GripOrder>& of) {
+    return scene.hinges.panels
+               ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), of)
+               : planarSheet(scene, bricks, ties, of);
+  };
+  requireAgreement(scene, grips, makeSheet);
+  const std::unique_ptr<mechanics::LoadedSheet> sheet = makeSheet(grips);
   const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
   mechanics::LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
-  settings.mostStates = std::max(settings.mostStates, 20 * scene.path.loadSteps);
   const mechanics::LoadPath loaded = mechanics::followLoad(*sheet, leading, settings, {});
   const GeometricPath path = walkable(bricks, loaded, isSoft);
   Poses last;
@@ -218,17 +386,17 @@ DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
   if (!ties.pairForces.empty()) {
     result.elasticity = model::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
+    // Bars hold energy too, which poses do not show.
+    if (scene.hinges.panels) {
+      result.elasticity->energyStart = loaded.states.front().energy;
+      result.elasticity->energyEnd = loaded.states.back().energy;
+    }
   }
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
-               result);
+               scene.model.unit, result);
   if (result.outcome == Outcome::Interrupted) return result;
-  result.outcome = loaded.arrives ? Outcome::Settled : Outcome::Locked;
-  result.reason = loaded.arrives ? fmt::format("the load is reached through {} equilibria",
-                                               loaded.states.size())
-                                 : loaded.trouble;
-  result.trajectory.events.back().text =
-      fmt::format("{}: {}", toString(result.outcome), result.reason);
+  noteEnd(scene, bricks, loaded, grips[leading], result);
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sim/deploy/result.h"
@@ -29,6 +30,7 @@ struct GripOrder {
   Vector3 direction = Vector3::UnitX();         ///< unit; zero for a turn
   double amount = 0;                            ///< at the load 1, see Grip
   mechanics::GripName name;                     ///< what tables call it
+  std::string axis;                             ///< "x", "y", "z" or "turn"
 };
 
 /// The sheet of a scene with panels. Corners that joints hold together are one node, whichever face

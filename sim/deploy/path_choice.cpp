@@ -445,8 +445,8 @@ class PathSearch {
   /// Which joints arrive that open too far, for the summary; empty when none do.
   std::string widerJoints() const {
     if (!wide_) return "";
-    return fmt::format("; {} does, but joints open by {:.2g} m", describe(wide_->path),
-                       wide_->end.opening);
+    return fmt::format("; {} does, but joints open by {}", describe(wide_->path),
+                       lengthText(wide_->end.opening, scene_.model.unit, 2));
   }
 
   const scene::Scene& scene_;
@@ -523,9 +523,9 @@ std::string tornWarning(const scene::Scene& scene) {
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap <= kOpenJoints * tile) return "";
   return fmt::format(
-      "the target is torn: its own joints are open by {:.3g} m there ({:.2g} tiles), so that "
-      "closed joints cannot reach it",
-      gap, gap / tile);
+      "the target is torn: its own joints are open by {} there ({:.2g} tiles), so that closed "
+      "joints cannot reach it",
+      lengthText(gap, scene.model.unit), gap / tile);
 }
 
 /// Tiles of a folded target face many ways; a sheet of which all do the other way is turned over.
@@ -549,8 +549,8 @@ std::string rigidWarning(const scene::Scene& scene) {
   if (bound <= kFarShare * tile) return "";
   return fmt::format(
       "the target is out of reach: its tiles have other shapes, and rigid ones cannot come nearer "
-      "than {:.3g} m ({:.2g} tiles)",
-      bound, bound / tile);
+      "than {}",
+      model::lengthInTiles(bound, scene.model, 3));
 }
 
 // Where the place matters, a start that was moved onto its target is told.
@@ -559,7 +559,7 @@ std::string movedWarning(const scene::Scene& scene) {
   const scene::Environment& environment = scene.environment;
   const bool placeCounts = environment.ground || !environment.obstacles.empty();
   const bool isMoved = alignment.moved > kMovedShare * model::tileSize(scene.model);
-  return placeCounts && isMoved ? scene::describe(alignment) : "";
+  return placeCounts && isMoved ? scene::describe(alignment, scene.model.unit) : "";
 }
 
 }  // namespace
@@ -580,10 +580,9 @@ std::string reachWarning(const scene::Scene& scene, const AssembledState& neares
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (nearest.error <= kAboveBound * bound) return "";
   return fmt::format(
-      "the target is out of reach: the search for the nearest state with closed joints ended "
-      "{:.3g} "
-      "m ({:.2g} tiles) from it",
-      nearest.error, nearest.error / tile);
+      "the target is out of reach: the search for the nearest state with closed joints ended {} "
+      "from it",
+      model::lengthInTiles(nearest.error, scene.model, 3));
 }
 
 }  // namespace kirireel::deploy

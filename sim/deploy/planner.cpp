@@ -313,9 +313,9 @@ void addReasons(const scene::Scene& scene, GeometricPath& found) {
   const double opening = found.evaluation.opening;
   found.reason = fmt::format(
       "a path of the mechanism{}{}", isTouching ? " among touching bricks" : "",
-      isOpen ? fmt::format(" with compliant joints, which open by up to {:.2g} m ({:.2g} tiles): "
+      isOpen ? fmt::format(" with compliant joints, which open by up to {}: "
                            "none with exact joints was found",
-                           opening, opening / model::tileSize(scene.model))
+                           model::lengthInTiles(opening, scene.model))
              : ", nothing given needs dynamics");
 }
 
@@ -633,30 +633,28 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
   const double tile = model::tileSize(scene.model);
   const PathEvaluation& path = planned.path->evaluation;
   const std::string words =
-      fmt::format("tiles overlap by up to {:.2g} m ({:.2g} tiles) on the path", path.overlapGrowth,
-                  path.overlapGrowth / tile);
+      fmt::format("tiles overlap by up to {} on the path",
+                  model::lengthInTiles(path.overlapGrowth, scene.model));
   if (path.overlapGrowthAtEnd > kClearShare * tile) {
     const auto touching = std::ranges::find_if(
         planned.candidates, [](const auto& candidate) { return candidate.hasContacts; });
     const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;
     return words + fmt::format(
-                       ", and by {:.2g} m at its end. {}`contacts = all` shows where the "
-                       "sheet stops",
-                       path.overlapGrowthAtEnd,
-                       isStopKnown ? fmt::format("With contacts it ends {:.3g} m short of "
-                                                 "the target. ",
-                                                 touching->error)
+                       ", and by {} at its end. {}`contacts = all` shows where the sheet stops",
+                       lengthText(path.overlapGrowthAtEnd, scene.model.unit, 2),
+                       isStopKnown ? fmt::format("With contacts it ends {} short of the target. ",
+                                                 lengthText(touching->error, scene.model.unit))
                                    : "");
   }
   const std::string thinner =
       scene::sceneNeeds(scene).planar.on
           ? ""
-          : fmt::format("`thickness = {:.2g}`, ", 0.25 * scene.brick.thickness);
-  return words +
-         fmt::format(
-             ". No collision-free path was found. Try {}a larger `search_effort`, or `contacts = "
-             "all` to see where the sheet stops",
-             thinner);
+          : fmt::format("`thickness = {:.2g}`, ",
+                        0.25 * scene.brick.thickness / scene.model.unit.metres);
+  return words + fmt::format(
+                     ". No collision-free path was found. Try {}a larger `search_effort`, or `contacts = "
+                     "all` to see where the sheet stops",
+                     thinner);
 }
 
 }  // namespace kirireel::deploy

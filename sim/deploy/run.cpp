@@ -57,7 +57,7 @@ Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObse
       clock_(RunMotion::lookOf(scene)),
       target_(bricks_, nearest),
       drive_(bricks_, clock_),
-      timeline_(scene.timeline, bricks_.bricks, scene.model.fileOrder.countsFrom),
+      timeline_(scene.timeline, bricks_.bricks, scene.model.fileOrder.countsFrom, scene.model.unit),
       motion_(bricks_, clock_),
       forces_(bricks_, clock_, timeline_, drive_, motion_),
       joints_(bricks_),
@@ -437,11 +437,12 @@ RunEnding RunReasons::atRest(bool isTrial) const {
                                   : "everything came to rest; there is no target"};
   }
   const double error = target_.error(motion_.poses());
+  const LengthUnit& unit = bricks_.scene.model.unit;
   if (target_.hasArrived(motion_.poses())) {
-    return {Outcome::Settled, fmt::format("came to rest {:.3g} from the target", error)};
+    return {Outcome::Settled, fmt::format("came to rest {} from the target", lengthText(error, unit))};
   }
-  return {Outcome::Locked, fmt::format("came to rest {:.3g} short of the target: {}", error,
-                                       isTrial ? "" : holdup())};
+  return {Outcome::Locked, fmt::format("came to rest {} short of the target: {}",
+                                       lengthText(error, unit), isTrial ? "" : holdup())};
 }
 
 RunEnding RunReasons::late() const {
@@ -450,9 +451,10 @@ RunEnding RunReasons::late() const {
   const bool isSlow = speed < stop.settleSpeed * bricks_.size;
   std::string text = fmt::format(
       "{} after {:.4g} s", isSlow ? "not known to be at rest" : "still moving", stop.duration);
-  text += fmt::format(", at {:.2g} m/s at most", speed);
+  const LengthUnit& unit = bricks_.scene.model.unit;
+  text += fmt::format(", at {}/s at most", lengthText(speed, unit, 2));
   if (target_.isPulledTo()) {
-    text += fmt::format(", {:.3g} from the target", target_.error(motion_.poses()));
+    text += fmt::format(", {} from the target", lengthText(target_.error(motion_.poses()), unit));
   }
   if (const std::string held = isSlow ? friction() : ""; !held.empty()) text += ": " + held;
   return {Outcome::OutOfTime, text};
@@ -518,8 +520,8 @@ std::string RunReasons::holdup() const {
   if (target_.isNearest(error)) return "no state with closed joints was found nearer";
   if (target_.isWhereSpringsRest(error)) {
     return fmt::format(
-        "the springs rest there; a state with closed joints {:.3g} from the target is known",
-        target_.nearestError());
+        "the springs rest there; a state with closed joints {} from the target is known",
+        lengthText(target_.nearestError(), bricks_.scene.model.unit));
   }
   if (bricks_.scene.hinges.areOn()) return "the springs at the hinges hold them";
   return "a local minimum of the pull, no small move brings the tiles nearer";

@@ -235,9 +235,9 @@ std::string JointFit::trouble() const {
   }
   if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
   return fmt::format(
-      "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
+      "closing the joints at the start pushes bricks {} into each other, joints "
       "that are compliant would not (`path = guided` with `joint_ratio = {:g}`)",
-      pushedAtStart_, kMisfitRatio);
+      lengthText(pushedAtStart_, bricks_.scene.model.unit, 2), kMisfitRatio);
 }
 
 }  // namespace kirireel::deploy

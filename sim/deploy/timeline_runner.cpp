@@ -72,7 +72,7 @@ std::string describe(const scene::timeline::Action& action, int countsFrom) {
 }
 
 // What an entry waits for, in words for the reason of an end.
-std::string momentText(const scene::Trigger& moment) {
+std::string momentText(const scene::Trigger& moment, const LengthUnit& unit) {
   switch (moment.kind) {
     case scene::Trigger::Kind::AtTime:
       return fmt::format("{:g} s", moment.value);
@@ -83,7 +83,7 @@ std::string momentText(const scene::Trigger& moment) {
     case scene::Trigger::Kind::AtTarget:
       return "the target";
     case scene::Trigger::Kind::ErrorBelow:
-      return fmt::format("an error below {:g} m", moment.value);
+      return fmt::format("an error below {}", lengthText(moment.value, unit, 6));
     case scene::Trigger::Kind::ProgressAbove:
       return fmt::format("a progress of {:g}", moment.value);
   }
@@ -93,10 +93,12 @@ std::string momentText(const scene::Trigger& moment) {
 }  // namespace
 
 TimelineRunner::TimelineRunner(const scene::Timeline& timeline,
-                               const std::vector<model::Brick>& bricks, int countsFrom)
+                               const std::vector<model::Brick>& bricks, int countsFrom,
+                               const LengthUnit& unit)
     : timeline_(timeline),
       bricks_(bricks),
       countsFrom_(countsFrom),
+      unit_(unit),
       pinned_(bricks.size(), false) {}
 
 // Drags that are over go first; then entries as far as they are due.
@@ -255,7 +257,7 @@ std::vector<int> TimelineRunner::pinnedTiles() const {
 std::string TimelineRunner::pending() const {
   if (next_ == timeline_.size()) return "";
   const scene::TimelineEntry& entry = timeline_[next_];
-  return fmt::format("the timeline still waits for {} to {}", momentText(entry.when),
+  return fmt::format("the timeline still waits for {} to {}", momentText(entry.when, unit_),
                      scene::actionName(entry.action));
 }
 

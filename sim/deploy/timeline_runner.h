@@ -49,7 +49,7 @@ class TimelineRunner {
  public:
   /// The timeline must outlive the runner. `countsFrom`: the first tile's number in events.
   TimelineRunner(const scene::Timeline& timeline, const std::vector<model::Brick>& bricks,
-                 int countsFrom = 0);
+                 int countsFrom = 0, const LengthUnit& unit = {});
 
   /// Does everything that is due now and appends it to the events. Returns whether anything was.
   bool carryOut(const TimelineView& view, TimelineStage& stage,
@@ -115,7 +115,8 @@ class TimelineRunner {
 
   const scene::Timeline& timeline_;
   const std::vector<model::Brick>& bricks_;
-  int countsFrom_;  // the first tile, in events
+  int countsFrom_;   // the first tile, in events
+  LengthUnit unit_;  // of lengths in words
   std::size_t next_ = 0;
   double lastTime_ = 0;  // of the entry before
   double pausedUntil_ = 0;

@@ -313,17 +313,28 @@ double ElasticSheet::displacementSlope(std::size_t number, const Vector& q,
   return sum / static_cast<double>(grip.handles.size());
 }
 
-// Of a grip that moves, minus the sum of its rows' multipliers. A multiplier is in joules a unit of
-// the row: divided by the scale it is in newtons, and of a turn it is in N m as it is.
-double ElasticSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
+// Minus the sum of its rows' multipliers. A multiplier is in joules a unit of the row: divided by
+// the scale it is in newtons, and of a turn it is in N m as it is.
+double ElasticSheet::multiplierForce(std::size_t grip, const Vector& multipliers) const {
   const Grip& found = grips_[grip];
-  if (found.isForce) return load * found.amount;
   double sum = 0;
   for (std::size_t h = 0; h < found.handles.size(); ++h) {
     const auto row = static_cast<Eigen::Index>(firstRow_[grip] + h);
     sum -= multipliers[row] / (found.handles[h].isTurn ? 1 : scale_);
   }
   return sum;
+}
+
+// Multipliers of three axes of space hold any part along the normal, which does no work.
+double ElasticSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
+  const Grip& found = grips_[grip];
+  if (found.isForce) return load * found.amount;
+  double along = 0;
+  for (std::size_t k = 0; found.firstOfThree && k < 3; ++k) {
+    const std::size_t one = *found.firstOfThree + k;
+    along += grips_[one].outOfPlane * multiplierForce(one, multipliers);
+  }
+  return multiplierForce(grip, multipliers) - found.outOfPlane * along;
 }
 
 }  // namespace kirireel::mechanics

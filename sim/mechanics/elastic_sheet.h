@@ -2,6 +2,7 @@
 /// constraints on it, as functions of three coordinates a tile.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim/mechanics/load_path.h"
@@ -21,12 +22,18 @@ struct GripHandle {
 /// Moves or forces on parts of the sheet, in proportion to the load (>= 0).
 struct Grip {
   std::vector<GripHandle> handles;       ///< one or more
-  Vector3 direction = Vector3::UnitX();  ///< unit, in the plane; of no meaning for turns
+  /// In the plane, of no meaning for turns. Shorter than 1 if it is the part in the plane of an axis
+  /// that leaves it: amounts and forces are then along that axis.
+  Vector3 direction = Vector3::UnitX();
   /// At the load 1: by how much each handle is moved along the direction since the start (metres,
   /// radians), or with how much all of them together are pushed (newtons, N m; a dead load, which
   /// keeps its direction).
   double amount = 0;
   bool isForce = false;  ///< whether it pushes, or else moves
+  /// Of three grips in a row that move the same handles along three axes of space: the first one's
+  /// number. In the plane one of them is redundant.
+  std::optional<std::size_t> firstOfThree;
+  double outOfPlane = 0;  ///< the part of its axis along the normal, in [-1, 1]
 };
 
 /// A sheet in the plane. Its coordinates are x and y of each brick's centre of mass in length
@@ -88,6 +95,7 @@ class ElasticSheet : public LoadedSheet {
   Vector3 slope(const Term& term, const Vector& q) const;
   double bend(const Term& term, const Vector& q) const;
   std::vector<Term> forceTerms(const Grip& grip) const;
+  double multiplierForce(std::size_t grip, const Vector& multipliers) const;
   model::PlanarEnergy inLengthScales(model::PlanarEnergy energy) const;
   model::PlanarEnergy energyOf(const model::Ligament& ligament, const Vector& q) const;
   std::vector<PairPart> pairParts(const Vector& q) const;

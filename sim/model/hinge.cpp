@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/model/sheet_frame.h"
+
 namespace kirireel::model {
 namespace {
 
@@ -387,15 +389,29 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
 
 namespace {
 
-/// The turns of both bricks about z since the start. That of B is taken near that of A, since each
-/// is known to whole turns alone.
+/// The turns of both bricks about the normal since the start. That of B is taken near that of A,
+/// since each is known to whole turns alone.
 std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
   const auto turnOf = [&](int brick) {
     const Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
-    return 2 * std::atan2(rotation.z(), rotation.w());
+    return 2 * std::atan2(rotation.vec().dot(ligament.normal), rotation.w());
   };
   const double turnA = turnOf(ligament.brickA), turnB = turnOf(ligament.brickB);
   return {turnA, turnA + std::remainder(turnB - turnA, 2 * std::numbers::pi)};
+}
+
+Matrix3 axesOf(const Ligament& ligament) {
+  return frameAlong(ligament.normal, Vector3::Zero()).axes();
+}
+
+/// The energy with the points' arms and the way between the centres in world axes.
+PlanarEnergy energyInWorld(Ligament ligament, const Vector3& between, const Vector3& armA,
+                           const Vector3& armB, const std::array<double, 2>& turns) {
+  const Matrix3 toPlane = axesOf(ligament).transpose();
+  ligament.start = toPlane * ligament.start;
+  ligament.across = toPlane * ligament.across;
+  return ligamentEnergy(ligament, toPlane * between, toPlane * armA, toPlane * armB, turns[0],
+                        turns[1]);
 }
 
 }  // namespace
@@ -403,9 +419,8 @@ std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
 PlanarEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
   const Pose& a = poses[static_cast<std::size_t>(ligament.brickA)];
   const Pose& b = poses[static_cast<std::size_t>(ligament.brickB)];
-  const auto [turnA, turnB] = turnsOf(ligament, poses);
-  return ligamentEnergy(ligament, b.position - a.position, a.rotation * ligament.pointA,
-                        b.rotation * ligament.pointB, turnA, turnB);
+  return energyInWorld(ligament, b.position - a.position, a.rotation * ligament.pointA,
+                       b.rotation * ligament.pointB, turnsOf(ligament, poses));
 }
 
 double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses) {
@@ -448,6 +463,7 @@ std::shared_ptr<const PairForce> Ligaments::read(const PairReader& file) {
   for (const auto& [brickA, brickB] : file.bricks()) ligaments.push_back({brickA, brickB});
   readJoints(file, ligaments);
   readFields(file, kLigamentFields, ligaments);
+  for (Ligament& ligament : ligaments) ligament.normal = file.normal();
   for (std::size_t k = 0; k < ligaments.size(); ++k) {
     if (std::abs(ligaments[k].across.norm() - 1) <= kUnitTolerance) continue;
     file.refuse(fmt::format("the direction of ligament {} in ligaments/{} is not a unit vector", k,
@@ -465,7 +481,13 @@ double Ligaments::energy(std::size_t pair, const Poses& poses) const {
 }
 
 PairEnergy Ligaments::derivatives(std::size_t pair, const Poses& poses) const {
-  return inSpace(ligamentEnergy(ligaments_[pair], poses));
+  PairEnergy found = inSpace(ligamentEnergy(ligaments_[pair], poses));
+  if (ligaments_[pair].normal == Vector3::UnitZ()) return found;
+  Matrix12 axes = Matrix12::Zero();
+  for (int k = 0; k < 12; k += 3) axes.block<3, 3>(k, k) = axesOf(ligaments_[pair]);
+  found.gradient = axes * found.gradient;
+  found.hessian = axes * found.hessian * axes.transpose();
+  return found;
 }
 
 std::vector<PairColumn> Ligaments::columns() const {
@@ -489,14 +511,14 @@ const std::vector<Ligament>& ligamentsOf(const PairForces& forces) {
 
 namespace {
 
-/// What a ligament turns a brick by about its own end there, N m about z: with its ends in the
+/// What a ligament turns a brick by about its own end there, N m about its normal: with its ends in the
 /// place of both bricks' centres its energy changes by turns alone.
 double endMoment(const Ligament& ligament, int brick, const Poses& poses) {
   const Vector3 between = poses[static_cast<std::size_t>(ligament.brickB)].apply(ligament.pointB) -
                           poses[static_cast<std::size_t>(ligament.brickA)].apply(ligament.pointA);
-  const auto [turnA, turnB] = turnsOf(ligament, poses);
-  const Vector6 slope =
-      ligamentEnergy(ligament, between, Vector3::Zero(), Vector3::Zero(), turnA, turnB).gradient;
+  const Vector6 slope = energyInWorld(ligament, between, Vector3::Zero(), Vector3::Zero(),
+                                      turnsOf(ligament, poses))
+                            .gradient;
   return brick == ligament.brickA ? -slope[2] : -slope[5];
 }
 
@@ -514,9 +536,10 @@ std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> sprin
     std::array<double, 2>& both = moments.emplace_back(std::array{-own, own});
     const auto found = byBricks.find(std::minmax(hinge.brickA, hinge.brickB));
     if (found == byBricks.end()) continue;
-    // In the plane the hinge's axis is z or its opposite, whatever the pose.
-    both[0] += hinge.axis.z() * endMoment(*found->second, hinge.brickA, poses);
-    both[1] += hinge.axis.z() * endMoment(*found->second, hinge.brickB, poses);
+    // In the plane the hinge's axis is the normal or its opposite, whatever the pose.
+    const double sign = hinge.axis.dot(found->second->normal);
+    both[0] += sign * endMoment(*found->second, hinge.brickA, poses);
+    both[1] += sign * endMoment(*found->second, hinge.brickB, poses);
   }
   return moments;
 }

@@ -122,10 +122,11 @@ struct Ligament {
   /// From point A to point B at the start, world axes, metres; zero for a pin.
   Vector3 start = Vector3::UnitX();
   Vector3 across = Vector3::UnitX();  ///< of a pin: unit, where its points part, at the start
+  Vector3 normal = Vector3::UnitZ();  ///< unit, of the plane that the bricks move in, world axes
   double stretchStiffness = 0;        ///< N/m
   double shearStiffness = 0;          ///< N m/rad; of a pin N/m
   /// Of a pin, what the moment is beyond its hinge's spring: opening[0] a^2 + opening[1] a^3 with a
-  /// the turn of brick B against A since the start, about z; N m/rad^2, N m/rad^3.
+  /// the turn of brick B against A since the start, about the normal; N m/rad^2, N m/rad^3.
   std::array<double, 2> opening = {};
 
   /// Whether it has no length.
@@ -137,7 +138,7 @@ struct Ligament {
         field("brick_a", &Ligament::brickA), field("brick_b", &Ligament::brickB),
         field("joint", &Ligament::joint), field("point_a", &Ligament::pointA, "m"),
         field("point_b", &Ligament::pointB, "m"), field("start", &Ligament::start, "m"),
-        field("across", &Ligament::across),
+        field("across", &Ligament::across), field("normal", &Ligament::normal),
         field("stretch_stiffness", &Ligament::stretchStiffness, "N/m"),
         field("shear_stiffness", &Ligament::shearStiffness), field("opening", &Ligament::opening));
   }
@@ -150,7 +151,7 @@ struct Ligament {
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
                       Ligament& ligament);
 
-/// The energy of a ligament and its derivatives.
+/// The energy of a ligament whose normal is z, and its derivatives.
 /// At the places of both bricks' centres of mass and their turns since the start. `armA`, `armB`:
 /// the points from there, turned with the bricks; world axes.
 /// `between`: from the centre of brick A to that of B, metres. The Hessian is symmetric and may be
@@ -158,8 +159,8 @@ void setNeckStiffness(double youngs, double poisson, double thickness, double wi
 PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
                             const Vector3& armB, double turnA, double turnB);
 
-/// At poses whose rotations are turns about z since the start. Bricks turn by less than half a turn
-/// against each other.
+/// At poses whose rotations are turns about the normal since the start. Bricks turn by less than
+/// half a turn against each other. Derivatives are in the axes of frameAlong(normal).
 PlanarEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses);
 
 /// What ligaments hold at these poses, joules.
@@ -180,7 +181,7 @@ class Ligaments : public PairForce {
   std::size_t size() const override { return ligaments_.size(); }
   std::pair<int, int> bricks(std::size_t pair) const override;
   double energy(std::size_t pair, const Poses& poses) const override;
-  /// By the three coordinates of each brick in the plane; the others are 0.
+  /// By the three coordinates of each brick in the plane; what leaves the plane is 0.
   PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
   int joint(std::size_t pair) const override { return ligaments_[pair].joint; }
   std::vector<PairColumn> columns() const override;

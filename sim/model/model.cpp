@@ -17,6 +17,7 @@
 #include <tuple>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "sim/base/disjoint_sets.h"
 
@@ -147,6 +148,11 @@ bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
       return std::abs(vertex.z() - level) <= tolerance;
     });
   });
+}
+
+std::string lengthInTiles(double metres, const Model& model, int digits) {
+  return fmt::format("{} ({:.2g} tiles)", lengthText(metres, model.unit, digits),
+                     metres / tileSize(model));
 }
 
 std::vector<int> piecesOf(const Model& model) {

@@ -203,6 +203,10 @@ double modelSize(const Model& model);
 /// 0 for a model without tiles.
 double tileSize(const Model& model);
 
+/// "0.0121 mm (0.012 tiles)": a length in metres for messages, in the unit of the model with this
+/// many significant digits, and in tiles.
+std::string lengthInTiles(double metres, const Model& model, int digits = 2);
+
 /// The number of each tile's piece, from 0 in the order of the first tiles. A piece is a set of
 /// tiles that joints connect, of any kind. Costs about O(tiles + joints).
 std::vector<int> piecesOf(const Model& model);

@@ -70,6 +70,8 @@ class PairReader {
   virtual std::vector<int> wholeNumbers(const std::string& column) const = 0;
   /// How many joints the model has.
   virtual std::size_t joints() const = 0;
+  /// The unit normal of the model's start if that is flat, else z.
+  virtual Vector3 normal() const = 0;
   /// Throws InputError: what is wrong with the file.
   [[noreturn]] virtual void refuse(const std::string& what) const = 0;
 };

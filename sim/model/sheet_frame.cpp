@@ -38,6 +38,20 @@ Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven) {
   return (isOpposite ? -1 : 1) * sum.normalized();
 }
 
+SheetFrame frameAlong(const Vector3& normal, const Vector3& origin) {
+  SheetFrame frame;
+  frame.origin = origin;
+  frame.normal = normal;
+  // A normal that faces straight down has no shortest rotation; the sheet is turned over about x.
+  const Vector3 axis = Vector3::UnitZ().cross(normal);
+  const double angle = std::atan2(axis.norm(), normal.z());
+  const Eigen::AngleAxisd turn(angle,
+                               axis.isZero() ? Vector3::UnitX() : Vector3(axis.normalized()));
+  frame.x = turn * Vector3::UnitX();
+  frame.y = normal.cross(frame.x);
+  return frame;
+}
+
 std::optional<SheetFrame> sheetFrame(const Model& model) {
   return sheetFrame(model.tiles, flatTolerance(model));
 }
@@ -48,15 +62,7 @@ std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tole
     frame.origin.z() = tiles.front().vertices.front().z();
     return frame;
   }
-  frame.origin = tiles.front().vertices.front();
-  frame.normal = meanNormal(tiles, tileNormal(tiles.front()));
-  // A normal that faces straight down has no shortest rotation; the sheet is turned over about x.
-  const Vector3 axis = Vector3::UnitZ().cross(frame.normal);
-  const double angle = std::atan2(axis.norm(), frame.normal.z());
-  const Eigen::AngleAxisd turn(angle,
-                               axis.isZero() ? Vector3::UnitX() : Vector3(axis.normalized()));
-  frame.x = turn * Vector3::UnitX();
-  frame.y = frame.normal.cross(frame.x);
+  frame = frameAlong(meanNormal(tiles, tileNormal(tiles.front())), tiles.front().vertices.front());
   if (!isParallel(frame, tiles, tolerance)) return std::nullopt;
   return frame;
 }

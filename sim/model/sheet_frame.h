@@ -25,16 +25,34 @@ struct SheetFrame {
   Vector3 toWorld(const Vector3& point) const {
     return origin + point.x() * x + point.y() * y + point.z() * normal;
   }
+  /// The axes as columns: turns a direction in these axes into one in the world's.
+  Matrix3 axes() const {
+    Matrix3 columns;
+    columns << x, y, normal;
+    return columns;
+  }
+  /// A pose in these axes as one in the world's: bricks' own axes are parallel to either at the
+  /// start. A rotation q = (w, v) becomes (w, axes v).
+  Pose toWorld(const Pose& pose) const {
+    const Quaternion& q = pose.rotation;
+    Pose found{toWorld(pose.position)};
+    found.rotation.w() = q.w();
+    found.rotation.vec() = axes() * q.vec();
+    return found;
+  }
   /// Whether this is a horizontal plane seen from above.
   bool isHorizontal() const { return normal == Vector3::UnitZ(); }
 };
 
+/// The frame of a plane with this unit normal. The axes in the plane are x and y after the shortest
+/// rotation of z onto the normal.
+SheetFrame frameAlong(const Vector3& normal, const Vector3& origin);
+
 /// The frame of tiles whose vertices lie in one plane, to the tolerance in metres; nullopt if they
 /// do not. The upper side of a horizontal sheet is the side of +z. That of any other is the side
 /// from which most of the sheet's area has its vertices anticlockwise, and the first tile if no
-/// side has more. So it turns with the sheet. The axes in the plane are x and y after the shortest
-/// rotation of z onto the normal; a horizontal sheet keeps the bits of its x and y. At least one
-/// tile, each with an area.
+/// side has more. So it turns with the sheet. A horizontal sheet keeps the bits of its x and y. At
+/// least one tile, each with an area.
 std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance);
 
 /// The same for the start of a model, to flatTolerance().

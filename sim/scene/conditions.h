@@ -46,7 +46,8 @@ struct GripSetting {
   std::optional<double> y;     ///< the same
   std::optional<double> z;     ///< the same, of sheets in space
   std::optional<double> turn;  ///< anticlockwise; only of whole tiles
-  FileLocation where;          ///< in the scene file, for messages
+  Matrix3 axes = Matrix3::Identity();  ///< the directions of x, y and z, as columns
+  FileLocation where;                  ///< in the scene file, for messages
 };
 
 /// Reads the [[grip]] entries of a scene file:

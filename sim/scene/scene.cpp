@@ -23,11 +23,11 @@ double lowestPoint(const std::vector<model::Tile>& tiles, const model::BrickRule
 
 }  // namespace
 
-std::string describe(const StartAlignment& alignment) {
+std::string describe(const StartAlignment& alignment, const LengthUnit& unit) {
   return fmt::format(
-      "the start was moved by up to {:.3g} m and turned by {:.3g} degrees onto its target{} "
+      "the start was moved by up to {} and turned by {:.3g} degrees onto its target{} "
       "(`align = false` keeps its position)",
-      alignment.moved, alignment.turned / kDegree, alignment.byHeld ? ", by its pinned tiles" : "");
+      lengthText(alignment.moved, unit), alignment.turned / kDegree, alignment.byHeld ? ", by its pinned tiles" : "");
 }
 
 TargetSpringSettings paperSprings() {

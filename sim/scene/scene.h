@@ -269,7 +269,7 @@ struct Needs {
 
 /// "the start was moved by 1.2 m and turned by 90 degrees onto its target (`align = false` keeps
 /// its position)".
-std::string describe(const StartAlignment& alignment);
+std::string describe(const StartAlignment& alignment, const LengthUnit& unit = {});
 
 /// A scene without a model, with the program's defaults. Path, contacts and drive are found from
 /// the model later, and thickness (here 0).

@@ -203,6 +203,54 @@ void requireNecks(const Scene& scene) {
 
 }  // namespace
 
+namespace {
+
+/// The middle of tiles that are far from the origin, where doubles keep few of their digits; 0 for
+/// others. Metres.
+Vector3 farMiddle(const std::vector<model::Tile>& tiles) {
+  constexpr double kFar = 1e4;  // of their diagonal, of which joints close to 1e-12 there
+  Eigen::AlignedBox3d box;
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
+  }
+  const bool isFar = box.center().norm() > kFar * box.diagonal().norm();
+  return isFar ? Vector3(box.center()) : Vector3::Zero();
+}
+
+void moveBy(const Vector3& move, std::vector<model::Tile>& tiles) {
+  for (model::Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex += move;
+  }
+}
+
+/// Moves a model that is far from the origin there, with all that has a place. A start that will be
+/// moved onto its target is moved by itself.
+void moveToOrigin(Scene& scene, std::vector<std::string>& warnings) {
+  model::Model& model = scene.model;
+  const bool isAligned = scene.alignment.requested && model.target;
+  const Vector3 move = -farMiddle(isAligned ? *model.target : model.tiles);
+  moveBy(isAligned ? Vector3(-farMiddle(model.tiles)) : move, model.tiles);
+  if (move.isZero(0)) return;
+  if (model.target) moveBy(move, *model.target);
+  for (std::vector<model::Tile>& state : model.waypoints) moveBy(move, state);
+  if (scene.environment.ground) scene.environment.ground->height += move.z();
+  for (Obstacle& obstacle : scene.environment.obstacles) obstacle.pose.position += move;
+  for (TimelineEntry& entry : scene.timeline) {
+    if (auto* goTo = std::get_if<timeline::GoTo>(&entry.action)) moveBy(move, goTo->tiles);
+    if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
+      for (Vector3& point : drag->path) point += move;
+    }
+  }
+  const Vector3 shown = move / model.unit.metres;
+  warnings.push_back(fmt::format(
+      "{}: warning: the model is {:.2g} times its size away from the origin, where numbers keep "
+      "too few digits; it is moved by ({:.17g}, {:.17g}, {:.17g}) {}, with obstacles and drags",
+      model.name, move.norm() / model::modelSize(model), shown.x(), shown.y(), shown.z(),
+      model.unit.name));
+}
+
+}  // namespace
+
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings) {
   requireNecks(scene);
   if (scene.path.to == Destination::Closed) {
@@ -225,6 +273,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   numberAsModel(scene.velocities, scene.model);
   // Before joints are added: links and fixed joints measure distances, which a rigid motion keeps,
   // and directions, which it turns.
+  moveToOrigin(scene, warnings);
   if (scene.alignment.requested) align(scene, heldTiles(scene.timeline));
   numberAsModel(scene.grips, scene.model);
   if (!scene.hinges.file.empty()) {
@@ -740,6 +789,11 @@ std::array<model::NeckCorner, 2> neckCorners(const model::Pivot& pivot,
           model::neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
 }
 
+/// Of the plane that a planar scene moves in.
+Vector3 normalOf(const Scene& scene) {
+  return model::sheetFrame(scene.model).value_or(model::SheetFrame{}).normal;
+}
+
 /// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
 /// other.
 model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
@@ -749,6 +803,7 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
   model::Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
+  ligament.normal = normalOf(scene);
   // The ligament runs along the difference of the two inward directions: from tile A to tile B
   // across the slit.
   ligament.start = neck.length * across.normalized();
@@ -768,10 +823,11 @@ model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>
                                                    material.width, neckCorners(pivot, bricks));
   model::Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
                       pivot.pointA, pivot.pointB, Vector3::Zero()};
-  pin.across = slit.cross(Vector3::UnitZ());
+  pin.normal = normalOf(scene);
+  pin.across = slit.cross(pin.normal);
   pin.stretchStiffness = neck.stretch;
   pin.shearStiffness = neck.shear;
-  // B turns by z as the slit opens where it lies on that side of it.
+  // B turns by the normal as the slit opens where it lies on that side of it.
   const model::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   const double sign = inwardAt(brickB, pivot.cornerB).dot(pin.across) < 0 ? 1 : -1;
   pin.opening = {sign * neck.bending * neck.opening[0], neck.bending * neck.opening[1]};
@@ -870,11 +926,11 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
         fmt::format("error: `ligaments` works only in the plane, but {}. Remove one of them",
                     scene.solver.planar ? "`planar` is off" : planar.reason));
   }
-  // --planar on keeps bricks in horizontal planes; it does not make tiles lie in one.
-  if (!model::liesFlat(scene.model.tiles, model::flatTolerance(scene.model))) {
+  // --planar on keeps bricks in parallel planes; it does not make tiles lie in one.
+  if (!model::sheetFrame(scene.model)) {
     throw InputError(
         "error: `ligaments` works only in the plane, but the start is not flat. Remove "
-        "`ligaments`, or turn the model into the plane of x and y");
+        "`ligaments`");
   }
   addJoints(scene, bricks, ties);
   return ties;

@@ -16,7 +16,6 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
-#include "sim/model/sheet_frame.h"
 #include "sim/scene/toml_file.h"
 
 namespace kirireel::scene {
@@ -525,12 +524,6 @@ void requireRanges(const Scene& scene) {
       if (!text.empty()) setting.read(read, {setting.key, text});
     }
   }
-  if (!scene.solver.planar.value_or(false) || scene.model.tiles.empty()) return;
-  const std::optional<model::SheetFrame> frame = model::sheetFrame(scene.model);
-  if (!frame || frame->isHorizontal()) return;
-  throw InputError(
-      "error: `planar = on` keeps tiles at their heights, but the sheet lies in a plane that is "
-      "not horizontal; remove `planar`, or turn the model");
 }
 
 std::string whySpace(const Scene& scene) {

@@ -183,8 +183,8 @@ const std::vector<SettingGroup>& sceneSettings();
 const Setting& sceneSetting(const std::string& key);
 
 /// Throws InputError for the first number of a scene that is out of its range. Words and switches
-/// cannot be out of range; texts such as file names are not checked. Throws InputError for planar
-/// motion of a flat sheet that is not horizontal.
+/// cannot be out of range; texts such as file names are not checked.
+/// All numbers are checked as their options are, in the order of the help.
 void requireRanges(const Scene& scene);
 
 /// Why the settings of a scene need three dimensions; empty where a planar one serves them.

@@ -14,6 +14,7 @@
 
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
+#include "sim/model/sheet_frame.h"
 #include "sim/model/text_table.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/array_file.h"
@@ -682,7 +683,7 @@ class SubjectReader {
   class PairGroup : public model::PairReader {
    public:
     PairGroup(const SubjectReader& reader, std::string group, const model::Model& model)
-        : reader_(reader), group_(std::move(group)), joints_(model.joints.size()) {}
+        : reader_(reader), group_(std::move(group)), model_(model) {}
 
     std::vector<std::pair<int, int>> bricks() const override {
       const std::vector<int> numbers = wholeNumbers("bricks");
@@ -708,7 +709,11 @@ class SubjectReader {
       return reader_.file_.integers(nameOf(column));
     }
 
-    std::size_t joints() const override { return joints_; }
+    std::size_t joints() const override { return model_.joints.size(); }
+
+    Vector3 normal() const override {
+      return model::sheetFrame(model_).value_or(model::SheetFrame{}).normal;
+    }
 
     [[noreturn]] void refuse(const std::string& what) const override { reader_.file_.refuse(what); }
 
@@ -717,7 +722,7 @@ class SubjectReader {
 
     const SubjectReader& reader_;
     std::string group_;
-    std::size_t joints_;
+    const model::Model& model_;
   };
 
   model::FileOrder readFileOrder() const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -193,6 +194,86 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene = turnedUnit();
   scene.grips[0].z = 0;
   EXPECT_THAT(refusalOf(scene), HasSubstr("grips load this sheet in its plane; remove z"));
+}
+
+/// Squares of which a column is held along x and the last one moved by so much.
+scene::Scene pulledSquares(int columns, double angle, double move) {
+  scene::Scene scene;
+  model::TessellationShape shape;
+  shape.columns = columns;
+  shape.rows = 4;
+  shape.startAngle = angle;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
+  scene.hinges.stiffness = 1;
+  scene::GripSetting left, corner, right;
+  for (int row = 0; row < 4; ++row) {
+    left.tiles.push_back(row);
+    right.tiles.push_back(4 * (columns - 1) + row);
+  }
+  left.x = 0;
+  corner.tiles = {0};
+  corner.y = 0;
+  right.x = move;
+  scene.grips = {left, corner, right};
+  return scene;
+}
+
+TEST(Loading, TellsTheStabilityOfTheLastState) {
+  const deploy::DeploymentResult stable = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  EXPECT_THAT(stable.reason, HasSubstr("reached, stable, through"));
+  EXPECT_TRUE(stable.warnings.empty());
+}
+
+// The middles of n squares in a row are (n - 1) (cos(t/2) + sin(t/2)) apart, at most (n - 1) sqrt 2.
+TEST(Loading, TellsWhereASheetIsFullyExtended) {
+  for (const int columns : {3, 5}) {
+    const double angle = 10 * kDegree;
+    const double extent =
+        (columns - 1) * (std::sqrt(2.0) - std::cos(angle / 2) - std::sin(angle / 2));
+    const deploy::DeploymentResult run =
+        deploy::deploy(pulledSquares(columns, angle, 1.2 * extent), 0.5, nullptr);
+    EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
+    EXPECT_THAT(run.reason, HasSubstr(fmt::format("fully extended at {:.4g} m", extent)));
+    EXPECT_NEAR(run.loadCurve->states.back().displacements[2], extent,
+                1e-7 * extent);  // measured 2e-8
+  }
+}
+
+TEST(Loading, TellsThatASheetIsPressedThroughItself) {
+  const deploy::DeploymentResult run =
+      deploy::deploy(pulledSquares(4, 30 * kDegree, -1.2), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
+  EXPECT_THAT(run.reason, HasSubstr("pressed through itself"));
+  EXPECT_FALSE(run.shortfall.empty());
+  // Not shut yet, it is not.
+  const deploy::DeploymentResult open =
+      deploy::deploy(pulledSquares(4, 30 * kDegree, -0.5), 0.5, nullptr);
+  EXPECT_EQ(open.outcome, deploy::Outcome::Settled) << open.reason;
+}
+
+TEST(Loading, NamesGripsThatContradictEachOther) {
+  scene::Scene twice = pulledSquares(4, 30 * kDegree, 0.3);
+  scene::GripSetting again;
+  again.tiles = {twice.grips[2].tiles.front()};
+  again.x = 0.1;
+  twice.grips.push_back(again);
+  EXPECT_THAT(refusalOf(twice), HasSubstr("grips contradict each other: the joints do not allow x "
+                                          "of tiles"));
+  EXPECT_THAT(refusalOf(twice), HasSubstr("by 0.1 (grip 4 x) together"));
+  // The height of squares that are pulled cannot stay.
+  scene::Scene held = pulledSquares(4, 30 * kDegree, 0.3);
+  scene::GripSetting all;
+  for (int tile = 0; tile < 16; ++tile) all.tiles.push_back(tile);
+  all.y = 0;
+  held.grips.push_back(all);
+  EXPECT_THAT(refusalOf(held), HasSubstr("grip 4 y"));
+  // Grips that say the same agree.
+  scene::Scene same = pulledSquares(4, 30 * kDegree, 0.3);
+  again.x = 0.3;
+  same.grips.push_back(again);
+  EXPECT_EQ(refusalOf(same), "accepted");
 }
 
 /// Two squares in the plane, joined at both ends of a common edge x = 1 as in folded sheets. The
