@@ -51,7 +51,8 @@ TEST(ProgramDrawings, GiveTheirNecksToRunsAndDecks) {
             "[[grip]]\ntile = 0\nmove = {y = 0}\n"
             "[[grip]]\ntiles = [12, 13, 14, 15]\nmove = {x = 4}\n");
   const ProgramEnd load = runKirireel({"simulate", kSlots, "--scene", scene, "--out", run});
-  ASSERT_EQ(load.exitCode, 0) << load.err;
+  // Without contacts the pulled tiles overlap by 0.12 tile, which a run reports.
+  ASSERT_EQ(load.exitCode, 3) << load.err;
   EXPECT_THAT(readTextFile(run + "/load_curve.csv", ""), HasSubstr("grip_3_x_force_N"));
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to make decks with necks";
   const ProgramEnd deck = runKirireel(

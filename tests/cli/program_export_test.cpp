@@ -48,8 +48,8 @@ TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
   };
   EXPECT_EQ(complaint({"--format", "obj", "--states", "9"}),
             "kirireel: error: state '9' is not in the trajectory; it goes from 0 to 1 s\n");
-  EXPECT_THAT(complaint({"--format", "obj,step"}),
-              HasSubstr("--format: 'step' is not allowed; give obj, ply, stl,"));
+  EXPECT_THAT(complaint({"--format", "obj,igs"}),
+              HasSubstr("--format: 'igs' is not allowed; give obj, ply, stl,"));
   EXPECT_EQ(complaint({}),
             "kirireel: error: --format is missing, as in kirireel export TRAJECTORY --format "
             "obj,inp; see kirireel export --help\n");
