@@ -414,8 +414,16 @@ COMMANDS = [
     (exported("svg", svgLength, 1e-3), KINEMATIC), (exported("dxf", dxfLength, 1e-3), KINEMATIC),
     (picture, KINEMATIC), (page, KINEMATIC)]
 
-# (transformation, command): why it is not met yet. One that holds is an error here.
-KNOWN = {}
+# (model, transformation, command): why it is not met yet. One that holds is an error here.
+KNOWN = {
+    ("tessellation", "moved by 1000 sizes", "grips"): "no equilibrium is found far from the origin",
+    ("tessellation", "named hull", "picture"): "the picture shows the name",
+    ("tessellation", "named with a space", "picture"): "the picture shows the name",
+    ("tessellation", "named in UTF-8", "picture"): "the picture shows the name",
+    ("two pieces", "turned at random", "path"): "off by 2e-8 tile, the cause is not known",
+    ("two pieces", "in mm", "path"): "off by 3e-8 tile, the cause is not known",
+    ("two pieces", "tiles renumbered", "path"): "off by 4e-8 tile, the cause is not known",
+}
 # The model that all others are transformed from.
 PLAIN = [None]
 
@@ -494,7 +502,7 @@ def check(name, model, transformations, commands):
                     cell, good = ("bits" if d == 0 else f"{d:.1g}"), d <= allowed
                 except Failure as failure:
                     cell, good = str(failure), False
-                known = KNOWN.get((t.name, command.__name__))
+                known = KNOWN.get((name, t.name, command.__name__))
                 held += good
                 if good == (known is None):
                     cells.append(f"{command.__name__} {cell}" + (f" (known: {known})" if known else ""))
