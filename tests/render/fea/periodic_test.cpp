@@ -10,6 +10,7 @@
 #include "render/fea/deck.h"
 #include "render/fea/job.h"
 #include "render/fea/periodic.h"
+#include "render/fea/sheet_ends.h"
 #include "sim/base/error.h"
 #include "tests/support/layouts.h"
 
