@@ -8,8 +8,8 @@
 // 4. A scene that is geometry takes a path of the mechanism (planner.cpp), which is played back.
 // 5. Any other scene is run by its dynamics (path_choice.cpp).
 //
-// The search has one budget of counted work (search_budget.h), so that the same path is taken on
-// every machine. With checkpoints, the trials of step 5 are kept as they end, and the run itself
+// The search has one budget of counted work (search_budget.h): every machine takes the same path.
+// With checkpoints, the trials of step 5 are kept as they end, and the run itself
 // between its steps.
 #include "sim/deploy/deployment.h"
 

@@ -77,7 +77,7 @@ constexpr long kJammedSteps = 512;
 // are pushed apart before.
 constexpr double kGuidedPeriods = 12;
 constexpr double kOpenPeriods = 4;
-// Ratios of compliant joints: from stiff to soft, so that they open as little as arrives.
+// Ratios of compliant joints, from stiff to soft: the first that arrives opens least.
 constexpr std::array kCompliantRatios = {1e5, 1e4, 1e3};
 
 /// The ways to the scene's target, in the order in which they are tried.
@@ -335,9 +335,7 @@ class PathSearch {
     }
     last_ = trials_[count_++];
     budget_.spend(last_.work);
-    if (!budget_.isLimited()) {
-      budget_.limit(scene_.path.searchEffort * kSearchMultiple * last_.work);
-    }
+    budget_.limitByFirst(last_.work, scene_.path.searchEffort);
     if (last_.cutShort) ++cutShort_;
     return last_.arrives;
   }

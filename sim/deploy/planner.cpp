@@ -311,12 +311,12 @@ void addReasons(const scene::Scene& scene, GeometricPath& found) {
                       : "no bricks meet on the way";
   const bool isOpen = found.hasCompliantJoints && !found.path.isRounded;
   const double opening = found.evaluation.opening;
-  found.reason = fmt::format(
-      "a path of the mechanism{}{}", isTouching ? " among touching bricks" : "",
-      isOpen ? fmt::format(" with compliant joints, which open by up to {}: "
-                           "none with exact joints was found",
-                           model::lengthInTiles(opening, scene.model))
-             : ", nothing given needs dynamics");
+  found.reason =
+      fmt::format("a path of the mechanism{}{}", isTouching ? " among touching bricks" : "",
+                  isOpen ? fmt::format(" with compliant joints, which open by up to {}: "
+                                       "none with exact joints was found",
+                                       model::lengthInTiles(opening, scene.model))
+                         : ", nothing given needs dynamics");
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -376,7 +376,7 @@ class Planner {
   void limitBudget() {
     const auto states = static_cast<double>(planned_.path->path.states.size());
     const double work = planned_.candidates.front().work * std::max(1.0, kLeastStates / states);
-    budget_.limit(scene_.path.searchEffort * kSearchMultiple * work);
+    budget_.limitByFirst(work, scene_.path.searchEffort);
   }
 
   bool isWorthTrying(const Candidate& candidate, bool isLast) {
@@ -614,9 +614,7 @@ PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
     if (isBetter && !isHeld) planned.path = std::move(found);
   };
   consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
-  if (!budget.isLimited()) {
-    budget.limit(scene.path.searchEffort * kSearchMultiple * planned.candidates.front().work);
-  }
+  budget.limitByFirst(planned.candidates.front().work, scene.path.searchEffort);
   if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
     consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
   }
@@ -632,15 +630,14 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
   if (!overlaps(scene, *planned.path)) return "";
   const double tile = model::tileSize(scene.model);
   const PathEvaluation& path = planned.path->evaluation;
-  const std::string words =
-      fmt::format("tiles overlap by up to {} on the path",
-                  model::lengthInTiles(path.overlapGrowth, scene.model));
+  const std::string words = fmt::format("tiles overlap by up to {} on the path",
+                                        model::lengthInTiles(path.overlapGrowth, scene.model));
   if (path.overlapGrowthAtEnd > kClearShare * tile) {
     const auto touching = std::ranges::find_if(
         planned.candidates, [](const auto& candidate) { return candidate.hasContacts; });
     const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;
-    return words + fmt::format(
-                       ", and by {} at its end. {}`contacts = all` shows where the sheet stops",
+    return words +
+           fmt::format(", and by {} at its end. {}`contacts = all` shows where the sheet stops",
                        lengthText(path.overlapGrowthAtEnd, scene.model.unit, 2),
                        isStopKnown ? fmt::format("With contacts it ends {} short of the target. ",
                                                  lengthText(touching->error, scene.model.unit))
@@ -651,10 +648,11 @@ std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned
           ? ""
           : fmt::format("`thickness = {:.2g}`, ",
                         0.25 * scene.brick.thickness / scene.model.unit.metres);
-  return words + fmt::format(
-                     ". No collision-free path was found. Try {}a larger `search_effort`, or `contacts = "
-                     "all` to see where the sheet stops",
-                     thinner);
+  return words +
+         fmt::format(
+             ". No collision-free path was found. Try {}a larger `search_effort`, or `contacts = "
+             "all` to see where the sheet stops",
+             thinner);
 }
 
 }  // namespace kirireel::deploy

@@ -1,8 +1,8 @@
 /// How much work a search may cost.
 ///
 /// Work is counted, not measured: the multiplications of StepReport::work. What may be spent is a
-/// multiple of the work of the first candidate, so that a search decides the same on every machine,
-/// and for any number of tiles.
+/// multiple of the work of the first candidate. A search therefore decides the same on every
+/// machine, and for any number of tiles.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +23,11 @@ class SearchBudget {
   /// Of so many multiplications, from 0.
   explicit SearchBudget(double work) : all_(work) {}
 
-  /// Limits what is left, multiplications, from 0.
-  void limit(double left) { all_ = spent_ + left; }
+  /// Limits what is left by the work of the first candidate (multiplications) and the search
+  /// effort, both >= 0. A budget that has a limit keeps it.
+  void limitByFirst(double work, double effort) {
+    if (!isLimited()) all_ = spent_ + effort * kSearchMultiple * work;
+  }
   /// Whether there is a limit.
   bool isLimited() const { return all_ < std::numeric_limits<double>::infinity(); }
 

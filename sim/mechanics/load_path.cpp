@@ -190,9 +190,9 @@ class Follower {
   LoadPath follow() {
     Point at{relax(), {}, 0};
     at.along = tangentAt(at.at, nullptr);
-    bool goesOn = note(at, Turning::None);
+    bool shouldContinue = note(at, Turning::None);
     double step = 0.1 * settings_.longestStep;
-    for (int steps = 0; goesOn && mayGoOn(at, steps);) {
+    for (int steps = 0; shouldContinue && mayContinue(at, steps);) {
       checkInterruption();
       step = std::min(step, settings_.longestStep);
       std::optional<Point> next = stepFrom(at, step);
@@ -206,11 +206,11 @@ class Follower {
         break;
       }
       ++steps;
-      goesOn = noteBetween(at, *next, special) && note(*next, Turning::None);
+      shouldContinue = noteBetween(at, *next, special) && note(*next, Turning::None);
       if (next->rounds <= kFewRounds) step *= 1.5;
       at = std::move(*next);
       if (!arrives) continue;
-      path_.arrives = goesOn;
+      path_.arrives = shouldContinue;
       break;
     }
     return std::move(path_);
@@ -307,10 +307,10 @@ class Follower {
 
   /// The equilibrium so far along the tangent, where Newton's method finds it.
   std::optional<Point> stepFrom(const Point& from, double step) const {
-    return corrected({from.at.q + step * from.along.q,
-                      from.at.multipliers + step * from.along.multipliers,
-                      from.at.load + step * from.along.load},
-                     from.along);
+    return corrected(
+        {from.at.q + step * from.along.q, from.at.multipliers + step * from.along.multipliers,
+         from.at.load + step * from.along.load},
+        from.along);
   }
 
   /// The equilibrium in the plane through a point across a direction.
@@ -387,8 +387,7 @@ class Follower {
     const double length = distance(a.at, b.at);
     if (length == 0) return true;
     const Vector missed = b.at.q - a.at.q - 0.5 * length * (a.along.q + b.along.q);
-    const double missedLoad =
-        b.at.load - a.at.load - 0.5 * length * (a.along.load + b.along.load);
+    const double missedLoad = b.at.load - a.at.load - 0.5 * length * (a.along.load + b.along.load);
     if (std::hypot(std::sqrt(product(missed, missed)), missedLoad) > kPlacesMissed * length)
       return false;
     const auto isNear = [&](double change, double slopeA, double slopeB, double part,
@@ -433,7 +432,7 @@ class Follower {
   }
 
   // Ends a path that loops or reaches negative loads, with the reason.
-  bool mayGoOn(const Point& point, int steps) {
+  bool mayContinue(const Point& point, int steps) {
     if (steps >= settings_.mostSteps) {
       path_.trouble = fmt::format("the path has {} steps at the load {:.6g} and continues",
                                   settings_.mostSteps, point.at.load);
@@ -494,9 +493,8 @@ class Follower {
     // The force of dead loads turns where the load does.
     if (low.along.load * high.along.load < 0) return true;
     found.push_back({low, Turning::ForceLimit});
-    std::ranges::stable_sort(found, {}, [&](const Special& special) {
-      return distance(from.at, special.point.at);
-    });
+    std::ranges::stable_sort(
+        found, {}, [&](const Special& special) { return distance(from.at, special.point.at); });
     return true;
   }
 
@@ -531,8 +529,8 @@ class Follower {
       if (!bisect(low, high, [&](const Point& middle) { return areAlike(rest, middle); }))
         return false;
       const bool isLimit = low.along.load * high.along.load < 0;
-      const bool isOne = !isLimit && !found.empty() &&
-                         distance(found.back().point.at, low.at) <= kOneEvent;
+      const bool isOne =
+          !isLimit && !found.empty() && distance(found.back().point.at, low.at) <= kOneEvent;
       if (isLimit) {
         found.push_back({low, Turning::LoadLimit});
       } else if (!isOne && (isCritical(low) || isCritical(high))) {
