@@ -5,6 +5,8 @@
 //     up    = (-sin e cos a, -sin e sin a, cos e)
 //     back  = ( cos e cos a,  cos e sin a, sin e)     from the centre towards the eye
 //
+// The camera's roll then turns right and up about back.
+//
 // Fit in parallel projection: the points are projected on these axes; the picture's height is the
 // larger of their height and their width / aspect, over 1 - 2 margin and the zoom.
 //
@@ -23,6 +25,7 @@
 #include "render/picture/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -61,7 +64,10 @@ struct PictureAxes {
 PictureAxes pictureAxes(ViewAngles view) {
   const double ca = std::cos(view.azimuth), sa = std::sin(view.azimuth);
   const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
-  return {Vector3(-sa, ca, 0), Vector3(-se * ca, -se * sa, ce), Vector3(ce * ca, ce * sa, se)};
+  const Vector3 right(-sa, ca, 0), up(-se * ca, -se * sa, ce), back(ce * ca, ce * sa, se);
+  if (view.roll == 0) return {right, up, back};
+  const double cr = std::cos(view.roll), sr = std::sin(view.roll);
+  return {cr * right + sr * up, cr * up - sr * right, back};
 }
 
 /// The picture axes in which a camera sees.
@@ -153,11 +159,11 @@ Camera fitPerspective(const Extents& extents, const PictureAxes& axes, const Cam
 }  // namespace
 
 bool isAlongAxis(ViewAngles view) {
-  for (const ViewAngles axis :
-       {kTopView, kFrontView, kBackView, kLeftView, kRightView, kBottomView}) {
-    if (view == axis) return true;
-  }
-  return false;
+  if (std::abs(view.elevation) == kTopView.elevation) return true;
+  return std::ranges::any_of(
+      std::array{kFrontView, kBackView, kLeftView, kRightView}, [&view](const ViewAngles& axis) {
+        return view.azimuth == axis.azimuth && view.elevation == axis.elevation;
+      });
 }
 
 ViewAngles defaultView(std::span<const Vector3> points) {

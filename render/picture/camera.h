@@ -23,10 +23,11 @@ struct Camera {
   double far = 100;                         ///< from the eye, metres, more than near
 };
 
-/// The direction from the model to the eye.
+/// The direction from the model to the eye, and how the camera is turned about it.
 struct ViewAngles {
   double azimuth = -1.5707963267948966;   ///< radians, anticlockwise from +x about +z
   double elevation = 1.5707963267948966;  ///< radians above the xy plane, -pi/2 to pi/2
+  double roll = 0;                        ///< of the camera, radians, anticlockwise from the eye
 
   bool operator==(const ViewAngles&) const = default;
 };
@@ -49,8 +50,8 @@ inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.61547970867038
 /// Nearly from above. The tilt shows the thickness of flat sheets.
 inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843};
 
-/// Whether the view is along an axis. Lengths across it can then be compared. Exact: only the
-/// views that are named above.
+/// Whether the view is along an axis, whatever the azimuth of one along z and the roll. Lengths
+/// across it can then be compared. Exact.
 bool isAlongAxis(ViewAngles view);
 
 /// kTopView, kFrontView or kRightView for points that lie nearly in one layer across z, y or x,
