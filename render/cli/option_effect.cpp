@@ -52,6 +52,9 @@ bool hasPng(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   return pictures.snapshots || pictures.frames || !pictures.chosenFrames.empty();
 }
+bool isFigure(const OptionContext& context) {
+  return context.runs > 1;
+}
 bool isOneRun(const OptionContext& context) {
   return context.runs == 1;
 }
@@ -79,7 +82,7 @@ bool hasPreset(const OptionContext& context) {
 /// A video counts only if it was named, not if it is the default one.
 bool mayBeTransparent(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
-  if (pictures.video && picture::videoFormatOf(pictures.videoFile).transparent) return true;
+  if (pictures.video && picture::hasAlpha(pictures.videoFile)) return true;
   const bool isNamed = isGiven(*context.command, "--video");
   return hasPng(context) && !(pictures.video && isNamed);
 }
@@ -159,6 +162,8 @@ constexpr const char* kNoGrid = "without the snapshot grid";
 constexpr const char* kGrid = "Remove --no-snapshots";
 constexpr const char* kNoFrames = "without frames of a video";
 constexpr const char* kFrames = "Remove --no-video, add --frames";
+constexpr const char* kOneRun = "with one run";
+constexpr const char* kRuns = "Give kirireel render several runs";
 constexpr const char* kSeveral = "in a figure of several runs";
 constexpr const char* kSingle = "Render the runs one by one";
 constexpr const char* kNoDeck = "without a deck";
@@ -187,6 +192,8 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--scale-bar", hasGridOrFrames, "without the snapshot grid and a video",
      "Remove --no-snapshots or --no-video"},
     {"--dpi", hasPng, "without a PNG file", kGrid},
+    {"--same-view", isFigure, kOneRun, kRuns},
+    {"--same-scale", isFigure, kOneRun, kRuns},
     {"--no-snapshots", isOneRun, kSeveral, kSingle},
     {"--frames", isOneRun, kSeveral, kSingle},
     {"--frames-at", isOneRun, kSeveral, kSingle},
@@ -211,7 +218,7 @@ constexpr OptionEffect kPictureEffects[] = {
     {"--subtitle", hasFrames, kNoFrames, kFrames},
     {"--progress-bar", hasFrames, kNoFrames, kFrames},
     {"--transparent", mayBeTransparent, "in a video of this format, which is opaque",
-     "Use .apng, or --frames with --no-video"},
+     "Use .webm, .gif, .apng, .mkv or .mov, or --frames with --no-video"},
     {"--colour-map", showsMeasureOrPage, kNoMeasure, kMeasure},
     {"--colour-least", showsMeasure, kNoMeasure, kMeasure},
     {"--colour-most", showsMeasure, kNoMeasure, kMeasure},
@@ -251,6 +258,8 @@ constexpr OptionEffect kExportEffects[] = {
     {"--states", hasStates, "without files of states", "Export another format than svg, dxf, glb"}};
 
 constexpr OptionEffect kCurvesEffects[] = {
+    {"--curves", hasPlot, kNoPlot, kPlot},
+    {"--column", hasPlot, kNoPlot, kPlot},
     {"--against", hasPlot, kNoPlot, kPlot},
     {"--width", hasPlot, kNoPlot, kPlot},
     {"--font-size", hasPlot, kNoPlot, kPlot},

@@ -39,6 +39,7 @@ extern "C" {
 #include <libavfilter/buffersrc.h>
 #include <libavformat/avformat.h>
 #include <libavutil/opt.h>
+#include <libavutil/pixdesc.h>
 }
 
 namespace kirireel::picture {
@@ -158,6 +159,7 @@ struct VideoWriter::Internals {
 
   VideoSettings settings;
   const VideoFormat& format;
+  const char* conversion = nullptr;  ///< of the format, with alpha or without
   PendingFile file;
   Owned<AVFilterGraph> filters;
   Owned<AVCodecContext> encoder;
@@ -183,7 +185,8 @@ VideoWriter::Internals::Internals(std::filesystem::path path, const VideoSetting
   // libav prints on the error stream by itself; what matters is thrown.
   av_log_set_level(AV_LOG_QUIET);
   if (settings.encoder.empty()) settings.encoder = format.encoder;
-  if (format.conversion != nullptr) openFilters();
+  conversion = settings.transparent ? format.alphaConversion : format.conversion;
+  if (conversion != nullptr) openFilters();
   makeImage();
   openEncoder();
 }
@@ -224,7 +227,7 @@ void VideoWriter::Internals::openFilters() {
   };
   AVFilterInOut* from = end("in", source);
   AVFilterInOut* to = end("out", sink);
-  const int code = avfilter_graph_parse_ptr(filters.get(), format.conversion, &to, &from, nullptr);
+  const int code = avfilter_graph_parse_ptr(filters.get(), conversion, &to, &from, nullptr);
   avfilter_inout_free(&from);
   avfilter_inout_free(&to);
   check(code);
@@ -234,7 +237,7 @@ void VideoWriter::Internals::openFilters() {
 void VideoWriter::Internals::makeImage() {
   image->width = settings.size.width;
   image->height = settings.size.height;
-  image->format = format.conversion == nullptr ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_RGBA;
+  image->format = conversion == nullptr ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_RGBA;
   image->sample_aspect_ratio = {1, 1};
   requireAccepted(av_frame_get_buffer(image.get(), 0));
 }
@@ -256,8 +259,7 @@ void VideoWriter::Internals::setQuality() const {
   }
 }
 
-/// Colours are tagged as BT.709, limited range, where toVideoColours() makes them; the filters tag
-/// theirs.
+/// Colours that are not RGB are BT.709, limited range, and tagged so.
 void VideoWriter::Internals::openEncoder() {
   const AVCodec* codec = findEncoder(file.finalPath(), settings.encoder);
   encoder.reset(avcodec_alloc_context3(codec));
@@ -272,11 +274,14 @@ void VideoWriter::Internals::openEncoder() {
     encoder->pix_fmt = AV_PIX_FMT_YUV420P;
     encoder->time_base = {1, settings.framesPerSecond};
     encoder->framerate = {settings.framesPerSecond, 1};
+  }
+  const AVPixFmtDescriptor* pixels = av_pix_fmt_desc_get(encoder->pix_fmt);
+  if ((pixels->flags & AV_PIX_FMT_FLAG_RGB) == 0) {
     encoder->color_primaries = AVCOL_PRI_BT709;
     encoder->color_trc = AVCOL_TRC_BT709;
     encoder->colorspace = AVCOL_SPC_BT709;
     encoder->color_range = AVCOL_RANGE_MPEG;
-    encoder->chroma_sample_location = AVCHROMA_LOC_LEFT;
+    if (pixels->log2_chroma_w == 1) encoder->chroma_sample_location = AVCHROMA_LOC_LEFT;
   }
   // x264 with several threads gives other bytes for another number of them.
   encoder->thread_count = 1;
@@ -330,7 +335,7 @@ void VideoWriter::Internals::put(const Frame& frame) {
     encode(image.get());
     return;
   }
-  copyPixels(frame, format.transparent, *image);
+  copyPixels(frame, settings.transparent, *image);
   check(av_buffersrc_add_frame_flags(source, image.get(), AV_BUFFERSRC_FLAG_KEEP_REF));
   pullFiltered();
 }
@@ -342,6 +347,11 @@ void VideoWriter::Internals::pullFiltered() {
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     check(code);
     filtered->pict_type = AV_PICTURE_TYPE_NONE;
+    // ProRes notes the colours of frames.
+    filtered->color_primaries = encoder->color_primaries;
+    filtered->color_trc = encoder->color_trc;
+    filtered->colorspace = encoder->colorspace;
+    filtered->color_range = encoder->color_range;
     encode(filtered.get());
     av_frame_unref(filtered.get());
   }
@@ -498,6 +508,16 @@ constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",
 constexpr const char* kToPalette =
     "fps=fps='min(source_fps,50)':eof_action=pass,format=rgb24,split[a][b];"
     "[a]palettegen=stats_mode=single[p];[b][p]paletteuse=dither=none:new=1";
+constexpr const char* kToClearPalette =
+    "fps=fps='min(source_fps,50)':eof_action=pass,format=rgba,split[a][b];"
+    "[a]palettegen=stats_mode=single:reserve_transparent=1[p];"
+    "[b][p]paletteuse=dither=none:new=1:alpha_threshold=128";
+constexpr const char* kToAlphaColours =
+    "scale=out_color_matrix=bt709:out_range=limited,format=yuva420p";
+constexpr const char* kToFullColours =
+    "scale=out_color_matrix=bt709:out_range=limited,format=yuv444p10le";
+constexpr const char* kToFullAlphaColours =
+    "scale=out_color_matrix=bt709:out_range=limited,format=yuva444p10le";
 
 std::string nameAll(const std::vector<VideoFormat>& formats) {
   std::vector<std::string> endings;
@@ -531,13 +551,27 @@ void requireFittingQuality(const VideoFormat& format, std::optional<int> crf) {
 
 const std::vector<VideoFormat>& videoFormats() {
   static const std::vector<VideoFormat> formats = {
-      {".mp4", "H.264", "mp4", "libx264", nullptr, true, false, 18, 51},
-      {".webm", "VP9", "webm", "libvpx-vp9", nullptr, true, false, 24, 63},
-      {".gif", "GIF", "gif", "gif", kToPalette, false, false, -1, -1},
-      {".apng", "APNG", "apng", "apng", "format=rgba", false, true, -1, -1},
-      {".mkv", "FFV1", "matroska", "ffv1", "format=bgr0", false, false, -1, -1},
+      {".mp4", "H.264", "mp4", "libx264", nullptr, nullptr, true, 18, 51},
+      {".webm", "VP9", "webm", "libvpx-vp9", nullptr, kToAlphaColours, true, 24, 63},
+      {".gif", "GIF", "gif", "gif", kToPalette, kToClearPalette, false, -1, -1},
+      {".apng", "APNG", "apng", "apng", "format=rgba", "format=rgba", false, -1, -1},
+      {".mkv", "FFV1", "matroska", "ffv1", "format=bgr0", "format=bgra", false, -1, -1},
+      {".mov", "ProRes", "mov", "prores_ks", kToFullColours, kToFullAlphaColours, false, -1, -1},
   };
   return formats;
+}
+
+/// Throws InputError where a video has no alpha.
+void requireAlpha(const VideoFormat& format) {
+  if (format.alphaConversion != nullptr) return;
+  std::vector<VideoFormat> others = videoFormats();
+  std::erase_if(others, [](const VideoFormat& other) { return other.alphaConversion == nullptr; });
+  throw InputError(fmt::format("error: a video in {} cannot be transparent; let its name end in {}",
+                               format.name, nameAll(others)));
+}
+
+bool hasAlpha(const std::filesystem::path& file) {
+  return videoFormatOf(file).alphaConversion != nullptr;
 }
 
 bool isVideo(const std::filesystem::path& file) {
@@ -563,6 +597,7 @@ void requireValidSettings(const std::filesystem::path& file, const VideoSettings
                                  settings.framesPerSecond));
   }
   requireFittingQuality(format, settings.crf);
+  if (settings.transparent) requireAlpha(format);
   const bool isKnown =
       settings.preset == "auto" || std::ranges::find(kPresets, settings.preset) != kPresets.end();
   if (!isKnown) {

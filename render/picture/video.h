@@ -22,6 +22,7 @@ struct VideoSettings {
   /// quickest search for motion, which flat faces need no other than.
   std::string preset = "auto";
   std::string encoder;      ///< of libavcodec; empty: the format's usual one
+  bool transparent = false;  ///< keeps alpha; else what is transparent shows white
   std::string description;  ///< who made it from what, UTF-8: the file's comment
 };
 
@@ -33,20 +34,20 @@ struct VideoFormat {
   const char* encoder;  ///< of libavcodec, unless another is asked for
   /// Filters of libavfilter from sRGB to what the encoder takes; null: toVideoColours().
   const char* conversion;
-  bool evenSides;    ///< colour planes of half the size
-  bool transparent;  ///< keeps alpha; else what is transparent shows white
+  const char* alphaConversion;  ///< the same with alpha; null: the format has none
+  bool evenSides;               ///< colour planes of half the size
   int usualCrf;      ///< visually lossless; negative if the format has no such quality
   int worstCrf;      ///< the largest, which is the least quality
 };
 
-/// All formats: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv (FFV1, lossless).
+/// All formats: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv (FFV1, lossless), .mov (ProRes 4444).
 const std::vector<VideoFormat>& videoFormats();
 
 /// The format of a file by its ending. Throws InputError for an ending of no format.
 const VideoFormat& videoFormatOf(const std::filesystem::path& file);
 
 /// Throws InputError that names the setting, what was given and what is allowed. MP4 and WebM need
-/// even sides; crf is 0 to 51 (H.264) or 63 (VP9), and other formats have none.
+/// even sides; crf is 0 to 51 (H.264) or 63 (VP9), and other formats have none. MP4 has no alpha.
 void requireValidSettings(const std::filesystem::path& file, const VideoSettings& settings);
 
 /// Throws OutputError when this machine's libavcodec lacks the encoder of such a file.
@@ -55,6 +56,9 @@ void requireEncoder(const std::filesystem::path& file, const VideoSettings& sett
 /// The place of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo"); that of "auto" is
 /// "veryfast"'s. 10 for a word that is no preset.
 int presetStep(const std::string& preset);
+
+/// Whether videos of this name can be transparent. Throws InputError for an ending of no format.
+bool hasAlpha(const std::filesystem::path& file);
 
 /// Whether a file's ending is one of a video. Case counts.
 bool isVideo(const std::filesystem::path& file);
@@ -69,9 +73,9 @@ int countVideoFrames(const std::filesystem::path& file);
 /// Until finish() an MP4 is written frame by frame under the name of a pending file, which appears
 /// with its first frame ("deployment.part.mp4"): the file that a killed process leaves plays.
 ///
-/// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0, and the stream says so:
-/// untagged, players guess by the picture's size. GIF gets the best 256 colours of each frame; APNG
-/// and FFV1 keep every byte. Belongs to one thread at a time. Encoding takes a thread's time for
+/// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0 (MOV: 4:4:4), and the
+/// stream says so: untagged, players guess by the picture's size. GIF gets the best 256 colours of
+/// each frame, one of them transparent where alpha is below a half; APNG and FFV1 keep every byte. Belongs to one thread at a time. Encoding takes a thread's time for
 /// each frame; nothing is done in the background.
 class VideoWriter {
  public:

@@ -73,6 +73,9 @@ std::multimap<std::string, Case> cases() {
                                                                   {"--encoder", {"libx264"}}}) {
     all.insert({option, {several + Words{option} + value, {"b"}}});
   }
+  for (const std::string option : {"--same-view", "--same-scale"}) {
+    all.insert({option, {Words{"render", "a", "--out", "c", option}, {"d"}}});
+  }
   for (const auto& [option, value] : std::map<std::string, Words>{{"--video", {"a.mp4"}},
                                                                   {"--crf", {"20"}},
                                                                   {"--preset", {"slow"}},
@@ -87,7 +90,7 @@ std::multimap<std::string, Case> cases() {
   all.insert(
       {"--preset", {record + Words{"--video", "a.gif", "--preset", "slow"}, {"--video", "a.mp4"}}});
   all.insert({"--transparent",
-              {record + Words{"--video", "a.webm", "--transparent"}, {"--video", "a.apng"}}});
+              {record + Words{"--video", "a.mp4", "--transparent"}, {"--video", "a.webm"}}});
   for (const auto& [option, value] : std::map<std::string, Words>{
            {"--colour-map", {"cividis"}}, {"--colour-least", {"0"}}, {"--colour-most", {"1"}}}) {
     all.insert({option, {record + Words{option} + value, {"--colour", "error"}}});
@@ -142,7 +145,8 @@ std::multimap<std::string, Case> cases() {
   all.insert({"--states",
               {{"export", "run", "--format", "glb", "--states", "final"}, {"--format", "obj"}}});
   for (const auto& [option, value] : std::map<std::string, Words>{
-           {"--against", {"opening"}}, {"--width", {"85"}}, {"--font-size", {"7"}}}) {
+           {"--against", {"opening"}}, {"--width", {"85"}}, {"--font-size", {"7"}},
+           {"--curves", {"size"}}, {"--column", {"a.csv:b"}}}) {
     all.insert({option, {Words{"curves", "run", option} + value, {"--plot", "svg"}}});
   }
   all.insert({"--dpi", {{"curves", "run", "--plot", "svg", "--dpi", "300"}, {"--plot", "png"}}});

@@ -206,7 +206,9 @@ TEST(Video, OtherFormatsAreWhatFfprobeSaysTheyAre) {
         "color_transfer=bt709", "color_primaries=bt709", "nb_read_frames=25"}},
       {"disk.gif", {"codec_name=gif", "r_frame_rate=50/1", "nb_read_frames=20"}},
       {"disk.apng", {"codec_name=apng", "pix_fmt=rgba", "nb_read_frames=25"}},
-      {"disk.mkv", {"codec_name=ffv1", "pix_fmt=bgr0", "nb_read_frames=25"}}};
+      {"disk.mkv", {"codec_name=ffv1", "pix_fmt=bgr0", "nb_read_frames=25"}},
+      {"disk.mov",
+       {"codec_name=prores", "pix_fmt=yuv444p", "color_space=bt709", "nb_read_frames=25"}}};
   for (const auto& [name, lines] : expected) {
     writeDiskVideo(folder / name, 25);
     const std::string stream =
@@ -237,6 +239,49 @@ TEST(Video, ShowsWhiteThroughTransparency) {
   ASSERT_TRUE(decoded.isWhole());
   expectColour(decoded, 80, 90, {227, 147, 167, 255}, 2);
   expectColour(decoded, 240, 90, {255, 255, 255, 255}, 2);
+}
+
+/// Second method: ffmpeg's decoders. VP9's alpha needs the one of libvpx.
+TEST(Video, KeepsAlphaInFormatsThatHaveIt) {
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  picture::Frame frame = picture::makeFrame(kSize, {255, 255, 255, 0});
+  fill(frame, 0, 0, 160, 180, {200, 40, 80, 255});
+  const TemporaryFolder folder;
+  for (const picture::VideoFormat& format : picture::videoFormats()) {
+    const std::filesystem::path file = folder / (std::string("glass") + format.ending);
+    picture::VideoSettings settings = settingsOf(kSize);
+    settings.transparent = true;
+    if (format.alphaConversion == nullptr) {
+      std::string message;
+      try {
+        picture::requireValidSettings(file, settings);
+      } catch (const InputError& error) {
+        message = error.what();
+      }
+      EXPECT_EQ(message,
+                "error: a video in H.264 cannot be transparent; let its name end in .webm, .gif, "
+                ".apng, .mkv, .mov");
+      continue;
+    }
+    picture::VideoWriter writer(file, settings);
+    for (int k = 0; k < 3; ++k) writer.write(frame);
+    writer.finish();
+    const std::string raw = (folder / "raw").string();
+    const std::string decoder = std::string(format.ending) == ".webm" ? "-c:v libvpx-vp9 " : "";
+    outputOf("ffmpeg -v error -y " + decoder + "-i '" + file.string() +
+             "' -vf select='eq(n\\,1)' -frames:v 1 -pix_fmt rgba -f rawvideo '" + raw + "'");
+    const std::string pixels = bytesOf(raw);
+    ASSERT_EQ(pixels.size(), std::size_t{4} * kSize.width * kSize.height) << format.ending;
+    const auto at = [&](int x, int channel) {
+      return static_cast<int>(
+          static_cast<unsigned char>(pixels[4 * (std::size_t{90} * kSize.width + x) + channel]));
+    };
+    EXPECT_EQ(at(240, 3), 0) << format.ending;
+    EXPECT_EQ(at(80, 3), 255) << format.ending;
+    EXPECT_NEAR(at(80, 0), 200, 3) << format.ending;
+    EXPECT_NEAR(at(80, 1), 40, 3) << format.ending;
+    EXPECT_NEAR(at(80, 2), 80, 3) << format.ending;
+  }
 }
 
 TEST(Video, StartsWithItsIndex) {
@@ -349,7 +394,7 @@ TEST(Video, RefusesWhatItsFormatDoesNotHave) {
   };
   EXPECT_EQ(refusal("disk.avi", settingsOf(kSize)),
             "disk.avi: error: no video format goes with this name; let it end in .mp4, .webm, "
-            ".gif, .apng, .mkv");
+            ".gif, .apng, .mkv, .mov");
   picture::VideoSettings settings = settingsOf({641, 480});
   EXPECT_EQ(refusal("disk.gif", settings), "nothing was thrown");
   EXPECT_THAT(refusal("disk.webm", settings), HasSubstr("an odd side; VP9 needs even ones"));
