@@ -28,7 +28,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   command
       ->add_option("TRAJECTORY", order.trajectories,
                    "a trajectory.h5 as record and simulate leave it, or the folder it is in; of "
-                   "several one grid is made, a row of states each, with one camera and scale")
+                   "several one grid is made, a row of states each")
       ->type_name("")
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
@@ -369,11 +369,33 @@ std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
 CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   CLI::App* command = program.add_subcommand(
       "curves", "table and plot what a run measures over its time: sizes, areas, openings, ...");
-  addPlace(*command, "RUN", order.run, "a trajectory.h5, or the folder it is in");
+  command
+      ->add_option("RUN", order.runs,
+                   "a trajectory.h5, or the folder it is in; several share each diagram")
+      ->type_name("")
+      ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "next to RUN", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
+  figures.value("--curves", "LIST", "all",
+                "of the figures, with commas between them: target_error, opening_mean, radius, ...; "
+                "theta is the mean opening",
+                [&order](const scene::TypedValue& typed) {
+                  for (const std::string& name : splitAtCommas(typed)) {
+                    order.settings.selected.push_back(name);
+                  }
+                });
+  figures.values("--column", "FILE.csv:NAME",
+                 "a column of a table, in the diagram of the curve of this name or its own",
+                 [&order](const scene::TypedValue& typed) {
+                   const std::size_t colon = typed.text.rfind(':');
+                   if (colon == std::string::npos || colon + 1 == typed.text.size()) {
+                     throw scene::valueError(typed, "a file and a column, as in data.csv:radius_m");
+                   }
+                   order.settings.columns.push_back(
+                       {typed.text.substr(0, colon), typed.text.substr(colon + 1)});
+                 });
   figures.value(
       "--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
       [&order](const scene::TypedValue& typed) { order.settings.plots = parsePlots(typed); });
@@ -400,26 +422,42 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       "mechanism is geometry and has none. A field without a value is empty.\n\n"
       "Examples:\n"
       "  kirireel curves out/tessellation_4x4 --plot pdf\n"
-      "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85");
+      "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85\n"
+      "  kirireel curves out/soft out/stiff --curves target_error --plot pdf --out figure");
   return command;
 }
 
 void completeOrder(const CLI::App& command, CurvesOrder& order) {
-  requireGiven(order.run, "RUN", command);
-  if (std::filesystem::is_directory(order.run)) order.run /= output::kTrajectory;
+  requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
+  for (std::filesystem::path& run : order.runs) {
+    if (std::filesystem::is_directory(run)) run /= output::kTrajectory;
+  }
+  if (order.runs.size() > 1 && order.settings.folder.empty()) {
+    throw InputError(
+        "error: curves of several runs belong to none of their folders; give their own with --out");
+  }
   requireEffect({.command = &command, .curves = &order.settings}, givenOptions(command));
 }
 
 int carryOut(const CurvesOrder& order) {
   record::CurvesSettings settings = order.settings;
   // Beside the trajectory; a bare file name has no parent, so the current folder.
-  if (settings.folder.empty()) settings.folder = order.run.parent_path();
+  if (settings.folder.empty()) settings.folder = order.runs.front().parent_path();
   if (settings.folder.empty()) settings.folder = ".";
-  const trajectory::TrajectoryReader run(order.run);
-  for (const std::string& name : record::writeCurves(run, settings)) {
+  std::vector<record::NamedRun> runs;
+  for (const std::filesystem::path& run : order.runs) {
+    auto reader = std::make_unique<trajectory::TrajectoryReader>(run);
+    std::string name = std::filesystem::absolute(run).parent_path().filename().string();
+    runs.push_back({std::move(name), std::move(reader)});
+  }
+  for (const std::string& name : record::writeCurves(runs, settings)) {
     fmt::print("{}\n", (settings.folder / name).string());
   }
-  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", spellOptions(trajectory::kNoMechanics));
+  const bool allHaveMechanics = std::ranges::all_of(
+      runs, [](const record::NamedRun& run) { return run.reader->hasMechanics(); });
+  if (!allHaveMechanics) {
+    fmt::print(stderr, "note: {}\n", spellOptions(trajectory::kNoMechanics));
+  }
   return kExitDone;
 }
 

@@ -69,8 +69,8 @@ int carryOut(const ExportOrder& order);
 /// The run whose curves are written, and the formats. completeOrder() puts the file of a folder in
 /// its place.
 struct CurvesOrder {
-  std::filesystem::path run;        ///< a trajectory.h5, or the folder that it is in
-  record::CurvesSettings settings;  ///< the folder is empty when --out was not given
+  std::vector<std::filesystem::path> runs;  ///< trajectory.h5 files, or the folders they are in
+  record::CurvesSettings settings;          ///< the folder is empty when --out was not given
 };
 
 /// Adds `curves`. The order must outlive the parsing.

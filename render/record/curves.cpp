@@ -9,9 +9,14 @@
 #include "render/record/curves.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "render/output/output_folder.h"
 #include "render/picture/canvas.h"
@@ -56,6 +61,12 @@ std::vector<const trajectory::Curve*> allCurves(const trajectory::RunCurves& cur
   return all;
 }
 
+/// The column that curves are drawn against.
+const char* columnOf(CurvesAgainst against) {
+  if (against == CurvesAgainst::Time) return "time_s";
+  return against == CurvesAgainst::Progress ? "progress" : kOpening;
+}
+
 /// The values that curves are drawn against, one a sample. They need not rise: a sheet may close
 /// again.
 PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<double>& progress,
@@ -68,6 +79,79 @@ PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<d
     }
   }
   throw InputError("error: the model has no joints that open; plot --against time or progress");
+}
+
+/// "Poisson's ratio" as "poissons_ratio".
+std::string slugOf(const std::string& name) {
+  std::string slug;
+  for (const char letter : name) {
+    if (letter == ' ') slug += '_';
+    if (std::isalnum(static_cast<unsigned char>(letter)) != 0) {
+      slug += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    }
+  }
+  return slug;
+}
+
+/// "opening_mean_deg" as "opening_mean".
+std::string withoutUnit(const std::string& column) {
+  for (const char* unit : {"_m", "_m2", "_deg", "_J", "_N"}) {
+    if (column.ends_with(unit)) return column.substr(0, column.size() - std::strlen(unit));
+  }
+  return column;
+}
+
+std::vector<std::string> wordsOf(const std::string& line) {
+  std::vector<std::string> words;
+  std::istringstream list(line);
+  for (std::string word; std::getline(list, word, ',');) {
+    const std::size_t first = word.find_first_not_of(" \t\r\"");
+    const std::size_t last = word.find_last_not_of(" \t\r\"");
+    words.push_back(first == std::string::npos ? "" : word.substr(first, last - first + 1));
+  }
+  return words;
+}
+
+/// The column of a table as a run of its own, in the group of the curve with that column.
+PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
+                     const trajectory::RunCurves& curves) {
+  std::istringstream lines(readTextFile(column.file, "give a table with commas between its columns"));
+  std::string line;
+  std::getline(lines, line);
+  const std::vector<std::string> names = wordsOf(line);
+  const auto placeOf = [&names](const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  };
+  const std::size_t up = placeOf(column.name);
+  if (up == names.size()) {
+    throw InputError(fmt::format("{}:1: error: there is no column {}; give one of {}",
+                                 column.file.string(), column.name, fmt::join(names, ", ")));
+  }
+  std::size_t across = placeOf(columnOf(against));
+  if (across == names.size()) across = 0;
+  PlottedRun run;
+  run.name = column.file.stem().string();
+  trajectory::Curve curve{column.name, column.name, {}};
+  const auto numberOf = [](const std::vector<std::string>& words, std::size_t place) {
+    if (place >= words.size() || words[place].empty()) return std::nan("");
+    char* end = nullptr;
+    const double value = std::strtod(words[place].c_str(), &end);
+    return *end == '\0' ? value : std::nan("");
+  };
+  while (std::getline(lines, line)) {
+    const std::vector<std::string> words = wordsOf(line);
+    run.abscissa.values.push_back(numberOf(words, across));
+    curve.values.push_back(numberOf(words, up));
+  }
+  run.groups = {{column.name, "", false, {curve}}};
+  for (const trajectory::CurveGroup& group : curves.groups) {
+    for (const trajectory::Curve& other : group.curves) {
+      if (other.column != column.name) continue;
+      curve.name = other.name;
+      run.groups = {{group.name, group.unit, group.isLogarithmic, {curve}}};
+    }
+  }
+  return run;
 }
 
 }  // namespace
@@ -85,25 +169,70 @@ std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<d
   return table;
 }
 
-std::vector<std::string> writeCurves(const trajectory::TrajectoryReader& run,
+std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& curves,
+                                                 const std::vector<std::string>& names) {
+  if (names.empty()) return curves.groups;
+  std::vector<trajectory::CurveGroup> selected;
+  std::vector<std::string> known;
+  for (const std::string& name : names) {
+    const std::string wanted = name == "theta" ? withoutUnit(kOpening) : name;
+    const std::size_t before = selected.size();
+    known.clear();
+    for (const trajectory::CurveGroup& group : curves.groups) {
+      known.push_back(slugOf(group.name));
+      if (known.back() == wanted) selected.push_back(group);
+      if (known.back() == wanted) break;
+      for (const trajectory::Curve& curve : group.curves) {
+        const std::string column = withoutUnit(curve.column);
+        if (column != slugOf(group.name)) known.push_back(column);
+        if (column != wanted && curve.column != wanted) continue;
+        selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}});
+      }
+    }
+    if (selected.size() > before) continue;
+    throw InputError(fmt::format("error: --curves: there is no curve '{}'; give some of {}, theta",
+                                 name, fmt::join(known, ", ")));
+  }
+  return selected;
+}
+
+std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
                                      const CurvesSettings& settings) {
-  std::vector<std::string> names = {kTable};
+  const auto tableOf = [&runs](std::size_t run) {
+    return runs.size() == 1 ? std::string(kTable) : fmt::format("curves_{}.csv", run + 1);
+  };
+  std::vector<std::string> names;
+  for (std::size_t run = 0; run < runs.size(); ++run) names.push_back(tableOf(run));
   for (const picture::PageFormat format : settings.plots) names.emplace_back(fileOf(format));
   output::FileSet files(settings.folder, output::kContents);
   files.requireFree([&names](const std::string& name) {
     return name == output::kContents || std::ranges::find(names, name) != names.end();
   });
-  const trajectory::RunCurves curves = trajectory::curvesOf(run);
-  // The share of the motion at a time, as in a video at an even pace; 0 at the start, 1 at the end.
-  const MotionCurve motion = motionOf(run);
-  std::vector<double> progress;
-  for (const double time : curves.times) progress.push_back(motion.shareAt(time));
-  writeTextFile(files.stage() / kTable, curvesTable(curves, progress));
+  std::vector<PlottedRun> plotted;
+  std::string models;
+  std::optional<trajectory::RunCurves> first;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const trajectory::TrajectoryReader& run = *runs[k].reader;
+    const trajectory::RunCurves curves = trajectory::curvesOf(run);
+    // The share of the motion at a time, as in a video at an even pace; 0 at the start, 1 at the
+    // end.
+    const MotionCurve motion = motionOf(run);
+    std::vector<double> progress;
+    for (const double time : curves.times) progress.push_back(motion.shareAt(time));
+    writeTextFile(files.stage() / tableOf(k), curvesTable(curves, progress));
+    models += (models.empty() ? "" : ", ") + run.subject().model.name;
+    if (settings.plots.empty()) continue;
+    plotted.push_back({runs[k].name, selectCurves(curves, settings.selected),
+                       abscissaOf(curves, progress, settings.against)});
+    if (!first) first = curves;
+  }
+  for (const FileColumn& column : settings.columns) {
+    if (first) plotted.push_back(columnRun(column, settings.against, *first));
+  }
   PlotSettings plot = settings.plot;
-  plot.madeBy = fmt::format("Kirireel {}, model {}", programVersion(), run.subject().model.name);
+  plot.madeBy = fmt::format("Kirireel {}, model {}", programVersion(), models);
   for (const picture::PageFormat format : settings.plots) {
-    writeTextFile(files.stage() / fileOf(format),
-                  plotCurves(curves, abscissaOf(curves, progress, settings.against), format, plot));
+    writeTextFile(files.stage() / fileOf(format), plotCurves(plotted, format, plot));
   }
   files.commit(names);
   return names;
@@ -130,8 +259,9 @@ namespace {
 constexpr picture::Colour kText = {30, 30, 30};
 constexpr picture::Colour kFrame = {120, 126, 134};
 constexpr picture::Colour kGrid = {226, 229, 233};
-/// Of a group's lines in turn: they stay apart in grey and for the colour-blind.
-constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26}, {61, 139, 95}};
+/// Of a diagram's lines in turn: they stay apart in grey and for the colour-blind.
+constexpr picture::Colour kLines[] = {{43, 100, 166},  {194, 87, 26},  {61, 139, 95},
+                                      {148, 62, 130}, {120, 100, 20}, {70, 70, 76}};
 
 constexpr int kColumns = 2;
 // About as many; makeAxis takes round numbers.
@@ -148,17 +278,57 @@ struct Box {
   double lower() const { return upper + height; }
 };
 
+/// A line of a diagram.
+struct PlotLine {
+  std::string name;
+  const std::vector<double>& across;
+  const std::vector<double>& values;
+};
+
+/// The lines of all runs with one name of group.
+struct Diagram {
+  std::string title;  ///< with the unit
+  bool isLogarithmic = false;
+  std::vector<PlotLine> lines;
+};
+
+/// In the order of the groups' first run. Several runs are named; of one, several curves are.
+std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
+  std::vector<Diagram> diagrams;
+  for (const PlottedRun& run : runs) {
+    for (const trajectory::CurveGroup& group : run.groups) {
+      if (!group.hasValues()) continue;
+      const std::string title = group.unit.empty() ? group.name : group.name + ", " + group.unit;
+      auto diagram = std::ranges::find(diagrams, title, &Diagram::title);
+      if (diagram == diagrams.end()) {
+        diagram = diagrams.insert(diagrams.end(), {title, group.isLogarithmic, {}});
+      }
+      for (const trajectory::Curve& curve : group.curves) {
+        if (!curve.hasValues()) continue;
+        const bool isOnly = group.curves.size() == 1;
+        const std::string name = runs.size() == 1 ? curve.name
+                                 : isOnly         ? run.name
+                                                  : run.name + ", " + curve.name;
+        diagram->lines.push_back({name, run.abscissa.values, curve.values});
+      }
+    }
+  }
+  return diagrams;
+}
+
 /// Draws diagrams of one figure. Lengths are in em of its text.
 class Plotter {
  public:
-  Plotter(picture::Canvas& canvas, int em, const PlotAbscissa& abscissa)
-      : canvas_(canvas),
-        em_(em),
-        writer_(em),
-        abscissa_(abscissa),
-        across_(picture::makeAxis(abscissa.values, kTicksAcross)) {
+  Plotter(picture::Canvas& canvas, int em, const std::vector<PlottedRun>& runs)
+      : canvas_(canvas), em_(em), writer_(em), title_(runs.front().abscissa.title) {
+    std::vector<double> values;
+    for (const PlottedRun& run : runs) {
+      std::ranges::copy_if(run.abscissa.values, std::back_inserter(values),
+                           [](double value) { return std::isfinite(value); });
+    }
+    across_ = picture::makeAxis(values, kTicksAcross);
     // Curves begin and end at the borders.
-    const auto [least, largest] = std::ranges::minmax_element(abscissa.values);
+    const auto [least, largest] = std::ranges::minmax_element(values);
     if (*least < *largest) {
       across_.low = *least;
       across_.high = *largest;
@@ -166,27 +336,27 @@ class Plotter {
   }
 
   /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
-  void draw(const trajectory::CurveGroup& group, const Box& box) {
-    const picture::Axis up = axisOf(group);
+  void draw(const Diagram& diagram, const Box& box) {
+    const picture::Axis up = axisOf(diagram);
     drawGrid(up, box);
-    for (std::size_t k = 0; k < group.curves.size(); ++k) {
-      canvas_.lines(linesOf(group.curves[k], up, box), 0.13 * em_, kLines[k % std::size(kLines)]);
+    for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
+      canvas_.lines(linesOf(diagram.lines[k], up, box), 0.13 * em_, kLines[k % std::size(kLines)]);
     }
-    drawTitle(group, box);
+    drawTitle(diagram, box);
     const double middle = box.left + 0.5 * box.width;
-    write(abscissa_.title, middle - 0.5 * width(abscissa_.title), box.lower() + 2.5 * em_, kText);
+    write(title_, middle - 0.5 * width(title_), box.lower() + 2.5 * em_, kText);
   }
 
  private:
-  /// All curves of a group share one axis; missing values are omitted.
-  static picture::Axis axisOf(const trajectory::CurveGroup& group) {
+  /// All curves of a diagram share one axis; missing values are omitted.
+  static picture::Axis axisOf(const Diagram& diagram) {
     std::vector<double> values;
-    for (const trajectory::Curve& curve : group.curves) {
-      std::ranges::copy_if(curve.values, std::back_inserter(values),
+    for (const PlotLine& line : diagram.lines) {
+      std::ranges::copy_if(line.values, std::back_inserter(values),
                            [](double value) { return std::isfinite(value); });
     }
-    return group.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
-                               : picture::makeAxis(values, kTicksUp);
+    return diagram.isLogarithmic ? picture::makeLogarithmicAxis(values, kTicksUp)
+                                 : picture::makeAxis(values, kTicksUp);
   }
 
   /// Pixels from two shares of the box.
@@ -216,11 +386,11 @@ class Plotter {
   }
 
   /// A line for each stretch of samples that have a place.
-  std::vector<picture::Canvas::Points> linesOf(const trajectory::Curve& curve,
-                                               const picture::Axis& up, const Box& box) const {
+  std::vector<picture::Canvas::Points> linesOf(const PlotLine& line, const picture::Axis& up,
+                                               const Box& box) const {
     std::vector<picture::Canvas::Points> lines(1);
-    for (std::size_t k = 0; k < curve.values.size(); ++k) {
-      const double value = curve.values[k], across = abscissa_.values[k];
+    for (std::size_t k = 0; k < line.values.size(); ++k) {
+      const double value = line.values[k], across = line.across[k];
       const bool isShown =
           std::isfinite(across) && std::isfinite(value) && (!up.isLogarithmic || value > 0);
       if (isShown) {
@@ -234,19 +404,27 @@ class Plotter {
     return lines;
   }
 
-  /// The name of the group and its unit to the left, the curves' names in their colours to the
-  /// right.
-  void drawTitle(const trajectory::CurveGroup& group, const Box& box) {
+  /// The name of the diagram and its unit to the left, the curves' names in their colours to the
+  /// right; where they are too long for that, within the diagram one below the other.
+  void drawTitle(const Diagram& diagram, const Box& box) {
     const double baseline = box.upper - 0.6 * em_;
-    write(group.unit.empty() ? group.name : group.name + ", " + group.unit, box.left, baseline,
-          kText);
-    if (group.curves.size() < 2) return;
+    write(diagram.title, box.left, baseline, kText);
+    if (diagram.lines.size() < 2) return;
+    double needed = width(diagram.title);
+    for (const PlotLine& line : diagram.lines) needed += em_ + width(line.name);
+    const bool isBelow = needed > box.width;
     double right = box.right();
     // Names are at the right border in the order of the curves: they are set from the last one on.
-    for (std::size_t k = group.curves.size(); k-- > 0;) {
-      if (!group.curves[k].hasValues()) continue;
-      right -= width(group.curves[k].name);
-      write(group.curves[k].name, right, baseline, kLines[k % std::size(kLines)]);
+    for (std::size_t k = diagram.lines.size(); k-- > 0;) {
+      const std::string& name = diagram.lines[k].name;
+      const picture::Colour colour = kLines[k % std::size(kLines)];
+      if (isBelow) {
+        const double y = box.upper + (1.2 + 1.25 * static_cast<double>(k)) * em_;
+        write(name, box.right() - 0.5 * em_ - width(name), y, colour);
+        continue;
+      }
+      right -= width(name);
+      write(name, right, baseline, colour);
       right -= em_;
     }
   }
@@ -260,7 +438,7 @@ class Plotter {
   picture::Canvas& canvas_;
   int em_;
   picture::LabelWriter writer_;
-  const PlotAbscissa& abscissa_;
+  const std::string& title_;
   picture::Axis across_;
 };
 
@@ -288,8 +466,9 @@ PlotLayout layOut(int diagrams, const PlotSettings& settings) {
   const double em = layout.em;
   const int columns = std::min(kColumns, diagrams);
   const int rows = (diagrams + kColumns - 1) / kColumns;
+  // No fewer than requested.
   layout.size.width = static_cast<int>(
-      std::lround(settings.width / picture::kMillimetresPerInch * settings.dotsPerInch));
+      std::ceil(settings.width / picture::kMillimetresPerInch * settings.dotsPerInch - 1e-6));
   // From here on in pixels, not rounded.
   layout.across = (layout.size.width - em) / columns;
   const double wide = layout.across - 5 * em;
@@ -301,14 +480,11 @@ PlotLayout layOut(int diagrams, const PlotSettings& settings) {
 
 }  // namespace
 
-std::string plotCurves(const trajectory::RunCurves& curves, const PlotAbscissa& abscissa,
-                       picture::PageFormat format, const PlotSettings& settings) {
-  std::vector<const trajectory::CurveGroup*> groups;
-  for (const trajectory::CurveGroup& group : curves.groups) {
-    if (group.hasValues()) groups.push_back(&group);
-  }
-  if (groups.empty()) throw InputError("error: the run has no curve to plot");
-  const PlotLayout layout = layOut(static_cast<int>(groups.size()), settings);
+std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
+                       const PlotSettings& settings) {
+  const std::vector<Diagram> diagrams = diagramsOf(runs);
+  if (diagrams.empty()) throw InputError("error: the run has no curve to plot");
+  const PlotLayout layout = layOut(static_cast<int>(diagrams.size()), settings);
   picture::requireValidSize(layout.size);
   const std::unique_ptr<picture::Canvas> canvas =
       picture::makeCanvas(format, {.size = layout.size,
@@ -316,10 +492,10 @@ std::string plotCurves(const trajectory::RunCurves& curves, const PlotAbscissa& 
                                    .outline = kFrame,
                                    .fontFamily = picture::fontFamily(),
                                    .description = settings.madeBy});
-  Plotter plotter(*canvas, layout.em, abscissa);
-  for (std::size_t k = 0; k < groups.size(); ++k) {
+  Plotter plotter(*canvas, layout.em, runs);
+  for (std::size_t k = 0; k < diagrams.size(); ++k) {
     canvas->begin("curves_" + std::to_string(k + 1));
-    plotter.draw(*groups[k], layout.box(static_cast<int>(k)));
+    plotter.draw(diagrams[k], layout.box(static_cast<int>(k)));
     canvas->end();
   }
   return canvas->finish();

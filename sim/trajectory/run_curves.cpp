@@ -79,9 +79,13 @@ std::vector<CurveGroup> emptyGroups() {
        "N",
        false,
        {{"pins", "pin_force_N"}, {"grips", "grip_force_N"}, {"contacts", "contact_force_N"}}},
-      {"Target error", "m", true, {{"target error", "target_error_m"}}},
+      {"Target error",
+       "m",
+       true,
+       {{"largest", "target_error_m"}, {"mean", "target_error_mean_m"}}},
       {"Joint gap", "m", true, {{"joint gap", "joint_gap_m"}}},
-      {"Overlap", "m", true, {{"overlap", "penetration_m"}}}};
+      {"Overlap", "m", true, {{"overlap", "penetration_m"}}},
+      {"Radius", "m", false, {{"radius", "radius_m"}}}};
   groups.insert(groups.end(), more.begin(), more.end());
   return groups;
 }
@@ -212,6 +216,33 @@ void appendJoints(std::span<const double> openings, const std::optional<Mechanic
   }
 }
 
+/// Of vertices from those of others, metres.
+double meanDistance(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& others) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k, ++count) {
+      sum += (tiles[i].vertices[k] - others[i].vertices[k]).norm();
+    }
+  }
+  return sum / count;
+}
+
+/// The largest distance of a vertex from the mean of all, metres.
+double radiusOf(const std::vector<model::Tile>& tiles) {
+  Vector3 mean = Vector3::Zero();
+  double count = 0, radius = 0;
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) mean += vertex;
+    count += static_cast<double>(tile.vertices.size());
+  }
+  mean /= count;
+  for (const model::Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
+  }
+  return radius;
+}
+
 double valueAt(const std::vector<double>& times, const std::vector<double>& values, double time) {
   const auto above = std::ranges::lower_bound(times, time);
   if (above == times.begin()) return values.front();
@@ -247,9 +278,12 @@ RunCurves curvesOf(const TrajectoryReader& run) {
     std::vector<double> values(shape.begin(), joints);
     for (const double value : mechanicsValues(at.mechanics, !subject.pairForces.empty()))
       values.push_back(value);
+    const std::vector<model::Tile> tiles = model::bottomTiles(subject.bricks, at.poses);
+    const std::optional<std::vector<model::Tile>>& target = subject.model.target;
     values.insert(values.end(),
-                  {subject.model.target ? at.targetError : kNone,
-                   subject.model.joints.empty() ? kNone : at.jointGap, at.penetration});
+                  {target ? at.targetError : kNone, target ? meanDistance(tiles, *target) : kNone,
+                   subject.model.joints.empty() ? kNone : at.jointGap, at.penetration,
+                   radiusOf(tiles)});
     auto value = values.begin();
     for (CurveGroup& group : result.groups) {
       for (Curve& curve : group.curves) curve.values.push_back(*value++);

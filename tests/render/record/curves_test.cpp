@@ -31,12 +31,13 @@ trajectory::RunCurves someCurves() {
        {"Joint gap", "m", true, {{"gap", "joint_gap_m", {0, 1e-13, 0.1}}}}}};
 }
 
-record::PlotAbscissa byTime() {
-  return {"simulated time, s", {0, 0.5, 1}};
+/// One run, by time.
+record::PlottedRun someRun(const std::string& name = "run") {
+  return {name, someCurves().groups, {"simulated time, s", {0, 0.5, 1}}};
 }
 
 std::string plotted(picture::PageFormat format) {
-  return record::plotCurves(someCurves(), byTime(), format, {.width = 180, .dotsPerInch = 100});
+  return record::plotCurves({someRun()}, format, {.width = 180, .dotsPerInch = 100});
 }
 
 TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
@@ -79,9 +80,38 @@ TEST(CurvesPlot, IsAsWideAsItIsToBe) {
 }
 
 TEST(CurvesPlot, SaysThatThereIsNothing) {
-  trajectory::RunCurves curves = someCurves();
-  curves.groups = {curves.groups[2]};
-  EXPECT_THROW(record::plotCurves(curves, byTime(), picture::PageFormat::Svg, {}), InputError);
+  record::PlottedRun run = someRun();
+  run.groups = {run.groups[2]};
+  EXPECT_THROW(record::plotCurves({run}, picture::PageFormat::Svg, {}), InputError);
+}
+
+TEST(CurvesPlot, NamesRunsThatShareADiagram) {
+  record::PlottedRun soft = someRun("soft"), stiff = someRun("stiff");
+  soft.groups = stiff.groups = {soft.groups[0], soft.groups[3]};
+  const std::string svg = record::plotCurves({soft, stiff}, picture::PageFormat::Svg, {});
+  for (const char* text : {">soft, width<", ">stiff, depth<", ">soft<", ">stiff<"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  EXPECT_THAT(svg, Not(HasSubstr(">gap<")));
+}
+
+TEST(Curves, AreSelectedByGroupOrColumn) {
+  const trajectory::RunCurves curves = someCurves();
+  EXPECT_EQ(record::selectCurves(curves, {}).size(), 4U);
+  const auto chosen = record::selectCurves(curves, {"joint_gap", "depth", "poissons_ratio"});
+  ASSERT_EQ(chosen.size(), 3U);
+  EXPECT_EQ(chosen[0].name, "Joint gap");
+  EXPECT_EQ(chosen[1].name, "Size");
+  ASSERT_EQ(chosen[1].curves.size(), 1U);
+  EXPECT_EQ(chosen[1].curves[0].column, "depth_m");
+  EXPECT_EQ(record::selectCurves(curves, {"size"})[0].curves.size(), 2U);
+  try {
+    record::selectCurves(curves, {"gapp"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), StartsWith("error: --curves: there is no curve 'gapp'; give some of "
+                                         "size, width, depth, poissons_ratio, "));
+  }
 }
 
 TEST(CurvesPlot, HasTextInItsPdf) {
