@@ -90,10 +90,20 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
                                 text.substr(0, text.find(':')), fullName(command)));
 }
 
+/// `--letters` without one of its words is a switch: the next argument may be a place.
+std::vector<std::string> withLetters(std::vector<std::string> arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] != "--letters") continue;
+    const std::string next = i + 1 < arguments.size() ? arguments[i + 1] : "";
+    if (next != "a" && next != "(a)" && next != "A") arguments[i] += "=true";
+  }
+  return arguments;
+}
+
 /// Parses into what the program's options point at, or gives the page that was asked for instead.
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
   // CLI11 takes the arguments from the back.
-  std::vector<std::string> reversed = translatePeerSpellings(arguments);
+  std::vector<std::string> reversed = withLetters(translatePeerSpellings(arguments));
   const std::string group = takeHelpGroup(reversed);
   std::reverse(reversed.begin(), reversed.end());
   try {

@@ -53,6 +53,27 @@ std::string pagesText(const std::vector<picture::PageFormat>& pages) {
   return scene::quotedText(text);
 }
 
+/// What `--letters` is without a word; a scene file has true.
+const scene::Choices<picture::PanelLetters>& letterChoices() {
+  static const scene::Choices<picture::PanelLetters> choices = {
+      {"a", picture::PanelLetters::Small},
+      {"(a)", picture::PanelLetters::Bracketed},
+      {"A", picture::PanelLetters::Capital}};
+  return choices;
+}
+
+picture::PanelLetters parseLetters(const scene::TypedValue& value) {
+  if (value.text == "true" || value.text == "True") return picture::PanelLetters::Plain;
+  if (value.text == "false" || value.text == "False") return picture::PanelLetters::None;
+  return scene::parseChoice<picture::PanelLetters>(value, letterChoices());
+}
+
+std::string lettersText(picture::PanelLetters letters) {
+  if (letters == picture::PanelLetters::None) return "";
+  if (letters == picture::PanelLetters::Plain) return "true";
+  return scene::quotedText(scene::nameOfChoice(letterChoices(), letters));
+}
+
 /// Additions for figures in papers.
 void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
   group
@@ -73,7 +94,16 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
       .value("--font", "NAME", "DejaVu Sans", "family of all text, as fc-list names it",
              [&](const scene::TypedValue& typed) { settings.font = typed.text; })
       .serializedAs([&] { return scene::quotedText(settings.font); });
-  group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
+  group
+      .value("--letters", "[WORD]", "none",
+             "(a), (b), ... over the grid's pictures; as a, (a) or A in bold, in a figure of several "
+             "runs one for each row",
+             [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
+      .serializedAs([&] { return lettersText(settings.letters); });
+  group.flag("--same-view", settings.sameView,
+             "of all rows of a figure of several runs, that of the first; else each has its own");
+  group.flag("--same-scale", settings.sameScale,
+             "the same of the scale of length; needs a parallel projection");
   group.flag("--arrows", settings.arrows,
              "from each of the grid's pictures to the next in its row");
   group
@@ -236,6 +266,30 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
       .serializedAs([&look] { return saidColour(look.background); });
 }
 
+/// "0.5pt", "0.5pt,0.75pt", or a factor of the default widths. One width is that between tiles; the
+/// other stands in the default ratio to it.
+picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
+  picture::OutlineWidths widths;
+  const double ratio = widths.silhouettes / widths.slits;
+  if (value.text.find("pt") == std::string::npos) {
+    const double factor = scene::parseNumber(value, {0.1, 20});
+    return {factor * widths.slits, factor * widths.silhouettes};
+  }
+  const std::vector<std::string> words = parseWords(value.text);
+  if (words.size() > 2) {
+    throw scene::valueError(value, "one or two widths, for example 0.5pt or 0.5pt,0.75pt");
+  }
+  widths.slits = parseLength({value.name, words[0]}, "pt", {0.01, 100});
+  widths.silhouettes = words.size() == 2 ? parseLength({value.name, words[1]}, "pt", {0.01, 100})
+                                         : ratio * widths.slits;
+  return widths;
+}
+
+std::string outlineWidthsText(const picture::OutlineWidths& widths) {
+  return scene::quotedText(scene::numberText(widths.slits) + "pt," +
+                           scene::numberText(widths.silhouettes) + "pt");
+}
+
 /// What decides a picture but not its camera.
 void addDrawingOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Look", "style");
@@ -251,10 +305,16 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
        {"shadow", picture::GroundLook::Shadow},
        {"none", picture::GroundLook::None}},
       "under the bricks, auto is a plate with a shadow when there is a ground");
-  group.flag("--transparent", look.transparent, "no background in PNG files");
+  group.flag("--transparent", look.transparent, "no background in PNG files, and in videos that have alpha");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
-  group.number("--outline-width", look.outlineWidth, {0.1, 20}, "FACTOR",
-               "of the lines on the edges of tiles, times the default");
+  group
+      .value("--outline-width", "PT[,PT]", "0.5pt,0.75pt",
+             "of the lines between tiles and of those with nothing beyond, in print (a frame is "
+             "160 mm wide); a number without pt is a factor",
+             [&look](const scene::TypedValue& typed) {
+               look.outlineWidths = parseOutlineWidths(typed);
+             })
+      .serializedAs([&look] { return outlineWidthsText(look.outlineWidths); });
   group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");
@@ -268,7 +328,7 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
       .serializedAs([&look] { return look.occlusion ? scene::numberText(*look.occlusion) : ""; });
 }
 
-/// One of the words, or "45,30".
+/// One of the words, or "45,30", or "45,30,10".
 std::optional<picture::ViewAngles> parseView(
     const scene::TypedValue& value,
     const scene::Choices<std::optional<picture::ViewAngles>>& views) {
@@ -278,9 +338,12 @@ std::optional<picture::ViewAngles> parseView(
   const auto degrees = [&value](const std::string& text, double most) {
     return scene::parseNumber({value.name, text}, {-most, most}) * kDegree;
   };
-  // Azimuth may be any number of turns, elevation is from -90 to 90 degrees.
-  return picture::ViewAngles{degrees(value.text.substr(0, comma), 3600),
-                             degrees(value.text.substr(comma + 1), 90)};
+  const std::size_t second = std::min(value.text.find(',', comma + 1), value.text.size());
+  // Azimuth and roll may be any number of turns, elevation is from -90 to 90 degrees.
+  picture::ViewAngles view{degrees(value.text.substr(0, comma), 3600),
+                           degrees(value.text.substr(comma + 1, second - comma - 1), 90)};
+  if (second < value.text.size()) view.roll = degrees(value.text.substr(second + 1), 3600);
+  return view;
 }
 
 /// "45,30": the shortest degrees that read back to the same angles.
@@ -289,7 +352,8 @@ std::string anglesText(const picture::ViewAngles& view) {
     return scene::numberText(
         scene::numberReadAs(angle, angle / kDegree, [](double typed) { return typed * kDegree; }));
   };
-  return degrees(view.azimuth) + "," + degrees(view.elevation);
+  return degrees(view.azimuth) + "," + degrees(view.elevation) +
+         (view.roll != 0 ? "," + degrees(view.roll) : "");
 }
 
 /// `views` is kept by the readers, so it is copied into each.
@@ -305,10 +369,10 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
       {"iso", picture::kIsometricView},
       {"oblique", picture::kObliqueView}};
   group
-      .value("--view", "WORD|AZ,EL", "auto",
-             fmt::format("position of the camera: {}, auto is top for a flat model, else iso; or "
-                         "azimuth and elevation in degrees, -90,0 is from the front, -90,90 from "
-                         "above",
+      .value("--view", "WORD|AZ,EL[,ROLL]", "auto",
+             fmt::format("position of the camera: {}, auto is the one that shows most of the tiles "
+                         "over the motion; or azimuth, elevation and roll in degrees, -90,0 is "
+                         "from the front, -90,90 from above",
                          scene::listWords(scene::choiceNames(views))),
              [&camera, views](const scene::TypedValue& typed) {
                camera.view = parseView(typed, views);
@@ -327,7 +391,7 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
   group.choice<std::optional<bool>>(
       "--projection", camera.orthographic,
       {{"auto", std::nullopt}, {"parallel", true}, {"perspective", false}},
-      "auto is parallel along an axis, else perspective");
+      "auto is parallel along an axis and for flat motions, else perspective");
   group.number("--zoom", camera.zoom, {1e-3, 1e3}, "FACTOR", "enlarges the middle");
   group.number("--margin", camera.margin, {0, 0.45}, "SHARE",
                "of the picture left free on each side");
@@ -434,7 +498,7 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
   group
       .value("--video", "NAME", settings.videoFile,
              "file name; its ending gives the format: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv "
-             "(FFV1, lossless)",
+             "(FFV1, lossless), .mov (ProRes 4444)",
              [&](const scene::TypedValue& typed) { settings.videoFile = parseFileName(typed); })
       .serializedAs([&] { return scene::quotedText(settings.videoFile); });
   group.flag("--no-video", settings.video, "no video", false);

@@ -99,11 +99,13 @@ class SvgCanvas : public Canvas {
   void end() override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines, bool pale, double opacity) override;
+  void outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) override;
   void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
-  void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
+  void text(const std::string& line, double left, double baseline, int em, Colour colour,
+            Weight weight) override;
 
+  double silhouetteWidth() const override { return silhouetteWidth_; }
   std::string finish() override;
 
  private:
@@ -113,11 +115,12 @@ class SvgCanvas : public Canvas {
   }
 
   std::string file_;
+  double silhouetteWidth_;
   int depth_ = 0;  ///< of groups
   int clips_ = 0;
 };
 
-SvgCanvas::SvgCanvas(const PageSettings& settings) {
+SvgCanvas::SvgCanvas(const PageSettings& settings) : silhouetteWidth_(settings.silhouetteWidth) {
   append(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" "
       "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" width=\"{}\" height=\"{}\" "
@@ -129,12 +132,14 @@ SvgCanvas::SvgCanvas(const PageSettings& settings) {
       "<style>\n"
       ".face {{ stroke-width: {:.3g}; stroke-linejoin: round }}\n"
       ".seam {{ fill: none; stroke-width: {:.3g} }}\n"
-      ".outline {{ fill: none; stroke: {}; stroke-width: {:.3g}; stroke-linejoin: round }}\n"
+      ".outline {{ fill: none; stroke: {}; stroke-width: {:.4g}; stroke-linejoin: round; "
+      "stroke-linecap: round }}\n"
+      ".silhouette {{ stroke-width: {:.4g} }}\n"
       ".pale {{ stroke: {} }}\n"
       "text {{ font-family: \"{}\", \"Arial\", \"Helvetica\", sans-serif }}\n"
       "</style>\n",
-      seamWidth(settings), cutSeamWidth(settings), hex(settings.outline), settings.outlineWidth,
-      hex(settings.paleOutline), settings.fontFamily);
+      seamWidth(settings), cutSeamWidth(settings), hex(settings.outline), settings.slitWidth,
+      settings.silhouetteWidth, hex(settings.paleOutline), settings.fontFamily);
   if (settings.background.alpha == 0) return;
   begin("page");
   box(0, 0, settings.size.width, settings.size.height, settings.background);
@@ -173,10 +178,11 @@ void SvgCanvas::seams(const std::vector<Points>& lines, Colour colour) {
   append("<path class=\"seam\" stroke=\"{}\" d=\"{}\"/>\n", hex(colour), path);
 }
 
-void SvgCanvas::outlines(const std::vector<Points>& lines, bool pale, double opacity) {
+void SvgCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) {
   const std::string path = pathOf(lines);
   if (path.empty()) return;
-  append("<path class=\"outline{}\"{} d=\"{}\"/>\n", pale ? " pale" : "", opacityText(opacity),
+  append("<path class=\"outline{}{}\"{} d=\"{}\"/>\n",
+         kind == Line::Silhouette ? " silhouette" : "", pale ? " pale" : "", opacityText(opacity),
          path);
 }
 
@@ -194,10 +200,11 @@ void SvgCanvas::box(double left, double upper, double width, double height, Colo
          left, upper, width, height, hex(colour), opacityText(colour));
 }
 
-void SvgCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour) {
+void SvgCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
+                     Weight weight) {
   if (line.empty()) return;
-  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\" fill=\"{}\">{}</text>\n", left, baseline,
-         em, hex(colour), escaped(line));
+  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{} fill=\"{}\">{}</text>\n", left, baseline,
+         em, weight == Weight::Bold ? " font-weight=\"bold\"" : "", hex(colour), escaped(line));
 }
 
 std::string SvgCanvas::finish() {
@@ -262,10 +269,12 @@ class CairoCanvas : public Canvas {
   void end() override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines, bool pale, double opacity) override;
+  void outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) override;
   void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
-  void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
+  void text(const std::string& line, double left, double baseline, int em, Colour colour,
+            Weight weight) override;
+  double silhouetteWidth() const override;
 
  protected:
   struct Internals;
@@ -280,10 +289,12 @@ struct CairoCanvas::Internals {
   cairo_t* pen = nullptr;
   Colour outline;
   Colour paleOutline;
-  double outlineWidth = 1;
+  double slitWidth = 1;
+  double silhouetteWidth = 1;
   double seam = 0;
   double cutSeam = 0;
   std::vector<double> opacities;  ///< of the parts that are open
+  std::string fontFamily;
 
   /// Takes the surface, on which `scale` units are a pixel of the settings.
   Internals(cairo_surface_t* made, double scale, const PageSettings& settings)
@@ -291,13 +302,13 @@ struct CairoCanvas::Internals {
         pen(cairo_create(made)),
         outline(settings.outline),
         paleOutline(settings.paleOutline),
-        outlineWidth(settings.outlineWidth),
+        slitWidth(settings.slitWidth),
+        silhouetteWidth(settings.silhouetteWidth),
         seam(seamWidth(settings)),
-        cutSeam(cutSeamWidth(settings)) {
+        cutSeam(cutSeamWidth(settings)),
+        fontFamily(settings.fontFamily) {
     cairo_scale(pen, scale, scale);
     cairo_set_line_join(pen, CAIRO_LINE_JOIN_ROUND);
-    cairo_select_font_face(pen, settings.fontFamily.c_str(), CAIRO_FONT_SLANT_NORMAL,
-                           CAIRO_FONT_WEIGHT_NORMAL);
     if (settings.background.alpha == 0) return;
     choose(settings.background);
     cairo_rectangle(pen, 0, 0, settings.size.width, settings.size.height);
@@ -383,11 +394,19 @@ void CairoCanvas::seams(const std::vector<Points>& lines, Colour colour) {
   internals_->stroke(lines, internals_->cutSeam);
 }
 
-void CairoCanvas::outlines(const std::vector<Points>& lines, bool pale, double opacity) {
+double CairoCanvas::silhouetteWidth() const {
+  return internals_->silhouetteWidth;
+}
+
+void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale,
+                           double opacity) {
   Colour colour = pale ? internals_->paleOutline : internals_->outline;
   colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
   internals_->choose(colour);
-  internals_->stroke(lines, internals_->outlineWidth);
+  cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_ROUND);
+  internals_->stroke(lines,
+                     kind == Line::Slit ? internals_->slitWidth : internals_->silhouetteWidth);
+  cairo_set_line_cap(internals_->pen, CAIRO_LINE_CAP_BUTT);
 }
 
 void CairoCanvas::lines(const std::vector<Points>& lines, double width, Colour colour) {
@@ -402,9 +421,12 @@ void CairoCanvas::box(double left, double upper, double width, double height, Co
 }
 
 /// Cairo's simple interface for text: no shaping beyond single glyphs.
-void CairoCanvas::text(const std::string& line, double left, double baseline, int em,
-                       Colour colour) {
+void CairoCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
+                       Weight weight) {
   internals_->choose(colour);
+  cairo_select_font_face(
+      internals_->pen, internals_->fontFamily.c_str(), CAIRO_FONT_SLANT_NORMAL,
+      weight == Weight::Bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(internals_->pen, em);
   cairo_move_to(internals_->pen, left, baseline);
   cairo_show_text(internals_->pen, line.c_str());
@@ -594,9 +616,12 @@ void drawShadow(std::vector<Piece> pieces, const Projector& project, const std::
 void drawOutlines(const std::vector<SeenOutline>& outlines, const Projector& project,
                   Canvas& canvas) {
   for (const auto& [lines, pale, opacity] : outlines) {
-    std::vector<Canvas::Points> projected;
-    for (const std::vector<Vector3>& line : lines) projected.push_back(project(line));
-    canvas.outlines(projected, pale, opacity);
+    std::vector<Canvas::Points> slits, silhouettes;
+    for (const auto& [points, isSilhouette] : lines) {
+      (isSilhouette ? silhouettes : slits).push_back(project(points));
+    }
+    canvas.outlines(slits, Canvas::Line::Slit, pale, opacity);
+    canvas.outlines(silhouettes, Canvas::Line::Silhouette, pale, opacity);
   }
 }
 
@@ -618,12 +643,13 @@ void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSi
   if (!geometry.shadow.empty()) {
     drawShadow(makePieces(geometry, geometry.shadow, camera), project, layerName("shadow"), canvas);
   }
-  std::vector<Piece> bricks = makePieces(geometry, geometry.solid, camera);
-  std::ranges::move(makePieces(geometry, geometry.translucent, camera), std::back_inserter(bricks));
+  const std::vector<Piece> bricks = drawnPieces(geometry, camera);
   layer("bricks", farthestFirst(bricks));
-  if (std::ranges::any_of(bricks, &Piece::outlined)) {
+  if (!geometry.outlines.empty()) {
     canvas.begin(layerName("outlines"));
-    drawOutlines(seenOutlines(bricks, camera), project, canvas);
+    drawOutlines(
+        seenOutlines(geometry, bricks, camera, canvas.silhouetteWidth() / size.height), project,
+        canvas);
     canvas.end();
   }
   layer("overlay", makePieces(geometry, geometry.overlay, camera));

@@ -30,7 +30,8 @@ struct PageSettings {
   Colour background = {255, 255, 255};  ///< of the whole page, opaque
   Colour outline;                       ///< of bricks
   Colour paleOutline;                   ///< of dark bricks
-  double outlineWidth = 1;              ///< pixels
+  double slitWidth = 1;                 ///< of lines between tiles, pixels
+  double silhouetteWidth = 1.5;         ///< of lines with nothing beyond, pixels
   std::string fontFamily;               ///< of all text
   std::string description;              ///< who made it from what, one line
 };
@@ -38,7 +39,7 @@ struct PageSettings {
 /// Width of the lines in a polygon's own colour that close the gaps which antialiasing leaves
 /// between polygons side by side, pixels.
 inline double seamWidth(const PageSettings& settings) {
-  return std::max(0.3, 0.4 * settings.outlineWidth);
+  return std::max(0.3, 0.4 * settings.slitWidth);
 }
 
 /// The same where one face was cut in two.
@@ -70,10 +71,16 @@ class Canvas : public Surface {
   /// Lines in a polygon's own colour where it was cut from another.
   virtual void seams(const std::vector<Points>& lines, Colour colour) = 0;
 
-  /// Lines in the settings' outline, or the pale one, each through two points or more, opacity 0 to
-  /// 1. A line whose first and last points are the same is closed without a gap.
-  virtual void outlines(const std::vector<Points>& lines, bool pale = false,
+  /// What a line of an outline is.
+  enum class Line { Slit, Silhouette };
+
+  /// Lines in the settings' outline, or the pale one, and of the settings' width, each through two
+  /// points or more, opacity 0 to 1. A line whose first and last points are the same is closed
+  /// without a gap.
+  virtual void outlines(const std::vector<Points>& lines, Line kind, bool pale = false,
                         double opacity = 1) = 0;
+  /// As in the settings, pixels.
+  virtual double silhouetteWidth() const = 0;
 
   /// Lines of a width in pixels, each through two points or more.
   virtual void lines(const std::vector<Points>& lines, double width, Colour colour) = 0;

@@ -81,18 +81,6 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
   return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
 }
 
-/// The part lies within the picture.
-Frame cutOut(const Frame& frame, const PictureBox& part) {
-  const std::ptrdiff_t first = std::ptrdiff_t{4} * part.left;
-  const std::ptrdiff_t end = std::ptrdiff_t{4} * (part.left + part.size.width);
-  Frame cut{part.size, {}};
-  for (int y = part.upper; y < part.upper + part.size.height; ++y) {
-    const auto row = frame.pixels.begin() + static_cast<std::ptrdiff_t>(frame.rowStart(y));
-    cut.pixels.insert(cut.pixels.end(), row + first, row + end);
-  }
-  return cut;
-}
-
 /// The size at which the widest caption or head fits at its picture, at most the layout's. Never
 /// below the least size that can be read.
 int captionSize(const std::vector<std::string>& captions, const GridLayout& layout,
@@ -112,13 +100,20 @@ std::vector<std::string> captionLines(const std::string& caption, const LabelWri
       caption, [&writer](const std::string& line) { return double(writer.width(line)); }, width);
 }
 
-/// "(a)" to "(z)", then "(aa)", "(ab)" and so on.
-std::string panelLetter(int number) {
+/// "a" to "z", then "aa", "ab" and so on, in the form of the style.
+std::string panelLetter(int number, PanelLetters form) {
+  const char first = form == PanelLetters::Capital ? 'A' : 'a';
   std::string letters;
   for (int rest = number; rest >= 0; rest = rest / 26 - 1) {
-    letters.insert(letters.begin(), static_cast<char>('a' + rest % 26));
+    letters.insert(letters.begin(), static_cast<char>(first + rest % 26));
   }
-  return '(' + letters + ')';
+  const bool isBare = form == PanelLetters::Small || form == PanelLetters::Capital;
+  return isBare ? letters : '(' + letters + ')';
+}
+
+/// Whether letters name rows, not pictures.
+bool nameRows(const GridStyle& style) {
+  return !style.rows.empty() && style.letters != PanelLetters::Plain;
 }
 
 /// One line in the middle of `width` pixels.
@@ -135,6 +130,30 @@ void drawHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style,
   }
 }
 
+/// The letter and the head of each row at its left end, its bar of length at its right end.
+void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style, int em) {
+  const ScaleDrawer drawer(em, style.text);
+  const int right = layout.sheet.width - layout.gap;
+  for (int row = 0; row < static_cast<int>(style.rows.size()); ++row) {
+    const auto& [picture, head, metresPerPixel] = style.rows[row];
+    const double upper = layout.upper(row) - layout.letterHeight - layout.rowHeadHeight;
+    const double baseline = upper + std::round(kHeadBaselineEms * layout.textSize);
+    double left = layout.gap;
+    if (nameRows(style) && style.letters != PanelLetters::None) {
+      const std::string letter = panelLetter(row, style.letters);
+      sheet.text(letter, left, baseline, em, style.text, Weight::Bold);
+      left += LabelWriter(em, findFont(Weight::Bold)).width(letter) + 0.6 * em;
+    }
+    sheet.text(head, left, baseline, em, style.text);
+    if (!metresPerPixel) continue;
+    const ScaleLength length = roundLength(kLongestBar * layout.picture.width * *metresPerPixel);
+    const int pixels = static_cast<int>(std::lround(length.metres / *metresPerPixel));
+    const int room = pixels + LabelWriter(em).width(length.text) + em;
+    drawer.drawScaleBar(sheet, length.text, pixels, right - room / 2,
+                        static_cast<int>(baseline - em / 3));
+  }
+}
+
 /// Between pictures side by side, at half their height. None after the last picture of a row.
 void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style, int cells,
                 int columns) {
@@ -143,7 +162,8 @@ void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style
   for (int cell = 0; cell + 1 < cells; ++cell) {
     if (cell % columns == columns - 1) continue;
     // The middle of the arrow is about a third of an em above the baseline.
-    const double baseline = layout.upper(cell / columns) + layout.picture.height / 2 + em / 3;
+    const int row = cell / columns;
+    const double baseline = layout.upper(row) + layout.pictureOf(row).height / 2 + em / 3;
     drawCentred(sheet, kArrow, layout.left(cell % columns) + layout.picture.width, layout.columnGap,
                 baseline, em, style.text);
   }
@@ -173,16 +193,17 @@ void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style
   }
 }
 
-void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
+void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape,
+                    const GridLayout& layout) {
   const int count = static_cast<int>(pictures.size());
   if (count > shape.cells()) {
     throw InputError(
         fmt::format("error: a grid of {} x {} has room for {} pictures, not {}; change --grid",
                     shape.rows, shape.columns, shape.cells(), count));
   }
-  const FrameSize first = pictures.front().frame.size;
-  for (const GridPicture& picture : pictures) {
-    const FrameSize size = picture.frame.size;
+  for (int cell = 0; cell < count; ++cell) {
+    const FrameSize size = pictures[cell].frame.size;
+    const FrameSize first = layout.pictureOf(cell / shape.columns);
     if (size == first) continue;
     throw InputError(fmt::format(
         "error: pictures of one grid must have one size, not {} x {} beside {} x {} pixels",
@@ -223,8 +244,12 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   if (style.textSize) layout.textSize = *style.textSize;
   layout.captionHeight =
       static_cast<int>(std::lround((kStripEms + (lines - 1) * kCaptionLineEms) * layout.textSize));
-  if (style.letters) {
+  if (style.letters != PanelLetters::None && !nameRows(style)) {
     layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
+  }
+  for (const GridRow& row : style.rows) layout.rows.push_back(row.picture);
+  if (!style.rows.empty()) {
+    layout.rowHeadHeight = static_cast<int>(std::lround(kHeadEms * layout.textSize));
   }
   if (!style.heads.empty()) {
     layout.headHeight = static_cast<int>(std::lround(kHeadEms * layout.textSize));
@@ -236,11 +261,13 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   // In 64 bits: rows and columns may be anything that a person typed.
   const long long width = 2LL * layout.gap + shape.columns * static_cast<long long>(picture.width) +
                           (shape.columns - 1) * static_cast<long long>(layout.columnGap);
-  const long long height =
-      layout.gap + layout.headHeight +
-      shape.rows * static_cast<long long>(layout.letterHeight + picture.height +
-                                          layout.captionHeight + layout.gap) +
-      static_cast<long long>(layout.scales) * layout.scaleHeight;
+  long long height = layout.gap + layout.headHeight +
+                     static_cast<long long>(layout.scales) * layout.scaleHeight +
+                     shape.rows * static_cast<long long>(layout.rowHeadHeight +
+                                                         layout.letterHeight +
+                                                         layout.captionHeight + layout.gap);
+  if (style.rows.empty()) height += shape.rows * static_cast<long long>(picture.height);
+  for (const GridRow& row : style.rows) height += row.picture.height;
   if (width > kMaxFrameSide || height > kMaxFrameSide) {
     throw InputError(fmt::format(
         "error: a grid of {} x {} pictures of {} x {} pixels needs {} x {} pixels and "
@@ -267,16 +294,19 @@ void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& s
   const int em = style.textSize ? *style.textSize : captionSize(captions, layout, style);
   const LabelWriter writer(em);
   drawHeads(surface, layout, style, em);
+  if (!style.rows.empty()) drawRowHeads(surface, layout, style, em);
   if (style.arrows) {
     drawArrows(surface, layout, style, static_cast<int>(captions.size()), columns);
   }
   for (int cell = 0; cell < static_cast<int>(captions.size()); ++cell) {
-    const int left = layout.left(cell % columns), upper = layout.upper(cell / columns);
-    if (style.letters) {
+    const int row = cell / columns;
+    const int left = layout.left(cell % columns), upper = layout.upper(row);
+    if (layout.letterHeight > 0) {
       const double baseline = upper - (kLetterEms - kLetterBaselineEms) * layout.textSize;
-      surface.text(panelLetter(cell), left, std::round(baseline), em, style.text);
+      surface.text(panelLetter(cell, style.letters), left, std::round(baseline), em, style.text,
+                   style.letters == PanelLetters::Plain ? Weight::Regular : Weight::Bold);
     }
-    double baseline = upper + layout.picture.height + std::lround(kBaselineEms * layout.textSize);
+    double baseline = upper + layout.pictureOf(row).height + std::lround(kBaselineEms * layout.textSize);
     const int width = style.textSize ? layout.picture.width : std::numeric_limits<int>::max();
     for (const std::string& line : captionLines(captions[cell], writer, width)) {
       drawCentred(surface, line, left, layout.picture.width, baseline, em, style.text);
@@ -296,12 +326,18 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
                   const GridStyle& style) {
   if (pictures.empty()) throw InputError("error: a grid needs at least one picture; give it some");
   const std::vector<std::string> captions = captionsOf(pictures);
-  const GridLayout layout = layOutGrid(pictures.front().frame.size, shape, style, captions);
-  requireFitting(pictures, shape);
+  FrameSize largest = pictures.front().frame.size;
+  for (const GridRow& row : style.rows) {
+    largest = {std::max(largest.width, row.picture.width),
+               std::max(largest.height, row.picture.height)};
+  }
+  const GridLayout layout = layOutGrid(largest, shape, style, captions);
+  requireFitting(pictures, shape, layout);
   Frame sheet = makeFrame(layout.sheet, style.background);
   for (int cell = 0; cell < static_cast<int>(pictures.size()); ++cell) {
-    pasteFrame(sheet, pictures[cell].frame, layout.left(cell % shape.columns),
-               layout.upper(cell / shape.columns));
+    const int row = cell / shape.columns;
+    pasteFrame(sheet, pictures[cell].frame, layout.left(cell % shape.columns, row),
+               layout.upper(row));
   }
   FrameSurface surface(sheet);
   drawGridText(surface, layout, style, captions, shape.columns);
@@ -327,8 +363,15 @@ PictureBox filledPart(const std::vector<GridPicture>& pictures) {
   return {box.min().x(), box.min().y(), {box.sizes().x() + 1, box.sizes().y() + 1}};
 }
 
-void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part) {
-  for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, part);
+Frame cutOut(const Frame& frame, const PictureBox& part) {
+  const std::ptrdiff_t first = std::ptrdiff_t{4} * part.left;
+  const std::ptrdiff_t end = std::ptrdiff_t{4} * (part.left + part.size.width);
+  Frame cut{part.size, {}};
+  for (int y = part.upper; y < part.upper + part.size.height; ++y) {
+    const auto row = frame.pixels.begin() + static_cast<std::ptrdiff_t>(frame.rowStart(y));
+    cut.pixels.insert(cut.pixels.end(), row + first, row + end);
+  }
+  return cut;
 }
 
 namespace {

@@ -44,8 +44,25 @@ struct PictureBox {
 /// one or more, must have one size.
 PictureBox filledPart(const std::vector<GridPicture>& pictures);
 
-/// Cuts each picture to that part, which must lie within it.
-void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part);
+/// The part of a picture, within which it must lie.
+Frame cutOut(const Frame& frame, const PictureBox& part);
+
+/// Letters that name pictures, or rows of a figure.
+enum class PanelLetters {
+  None,
+  Plain,      ///< (a), (b), ... over each picture
+  Bracketed,  ///< the same in bold; of a figure of several runs one per row, as are the next
+  Small,      ///< a, b, ... in bold
+  Capital,    ///< A, B, ... in bold
+};
+
+/// A row of a figure of several runs.
+struct GridRow {
+  FrameSize picture;  ///< of each of its pictures, at most as wide as a cell
+  std::string head;   ///< over the row, UTF-8
+  /// Of its pictures, where rows have scales of their own: a bar of a round length is at its head.
+  std::optional<double> metresPerPixel;
+};
 
 /// The style of a grid. Lengths are in heights of one picture: grids of any size look alike.
 struct GridStyle {
@@ -55,10 +72,12 @@ struct GridStyle {
   double gap = 0.04;           ///< between cells and around the sheet
   /// Em of all text, pixels, for pictures of any size. Captions that need more room get lines.
   std::optional<int> textSize;
-  bool letters = false;  ///< (a), (b), ... over the pictures
+  PanelLetters letters = PanelLetters::None;
   bool arrows = false;   ///< from each picture to the next one in its row
   /// Over the columns, one for each; none when empty.
   std::vector<std::string> heads;
+  /// One for each row; none where all pictures have one size and rows have no heads.
+  std::vector<GridRow> rows;
   /// What the colours of all pictures mean: drawn below them when given.
   std::optional<ColourScale> colourScale;
   /// The same if colours show kinds of bricks.
@@ -70,7 +89,7 @@ struct GridStyle {
 /// The places of the cells of a grid, pixels.
 struct GridLayout {
   FrameSize sheet;        ///< the whole grid
-  FrameSize picture;      ///< one picture
+  FrameSize picture;      ///< one picture; in a figure of several runs, the largest
   int gap = 0;            ///< around every cell
   int columnGap = 0;      ///< from one column to the next
   int headHeight = 0;     ///< strip over the first row with the heads of the columns
@@ -79,13 +98,24 @@ struct GridLayout {
   int textSize = 0;       ///< em of the caption
   int scaleHeight = 0;    ///< strip for each scale below all pictures, and for a legend
   int scales = 0;         ///< strips below all pictures
+  int rowHeadHeight = 0;  ///< strip over each row with its head
+  std::vector<FrameSize> rows;  ///< of the pictures of each row, where they differ
 
-  /// Left edge of a column of pictures.
+  /// Of the pictures of a row.
+  FrameSize pictureOf(int row) const { return rows.empty() ? picture : rows[row]; }
+  /// Left edge of a column of cells.
   int left(int column) const { return gap + column * (picture.width + columnGap); }
+  /// Left edge of a picture, which is in the middle of its cell.
+  int left(int column, int row) const {
+    return left(column) + (picture.width - pictureOf(row).width) / 2;
+  }
   /// Upper edge of a row of pictures.
   int upper(int row) const {
-    return gap + headHeight + letterHeight +
-           row * (letterHeight + picture.height + captionHeight + gap);
+    int y = gap + headHeight + rowHeadHeight + letterHeight;
+    for (int k = 0; k < row; ++k) {
+      y += pictureOf(k).height + captionHeight + gap + rowHeadHeight + letterHeight;
+    }
+    return y;
   }
 };
 

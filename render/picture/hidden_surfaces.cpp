@@ -164,19 +164,12 @@ double sizeOf(const std::vector<Piece>& pieces) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-/// Sides between the parts of one face are as if it had been cut there.
-CutPolygon polygonOf(std::span<const Vector3> corners, FacetPart part) {
-  const char isCut = part == FacetPart::Whole ? 0 : 1;
-  CutPolygon polygon{{corners.begin(), corners.end()}, std::vector<char>(corners.size(), isCut)};
-  if (part == FacetPart::Border) polygon.isCut[0] = 0;
-  return polygon;
-}
-
 /// The normal is that of the outer corners.
 Piece makePiece(const PictureGeometry& geometry, const Facet& facet) {
-  Piece piece{polygonOf(geometry.corners(facet), facet.part),
-              facet.outlined || facet.part == FacetPart::Border, facet.pale, facet.colour,
-              facet.part};
+  const std::span<const Vector3> outer = geometry.corners(facet);
+  // The sides of a part of a face are as if it had been cut there.
+  Piece piece{{{outer.begin(), outer.end()}, std::vector<char>(outer.size(), facet.isPart ? 1 : 0)},
+              facet.colour};
   const std::vector<Vector3>& corners = piece.outer.corners;
   piece.normal = Vector3::Zero();
   for (std::size_t k = 2; k < corners.size(); ++k) {
@@ -201,6 +194,17 @@ class View {
   Eigen::Vector2d operator()(const Vector3& point) const {
     const Vector3 seen = point - camera_.eye;
     return scaleAt(seen) * Eigen::Vector2d(right_.dot(seen), up_.dot(seen));
+  }
+
+  /// Metres at a point that are this many heights of the picture there.
+  double metresAt(const Vector3& point, double heights) const {
+    return heights / scaleAt(point - camera_.eye);
+  }
+
+  /// To the right of a line in the picture, which is outside of a polygon on its left; unit.
+  Vector3 rightOf(const Vector3& from, const Vector3& to) const {
+    const Vector3 back = camera_.orthographic ? Vector3(-forward_) : Vector3(camera_.eye - from);
+    return (to - from).cross(back).normalized();
   }
 
   /// The half-space of points x with normal . x >= offset that the side of a polygon bounds in the
@@ -286,10 +290,11 @@ class PictureGrid {
 /// A part of a line, from 0 at its first point to 1 at its last.
 using Interval = std::pair<double, double>;
 
-/// The part of a line that a piece hides: from one bound to the other, as both are convex. Empty
-/// (first not before second) where it hides nothing.
-Interval hiddenBy(const Piece& piece, const Vector3& from, const Vector3& to, const View& view,
-                  double tolerance) {
+/// The part of a line that lies within a piece in the picture and no less than `depth` metres behind
+/// its plane: from one bound to the other, as both are convex. Empty (first not before second) where
+/// there is none.
+Interval behind(const Piece& piece, const Vector3& from, const Vector3& to, const View& view,
+                double depth) {
   Interval hidden(0, 1);
   const auto keepWhere = [&](const Vector3& normal, double offset) {
     const double before = normal.dot(from) - offset, after = normal.dot(to) - offset;
@@ -301,7 +306,7 @@ Interval hiddenBy(const Piece& piece, const Vector3& from, const Vector3& to, co
       hidden.second = std::min(hidden.second, before / (before - after));
     }
   };
-  keepWhere(-piece.normal, -piece.offset + tolerance);
+  keepWhere(-piece.normal, -piece.offset + depth);
   const std::vector<Vector3>& corners = piece.outer.corners;
   Vector3 middle = Vector3::Zero();
   for (const Vector3& corner : corners) middle += corner / static_cast<double>(corners.size());
@@ -326,58 +331,79 @@ std::vector<Interval> restOf(std::vector<Interval> hidden, double least) {
   return rest;
 }
 
+/// The parts that lie in both lists; both are in order and do not overlap in themselves.
+std::vector<Interval> inBoth(const std::vector<Interval>& a, const std::vector<Interval>& b) {
+  std::vector<Interval> common;
+  for (const Interval& first : a) {
+    for (const Interval& second : b) {
+      const Interval part(std::max(first.first, second.first),
+                          std::min(first.second, second.second));
+      if (part.first < part.second) common.push_back(part);
+    }
+  }
+  return common;
+}
+
 /// Lines from what shows of the sides of a polygon, one after the other from a corner on.
 class OutlineChain {
  public:
   /// A visible part of the next side; it extends the line that ends where it begins.
-  void add(const Vector3& from, const Vector3& to, const Interval& part) {
+  void add(const Vector3& from, const Vector3& to, const Interval& part, bool isSilhouette) {
     const auto at = [&](double share) -> Vector3 {
       return share == 0 ? from : share == 1 ? to : from + share * (to - from);
     };
-    if (lines_.empty() || part.first > 0 || lines_.back().back() != from)
-      lines_.push_back({at(part.first)});
-    lines_.back().push_back(at(part.second));
+    const Vector3 begin = at(part.first);
+    if (lines_.empty() || lines_.back().isSilhouette != isSilhouette ||
+        lines_.back().points.back() != begin) {
+      lines_.push_back({{begin}, isSilhouette});
+    }
+    lines_.back().points.push_back(at(part.second));
   }
 
   /// What ends at the corner where the first line begins is one with it.
-  std::vector<std::vector<Vector3>> finish() {
-    if (lines_.size() > 1 && lines_.back().back() == lines_.front().front()) {
-      lines_.back().insert(lines_.back().end(), lines_.front().begin() + 1, lines_.front().end());
+  std::vector<SeenLine> finish() {
+    if (lines_.size() > 1 && lines_.back().isSilhouette == lines_.front().isSilhouette &&
+        lines_.back().points.back() == lines_.front().points.front()) {
+      std::vector<Vector3>& points = lines_.back().points;
+      points.insert(points.end(), lines_.front().points.begin() + 1, lines_.front().points.end());
       lines_.erase(lines_.begin());
     }
     return std::move(lines_);
   }
 
  private:
-  std::vector<std::vector<Vector3>> lines_;
+  std::vector<SeenLine> lines_;
 };
 
-/// Finds what shows of the sides of pieces.
+/// Finds what shows of the sides of faces.
 class SideFinder {
  public:
-  SideFinder(const std::vector<Piece>& pieces, const Camera& camera)
+  SideFinder(const std::vector<Piece>& pieces, const Camera& camera, double silhouetteWidth)
       : pieces_(pieces),
         view_(camera),
         grid_(pieces, view_),
-        tolerance_(kOnPlane * sizeOf(pieces)) {}
+        tolerance_(kOnPlane * sizeOf(pieces)),
+        silhouetteWidth_(silhouetteWidth) {}
 
-  /// Appends those of a piece that did not come from cutting.
-  void addSeenSides(std::size_t own, OutlineChain& chain) {
-    const auto& [corners, isCut] = pieces_[own].outer;
-    for (std::size_t side = 0; side < corners.size(); ++side) {
-      if (isCut[side] != 0) continue;
-      const Vector3 &from = corners[side], &to = corners[(side + 1) % corners.size()];
-      for (const Interval& part : seenParts(own, from, to)) chain.add(from, to, part);
-    }
+  /// Appends what shows of a side.
+  void addSeen(const Vector3& from, const Vector3& to, OutlineChain& chain) {
+    const std::vector<Interval> seen = seenParts(from, to);
+    if (seen.empty()) return;
+    const std::vector<Interval> bare = bareParts(from, to);
+    std::vector<std::pair<Interval, bool>> parts;
+    for (const Interval& part : inBoth(seen, bare)) parts.emplace_back(part, true);
+    for (const Interval& part : inBoth(seen, restOf(bare, 0))) parts.emplace_back(part, false);
+    std::ranges::sort(parts);
+    for (const auto& [part, isSilhouette] : parts) chain.add(from, to, part, isSilhouette);
   }
 
  private:
-  std::vector<Interval> seenParts(std::size_t own, const Vector3& from, const Vector3& to) {
+  std::vector<Interval> seenParts(const Vector3& from, const Vector3& to) {
     const Eigen::Vector2d begin = view_(from), end = view_(to);
     std::vector<Interval> hidden;
     for (const std::size_t k : grid_.near(Eigen::AlignedBox2d(begin).extend(end))) {
-      if (k == own || pieces_[k].colour.alpha < 255) continue;
-      const Interval part = hiddenBy(pieces_[k], from, to, view_, tolerance_);
+      if (pieces_[k].colour.alpha < 255) continue;
+      const Interval part = behind(pieces_[k], from, to, view_, tolerance_);
       if (part.first < part.second) hidden.push_back(part);
     }
     // Between two facets side by side their margins show, under the line between them.
@@ -385,18 +411,41 @@ class SideFinder {
     return restOf(std::move(hidden), least);
   }
 
+  /// Where no piece continues on the outer side. Parts shorter than a line is wide do not count.
+  std::vector<Interval> bareParts(const Vector3& from, const Vector3& to) {
+    if (silhouetteWidth_ <= 0) return {};
+    const double width = view_.metresAt(from, silhouetteWidth_);
+    const Vector3 away = 0.5 * width * view_.rightOf(from, to);
+    const Vector3 first = from + away, last = to + away;
+    const Eigen::Vector2d begin = view_(first), end = view_(last);
+    std::vector<Interval> covered;
+    for (const std::size_t k : grid_.near(Eigen::AlignedBox2d(begin).extend(end))) {
+      const Interval part = behind(pieces_[k], first, last, view_, -width);
+      if (part.first < part.second) covered.push_back(part);
+    }
+    std::vector<Interval> bare = restOf(std::move(covered), 0);
+    const double least = silhouetteWidth_ / std::max((end - begin).norm(), silhouetteWidth_);
+    std::erase_if(bare, [least](const Interval& part) { return part.second - part.first < least; });
+    return bare;
+  }
+
   const std::vector<Piece>& pieces_;
   View view_;
   PictureGrid grid_;
   double tolerance_;
+  double silhouetteWidth_;
 };
+
+Plane nearPlaneOf(const Camera& camera) {
+  const Vector3 forward = (camera.centre - camera.eye).normalized();
+  return {forward, forward.dot(camera.eye) + camera.near, 0};
+}
 
 }  // namespace
 
 std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector<Facet>& facets,
                               const Camera& camera) {
-  const Vector3 forward = (camera.centre - camera.eye).normalized();
-  const Plane nearPlane{forward, forward.dot(camera.eye) + camera.near, 0};
+  const Plane nearPlane = nearPlaneOf(camera);
   std::vector<Piece> pieces;
   for (const Facet& facet : facets) {
     Piece piece = makePiece(geometry, facet);
@@ -406,21 +455,33 @@ std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector
   return pieces;
 }
 
-std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera) {
-  SideFinder finder(pieces, camera);
+std::vector<Piece> drawnPieces(const PictureGeometry& geometry, const Camera& camera) {
+  std::vector<Piece> pieces = makePieces(geometry, geometry.solid, camera);
+  std::ranges::move(makePieces(geometry, geometry.translucent, camera),
+                    std::back_inserter(pieces));
+  return pieces;
+}
+
+std::vector<SeenOutline> seenOutlines(const PictureGeometry& geometry,
+                                      const std::vector<Piece>& pieces, const Camera& camera,
+                                      double silhouetteWidth) {
+  const Plane nearPlane = nearPlaneOf(camera);
+  SideFinder finder(pieces, camera, silhouetteWidth);
   std::vector<SeenOutline> outlines;
-  for (std::size_t own = 0; own < pieces.size(); ++own) {
+  for (const FaceOutline& outline : geometry.outlines) {
     checkInterruption();
-    const Piece& first = pieces[own];
-    if (!first.outlined) continue;
     OutlineChain chain;
-    finder.addSeenSides(own, chain);
-    // The borders of one face follow each other.
-    while (first.part == FacetPart::Border && own + 1 < pieces.size() &&
-           pieces[own + 1].part == FacetPart::Border) {
-      finder.addSeenSides(++own, chain);
+    for (int k = 0; k < outline.count; ++k) {
+      Vector3 from = geometry.points[outline.first + k];
+      Vector3 to = geometry.points[outline.first + (k + 1) % outline.count];
+      const double before = nearPlane.distance(from), after = nearPlane.distance(to);
+      if (before <= 0 && after <= 0) continue;
+      const Vector3 cut = from + before / (before - after) * (to - from);
+      if (before < 0) from = cut;
+      if (after < 0) to = cut;
+      finder.addSeen(from, to, chain);
     }
-    outlines.push_back({chain.finish(), first.pale, first.colour.alpha / 255.0});
+    outlines.push_back({chain.finish(), outline.pale, outline.opacity});
   }
   return outlines;
 }

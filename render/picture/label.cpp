@@ -194,15 +194,35 @@ bool hasFamily(FcPattern* font, const FcChar8* family) {
 
 }  // namespace
 
-std::filesystem::path fontFile(const std::string& family) {
+namespace {
+
+/// What fontconfig finds for a family and a weight.
+OwnedPattern matchFont(const std::string& family, Weight weight) {
   const auto* name = reinterpret_cast<const FcChar8*>(family.c_str());
   const OwnedPattern wanted(FcPatternCreate());
   FcPatternAddString(wanted.get(), FC_FAMILY, name);
   FcPatternAddBool(wanted.get(), FC_SCALABLE, FcTrue);
+  if (weight == Weight::Bold) FcPatternAddInteger(wanted.get(), FC_WEIGHT, FC_WEIGHT_BOLD);
   FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
   FcDefaultSubstitute(wanted.get());
   FcResult result = FcResultNoMatch;
-  const OwnedPattern font(FcFontMatch(nullptr, wanted.get(), &result));
+  return OwnedPattern(FcFontMatch(nullptr, wanted.get(), &result));
+}
+
+}  // namespace
+
+std::filesystem::path findFont(Weight weight) {
+  if (weight == Weight::Regular) return findFont();
+  const std::string family = fontFamily();
+  const OwnedPattern font = matchFont(family, Weight::Bold);
+  const bool isFound =
+      font && hasFamily(font.get(), reinterpret_cast<const FcChar8*>(family.c_str()));
+  return isFound ? std::filesystem::path(textOf(font.get(), FC_FILE)) : findFont();
+}
+
+std::filesystem::path fontFile(const std::string& family) {
+  const auto* name = reinterpret_cast<const FcChar8*>(family.c_str());
+  const OwnedPattern font = matchFont(family, Weight::Regular);
   if (font && hasFamily(font.get(), name)) return textOf(font.get(), FC_FILE);
   const std::string nearest = font ? textOf(font.get(), FC_FAMILY) : "";
   throw InputError(fmt::format(
@@ -274,8 +294,8 @@ void FrameSurface::box(double left, double upper, double width, double height, C
 }
 
 void FrameSurface::text(const std::string& line, double left, double baseline, int em,
-                        Colour colour) {
-  LabelWriter(em).draw(frame_, line, nearestPixel(left), nearestPixel(baseline), colour);
+                        Colour colour, Weight weight) {
+  LabelWriter(em, findFont(weight)).draw(frame_, line, nearestPixel(left), nearestPixel(baseline), colour);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -311,6 +331,11 @@ int pixels(double length) {
 
 }  // namespace
 
+Colour colourAt(const ColourScale& scale, double share) {
+  return scale.background ? mapColour(scale.map, share, *scale.background)
+                          : mapColour(scale.map, share);
+}
+
 double shareOf(const ColourScale& scale, double value) {
   const double range = scale.most - scale.least;
   return range > 0 ? (value - scale.least) / range : 0;
@@ -345,7 +370,7 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
   for (int k = 0; k < length; ++k) {
     const double share = length > 1 ? static_cast<double>(k) / (length - 1) : 0;
     // Each over the rest of the bar: no gap shows between two.
-    surface.box(bar + k, upper, length - k, height, mapColour(scale.map, share));
+    surface.box(bar + k, upper, length - k, height, colourAt(scale, share));
   }
   drawTicks(surface, scale, bar, upper + height, length);
 }

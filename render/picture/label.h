@@ -16,6 +16,9 @@ namespace kirireel::picture {
 // ------------------------------------------------------------------------------------------------
 // Text in pictures.
 
+/// Of letters.
+enum class Weight { Regular, Bold };
+
 /// Chooses the family of all text from now on, for example "Liberation Sans"; empty: the program's
 /// own. Throws InputError when the machine has none of this name. Call it before other threads
 /// start.
@@ -25,6 +28,9 @@ void setFont(const std::string& family);
 /// Debian, Fedora or Arch keep it. Throws OutputError that names Debian's package when there is
 /// none.
 std::filesystem::path findFont();
+
+/// The same in a weight: the bold font of the same family where there is one, else the regular one.
+std::filesystem::path findFont(Weight weight);
 
 /// The name of that font's family, for example "DejaVu Sans".
 std::string fontFamily();
@@ -99,8 +105,8 @@ class Surface {
   virtual void box(double left, double upper, double width, double height, Colour colour) = 0;
 
   /// One line of text in UTF-8 from its left end, its letters on `baseline`. em: its size.
-  virtual void text(const std::string& line, double left, double baseline, int em,
-                    Colour colour) = 0;
+  virtual void text(const std::string& line, double left, double baseline, int em, Colour colour,
+                    Weight weight = Weight::Regular) = 0;
 };
 
 /// Draws on a picture, which must outlive it. What falls outside is left out.
@@ -111,7 +117,8 @@ class FrameSurface : public Surface {
 
   void box(double left, double upper, double width, double height, Colour colour) override;
   /// Throws OutputError when the font is missing.
-  void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
+  void text(const std::string& line, double left, double baseline, int em, Colour colour,
+            Weight weight) override;
 
  private:
   Frame& frame_;
@@ -154,7 +161,12 @@ struct ColourScale {
   double least = 0;                    ///< the value of the scale's dark end
   double most = 1;                     ///< the value of its bright end
   std::string title;                   ///< quantity and unit, ASCII, for example "target error, m"
+  /// That colours stand out from; absent: they are those of the map.
+  std::optional<Colour> background = {};
 };
+
+/// The colour of a share of the scale.
+Colour colourAt(const ColourScale& scale, double share);
 
 /// What one of several colours means.
 struct LegendEntry {

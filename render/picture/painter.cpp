@@ -3,10 +3,10 @@
 // - 1. GeometryBuilder makes flat polygons of what the camera sees (geometry.h), in five layers:
 // ground,
 //   shadow, solid, translucent, overlay.
-// - 2. Tessellator turns them into triangles in clip coordinates. A face with an outline is the
-//   polygon within it and a band of two triangles along each side. Translucent polygons are cut and
-//   sorted before, the farthest first (makePieces), since blending needs that order
-//   everywhere.
+// - 2. Tessellator turns them into triangles in clip coordinates. Translucent polygons are cut and
+//   sorted before, the farthest first (makePieces), since blending needs that order everywhere.
+//   What shows of the outlines (seenOutlines) is drawn over all faces: lines of one width, as in
+//   vector graphics, of rectangles and of discs at their corners.
 // - 3. The picture is cut into parts of at most 2048 x 1024 pixels that some triangle touches. For
 //   each part the triangles that may touch it are drawn into a framebuffer of 2 x 3 samples a
 //   pixel, ground and overlay in painting order, solid ones by depth, translucent ones blended over
@@ -23,9 +23,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "render/picture/gl_context.h"
@@ -117,24 +120,31 @@ struct TriangleMesh {
   std::vector<FacetTriangles> facets;
   int groundEnd = 0;  ///< facets of the plate and the shadow: first, in painting order
   int solidEnd = 0;   ///< then those that hide each other by depth
-  int translucentEnd =
-      0;  ///< then those that are blended, in painting order; the rest is laid over
+  int translucentEnd = 0;  ///< then those that are blended, in painting order
+  int linesEnd = 0;        ///< then outlines; the rest is laid over
+  bool hasTranslucentLines = false;
 
   int facetCount() const { return static_cast<int>(facets.size()); }
   void clear() {
     vertices.clear();
     indices.clear();
     facets.clear();
+    hasTranslucentLines = false;
   }
 };
 
-/// Turns facets into triangles: the face within its outline, and the outline as a band along each
-/// side. Facets are convex, so each is a fan from its first corner.
+/// Corners of the disc that closes the end of a line.
+constexpr int kCapSides = 12;
+
+/// Turns facets and lines into triangles. Facets are convex, so each is a fan from its first corner.
 class Tessellator {
  public:
   Tessellator(const PictureGeometry& geometry, const Eigen::Matrix4d& clipFromWorldAxes,
-              TriangleMesh& mesh)
-      : sketch_(geometry), clipFromWorld_(clipFromWorldAxes), mesh_(mesh) {}
+              FrameSize size, TriangleMesh& mesh)
+      : sketch_(geometry),
+        clipFromWorld_(clipFromWorldAxes),
+        half_(0.5 * size.width, 0.5 * size.height),
+        mesh_(mesh) {}
 
   /// Cut where they cross, the farthest first.
   void appendSorted(const std::vector<Facet>& facets, const Camera& camera) {
@@ -145,7 +155,36 @@ class Tessellator {
 
   void append(const std::vector<Facet>& facets) {
     for (const Facet& facet : facets) {
-      addFacet([&](ClipBox& place) { append(facet, place); });
+      addFacet([&](ClipBox& place) { appendFan(sketch_.corners(facet), facet.colour, place); });
+    }
+  }
+
+  /// Each outline is nearer to the eye than the one before and of one depth in itself: where its
+  /// lines overlap, a translucent one is blended once.
+  void append(std::vector<SeenOutline> outlines, const Style& style) {
+    // Bytes round after each blending: a fixed order makes the picture that of bricks in any order.
+    std::erase_if(outlines, [](const SeenOutline& outline) { return outline.lines.empty(); });
+    if (std::ranges::any_of(outlines, [](const SeenOutline& o) { return o.opacity < 1; })) {
+      std::ranges::stable_sort(outlines, {}, [](const SeenOutline& outline) {
+        const Vector3& point = outline.lines[0].points[0];
+        return std::tuple(outline.opacity, outline.pale, point.x(), point.y(), point.z());
+      });
+    }
+    const double step = 1.9 / std::max<std::size_t>(1, outlines.size());
+    double depth = 0.95;
+    for (const auto& [lines, pale, opacity] : outlines) {
+      depth -= step;
+      Colour colour = pale ? style.paleEdge : style.edge;
+      colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
+      mesh_.hasTranslucentLines |= colour.alpha < 255;
+      const std::array<std::uint8_t, 4> channels = bytes(colour);
+      for (const auto& [points, isSilhouette] : lines) {
+        const double width = isSilhouette ? style.silhouetteWidth : style.slitWidth;
+        // In pixels, of which the picture is 2 half_.y high.
+        addFacet([&](ClipBox& place) {
+          appendLine(points, half_.y() * width, static_cast<float>(depth), channels, place);
+        });
+      }
     }
   }
 
@@ -167,15 +206,36 @@ class Tessellator {
     return first;
   }
 
-  void append(const Facet& facet, ClipBox& place) {
-    const auto count = static_cast<GLuint>(facet.count);
-    const GLuint inner = appendFan(sketch_.inner(facet), sketch_.flatColourOf(facet), place);
-    if (!facet.outlined) return;
-    const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.outlineOf(facet), place);
-    for (GLuint k = 0; k < count; ++k) {
-      const GLuint next = (k + 1) % count;
-      triangle(outer + next, inner + next, outer + k);
-      triangle(inner + next, inner + k, outer + k);
+  /// radius: half the line's width, pixels.
+  void appendLine(const std::vector<Vector3>& points, double radius, float depth,
+                  const std::array<std::uint8_t, 4>& channels, ClipBox& place) {
+    const auto vertex = [&](const Eigen::Vector2d& pixel) {
+      const Eigen::Vector2f clip = pixel.cwiseQuotient(half_).cast<float>();
+      mesh_.vertices.push_back({{clip.x(), clip.y(), depth, 1}, channels});
+      place.add(mesh_.vertices.back());
+      return static_cast<GLuint>(mesh_.vertices.size() - 1);
+    };
+    Eigen::Vector2d before;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Eigen::Vector4d clip = clipFromWorld_ * points[k].homogeneous();
+      const Eigen::Vector2d pixel = (clip.head<2>() / clip.w()).cwiseProduct(half_);
+      const GLuint first = static_cast<GLuint>(mesh_.vertices.size());
+      for (int side = 0; side < kCapSides; ++side) {
+        const double angle = 2 * std::numbers::pi * side / kCapSides;
+        vertex(pixel + radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+        if (side > 1) triangle(first, first + side - 1, first + side);
+      }
+      if (k > 0 && pixel != before) {
+        const Eigen::Vector2d along = (pixel - before).normalized();
+        const Eigen::Vector2d across = radius * Eigen::Vector2d(-along.y(), along.x());
+        const GLuint from = vertex(before - across);
+        vertex(pixel - across);
+        vertex(pixel + across);
+        vertex(before + across);
+        triangle(from, from + 1, from + 2);
+        triangle(from, from + 2, from + 3);
+      }
+      before = pixel;
     }
   }
 
@@ -198,32 +258,9 @@ class Tessellator {
 
   const PictureGeometry& sketch_;
   Eigen::Matrix4d clipFromWorld_;
+  Eigen::Vector2d half_;  ///< sides of the picture, halved, pixels
   TriangleMesh& mesh_;
 };
-
-/// Facets without outlines that look the same: within each outline one, and one along each side.
-std::vector<Facet> withoutOutlines(const std::vector<Facet>& facets, PictureGeometry& geometry) {
-  std::vector<Facet> split;
-  for (const Facet& facet : facets) {
-    if (!facet.outlined) {
-      split.push_back(facet);
-      split.back().colour = geometry.flatColourOf(facet);
-      continue;
-    }
-    split.push_back(
-        {.first = facet.first + facet.count, .count = facet.count, .colour = facet.colour});
-    for (int k = 0; k < facet.count; ++k) {
-      const int from = facet.first + k, to = facet.first + (k + 1) % facet.count;
-      split.push_back({.first = static_cast<int>(geometry.points.size()),
-                       .count = 4,
-                       .colour = geometry.outlineOf(facet)});
-      for (const int corner : {from, to, to + facet.count, from + facet.count}) {
-        geometry.points.push_back(Vector3(geometry.points[corner]));
-      }
-    }
-  }
-  return split;
-}
 
 /// The triangles of one frame, as the graphics context holds them. Vertex array, vertices and
 /// indices are bound when it is made and stay so: the context has no others.
@@ -353,12 +390,12 @@ class TouchedPixels {
 /// What is painted, apart from the graphics context.
 struct PaintedBricks {
   GeometryBuilder sketcher;
-  Colour background;
+  Style style;
   bool opaque;  ///< whether all pixels have alpha 255
 
-  PaintedBricks(const std::vector<model::Brick>& bricks, const Style& style)
-      : sketcher(bricks, style),
-        background(style.background),
+  PaintedBricks(const std::vector<model::Brick>& bricks, const Style& picturesStyle)
+      : sketcher(bricks, picturesStyle),
+        style(picturesStyle),
         opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {}
 };
 
@@ -377,8 +414,8 @@ struct Painter::Parts {
   PictureGeometry geometry;
   TriangleMesh mesh;
   std::vector<GLuint> indices;  ///< of the triangles of one part
-  /// In these: of the ground, the solid facets, the translucent ones, the overlay.
-  std::array<int, 4> layerEnds{};
+  /// In these: of the ground, the solid facets, the translucent ones, the outlines, the overlay.
+  std::array<int, 5> layerEnds{};
   std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
 
   Parts(FrameSize frameSize, const std::vector<model::Brick>& bricks, const Style& style,
@@ -406,9 +443,8 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<model::Brick>& bric
 /// Fills the mesh and loads its vertices; indices are loaded part by part.
 void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& camera) {
   subject.sketcher.draw(items, camera, geometry);
-  geometry.translucent = withoutOutlines(geometry.translucent, geometry);
   mesh.clear();
-  Tessellator tessellator(geometry, clipFromWorld(camera, size.aspect()), mesh);
+  Tessellator tessellator(geometry, clipFromWorld(camera, size.aspect()), size, mesh);
   tessellator.append(geometry.ground);
   tessellator.append(geometry.shadow);
   mesh.groundEnd = mesh.facetCount();
@@ -416,6 +452,12 @@ void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& c
   mesh.solidEnd = mesh.facetCount();
   tessellator.appendSorted(geometry.translucent, camera);
   mesh.translucentEnd = mesh.facetCount();
+  const Style& style = subject.style;
+  if (style.slitWidth > 0) {
+    tessellator.append(
+        seenOutlines(geometry, drawnPieces(geometry, camera), camera, style.silhouetteWidth), style);
+  }
+  mesh.linesEnd = mesh.facetCount();
   tessellator.append(geometry.overlay);
   MeshBuffer::loadVertices(mesh.vertices);
 }
@@ -435,8 +477,8 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
   const float lower = heightOf(part.max().y() + 1), upper = heightOf(part.min().y() - 1);
   indices.clear();
   int facet = 0;
-  const std::array<int, 4> ends = {mesh.groundEnd, mesh.solidEnd, mesh.translucentEnd,
-                                   mesh.facetCount()};
+  const std::array<int, 5> ends = {mesh.groundEnd, mesh.solidEnd, mesh.translucentEnd,
+                                   mesh.linesEnd, mesh.facetCount()};
   for (std::size_t layer = 0; layer < ends.size(); ++layer) {
     for (; facet < ends[layer]; ++facet) {
       const auto& [place, first, end] = mesh.facets[facet];
@@ -451,7 +493,7 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
 /// Ground and shadow lie below everything, lines above everything; only bricks hide each other.
 /// Translucent ones are hidden by opaque ones and hide nothing.
 void Painter::Parts::drawLayers() const {
-  const auto [groundEnd, solidEnd, translucentEnd, end] = layerEnds;
+  const auto [groundEnd, solidEnd, translucentEnd, linesEnd, end] = layerEnds;
   glDisable(GL_DEPTH_TEST);
   MeshBuffer::draw(0, groundEnd);
   glEnable(GL_DEPTH_TEST);
@@ -460,9 +502,13 @@ void Painter::Parts::drawLayers() const {
   glDepthMask(GL_FALSE);
   MeshBuffer::draw(solidEnd, translucentEnd);
   glDepthMask(GL_TRUE);
+  if (mesh.hasTranslucentLines) {
+    glClear(GL_DEPTH_BUFFER_BIT);
+    MeshBuffer::draw(translucentEnd, linesEnd);
+  }
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  MeshBuffer::draw(translucentEnd, end);
+  MeshBuffer::draw(mesh.hasTranslucentLines ? linesEnd : translucentEnd, end);
 }
 
 /// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx
@@ -470,7 +516,7 @@ void Painter::Parts::drawLayers() const {
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples->drawInto();
-  const std::array<std::uint8_t, 4> back = bytes(subject.background);
+  const std::array<std::uint8_t, 4> back = bytes(subject.style.background);
   const auto channel = [&back](int k) { return static_cast<float>(back[k]) / 255.0F; };
   glClearColor(channel(0), channel(1), channel(2), channel(3));
   // Clearing everything is quicker here than clearing a box, and so is a framebuffer that fits.
@@ -548,7 +594,7 @@ Frame Painter::paint(const Poses& poses, const Camera& camera) {
 Frame Painter::paint(const PictureItems& items, const Camera& camera, Frame storage) {
   parts_->context.makeCurrent();
   parts_->collectTriangles(items, camera);
-  Frame frame = makeFrame(size(), parts_->subject.background, std::move(storage));
+  Frame frame = makeFrame(size(), parts_->subject.style.background, std::move(storage));
   const TouchedPixels touched(parts_->mesh.facets, frame.size);
   for (const PixelBox& part : pictureParts(touched.all(), frame.size)) {
     parts_->fitSamples(part);

@@ -1,14 +1,6 @@
 // Turns items into flat polygons of one colour. The painter draws them as triangles, the canvas as
 // shapes: both show the same.
 //
-// Outlines lie within the faces: the corners of the inner polygon are corners + w d, with the width
-// w and a vector d for each corner that moves both its sides inwards by 1:
-//
-//     d = (n1 + n2) / (1 + n1 . n2),    n1, n2: unit inward normals of the two sides.
-//
-// A side of length l then shrinks by w (d_k - d_k+1) . u with its direction u. w is limited: no
-// side loses more than kMaxOutlineShare of its length.
-//
 // A shadow is the projection of the bricks along the key light onto the plate: of a convex brick
 // the convex outline of its projected corners. Facets of the shadow overlap and have one colour, so
 // together they are one flat shape. A light of some size makes its edge soft: the shadow of a point
@@ -76,7 +68,7 @@ Vector3 towardsEye(const Camera& camera, const Vector3& point) {
 Facet appendFacet(PictureGeometry& geometry, std::span<const Vector3> corners, Colour colour) {
   const int first = static_cast<int>(geometry.points.size());
   geometry.points.insert(geometry.points.end(), corners.begin(), corners.end());
-  return {first, static_cast<int>(corners.size()), false, false, colour};
+  return {first, static_cast<int>(corners.size()), colour};
 }
 
 /// Four corners, anticlockwise from above.
@@ -193,25 +185,9 @@ void drawOverlay(const std::vector<model::Tile>& polygons, double width, Colour 
 
 /// Done once for each face of a run; per picture faces are only turned and moved.
 GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corners) {
-  Face face{corners, {}, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
+  Face face{corners, {}, polygonNormal(corners)};
   if (!model::isConvexPolygon(corners, face.normal))
     face.triangles = model::trianglesOf(corners, face.normal);
-  const std::size_t count = corners.size();
-  // The unit vector in the face's plane that leads inwards from side k.
-  const auto inwards = [&](std::size_t k) -> Vector3 {
-    return face.normal.cross(corners[(k + 1) % count] - corners[k]).normalized();
-  };
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vector3 before = inwards((k + count - 1) % count);
-    const Vector3 after = inwards(k);
-    face.inwards.push_back((before + after) / (1 + before.dot(after)));
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vector3 side = corners[(k + 1) % count] - corners[k];
-    const double shrinking = side.normalized().dot(face.inwards[k] - face.inwards[(k + 1) % count]);
-    if (shrinking <= 0) continue;
-    face.maxOutline = std::min(face.maxOutline, kMaxOutlineShare * side.norm() / shrinking);
-  }
   return face;
 }
 
@@ -224,12 +200,10 @@ GeometryBuilder::GeometryBuilder(const std::vector<model::Brick>& bricks, const 
   }
 }
 
-/// Faces are bottom, top, then sides.
+/// Faces are bottom, top, then sides. Concave ones are divided into triangles.
 void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
-                                const Camera& camera, double outline,
-                                const std::optional<Occluders>& occluders,
+                                const Camera& camera, const std::optional<Occluders>& occluders,
                                 PictureGeometry& geometry) const {
-  const bool pale = isDark(colours);
   std::vector<Facet>& layer = colours.top.alpha < 255 ? geometry.translucent : geometry.solid;
   const Matrix3 rotation = pose.rotation.toRotationMatrix();
   const std::vector<Face>& faces = faces_[brick];
@@ -240,25 +214,22 @@ void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours&
     const Vector3 towards = towardsEye(camera, corner);
     if (normal.dot(towards) <= kEdgeOn * towards.norm()) continue;
     const Colour base = k == 0 ? colours.bottom : k == 1 ? colours.top : colours.side;
-    const double width = std::min(outline, face.maxOutline);
     std::vector<Vector3> corners;
     for (const Vector3& point : face.corners) {
       corners.push_back(pose.position + rotation * point);
     }
     const double occluded = occluders ? occluders->occlusion(brick, corners, normal) : 0;
-    const Colour colour = faceColour(normal, base, style_, occluded);
-    if (!face.triangles.empty()) {
-      drawConcave(face, pose, width, colour, pale, layer, geometry);
-      continue;
+    const Facet whole =
+        appendFacet(geometry, corners, faceColour(normal, base, style_, occluded));
+    if (face.triangles.empty()) layer.push_back(whole);
+    for (const auto& [a, b, c] : face.triangles) {
+      layer.push_back(
+          appendFacet(geometry, std::array{corners[a], corners[b], corners[c]}, whole.colour));
+      layer.back().isPart = true;
     }
-    layer.push_back(appendFacet(geometry, corners, colour));
-    layer.back().outlined = width > 0;
-    layer.back().pale = pale;
-    if (width <= 0) continue;
-    for (std::size_t i = 0; i < face.corners.size(); ++i) {
-      geometry.points.push_back(pose.position +
-                                rotation * (face.corners[i] + width * face.inwards[i]));
-    }
+    if (style_.slitWidth <= 0) continue;
+    geometry.outlines.push_back(
+        {whole.first, whole.count, isDark(colours), whole.colour.alpha / 255.0});
   }
 }
 
@@ -282,30 +253,6 @@ GeometryBuilder::PlacedFaces GeometryBuilder::place(
     }
   }
   return placed;
-}
-
-void GeometryBuilder::drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
-                                  bool pale, std::vector<Facet>& layer,
-                                  PictureGeometry& geometry) const {
-  const std::size_t count = face.corners.size();
-  std::vector<Vector3> outer, inner;
-  for (std::size_t k = 0; k < count; ++k) {
-    outer.push_back(pose.apply(face.corners[k]));
-    inner.push_back(pose.apply(face.corners[k] + std::max(width, 0.0) * face.inwards[k]));
-  }
-  for (const auto& [a, b, c] : face.triangles) {
-    const std::array<Vector3, 3> triangle = {inner[a], inner[b], inner[c]};
-    layer.push_back(appendFacet(geometry, triangle, colour));
-    layer.back().part = FacetPart::Inside;
-  }
-  if (width <= 0) return;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t next = (k + 1) % count;
-    const std::array<Vector3, 4> band = {outer[k], outer[next], inner[next], inner[k]};
-    layer.push_back(appendFacet(geometry, band, colour));
-    layer.back().part = FacetPart::Border;
-    layer.back().pale = pale;
-  }
 }
 
 void GeometryBuilder::CastPoints::add(const Vector3& point, const Style& style) {
@@ -368,12 +315,11 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
   assert(items.poses.size() == faces_.size());
   assert(items.colours.empty() || items.colours.size() == faces_.size());
   geometry.points.clear();
+  geometry.outlines.clear();
   for (auto* layer : {&geometry.ground, &geometry.shadow, &geometry.solid, &geometry.translucent,
                       &geometry.overlay}) {
     layer->clear();
   }
-  geometry.edge = style_.edge;
-  geometry.paleEdge = style_.paleEdge;
 
   const double height = heightAtCentre(camera);
   const std::vector<BrickColours> colours = coloursOf(items);
@@ -390,9 +336,7 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
     checkInterruption();
     if (!isDrawn(colours[brick])) continue;
-    // Each of two flush faces draws half of the line between them.
-    drawBrick(brick, items.poses[brick], colours[brick], camera, 0.5 * style_.edgeWidth * height,
-              occluders, geometry);
+    drawBrick(brick, items.poses[brick], colours[brick], camera, occluders, geometry);
   }
   drawScenery(items.scenery, style_, camera, geometry);
   drawMarks(items.marks, 0.5 * style_.markSize * height, style_.mark, camera, geometry);

@@ -56,10 +56,6 @@ class Occluders {
 // ------------------------------------------------------------------------------------------------
 // What a picture shows, as flat polygons in space: the same for pixels and for vector graphics.
 
-/// The largest width of an outline, as a fraction of the width that would cover the face's
-/// shortest side. Small and thin faces keep their colour.
-inline constexpr double kMaxOutlineShare = 0.35;
-
 /// A dot is drawn this many of its radii nearer to the eye: the bricks below do not cut into it.
 inline constexpr double kDotLift = 3;
 
@@ -77,23 +73,20 @@ struct PictureItems {
       scenery;  ///< polygons that are no bricks, seen from both sides, world axes
 };
 
-/// Which part of a face a facet is.
-enum class FacetPart {
-  Whole,   ///< all of it; also a polygon that is no face
-  Inside,  ///< of a concave face, within its outline
-  Border,  ///< of a concave face, the outline along the side that is the facet's first
+/// A convex polygon of one colour that faces the camera. Its corners are stored in a geometry.
+struct Facet {
+  int first = 0;  ///< of its corners in the geometry's points, anticlockwise in the picture
+  int count = 0;  ///< of its corners
+  Colour colour;  ///< lit
+  bool isPart = false;  ///< of a concave face, which was divided
 };
 
-/// A convex polygon of one colour that faces the camera, with or without an outline within it. Its
-/// points are stored in a geometry. With an outline it has 2 count points: the corners, then
-/// the corners within the outline in the same order.
-struct Facet {
-  int first = 0;          ///< of its corners in the geometry's points, anticlockwise in the picture
-  int count = 0;          ///< of its corners
-  bool outlined = false;  ///< then as many points follow: its corners within the outline
-  bool pale = false;      ///< whether that outline is the pale one
-  Colour colour;          ///< within the outline
-  FacetPart part = FacetPart::Whole;  ///< which part of a brick it is of
+/// The sides of a face that faces the camera, to be drawn as lines.
+struct FaceOutline {
+  int first = 0;       ///< of its corners in the geometry's points, anticlockwise in the picture
+  int count = 0;       ///< of its corners
+  bool pale = false;   ///< whether the lines are the pale ones, as on dark bricks
+  double opacity = 1;  ///< of its brick
 };
 
 /// All that a picture shows, in layers: each hides the ones before it.
@@ -104,28 +97,12 @@ struct PictureGeometry {
   std::vector<Facet> solid;     ///< in no order: what is nearer hides what is farther
   /// In no order either: what is farther shows through what is nearer.
   std::vector<Facet> translucent;
-  std::vector<Facet> overlay;  ///< lines, in painting order
-  Colour edge;                 ///< of the outlines
-  Colour paleEdge;             ///< of those on dark bricks
+  std::vector<FaceOutline> outlines;  ///< of bricks, in the order of their facets
+  std::vector<Facet> overlay;         ///< lines, in painting order
 
-  /// As opaque as the facet.
-  Colour outlineOf(const Facet& facet) const {
-    Colour colour = facet.pale ? paleEdge : edge;
-    colour.alpha = facet.colour.alpha;
-    return colour;
-  }
-  /// Of a facet within its outline, where each part is one colour.
-  Colour flatColourOf(const Facet& facet) const {
-    return facet.part == FacetPart::Border ? outlineOf(facet) : facet.colour;
-  }
   /// A facet's corners, in their order, world axes.
   std::span<const Vector3> corners(const Facet& facet) const {
     return std::span(points).subspan(facet.first, facet.count);
-  }
-  /// The corners within the outline; without an outline the corners themselves.
-  std::span<const Vector3> inner(const Facet& facet) const {
-    const int first = facet.outlined ? facet.first + facet.count : facet.first;
-    return std::span(points).subspan(first, facet.count);
   }
 };
 
@@ -144,9 +121,7 @@ class GeometryBuilder {
   /// A face in brick axes.
   struct Face {
     std::vector<Vector3> corners;
-    std::vector<Vector3> inwards;  ///< how the corners move when all sides move in by 1 m
     std::vector<std::array<int, 3>> triangles;  ///< of a concave face; none: it is convex
-    double maxOutline = 0;                      ///< metres
     Vector3 normal;
   };
 
@@ -161,11 +136,7 @@ class GeometryBuilder {
   PlacedFaces place(const Poses& poses, const std::vector<BrickColours>& colours) const;
   /// occluders: absent where no light is kept away.
   void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
-                 double outline, const std::optional<Occluders>& occluders,
-                 PictureGeometry& geometry) const;
-  /// A concave face: its inside as triangles, its outline as a band along each side.
-  void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, bool pale,
-                   std::vector<Facet>& layer, PictureGeometry& geometry) const;
+                 const std::optional<Occluders>& occluders, PictureGeometry& geometry) const;
   /// Points on the plate whose convex outline is the shadow of a brick or a part of one.
   struct CastPoints {
     std::vector<Vector3> points;
@@ -197,13 +168,10 @@ struct CutPolygon {
 
 /// A facet or a part of one. Pieces of one facet share its plane: cutting never moves a face.
 struct Piece {
-  CutPolygon outer;       ///< with its outline
-  bool outlined = false;  ///< whether its sides that are not cut are the outline of a face
-  bool pale = false;      ///< whether that is the pale one
-  Colour colour;          ///< of the facet, lit
-  FacetPart part = FacetPart::Whole;  ///< which part of a brick it is of
-  Vector3 normal;                     ///< of the facet's plane, unit, towards the camera's side
-  double offset = 0;                  ///< normal . point for the points of the plane
+  CutPolygon outer;   ///< world axes
+  Colour colour;      ///< of the facet, lit
+  Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
+  double offset = 0;  ///< normal . point for the points of the plane
 };
 
 /// The pieces of a layer of facets, in its order. Parts nearer to the camera
@@ -211,20 +179,32 @@ struct Piece {
 std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector<Facet>& facets,
                               const Camera& camera);
 
-/// The lines of a facet's outline that nothing hides, each through two points or more, world axes;
-/// a closed line ends where it began.
-struct SeenOutline {
-  std::vector<std::vector<Vector3>> lines;  ///< each two points or more, metres
-  bool pale = false;                        ///< drawn in the pale outline colour, as on dark bricks
-  double opacity = 1;                       ///< of its facet
+/// The pieces of all bricks, the opaque ones first.
+std::vector<Piece> drawnPieces(const PictureGeometry& geometry, const Camera& camera);
+
+/// A part of an outline that nothing hides, through two points or more, world axes. A closed line
+/// ends where it began.
+struct SeenLine {
+  std::vector<Vector3> points;  ///< metres
+  bool isSilhouette = false;    ///< on its outer side lies what is farther away, or nothing
 };
 
-/// What shows of the outlines of whole facets, as makePieces() gives them, in their order. A side
-/// is hidden where it lies behind the plane of another, opaque facet and within that facet's
-/// outline as the camera sees it. Drawn over all faces they stay whole: drawn face by face, the
-/// half of a line that lies beyond its face would be covered by the neighbour, and lines along a
-/// cut by the seam that closes it.
-std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera);
+/// The lines of an outline that nothing hides.
+struct SeenOutline {
+  std::vector<SeenLine> lines;
+  bool pale = false;   ///< see FaceOutline
+  double opacity = 1;  ///< of its brick
+};
+
+/// What shows of the outlines of a geometry, in their order. pieces: all of its bricks, see
+/// drawnPieces(). A side is hidden where it lies behind the plane of an opaque piece and within the
+/// piece as the camera sees it. It is a silhouette where no piece continues on its outer side, at
+/// half the width of a silhouette (in heights of the picture) and no deeper than that width; with
+/// the width 0 none is. Lines are drawn over all faces: drawn face by face, half of a line would be
+/// covered by the neighbour. What is nearer than the camera's near plane is cut away.
+std::vector<SeenOutline> seenOutlines(const PictureGeometry& geometry,
+                                      const std::vector<Piece>& pieces, const Camera& camera,
+                                      double silhouetteWidth);
 
 /// Puts facets that all look at the camera into an order in which each hides those before it, by
 /// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem

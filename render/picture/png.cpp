@@ -84,9 +84,11 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (settings.dotsPerInch.has_value()) {
-    // Whole numbers only: 300 dots per inch are 11811 by metre.
+    // Whole numbers only. Never fewer than requested, which journals check: 300 dots per inch are
+    // 11812 per metre.
+    constexpr double kRounding = 1e-6;
     const auto dotsPerMetre =
-        static_cast<png_uint_32>(std::lround(*settings.dotsPerInch / kMetresPerInch));
+        static_cast<png_uint_32>(std::ceil(*settings.dotsPerInch / kMetresPerInch - kRounding));
     png_set_pHYs(png, info, dotsPerMetre, dotsPerMetre, PNG_RESOLUTION_METER);
   }
   if (!settings.description.empty()) {

@@ -19,6 +19,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "render/picture/canvas.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/trajectory/run_curves.h"
@@ -57,8 +58,26 @@ std::optional<GroundPlate> plateFor(const Look& look, const PictureContent& cont
 Style pageStyle(const Look& look) {
   Style style = look.theme == Theme::Dark ? darkStyle() : Style();
   if (look.background) style.background = *look.background;
+  style.text = readableText(style.text, style.background);
   if (look.transparent) style.background.alpha = 0;
   return style;
+}
+
+/// The colour behind the bricks.
+Colour groundColour(const Look& look, const PictureContent& content) {
+  const std::optional<GroundPlate> plate = plateFor(look, content);
+  const Style style = pageStyle(look);
+  Colour colour = plate && plate->visible ? style.ground : style.background;
+  colour.alpha = 255;
+  return colour;
+}
+
+/// In heights of the picture, from points in print.
+void setOutlineWidths(const Look& look, FrameSize size, Style& style) {
+  const double dots = look.pixelsPerInch.value_or(pixelsPerInchOf(size));
+  const double points = look.outlines ? dots / kPointsPerInch / size.height : 0;
+  style.slitWidth = points * look.outlineWidths.slits;
+  style.silhouetteWidth = points * look.outlineWidths.silhouettes;
 }
 
 /// The size decides how thin lines may become.
@@ -67,10 +86,7 @@ Style styleFor(const Look& look, const PictureContent& content, FrameSize size) 
   style.brick = plainColours(look);
   if (look.outlineColour) style.edge = style.paleEdge = *look.outlineColour;
   if (look.occlusion) style.occlusion = *look.occlusion;
-  // Thinner lines would break up into dashes.
-  style.edgeWidth = look.outlines
-                        ? std::max(look.outlineWidth * style.edgeWidth, kThinnestEdge / size.height)
-                        : 0;
+  setOutlineWidths(look, size, style);
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
   if (isMeasure(look.colouring)) {
     // Hardly any shade: colours can be read off the scale from every face.
@@ -101,8 +117,42 @@ std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& s
   return points;
 }
 
-/// Refuses a bad size before anything is made of it.
+/// A flat motion is shown in parallel projection.
+CameraChoice cameraFor(const Look& look, const PictureContent& content) {
+  CameraChoice camera = look.camera;
+  if (camera.view || !content.view) return camera;
+  camera.view = content.view->angles;
+  const bool isStill = camera.keys.empty() && camera.orbit == 0;
+  if (!camera.orthographic && isStill) camera.orthographic = content.view->isFlat;
+  return camera;
+}
+
 }  // namespace
+
+double pixelsPerInchOf(FrameSize size) {
+  constexpr double kMillimetres = 160;
+  return size.width / kMillimetres * kMillimetresPerInch;
+}
+
+bool needsView(const Look& look) {
+  return !look.camera.view && look.camera.keys.empty();
+}
+
+void setView(const Look& look, std::span<const Poses> states, PictureContent& content) {
+  const bool zIsUp = look.camera.orbit != 0 || (look.ground == GroundLook::Auto
+                                                    ? content.groundHeight.has_value()
+                                                    : look.ground != GroundLook::None);
+  std::vector<std::vector<model::Tile>> shown;
+  for (const Poses& poses : states) {
+    const std::vector<model::Tile> tiles = model::bottomTiles(content.bricks, poses);
+    std::vector<model::Tile>& near = shown.emplace_back();
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      if (isShown(content, i, poses[i])) near.push_back(tiles[i]);
+    }
+    if (near.empty()) shown.pop_back();
+  }
+  content.view = chooseView(shown, zIsUp);
+}
 
 /// Cameras hold the start and, where there is one, the target in sight.
 PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
@@ -153,7 +203,7 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
       style_(styleFor(look, content_, requireValidSize(size))),
       palette_(look, content_),
       size_(size),
-      cameras_(look.camera, pointsInSight(content_, style_), size.aspect()),
+      cameras_(cameraFor(look, content_), pointsInSight(content_, style_), size.aspect()),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines) {
   if (!targetLines_ || content_.target) return;
@@ -568,7 +618,7 @@ void BrickPalette::makeScale(const Look& look) {
                     "smaller one, or a larger --colour-most",
                     least, most));
   }
-  scale_ = ColourScale{look.map, least, most, titleOf(colouring_)};
+  scale_ = ColourScale{look.map, least, most, titleOf(colouring_), groundColour(look, content_)};
 }
 
 void BrickPalette::findOpacities(const Look& look) {
@@ -691,7 +741,7 @@ std::vector<BrickColours> BrickPalette::colours(const Poses& poses) const {
     }
   } else {
     for (const double value : values(poses)) {
-      colours.push_back(evenShades(mapColour(scale_->map, shareOf(*scale_, value))));
+      colours.push_back(evenShades(colourAt(*scale_, shareOf(*scale_, value))));
     }
   }
   for (std::size_t brick = 0; brick < opacities_.size(); ++brick) {

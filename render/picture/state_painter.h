@@ -5,9 +5,11 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "render/picture/automatic_view.h"
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
 #include "render/picture/label.h"
@@ -70,6 +72,17 @@ struct TileOpacity {
   double opacity = 1;      ///< 0 (not drawn) to 1
 };
 
+/// Widths of lines on the edges of tiles in print, points of 1/72 inch.
+struct OutlineWidths {
+  double slits = 0.5;         ///< between tiles
+  double silhouettes = 0.75;  ///< on edges with nothing beyond
+
+  bool operator==(const OutlineWidths&) const = default;
+};
+
+/// Resolution in print of a picture where none is given: pictures are 160 mm wide.
+double pixelsPerInchOf(FrameSize size);
+
 /// The look of all pictures of a run. Defaults give the pictures that a run leaves without any
 /// option.
 struct Look {
@@ -90,7 +103,9 @@ struct Look {
   std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
   std::optional<Colour> background;     ///< absent: as the theme has it
   bool outlines = true;                 ///< lines on the edges of tiles
-  double outlineWidth = 1;              ///< of these lines, times the style's, positive
+  OutlineWidths outlineWidths;          ///< of these lines
+  /// Resolution in print; absent: see pixelsPerInchOf().
+  std::optional<double> pixelsPerInch;
   /// Brightness that a face loses from which other bricks keep all light away, 0 to 1; absent: the
   /// style's.
   std::optional<double> occlusion;
@@ -172,6 +187,8 @@ struct PictureContent {
   /// Of the model, metres; infinity where bricks are to be shown however far they are.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
+  /// Chosen for the motion, where the look leaves it to the program; absent: by the points.
+  std::optional<AutomaticView> view;
   /// Of the run, one pose per brick: the range of the colours' values is that of these states.
   /// Empty before the run.
   std::vector<Poses> states;
@@ -233,8 +250,6 @@ class BrickPalette {
 // ------------------------------------------------------------------------------------------------
 // Paints states of a run: one look and one camera for all its pictures.
 
-/// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
-inline constexpr double kThinnestEdge = 2;
 /// The thinnest that lines over a picture are drawn, pixels.
 inline constexpr double kThinnestOverlay = 1.2;
 
@@ -267,6 +282,12 @@ std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& po
 
 /// Adds the same corners to what cameras must hold in sight.
 void keepInSight(PictureContent& content, const Poses& poses);
+
+/// Whether the look leaves the direction of the camera to the program.
+bool needsView(const Look& look);
+
+/// Chooses the view of a motion by some of its states, the first of which is its start.
+void setView(const Look& look, std::span<const Poses> states, PictureContent& content);
 
 /// Everything that decides a picture but the painter: items, style and cameras. Needs no graphics
 /// context.

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace kirireel::picture {
 namespace {
@@ -197,6 +198,94 @@ Colour mapColour(ColourMap map, double share) {
         std::lround(scale[below][k] + rest * (scale[below + 1][k] - scale[below][k])));
   };
   return {channel(0), channel(1), channel(2)};
+}
+
+namespace {
+
+/// Linear light of a byte of sRGB, 0 to 1, and back (IEC 61966-2-1).
+double toLight(std::uint8_t channel) {
+  const double value = channel / 255.0;
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+std::uint8_t fromLight(double light) {
+  const double value =
+      light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+}
+
+/// Relative luminance (WCAG), 0 to 1.
+double luminance(Colour colour) {
+  return 0.2126 * toLight(colour.red) + 0.7152 * toLight(colour.green) +
+         0.0722 * toLight(colour.blue);
+}
+
+/// CIE lightness, 0 to 100, of a luminance, and back. Luminances out of 0 to 1 are taken as these.
+double lightnessOf(double luminance) {
+  const double bounded = std::clamp(luminance, 0.0, 1.0);
+  return bounded <= 216.0 / 24389 ? bounded * 24389 / 27 : 116 * std::cbrt(bounded) - 16;
+}
+double luminanceOf(double lightness) {
+  return lightness <= 8 ? lightness * 27 / 24389 : std::pow((lightness + 16) / 116, 3);
+}
+
+/// The same hue with another luminance: darker in proportion, or mixed with white.
+Colour withLuminance(Colour colour, double wanted) {
+  const double present = luminance(colour);
+  const auto change = [&](std::uint8_t channel) {
+    const double light = toLight(channel);
+    if (wanted <= present) return fromLight(present > 0 ? light * wanted / present : 0);
+    return fromLight(light + (wanted - present) / (1 - present) * (1 - light));
+  };
+  return {change(colour.red), change(colour.green), change(colour.blue), colour.alpha};
+}
+
+/// What lights make of the luminance of a face in colours of a scale, at the least (in creases) and
+/// at the most.
+constexpr double kDimmed = 0.52;
+constexpr double kBrightened = 1.13;
+constexpr double kGraphicsContrast = 3;
+constexpr double kTextContrast = 4.5;
+
+/// The lightnesses that stand out from a background: the larger of the two ranges, below it and
+/// above it.
+std::pair<double, double> readableRange(Colour background) {
+  const double light = luminance(background) + 0.05;
+  const double darkest = lightnessOf((light / kGraphicsContrast - 0.05) / kBrightened);
+  const double brightest = lightnessOf((light * kGraphicsContrast - 0.05) / kDimmed);
+  if (darkest > 100 - brightest) return {0, darkest};
+  return {brightest, 100};
+}
+
+}  // namespace
+
+double contrastOf(Colour a, Colour b) {
+  const auto [dark, bright] = std::minmax({luminance(a), luminance(b)});
+  return (bright + 0.05) / (dark + 0.05);
+}
+
+Colour readableText(Colour text, Colour background) {
+  if (contrastOf(text, background) >= kTextContrast) return text;
+  // Of black and white one always has 4.58 or more.
+  for (const Colour other : {Style().text, darkStyle().text}) {
+    if (contrastOf(other, background) >= kTextContrast) return other;
+  }
+  constexpr Colour kBlack = {0, 0, 0}, kWhite = {255, 255, 255};
+  return contrastOf(kBlack, background) > contrastOf(kWhite, background) ? kBlack : kWhite;
+}
+
+Colour mapColour(ColourMap map, double share, Colour background) {
+  double least = 100, most = 0;
+  for (const auto& [red, green, blue] : scaleOf(map)) {
+    const double lightness = lightnessOf(luminance({red, green, blue}));
+    least = std::min(least, lightness);
+    most = std::max(most, lightness);
+  }
+  const auto [low, high] = readableRange(background);
+  const double first = std::clamp(least, low, high), last = std::clamp(most, low, high);
+  const Colour colour = mapColour(map, share);
+  if (first == least && last == most) return colour;
+  const double place = (lightnessOf(luminance(colour)) - least) / (most - least);
+  return withLuminance(colour, luminanceOf(first + place * (last - first)));
 }
 
 Colour kindColour(int kind) {

@@ -70,9 +70,10 @@ struct Style {
   Colour mark = {196, 52, 44};     ///< dots on joints
   Colour overlay = {200, 30, 90};  ///< lines laid over everything
   Colour text = {30, 30, 30};      ///< captions, scales
-  /// Width of the line between two flush tiles, in heights of the picture; 0 for no outlines. Lines
-  /// lie on the faces, so they are foreshortened like them.
-  double edgeWidth = 0.0028;
+  /// Widths of lines on the edges of tiles, in heights of the picture: where a tile continues on the
+  /// other side, and where none does. 0 for no lines.
+  double slitWidth = 0.00196;
+  double silhouetteWidth = 0.00294;
   double markSize = 0.016;      ///< diameter of a dot, in heights of the picture
   double overlayWidth = 0.003;  ///< of lines laid over, in heights of the picture
   double ambient = 0.58;        ///< brightness of a face that no light reaches
@@ -127,6 +128,18 @@ enum class ColourMap {
 /// The colour of a share of the scale, 0 (its first end) to 1; shares beyond are the ends' colours.
 /// Grey for NaN. Opaque.
 Colour mapColour(ColourMap map, double share);
+
+/// The same, with the scale's range of lightness compressed: a lit face of each colour has a contrast
+/// of 3 or more to the background. Equal steps still look equal.
+Colour mapColour(ColourMap map, double share, Colour background);
+
+/// The contrast of two opaque colours, 1 to 21 (WCAG 2.1, section 1.4.3). At least 3 is required of
+/// graphics, 4.5 of text.
+double contrastOf(Colour a, Colour b);
+
+/// A colour for text on a background: `text` if its contrast is at least 4.5, else a dark or a pale
+/// one.
+Colour readableText(Colour text, Colour background);
 
 /// The colour of one of several kinds, from 0: seven hues that the colour-blind tell apart, then
 /// the same again. `kind` from 0.

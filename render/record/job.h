@@ -73,7 +73,9 @@ struct PictureSettings {
   std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: as it comes
   std::optional<double> fontPoints;   ///< size of its text in print; needs gridWidth
   std::string font;                   ///< family of all text; empty: the program's
-  bool letters = false;               ///< (a), (b), ... over the grid's pictures
+  picture::PanelLetters letters = picture::PanelLetters::None;  ///< of the grid
+  bool sameView = false;   ///< of all rows of a figure of several runs; else each has its own
+  bool sameScale = false;  ///< the same of their scale of length
   bool arrows = false;                ///< from each of the grid's pictures to the next in its row
   std::vector<std::string> columnHeads;  ///< over the grid's columns, one each; none when empty
   std::vector<picture::PageFormat>
@@ -143,6 +145,8 @@ struct PictureReport {
   std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
   std::string stoppedBy;            ///< what stopped it, as in Interruption
   RecordCost recordCost;            ///< of pictures and video
+  /// That of all pictures; absent where camera keys move it.
+  std::optional<picture::AutomaticView> view;
   std::string graphics;             ///< version of OpenGL and its maker; empty when none was used
   std::vector<std::string> files;   ///< relative to the folder, in the order written
 };

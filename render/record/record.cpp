@@ -319,11 +319,29 @@ void prepareGraphics(const PictureSettings& settings) {
   if (settings.paints()) const picture::Context probe;
 }
 
+/// Whether one picture shows all of a run. Motion shorter than this part of the model is none.
+bool isStill(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
+             const picture::CameraChoice& camera) {
+  constexpr double kStill = 1e-9;
+  return motion.length() <= kStill * model::modelSize(run.subject().model) && camera.orbit == 0 &&
+         camera.keys.empty();
+}
+
 /// All pictures of a finished run. Nothing if the settings have none.
-void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings& settings,
+void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings& asked,
                   const ProgressObserver& observer, PictureReport& report) {
-  if (!settings.paints()) return;
+  if (!asked.paints()) return;
+  PictureSettings settings = asked;
   const MotionCurve motion = motionOf(run);
+  if (asked.snapshots && isStill(run, motion, asked.look.camera)) {
+    settings.video = settings.frames = false;
+    settings.grid = {1, 1};
+    settings.columnHeads.clear();
+    if (!settings.captions) settings.captions = picture::CaptionParts();
+    observer({"painting", 1,
+              fmt::format("{}: nothing moves, so there is one picture{}", run.subject().model.name,
+                          asked.video ? " and no video" : "")});
+  }
   RunPictures pictures(run, settings, report);
   if (settings.paintsFrames()) pictures.makeFrames(run, motion, observer);
   pictures.writeSnapshots(run, motion);
@@ -412,6 +430,8 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   RecordSettings settings = asked;
   settings.folder = files.stage();
   settings.madeBy = madeBy(scene.model.name, settings.order);
+  // One scale held for the start and the target; it must hold for a motion that leaves their plane.
+  if (settings.scaleBar) settings.look.camera.orthographic = true;
 
   RunSummary summary;
   LiveRun run(scene, settings, observer, deployer);

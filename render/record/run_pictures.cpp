@@ -64,6 +64,18 @@ void keepStates(picture::PictureContent& content, const trajectory::TrajectoryRe
   content.states.push_back(run.sample(count - 1).poses);
 }
 
+/// By the start, the middle of the motion and the end.
+void chooseView(const trajectory::TrajectoryReader& run, const picture::Look& look,
+                picture::PictureContent& content) {
+  Replay replayed(run);
+  std::vector<Poses> states;
+  const MotionCurve motion = motionOf(run);
+  for (const double share : {0.0, 0.5, 1.0}) {
+    states.push_back(replayed.at(share > 0 ? motion.timeAt(share) : 0).poses);
+  }
+  picture::setView(look, states, content);
+}
+
 /// Without a target there is only one end, so all of the run counts.
 bool fitsEnds(const model::Model& model, const PictureSettings& settings) {
   if (settings.look.fit == picture::FitScope::Auto) return model.target.has_value();
@@ -111,6 +123,7 @@ picture::PictureContent contentOf(const trajectory::Subject& subject) {
 picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings) {
   picture::PictureContent content = contentOf(run.subject());
+  if (picture::needsView(settings.look)) chooseView(run, settings.look, content);
   const bool fits = fitsEnds(run.subject().model, settings) &&
                     (!choosesCamera(settings) ||
                      seesRun(run, picture::PictureSetup(settings.look, content, settings.size)));
@@ -167,6 +180,8 @@ RunPictures::RunPictures(const trajectory::TrajectoryReader& run, const PictureS
       frames_(settings.size, settings.look, contentOf(run, settings),
               stripParts(settings, captions_, run.times().back()), picture::Smoothness::Film) {
   report_.graphics = picture::graphicsVersion();
+  report_.view = frames_.setup().content().view;
+  if (settings.look.camera.view) report_.view = {*settings.look.camera.view};
 }
 
 /// This thread paints too, since its painter is there already.
@@ -251,7 +266,7 @@ picture::Frame RunPictures::paintStill(const FrameState& state) {
 
 /// States are interpolated at the moments of the grid, not taken from the nearest sample.
 void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
-  PanelRow row{settings_.look, frames_.setup().content(), {}, {}};
+  PanelRow row{settings_.look, frames_.setup().content(), {}, {}, {}};
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
     row.states.push_back({moment, replayed.at(moment.time)});
@@ -308,6 +323,7 @@ picture::VideoSettings videoSettings(const PictureSettings& settings) {
           .crf = settings.crf,
           .preset = settings.preset,
           .encoder = settings.encoder,
+          .transparent = settings.look.transparent && picture::hasAlpha(settings.videoFile),
           .description = settings.madeBy};
 }
 
@@ -438,20 +454,6 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 
 namespace {
 
-/// Scales are those of the first row, which all rows share.
-picture::GridStyle gridStyle(const picture::PictureSetup& setup, const PictureSettings& settings) {
-  picture::GridStyle style;
-  style.background = setup.style().background;
-  style.text = setup.style().text;
-  style.colourScale = setup.colourScale();
-  style.legend = setup.legend();
-  if (settings.scaleBar) style.metresPerPixel = setup.metresPerPixel();
-  style.letters = settings.letters;
-  style.arrows = settings.arrows;
-  style.heads = settings.columnHeads;
-  return style;
-}
-
 /// Outlines are as wide as in the pictures, in pixels of their height.
 picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::FrameSize size,
                                    const std::string& description) {
@@ -460,7 +462,8 @@ picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::
           .background = style.background,
           .outline = style.edge,
           .paleOutline = style.paleEdge,
-          .outlineWidth = style.edgeWidth * setup.pictureSize().height,
+          .slitWidth = style.slitWidth * setup.pictureSize().height,
+          .silhouetteWidth = style.silhouetteWidth * setup.pictureSize().height,
           .fontFamily = picture::fontFamily(),
           .description = description};
 }
@@ -475,17 +478,100 @@ picture::ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
-/// All pictures again, of this size.
-void PanelSheet::paintAll(picture::FrameSize size) {
+/// All pictures again, each row in its size, uncut.
+void PanelSheet::paintAll(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
   painters_.clear();
   pictures_.clear();
-  for (const PanelRow& row : rows_) {
-    painters_.push_back(std::make_unique<picture::StatePainter>(size, row.look, row.content));
-    for (std::size_t k = 0; k < row.states.size(); ++k) {
-      pictures_.push_back({painters_.back()->paint(shownState(row.states[k])), row.captions[k]});
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    const picture::FrameSize size =
+        picture::PictureBox{0, 0, settings_.size}.scaled(cuts[row].scale).size;
+    picture::Look look = rows_[row].look;
+    look.pixelsPerInch = pixelsPerInch;
+    painters_.push_back(
+        std::make_unique<picture::StatePainter>(size, look, rows_[row].content));
+    for (std::size_t k = 0; k < rows_[row].states.size(); ++k) {
+      pictures_.push_back({painters_.back()->paint(shownState(rows_[row].states[k])),
+                           rows_[row].captions[k]});
     }
   }
+}
+
+/// Of pictures that are painted in the size of the settings. Each row of several fills its cells,
+/// which are as wide as the widest part, and no higher than three quarters of that.
+std::vector<PanelSheet::Cut> PanelSheet::findCuts() {
+  constexpr double kMostAspect = 0.75;
+  std::vector<Cut> cuts;
+  std::size_t first = 0;
+  int widest = 0;
+  for (const PanelRow& row : rows_) {
+    const std::vector<picture::GridPicture> pictures(
+        pictures_.begin() + static_cast<std::ptrdiff_t>(first),
+        pictures_.begin() + static_cast<std::ptrdiff_t>(first + row.states.size()));
+    first += row.states.size();
+    cuts.push_back({1, picture::filledPart(pictures)});
+    widest = std::max(widest, cuts.back().part.size.width);
+  }
+  if (!hasSeveralRuns() || settings_.sameScale) return cuts;
+  for (Cut& cut : cuts) {
+    const picture::FrameSize size = cut.part.size;
+    cut.scale = std::min(static_cast<double>(widest) / size.width,
+                         kMostAspect * widest / size.height);
+    cut.part = cut.part.scaled(cut.scale);
+  }
+  return cuts;
+}
+
+std::vector<PanelSheet::Cut> PanelSheet::enlarged(std::vector<Cut> cuts, double factor) const {
+  for (Cut& cut : cuts) {
+    cut.scale *= factor;
+    cut.part = cut.part.scaled(factor);
+  }
+  return cuts;
+}
+
+/// Scales are those of the first row, which all rows share but where each has its own.
+picture::GridStyle PanelSheet::gridStyle(const std::vector<Cut>& cuts) const {
+  const picture::PictureSetup& setup = painters_.front()->setup();
+  picture::GridStyle style;
+  style.background = setup.style().background;
+  style.text = setup.style().text;
+  style.colourScale = setup.colourScale();
+  for (const auto& painter : painters_) {
+    for (const picture::LegendEntry& entry : painter->setup().legend()) {
+      const auto isSame = [&entry](const picture::LegendEntry& other) {
+        return other.text == entry.text && other.colour == entry.colour;
+      };
+      if (std::ranges::none_of(style.legend, isSame)) style.legend.push_back(entry);
+    }
+  }
+  const bool ownScales = hasSeveralRuns() && !settings_.sameScale;
+  if (settings_.scaleBar && !ownScales) style.metresPerPixel = setup.metresPerPixel();
+  style.letters = settings_.letters;
+  style.arrows = settings_.arrows;
+  style.heads = settings_.columnHeads;
+  for (std::size_t row = 0; hasSeveralRuns() && row < rows_.size(); ++row) {
+    style.rows.push_back({cuts[row].part.size, rows_[row].head, std::nullopt});
+    if (settings_.scaleBar && ownScales) {
+      style.rows.back().metresPerPixel = painters_[row]->setup().metresPerPixel();
+    }
+  }
+  return style;
+}
+
+/// The layout of the cut pictures; sets the style's size of text.
+picture::GridLayout PanelSheet::layOut(const std::vector<Cut>& cuts,
+                                       picture::GridStyle& style) const {
+  picture::FrameSize largest;
+  largest.width = largest.height = 1;
+  for (const Cut& cut : cuts) {
+    largest.width = std::max(largest.width, cut.part.size.width);
+    largest.height = std::max(largest.height, cut.part.size.height);
+  }
+  if (settings_.fontPoints) {
+    style.textSize = textSize(picture::layOutGrid(largest, shape_, style));
+  }
+  return picture::layOutGrid(largest, shape_, style, picture::captionsOf(pictures_));
 }
 
 /// Each picture as vector graphics.
@@ -505,45 +591,56 @@ void PanelSheet::writeDrawings() {
   }
 }
 
-/// How much larger pictures must be painted, of which this part is shown, for the sheet to be as
-/// wide as in print; less if pictures would be too large.
-double PanelSheet::enlargement(const picture::PictureBox& part,
-                               const picture::GridStyle& style) const {
-  if (!settings_.gridWidth) return 1;
+/// How much larger pictures must be painted for the sheet to be as wide as in print, with no fewer
+/// dots per inch than requested; less if pictures would be too large.
+double PanelSheet::enlargement(const std::vector<Cut>& cuts) const {
   const double requested =
       *settings_.gridWidth / picture::kMillimetresPerInch * settings_.gridDotsPerInch();
-  const int columns = shape_.columns;
-  const double most =
-      picture::kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
-  const double gaps =
-      (2 * style.gap + (columns - 1) * picture::columnGap(style)) * part.size.height;
-  return std::min(most, requested / (columns * part.size.width + gaps));
+  const auto widthAt = [&](double factor) {
+    const std::vector<Cut> larger = enlarged(cuts, factor);
+    picture::GridStyle style = gridStyle(larger);
+    return layOut(larger, style).sheet.width;
+  };
+  double most = picture::kMaxFrameSide;
+  for (const Cut& cut : cuts) {
+    most = std::min(most, picture::kMaxFrameSide /
+                              (cut.scale * std::max(settings_.size.width, settings_.size.height)));
+  }
+  double factor = std::min(most, requested / widthAt(1));
+  // Whole pixels of each part of the sheet may be missing.
+  while (factor < most && widthAt(factor) < requested) {
+    factor = std::min(most, factor * (1 + 0.5 / requested));
+  }
+  return factor;
+}
+
+/// Of a sheet with a width in print.
+double PanelSheet::pixelsPerInch(const picture::GridLayout& layout) const {
+  return layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
 }
 
 /// Em of text with a size in print, pixels.
-int PanelSheet::textSize(const picture::PictureBox& part, const picture::GridStyle& style) const {
-  const double inches = *settings_.gridWidth / picture::kMillimetresPerInch;
-  const double dots = picture::layOutGrid(part.size, shape_, style).sheet.width / inches;
-  return std::max(
-      1, static_cast<int>(std::lround(*settings_.fontPoints / picture::kPointsPerInch * dots)));
+int PanelSheet::textSize(const picture::GridLayout& layout) const {
+  return std::max(1, static_cast<int>(std::lround(*settings_.fontPoints / picture::kPointsPerInch *
+                                                  pixelsPerInch(layout))));
 }
 
 /// Each picture is cut off at its part, as cutAlike() does with pixels.
-void PanelSheet::writePage(picture::PageFormat format, const picture::PictureBox& part,
+void PanelSheet::writePage(picture::PageFormat format, const std::vector<Cut>& cuts,
                            const picture::GridLayout& layout, const picture::GridStyle& style) {
   picture::PageSettings page =
       pageSettings(painters_.front()->setup(), layout.sheet, settings_.madeBy);
-  if (settings_.gridWidth) {
-    page.pixelsPerInch = layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
-  }
+  if (settings_.gridWidth) page.pixelsPerInch = pixelsPerInch(layout);
   const std::unique_ptr<picture::Canvas> canvas = picture::makeCanvas(format, page);
   canvas->begin("pictures");
   int cell = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     const picture::PictureSetup& setup = painters_[row]->setup();
+    const picture::PictureBox& part = cuts[row].part;
     for (const FrameState& state : rows_[row].states) {
-      const Eigen::Vector2d corner(layout.left(cell % shape_.columns),
-                                   layout.upper(cell / shape_.columns));
+      const Eigen::Vector2d corner(
+          layout.left(cell % shape_.columns, cell / shape_.columns),
+          layout.upper(cell / shape_.columns));
       const std::string name = fmt::format("picture_{:02}", ++cell);
       const picture::ShownState shown = shownState(state);
       canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
@@ -561,98 +658,90 @@ void PanelSheet::writePage(picture::PageFormat format, const picture::PictureBox
 }
 
 void PanelSheet::write() {
-  paintAll(settings_.size);
+  paintAll(std::vector<Cut>(rows_.size()), std::nullopt);
   if (settings_.svg) writeDrawings();
-  picture::PictureBox part = picture::filledPart(pictures_);
-  const double scale = enlargement(part, gridStyle(painters_.front()->setup(), settings_));
-  if (scale != 1) {
-    part = part.scaled(scale);
-    paintAll(picture::PictureBox{0, 0, settings_.size}.scaled(scale).size);
-  }
-  picture::cutAlike(pictures_, part);
-  picture::GridStyle style = gridStyle(painters_.front()->setup(), settings_);
-  if (settings_.fontPoints) style.textSize = textSize(part, style);
-  const picture::GridLayout layout =
-      picture::layOutGrid(part.size, shape_, style, picture::captionsOf(pictures_));
-  picture::PngSettings png = pngSettings(settings_);
+  std::vector<Cut> cuts = findCuts();
+  // Lines are as wide in all rows.
+  double resolution = picture::pixelsPerInchOf(settings_.size);
   if (settings_.gridWidth) {
-    png.dotsPerInch = layout.sheet.width / *settings_.gridWidth * picture::kMillimetresPerInch;
+    cuts = enlarged(cuts, enlargement(cuts));
+    picture::GridStyle style = gridStyle(cuts);
+    resolution = pixelsPerInch(layOut(cuts, style));
   }
+  const bool isEnlarged = std::ranges::any_of(cuts, [](const Cut& cut) { return cut.scale != 1; });
+  if (settings_.gridWidth || isEnlarged) paintAll(cuts, resolution);
+  std::size_t picture = 0;
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    for (std::size_t k = 0; k < rows_[row].states.size(); ++k, ++picture) {
+      pictures_[picture].frame = picture::cutOut(pictures_[picture].frame, cuts[row].part);
+    }
+  }
+  picture::GridStyle style = gridStyle(cuts);
+  const picture::GridLayout layout = layOut(cuts, style);
+  picture::PngSettings png = pngSettings(settings_);
+  if (settings_.gridWidth) png.dotsPerInch = pixelsPerInch(layout);
   picture::writePng(picture::composeGrid(pictures_, shape_, style),
                     settings_.folder / output::kSnapshots, png);
   report_.files.emplace_back(output::kSnapshots);
-  for (const picture::PageFormat format : settings_.pages) writePage(format, part, layout, style);
+  for (const picture::PageFormat format : settings_.pages) writePage(format, cuts, layout, style);
 }
 
 // ------------------------------------------------------------------------------------------------
-// Several runs in one figure have to be comparable: all rows get one view, a parallel projection,
-// one scale of length and one of colours. Each row's camera is fitted to its own model first; with
-// h its picture's height in metres and H the largest of them, the zooms are multiplied by h / H.
-// The scale of colours ends at the largest value of all rows.
+// Each of several runs in one figure has its own view and scale, unless one of all is requested. One
+// scale of length needs a parallel projection: each row's camera is fitted to its own model first;
+// with h its picture's height in metres and H the largest of them, the zooms are multiplied by
+// h / H. The scale of colours ends at the largest value of all rows.
 
 namespace {
 
-/// The default view of all runs: that of the single runs, if they agree.
-picture::ViewAngles sharedView(std::span<const trajectory::TrajectoryReader* const> runs) {
-  const auto viewOf = [](const trajectory::TrajectoryReader* run) {
-    return picture::defaultView(contentOf(run->subject()).points);
-  };
-  const picture::ViewAngles first = viewOf(runs.front());
-  const bool agree = std::ranges::all_of(
-      runs, [&](const trajectory::TrajectoryReader* run) { return viewOf(run) == first; });
-  return agree ? first : picture::kIsometricView;
-}
-
-/// Throws InputError where a perspective or a moving camera was asked for.
+/// Throws InputError where one scale is requested of a perspective or a moving camera.
 picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> runs,
                          const PictureSettings& settings) {
   picture::Look look = settings.look;
   picture::CameraChoice& camera = look.camera;
-  if (camera.orthographic == false || camera.orbit != 0 || !camera.keys.empty()) {
-    throw InputError(
-        "error: pictures of several runs share one scale, which needs a parallel projection and a "
-        "fixed camera; remove --projection perspective, --orbit and --camera-keys");
+  if (settings.sameScale) {
+    if (camera.orthographic == false || camera.orbit != 0 || !camera.keys.empty()) {
+      throw InputError(
+          "error: --same-scale needs a parallel projection and a fixed camera; remove --projection "
+          "perspective, --orbit and --camera-keys");
+    }
+    camera.orthographic = true;
   }
-  camera.orthographic = true;
-  if (!camera.view) camera.view = sharedView(runs);
+  if (settings.sameView && picture::needsView(look)) {
+    const picture::AutomaticView view = *contentOf(*runs.front(), settings).view;
+    camera.view = view.angles;
+    if (!camera.orthographic && view.isFlat && camera.orbit == 0) camera.orthographic = true;
+  }
   return look;
-}
-
-/// The name of a row's model is before its first caption.
-std::vector<std::string> captionsOf(const std::vector<FrameState>& states,
-                                    const CaptionWriter& writer, const std::string& model) {
-  std::vector<std::string> captions;
-  for (const FrameState& state : states) captions.push_back(writer.of(state));
-  std::string& first = captions.front();
-  first = first.empty() ? model : fmt::format("{}: {}", model, first);
-  return captions;
 }
 
 /// Reads the run for its motion, and for the states of its pictures.
 PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings) {
-  PanelRow row{settings.look, contentOf(run, settings), {}, {}};
+  PanelRow row{settings.look, contentOf(run, settings), {}, {}, {}};
   const MotionCurve motion = motionOf(run);
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings, settings.grid.columns)) {
     row.states.push_back({moment, replayed.at(moment.time)});
   }
-  row.captions = captionsOf(row.states, CaptionWriter(settings.captionParts(), row.content),
-                            run.subject().model.name);
+  const CaptionWriter writer(settings.captionParts(), row.content);
+  for (const FrameState& state : row.states) row.captions.push_back(writer.of(state));
+  row.head = run.subject().model.name;
   return row;
 }
 
 /// Cameras as far away, and scales of colours as long, as the largest of the rows needs.
-void shareScales(picture::FrameSize size, std::vector<PanelRow>& rows) {
+void shareScales(const PictureSettings& settings, std::vector<PanelRow>& rows) {
   std::vector<double> heights;
   double most = 0;
   for (const PanelRow& row : rows) {
-    const picture::PictureSetup setup(row.look, row.content, size);
-    heights.push_back(setup.metresPerPixel());
+    const picture::PictureSetup setup(row.look, row.content, settings.size);
+    if (settings.sameScale) heights.push_back(setup.metresPerPixel());
     if (setup.colourScale()) most = std::max(most, setup.colourScale()->most);
   }
-  const double largest = *std::ranges::max_element(heights);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    rows[k].look.camera.zoom *= heights[k] / largest;
+    if (settings.sameScale) {
+      rows[k].look.camera.zoom *= heights[k] / *std::ranges::max_element(heights);
+    }
     if (most > 0) rows[k].look.colourMost = most;
   }
 }
@@ -665,7 +754,7 @@ std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* c
   settings.look = sharedLook(runs, asked);
   std::vector<PanelRow> rows;
   for (const trajectory::TrajectoryReader* run : runs) rows.push_back(makeRow(*run, settings));
-  shareScales(settings.size, rows);
+  shareScales(settings, rows);
   return rows;
 }
 

@@ -179,6 +179,7 @@ struct PanelRow {
   picture::PictureContent content;    ///< the run that is shown
   std::vector<FrameState> states;     ///< one a picture, from left to right
   std::vector<std::string> captions;  ///< one a state
+  std::string head;                   ///< over the row, in a figure of several runs
 };
 
 /// The name of the sheet's file in this format. PNG has a special name, see output::kSnapshots.
@@ -190,8 +191,9 @@ picture::ShownState shownState(const FrameState& state);
 /// One sheet. Belongs to the thread that makes it.
 class PanelSheet {
  public:
-  /// The rows' states fill the shape from its upper left cell on. What is passed must outlive the
-  /// sheet.
+  /// The rows' states fill the shape from its upper left cell on. Rows of several runs have heads,
+  /// heights, and scales of their own, unless the settings say otherwise. What is passed must
+  /// outlive the sheet.
   PanelSheet(const std::vector<PanelRow>& rows, picture::GridShape shape,
              const PictureSettings& settings, PictureReport& report)
       : rows_(rows), shape_(shape), settings_(settings), report_(report) {}
@@ -201,11 +203,23 @@ class PanelSheet {
   void write();
 
  private:
-  void paintAll(picture::FrameSize size);
+  /// How the pictures of a row are shown: enlarged, and cut to a part.
+  struct Cut {
+    double scale = 1;          ///< to the size of the settings
+    picture::PictureBox part;  ///< of the enlarged pictures
+  };
+
+  bool hasSeveralRuns() const { return rows_.size() > 1; }
+  void paintAll(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch);
+  std::vector<Cut> findCuts();
+  std::vector<Cut> enlarged(std::vector<Cut> cuts, double factor) const;
+  picture::GridLayout layOut(const std::vector<Cut>& cuts, picture::GridStyle& style) const;
   void writeDrawings();
-  double enlargement(const picture::PictureBox& part, const picture::GridStyle& style) const;
-  int textSize(const picture::PictureBox& part, const picture::GridStyle& style) const;
-  void writePage(picture::PageFormat format, const picture::PictureBox& part,
+  double enlargement(const std::vector<Cut>& cuts) const;
+  double pixelsPerInch(const picture::GridLayout& layout) const;
+  picture::GridStyle gridStyle(const std::vector<Cut>& cuts) const;
+  int textSize(const picture::GridLayout& layout) const;
+  void writePage(picture::PageFormat format, const std::vector<Cut>& cuts,
                  const picture::GridLayout& layout, const picture::GridStyle& style);
 
   const std::vector<PanelRow>& rows_;
@@ -219,10 +233,10 @@ class PanelSheet {
 // ------------------------------------------------------------------------------------------------
 // Figures of several runs: a row of pictures each.
 
-/// The rows of a figure, settings.grid.columns states of each run. All pictures share one camera's
-/// view, one scale of length and one of colours. Throws InputError where no one scale holds: in
-/// perspective or from a moving camera. At least one run. The readers must stay open while rows are
-/// made.
+/// The rows of a figure, settings.grid.columns states of each run. All pictures share one scale of
+/// colours; with the settings' sameView they also share the view of the first run, with sameScale
+/// one scale of length. Throws InputError where no one scale holds: in perspective or from a moving
+/// camera. At least one run. The readers must stay open while rows are made.
 std::vector<PanelRow> figureRows(std::span<const trajectory::TrajectoryReader* const> runs,
                                  const PictureSettings& settings);
 

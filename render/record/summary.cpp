@@ -8,6 +8,7 @@
 //     at_target, shortfall, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
 //     events      [{time (s), what}]
 //     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
+//     view        of the pictures, chosen or given: azimuth_deg, elevation_deg, roll_deg
 //     order, left_out, inputs [{name, sha256}], files
 //     contents    {name: {bytes, sha256}}, see output_folder.cpp
 //     cost        counts of steps, seconds, peak_memory_bytes
@@ -207,7 +208,15 @@ Json velocitiesJson(const std::vector<scene::InitialVelocity>& velocities, int c
 
 Json viewJson(const std::optional<picture::ViewAngles>& view) {
   if (!view) return nullptr;
-  return {{"azimuth", view->azimuth}, {"elevation", view->elevation}};
+  return {{"azimuth", view->azimuth}, {"elevation", view->elevation}, {"roll", view->roll}};
+}
+
+/// Of the pictures as they were painted, as `--view` takes it.
+Json paintedViewJson(const std::optional<picture::AutomaticView>& view) {
+  if (!view) return nullptr;
+  return {{"azimuth_deg", view->angles.azimuth / kDegree},
+          {"elevation_deg", view->angles.elevation / kDegree},
+          {"roll_deg", view->angles.roll / kDegree}};
 }
 
 const char* colouringWord(picture::Colouring colouring) {
@@ -382,6 +391,7 @@ std::string summaryJson(const scene::Scene& scene, const RecordSettings& setting
   json.update(Json{
       {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
+      {"view", paintedViewJson(summary.view)},
       {"order", settings.order.empty() ? Json(nullptr) : Json(settings.order)},
       {"left_out", summary.leftOut.empty() ? Json(nullptr) : Json(summary.leftOut)},
       {"inputs", inputsJson(settings.inputs)},

@@ -16,7 +16,7 @@ struct BareVertex {
   std::array<std::uint8_t, 4> colour;
 };
 
-/// The triangles of a geometry's faces and outlines.
+/// The triangles of a geometry's faces.
 std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
   picture::PictureGeometry geometry;
   picture::GeometryBuilder(sheet.bricks, {})
@@ -29,15 +29,10 @@ std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
                         {colour.red, colour.green, colour.blue, colour.alpha}});
   };
   for (const picture::Facet& facet : geometry.solid) {
-    const auto outer = geometry.corners(facet), inner = geometry.inner(facet);
-    for (std::size_t k = 2; k < inner.size(); ++k) {
-      for (const std::size_t corner : {std::size_t{0}, k - 1, k}) add(inner[corner], facet.colour);
-    }
-    for (std::size_t k = 0; k < outer.size(); ++k) {
-      const std::size_t next = (k + 1) % outer.size();
-      for (const Vector3& point :
-           {outer[k], outer[next], inner[next], outer[k], inner[next], inner[k]}) {
-        add(point, geometry.edge);
+    const auto corners = geometry.corners(facet);
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      for (const std::size_t corner : {std::size_t{0}, k - 1, k}) {
+        add(corners[corner], facet.colour);
       }
     }
   }

@@ -64,7 +64,7 @@ class Options(unittest.TestCase):
     def test_have_docstrings_with_units(self):
         self.assertIn("thickness (METRES): thickness of the bricks", kirireel.deploy.__doc__)
         self.assertIn("length (METRES): of a tile along x", kirireel.generate.__doc__)
-        self.assertIn("view (WORD|AZ,EL)", kirireel.Trajectory.render.__doc__)
+        self.assertIn("view (WORD|AZ,EL[,ROLL])", kirireel.Trajectory.render.__doc__)
 
     def test_have_types(self):
         stub = ast.parse(pathlib.Path(kirireel.__file__).with_name("__init__.pyi").read_text())

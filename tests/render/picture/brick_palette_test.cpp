@@ -10,6 +10,9 @@
 namespace kirireel {
 namespace {
 
+/// The page of pictures without a look.
+constexpr picture::Colour kWhite = {255, 255, 255};
+
 std::vector<model::Brick> bricksOf(const std::vector<model::Tile>& tiles) {
   return model::makeBricks(tiles, {});
 }
@@ -74,9 +77,9 @@ TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
   EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
   EXPECT_EQ(moment.scale()->title, "moment, N m");
   EXPECT_EQ(moment.colours(content.start)[0].top,
-            picture::mapColour(picture::ColourMap::Viridis, 1));
+            picture::mapColour(picture::ColourMap::Viridis, 1, kWhite));
   EXPECT_EQ(moment.colours(content.start)[2].top,
-            picture::mapColour(picture::ColourMap::Viridis, 0));
+            picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
   const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.125, 1e-12);  // half of 2 * 0.5^2 / 2
 }
@@ -98,12 +101,12 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
   // Turned, the neck is sheared by half of the angle: at brick B its end adds half of 3 * 0.2.
   const picture::BrickPalette moment(coloured(picture::Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 2 * 0.4 + 0.3, 1e-12);
-  EXPECT_EQ(moment.colours(parted)[0].top, picture::mapColour(picture::ColourMap::Viridis, 0));
+  EXPECT_EQ(moment.colours(parted)[0].top, picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
   // Parted, each brick has half of 6 * 0.5^2 / 2.
   const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.375, 1e-12);
-  EXPECT_EQ(energy.colours(parted)[1].top, picture::mapColour(picture::ColourMap::Viridis, 1));
-  EXPECT_EQ(energy.colours(parted)[2].top, picture::mapColour(picture::ColourMap::Viridis, 0));
+  EXPECT_EQ(energy.colours(parted)[1].top, picture::mapColour(picture::ColourMap::Viridis, 1, kWhite));
+  EXPECT_EQ(energy.colours(parted)[2].top, picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
 }
 
 TEST(BrickPalette, MomentsNeedSpringsAtHinges) {
@@ -133,14 +136,14 @@ TEST(BrickPalette, SpansTheScaleFromStartToTarget) {
   const picture::BrickPalette palette(coloured(picture::Colouring::TargetError), content);
   EXPECT_EQ(palette.scale()->title, "target error, m");
   for (const picture::BrickColours& colours : palette.colours(lifted(content, 2))) {
-    EXPECT_EQ(colours.top, picture::mapColour(picture::ColourMap::Viridis, 0));
+    EXPECT_EQ(colours.top, picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
     EXPECT_EQ(colours.bottom, colours.top);
   }
   for (const picture::BrickColours& colours : palette.colours(content.start)) {
-    EXPECT_EQ(colours.top, picture::mapColour(picture::ColourMap::Viridis, 1));
+    EXPECT_EQ(colours.top, picture::mapColour(picture::ColourMap::Viridis, 1, kWhite));
   }
   EXPECT_EQ(palette.colours(lifted(content, 1))[3].top,
-            picture::mapColour(picture::ColourMap::Viridis, 0.5));
+            picture::mapColour(picture::ColourMap::Viridis, 0.5, kWhite));
 }
 
 TEST(BrickPalette, ShowsRotationsInDegrees) {
@@ -149,7 +152,7 @@ TEST(BrickPalette, ShowsRotationsInDegrees) {
   look.colourMost = 90;
   const picture::BrickPalette palette(look, content);
   EXPECT_NEAR(palette.scale()->most, 90, 1e-12);
-  const picture::Colour expected = picture::mapColour(picture::ColourMap::Viridis, 0.5);
+  const picture::Colour expected = picture::mapColour(picture::ColourMap::Viridis, 0.5, kWhite);
   Poses poses = content.start;
   for (Pose& pose : poses) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 4));
   for (const picture::BrickColours& colours : palette.colours(poses))
@@ -295,7 +298,7 @@ TEST(BrickPalette, ScalesBeginWhereAsked) {
   look.colourLeast = -30;
   look.colourMost = 30;
   EXPECT_EQ(picture::BrickPalette(look, content).colours(content.start)[0].top,
-            picture::mapColour(look.map, 0.5));
+            picture::mapColour(look.map, 0.5, kWhite));
   look.colourLeast = 30;
   EXPECT_EQ(refusalOf(look, content),
             "error: --colour-least 30 is not below 30, the scale's other end; give a smaller one, "

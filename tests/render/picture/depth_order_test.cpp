@@ -28,11 +28,15 @@ picture::Camera cameraOf(const SampleBricks& sample) {
   return picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), {});
 }
 
-std::vector<picture::Piece> piecesOf(const SampleBricks& sample, const picture::Camera& camera) {
+picture::PictureGeometry geometryOf(const SampleBricks& sample, const picture::Camera& camera) {
   picture::PictureGeometry geometry;
   picture::GeometryBuilder(sample.bricks, {})
       .draw({sample.poses, {}, {}, {}, {}}, camera, geometry);
-  return picture::makePieces(geometry, geometry.solid, camera);
+  return geometry;
+}
+
+std::vector<picture::Piece> piecesOf(const SampleBricks& sample, const picture::Camera& camera) {
+  return picture::drawnPieces(geometryOf(sample, camera), camera);
 }
 
 /// Bricks that cross each other at all angles.
@@ -119,8 +123,8 @@ bool isHidden(const std::vector<picture::Piece>& pieces, const picture::Piece& o
   });
 }
 
-bool isOn(const std::vector<std::vector<Vector3>>& lines, const Vector3& point) {
-  for (const std::vector<Vector3>& line : lines) {
+bool isOn(const std::vector<picture::SeenLine>& lines, const Vector3& point) {
+  for (const auto& [line, isSilhouette] : lines) {
     for (std::size_t k = 1; k < line.size(); ++k) {
       const Vector3 side = line[k] - line[k - 1];
       const double share = std::clamp((point - line[k - 1]).dot(side) / side.squaredNorm(), 0., 1.);
@@ -134,7 +138,8 @@ TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
   const SampleBricks sample = heap();
   const picture::Camera camera = cameraOf(sample);
   const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
-  const std::vector<picture::SeenOutline> seen = picture::seenOutlines(pieces, camera);
+  const std::vector<picture::SeenOutline> seen =
+        picture::seenOutlines(geometryOf(sample, camera), pieces, camera, 0);
   ASSERT_EQ(seen.size(), pieces.size());
   int points = 0, hidden = 0, wrong = 0;
   for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
@@ -165,15 +170,52 @@ TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
     const picture::Camera camera =
         picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
     const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
-    const std::vector<picture::SeenOutline> seen = picture::seenOutlines(pieces, camera);
+    const std::vector<picture::SeenOutline> seen =
+        picture::seenOutlines(geometryOf(sample, camera), pieces, camera, 0);
     int closed = 0;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (pieces[k].normal.z() < 0.5) continue;
       ASSERT_EQ(seen[k].lines.size(), 1U);
-      const std::vector<Vector3>& line = seen[k].lines[0];
+      const std::vector<Vector3>& line = seen[k].lines[0].points;
       closed += line.size() == 5 && line.front() == line.back() ? 1 : 0;
     }
     EXPECT_EQ(closed, 25) << parallel;
+  }
+}
+
+/// The lengths of silhouettes and of other lines of a sheet, metres.
+std::pair<double, double> lengthsOf(const SampleBricks& sample, const picture::Camera& camera,
+                                    double width) {
+  std::pair<double, double> lengths;
+  for (const picture::SeenOutline& outline : picture::seenOutlines(
+           geometryOf(sample, camera), piecesOf(sample, camera), camera, width)) {
+    for (const auto& [line, isSilhouette] : outline.lines) {
+      for (std::size_t k = 1; k < line.size(); ++k) {
+        (isSilhouette ? lengths.first : lengths.second) += (line[k] - line[k - 1]).norm();
+      }
+    }
+  }
+  return lengths;
+}
+
+/// 5 x 5 squares with gaps between them: where a gap is narrower than half a line, its sides are
+/// slits, else all sides are silhouettes.
+TEST(SeenOutlines, AreSilhouettesWhereNothingIsBeyond) {
+  for (const double gap : {0.0, 0.004, 0.02}) {
+    std::vector<model::Tile> tiles;
+    for (int k = 0; k < 25; ++k) {
+      tiles.push_back(rectangleTile((k % 5) * (1 + gap), (k / 5) * (1 + gap), 1, 1));
+    }
+    const SampleBricks sample = sampleBricks(tiles, 0.1);
+    picture::CameraFit fit;
+    fit.view = picture::kTopView;
+    fit.orthographic = true;
+    const picture::Camera camera =
+        picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
+    // The picture is 5.7 m high: half a line is 0.008 m wide.
+    const auto [silhouettes, slits] = lengthsOf(sample, camera, 0.0028);
+    EXPECT_NEAR(silhouettes, gap < 0.01 ? 20 : 100, 0.3) << gap;
+    EXPECT_NEAR(slits, gap < 0.01 ? 80 : 0, 0.3) << gap;
   }
 }
 

@@ -13,6 +13,11 @@
 namespace kirireel {
 namespace {
 
+void cutToFilledPart(std::vector<picture::GridPicture>& pictures) {
+  const picture::PictureBox part = picture::filledPart(pictures);
+  for (picture::GridPicture& picture : pictures) picture.frame = picture::cutOut(picture.frame, part);
+}
+
 std::vector<picture::GridPicture> colouredPictures(int count, picture::FrameSize size) {
   std::vector<picture::GridPicture> pictures;
   for (int k = 0; k < count; ++k) {
@@ -127,7 +132,7 @@ TEST(TrimAlike, KeepsWhatAnyPictureShows) {
   std::vector<picture::GridPicture> pictures(2, {picture::makeFrame({400, 300}, white), ""});
   pictures[0].frame.set(100, 80, red);
   pictures[1].frame.set(299, 279, red);
-  picture::cutAlike(pictures, picture::filledPart(pictures));
+  cutToFilledPart(pictures);
   // The marks span 200 x 200 pixels, with a margin of a twentieth of that on each side.
   EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{220, 220}));
   EXPECT_EQ(pictures[1].frame.size, (picture::FrameSize{220, 220}));
@@ -139,7 +144,7 @@ TEST(TrimAlike, LeavesRoomForCaptionsUnderNarrowModels) {
   std::vector<picture::GridPicture> pictures(1,
                                              {picture::makeFrame({400, 300}, {255, 255, 255}), ""});
   for (int y = 50; y < 250; ++y) pictures[0].frame.set(200, y, {0, 0, 0});
-  picture::cutAlike(pictures, picture::filledPart(pictures));
+  cutToFilledPart(pictures);
   EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{91, 220}));
   EXPECT_EQ(pictures[0].frame.at(45, 10), (picture::Colour{0, 0, 0}));
 }
@@ -147,11 +152,11 @@ TEST(TrimAlike, LeavesRoomForCaptionsUnderNarrowModels) {
 TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
   std::vector<picture::GridPicture> pictures(1,
                                              {picture::makeFrame({40, 30}, {255, 255, 255}), ""});
-  picture::cutAlike(pictures, picture::filledPart(pictures));
+  cutToFilledPart(pictures);
   EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{40, 30}));
   pictures[0].frame.set(39, 0, {});
   pictures[0].frame.set(0, 29, {});
-  picture::cutAlike(pictures, picture::filledPart(pictures));
+  cutToFilledPart(pictures);
   EXPECT_EQ(pictures[0].frame.size, (picture::FrameSize{40, 30}));
 }
 
@@ -166,8 +171,8 @@ TEST(PictureBox, OfALargerPictureIsTheSamePart) {
 class NotedSurface : public picture::Surface {
  public:
   void box(double, double, double, double, picture::Colour) override {}
-  void text(const std::string& line, double left, double baseline, int em,
-            picture::Colour) override {
+  void text(const std::string& line, double left, double baseline, int em, picture::Colour,
+            picture::Weight) override {
     lines.push_back(line);
     ems.push_back(em);
     places.emplace_back(left, baseline);
@@ -193,7 +198,7 @@ TEST(Grid, KeepsItsTextSizeAndWrapsCaptions) {
 
 TEST(Grid, LettersItsPanels) {
   picture::GridStyle style;
-  style.letters = true;
+  style.letters = picture::PanelLetters::Plain;
   const picture::GridLayout layout = picture::layOutGrid({60, 40}, {10, 3}, style);
   NotedSurface surface;
   picture::drawGridText(surface, layout, style, std::vector<std::string>(28), 3);

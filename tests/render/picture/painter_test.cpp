@@ -20,7 +20,7 @@ namespace {
 picture::Style silhouette() {
   picture::Style style;
   style.brick = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-  style.edgeWidth = 0;
+  style.slitWidth = 0;
   return style;
 }
 
@@ -107,7 +107,7 @@ TEST(Painter, CoversTheAreaAcrossThePartsOfALargePicture) {
 
 TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
   picture::Style style;
-  style.edgeWidth = 0;
+  style.slitWidth = 0;
   // One brick at a time, seen face on: the picture's middle is the face.
   const SampleBricks cube = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
   SampleBricks sample = cube;
@@ -133,7 +133,7 @@ TEST(Painter, ShowsOnlyFaceColoursWithinFaces) {
   // Seen from a corner, a brick shows three faces; all pixels that are not mixtures have one of
   // three colours, or the background's.
   picture::Style style;
-  style.edgeWidth = 0;
+  style.slitWidth = 0;
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
   const picture::FrameSize size{200, 200};
   const picture::Frame frame =
@@ -155,7 +155,7 @@ TEST(Painter, ShowsNoSeamBetweenFlushBricks) {
   for (int k = 0; k < 16; ++k) tiles.push_back(rectangleTile(k % 4, k / 4, 1, 1));
   const SampleBricks sample = sampleBricks(tiles, 0.3);
   picture::Style style;
-  style.edgeWidth = 0;
+  style.slitWidth = 0;
   const picture::Colour top = picture::faceColour(Vector3::UnitZ(), style.brick.top, style);
   const picture::FrameSize size{301, 203};
   const picture::Camera camera = fittedCamera(sample, size, picture::kTopView);
@@ -165,26 +165,58 @@ TEST(Painter, ShowsNoSeamBetweenFlushBricks) {
   }
 }
 
-TEST(Painter, DrawsOutlinesOnTheFaces) {
-  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
+TEST(Painter, DrawsWholeLinesOnEdges) {
+  // Two flush faces, 20 to 100 and 100 to 180, in a picture of 200 pixels.
+  const SampleBricks sample =
+      sampleBricks({rectangleTile(0, 0, 0.8, 0.8), rectangleTile(0.8, 0, 0.8, 0.8)}, 0.1);
   picture::Style style;
-  style.edgeWidth = 0.1;  // half of it, 0.05 of 200 pixels, within the face
-  const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 2);
+  style.slitWidth = 0.04;        // 96 to 104
+  style.silhouetteWidth = 0.06;  // 14 to 26, and 174 to 186
+  const picture::Camera camera = parallelCamera(Vector3(0.8, 0.4, 0), picture::kTopView, 2);
   const picture::Frame frame = paintOnce(sample, {200, 200}, camera, style);
-  // The face spans 50 to 150.
-  EXPECT_EQ(frame.at(49, 100), style.background);
-  EXPECT_EQ(frame.at(50, 100), style.edge);
-  EXPECT_EQ(frame.at(59, 100), style.edge);
-  EXPECT_EQ(frame.at(60, 100), picture::faceColour(Vector3::UnitZ(), style.brick.top, style));
+  const picture::Colour face = picture::faceColour(Vector3::UnitZ(), style.brick.top, style);
+  for (int x = 10; x < 190; ++x) {
+    const bool isLine = (x >= 14 && x < 26) || (x >= 96 && x < 104) || (x >= 174 && x < 186);
+    const bool isOutside = x < 14 || x >= 186;
+    EXPECT_EQ(frame.at(x, 100), isLine ? style.edge : isOutside ? style.background : face) << x;
+  }
 }
 
-TEST(Painter, LeavesColourOnSmallFaces) {
+/// The darkness across a line over the whole picture is its width, wherever it lies and however its
+/// face is turned.
+TEST(Painter, LinesAreAsWideOnTurnedFaces) {
+  SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1e-4);
+  picture::Style style = silhouette();
+  style.brick = {{255, 255, 255}, {255, 255, 255}, {255, 255, 255}};
+  style.edge = {0, 0, 0};
+  style.ambient = 1;
+  style.slitWidth = 0.02;
+  style.silhouetteWidth = 0.03;  // 6 pixels
+  for (const double angle : {0.0, 0.6, 1.2}) {
+    sample.poses[0].rotation = rotationFromVector(Vector3(0, angle, 0));
+    const picture::Frame frame =
+        paintOnce(sample, {200, 200},
+                  parallelCamera(sample.poses[0].position, picture::kTopView, 2), style);
+    double dark = 0;
+    for (int x = 0; x < 100; ++x) dark += (255 - frame.at(x, 100).red) / 255.0;
+    EXPECT_NEAR(dark, 6, 0.35) << angle;  // 0.25 off: a pixel has two samples across
+  }
+}
+
+TEST(Painter, BlendsTranslucentLinesOnce) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
-  picture::Style style;
-  style.edgeWidth = 2;
+  picture::Style style = silhouette();
+  style.brick = picture::withOpacity(style.brick, 0.5);
+  style.brick.top = style.brick.bottom = {255, 255, 255, 128};
+  style.ambient = 1;
+  style.edge = {0, 0, 0};
+  style.slitWidth = 0.05;
+  style.silhouetteWidth = 0.05;
   const picture::Camera camera = parallelCamera(sample.poses[0].position, picture::kTopView, 2);
   const picture::Frame frame = paintOnce(sample, {200, 200}, camera, style);
-  EXPECT_EQ(frame.at(100, 100), picture::faceColour(Vector3::UnitZ(), style.brick.top, style));
+  // On the middle of a side, and at a corner where two sides overlap.
+  EXPECT_NEAR(frame.at(50, 100).red, 127, 1);
+  EXPECT_NEAR(frame.at(50, 50).red, 127, 1);
 }
 
 TEST(Painter, LeavesATransparentBackgroundEmpty) {
@@ -248,7 +280,7 @@ TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
     SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
     sample.poses[0].position.z() = height;
     picture::Style style;
-    style.edgeWidth = 0;
+    style.slitWidth = 0;
     style.background = {255, 255, 255};
     style.shadow = {0, 0, 0};
     style.plate = shadowCatcher(sample, 0);
@@ -438,7 +470,7 @@ TEST(Painter, DashesLinesWhereBricksHideThem) {
 TEST(Painter, MarksPointsByWholeDots) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.2);
   picture::Style style;
-  style.edgeWidth = 0;
+  style.slitWidth = 0;
   style.markSize = 0.2;
   picture::PictureItems items{sample.poses};
   items.marks = {Vector3(2, 2, 0.2)};
@@ -460,7 +492,7 @@ TEST(Painter, OutlinesDoNotFlickerWhenTheyMove) {
   style.brick = {{255, 255, 255}, {255, 255, 255}, {255, 255, 255}};
   style.edge = {0, 0, 0};
   style.ambient = 1;
-  style.edgeWidth = 0.01;  // one pixel of 200 within the face
+  style.slitWidth = style.silhouetteWidth = 0.01;  // two pixels of 200
   picture::Painter painter({200, 200}, sample.bricks, style);
   double least = 1e9, most = 0;
   for (int k = 0; k < 40; ++k) {

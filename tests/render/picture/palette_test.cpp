@@ -68,5 +68,56 @@ TEST(Palette, KindsHaveSevenColours) {
   EXPECT_EQ(colours.size(), 7U);
 }
 
+/// Lit from any side, and half dimmed by other bricks, as StatePainter lights measures.
+TEST(Palette, ScalesStandOutFromEveryPage) {
+  for (const bool isDark : {false, true}) {
+    picture::Style style = isDark ? picture::darkStyle() : picture::Style();
+    style.ambient = 0.84;
+    style.key.strength *= 0.38;
+    style.fill.strength *= 0.38;
+    style.occlusion *= 0.38;
+    const Vector3 towardsLight = (style.key.direction + style.fill.direction).normalized();
+    for (const picture::Colour page : {style.background, style.ground}) {
+      double least = 21;
+      for (const auto map : {picture::ColourMap::Viridis, picture::ColourMap::Cividis,
+                             picture::ColourMap::CoolWarm}) {
+        double before = 0;
+        for (int k = 0; k <= 40; ++k) {
+          const picture::Colour colour = picture::mapColour(map, k / 40.0, page);
+          for (const Vector3& normal : {towardsLight, Vector3(-towardsLight)}) {
+            for (const double occluded : {0.0, 0.5}) {
+              const picture::Colour seen = picture::faceColour(normal, colour, style, occluded);
+              least = std::min(least, picture::contrastOf(seen, page));
+            }
+          }
+          // Viridis and cividis still rise in lightness.
+          if (map != picture::ColourMap::CoolWarm) {
+            EXPECT_GE(lightness(colour), before - 0.5);
+          }
+          before = lightness(colour);
+        }
+      }
+      EXPECT_GE(least, 3) << isDark;  // 3.00 to 3.06
+    }
+  }
+}
+
+TEST(Palette, ContrastIsThatOfTheStandard) {
+  EXPECT_NEAR(picture::contrastOf({0, 0, 0}, {255, 255, 255}), 21, 1e-9);
+  EXPECT_NEAR(picture::contrastOf({119, 119, 119}, {255, 255, 255}), 4.48, 0.005);  // #777
+  EXPECT_NEAR(picture::contrastOf({68, 1, 84}, {22, 24, 28}), 1.17, 0.03);
+}
+
+TEST(Palette, TextIsReadableOnEveryBackground) {
+  const picture::Colour dark = picture::Style().text;
+  EXPECT_EQ(picture::readableText(dark, {255, 255, 255}), dark);
+  EXPECT_EQ(picture::readableText(dark, {10, 20, 60}), picture::darkStyle().text);
+  for (int grey = 0; grey < 256; ++grey) {
+    const auto byte = static_cast<std::uint8_t>(grey);
+    const picture::Colour page = {byte, byte, byte};
+    EXPECT_GE(picture::contrastOf(picture::readableText(dark, page), page), 4.5) << grey;
+  }
+}
+
 }  // namespace
 }  // namespace kirireel

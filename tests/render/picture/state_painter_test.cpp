@@ -42,10 +42,24 @@ TEST(PictureSetup, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
   EXPECT_EQ(setup.style().plate->height, 0);  // the tiles' own height
 }
 
-TEST(PictureSetup, KeepsLinesTwoPixelsWideInSmallPictures) {
-  EXPECT_EQ(picture::PictureSetup({}, tessellationContent(), {160, 100}).style().edgeWidth, 0.02);
-  EXPECT_EQ(picture::PictureSetup({}, tessellationContent(), {2000, 2000}).style().edgeWidth,
-            picture::Style().edgeWidth);
+TEST(PictureSetup, GivesLinesTheirWidthsInPrint) {
+  const auto styleOf = [](const picture::Look& look, picture::FrameSize size) {
+    return picture::PictureSetup(look, tessellationContent(), size).style();
+  };
+  // 160 mm are 453.5 points.
+  const picture::Style plain = styleOf({}, {1280, 720});
+  EXPECT_NEAR(plain.slitWidth * 720, 0.5 * 1280 / 453.543, 1e-4);         // 1.411 pixels
+  EXPECT_NEAR(plain.silhouetteWidth * 720, 0.75 * 1280 / 453.543, 1e-4);  // 2.117 pixels
+  EXPECT_NEAR(plain.slitWidth, picture::Style().slitWidth, 1e-5);
+  EXPECT_NEAR(plain.silhouetteWidth, picture::Style().silhouetteWidth, 1e-5);
+  picture::Look look;
+  look.pixelsPerInch = 600;
+  look.outlineWidths = {0.25, 1};
+  const picture::Style printed = styleOf(look, {900, 500});
+  EXPECT_NEAR(printed.slitWidth * 500, 0.25 * 600 / 72, 1e-9);
+  EXPECT_NEAR(printed.silhouetteWidth * 500, 600.0 / 72, 1e-9);
+  look.outlines = false;
+  EXPECT_EQ(styleOf(look, {900, 500}).slitWidth, 0);
 }
 
 TEST(PictureSetup, SharesOneScaleOnlyInAStillParallelView) {

@@ -40,20 +40,28 @@ class FigureTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(FigureTest, ShowsARowOfStatesOfEachRunAtOneScale) {
+TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
   const trajectory::TrajectoryReader small(recorded("small", 2)), large(recorded("large", 4));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&small, &large};
-  const std::vector<record::PanelRow> rows = record::figureRows(runs, settings());
+  record::PictureSettings wanted = settings();
+  for (const bool sameScale : {true, false}) {
+  wanted.sameScale = sameScale;
+  const std::vector<record::PanelRow> rows = record::figureRows(runs, wanted);
   ASSERT_EQ(rows.size(), 2);
   std::vector<double> scales;
   for (const record::PanelRow& row : rows) {
     EXPECT_EQ(row.states.size(), 3);
     scales.push_back(picture::PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
   }
-  // 1e-16: zoomed by the ratio of the two.
-  EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);
-  EXPECT_EQ(rows[0].captions, (std::vector<std::string>{"small: 0%", "50%", "100%"}));
-  EXPECT_EQ(rows[1].captions.front(), "large: 0%");
+  if (sameScale) {
+    EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);  // 1e-16: zoomed by the ratio of the two
+  } else {
+    EXPECT_LT(scales[0] / scales[1], 0.6);  // half as large a sheet fills the same picture
+  }
+  EXPECT_EQ(rows[0].captions, (std::vector<std::string>{"0%", "50%", "100%"}));
+  EXPECT_EQ(rows[0].head, "small");
+  EXPECT_EQ(rows[1].head, "large");
+  }
 }
 
 TEST_F(FigureTest, LeavesPictureAndPages) {
@@ -64,7 +72,7 @@ TEST_F(FigureTest, LeavesPictureAndPages) {
   wanted.pages = {picture::PageFormat::Svg, picture::PageFormat::Pdf};
   record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
   const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
-  EXPECT_THAT(svg, testing::HasSubstr("large: 0%"));
+  EXPECT_THAT(svg, testing::HasSubstr(">large<"));
   EXPECT_THAT(svg, testing::HasSubstr("picture_06"));
   EXPECT_THAT(svg, testing::HasSubstr("model small, large"));
   EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.png"));
@@ -73,6 +81,7 @@ TEST_F(FigureTest, LeavesPictureAndPages) {
 
 TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
   record::PictureSettings wanted = settings();
+  wanted.sameScale = true;
   wanted.look.camera.orbit = 1;
   const trajectory::TrajectoryReader run(recorded("small", 2));
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&run, &run};
@@ -81,10 +90,24 @@ TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "error: pictures of several runs share one scale, which needs a parallel "
-                 "projection and a fixed camera; remove --projection perspective, --orbit "
-                 "and --camera-keys");
+                 "error: --same-scale needs a parallel projection and a fixed camera; remove "
+                 "--projection perspective, --orbit and --camera-keys");
   }
+}
+
+/// Rows have their own heights: a sheet of 1 x 4 squares needs half of that of 2 x 4 and less.
+TEST_F(FigureTest, GivesRowsTheirOwnHeightsAndBoldLetters) {
+  record::PictureSettings wanted = settings();
+  wanted.gridWidth = 100;
+  wanted.fontPoints = 7;
+  wanted.dotsPerInch = 150;
+  wanted.letters = picture::PanelLetters::Small;
+  wanted.pages = {picture::PageFormat::Svg};
+  record::renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
+  const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
+  EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">a</text>"));
+  EXPECT_THAT(svg, testing::ContainsRegex("font-weight=\"bold\" fill=\"#1e1e1e\">b</text>"));
+  EXPECT_THAT(svg, testing::Not(testing::HasSubstr(">c</text>")));
 }
 
 }  // namespace
