@@ -192,7 +192,6 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
   Json data = {
       {"light", styleJson(picture::Theme::Light, settings.look)},
       {"dark", styleJson(picture::Theme::Dark, settings.look)},
-      {"map", mapJson(settings.look.map)},
       {"theme", settings.look.theme == picture::Theme::Dark ? Json("dark") : Json(nullptr)},
       {"runs", Json::array()}};
   std::string title, stages, words;
@@ -413,21 +412,42 @@ Json statesJson(const trajectory::TrajectoryReader& run, const picture::PictureC
   return collector.json();
 }
 
-/// The values with the digits that a diagram can show. Groups without any value are omitted; a
-/// value that does not exist is null.
+/// Whether a diagram of a group shows something: its values are not all the same. Differences of
+/// the size of rounding are none; of what is always small, such as gaps, the size matters.
+bool isWorthShowing(const trajectory::CurveGroup& group) {
+  constexpr double kRounding = 1e-12;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const trajectory::Curve& curve : group.curves) {
+    for (const double value : curve.values) {
+      if (std::isnan(value)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  if (group.isLogarithmic) return most > 0;
+  const double scale = group.unit.empty() ? 1 : std::max(std::abs(least), std::abs(most));
+  return most - least > kRounding * scale;
+}
+
+/// The values with the digits that a diagram can show. Groups without anything to show are omitted;
+/// a value that does not exist is null.
 Json curvesJson(const trajectory::RunCurves& curves) {
   Json groups = Json::array();
   for (const trajectory::CurveGroup& group : curves.groups) {
-    if (!group.hasValues()) continue;
+    if (!group.hasValues() || !isWorthShowing(group)) continue;
     Json lines = Json::array();
     for (const trajectory::Curve& curve : group.curves) {
-      if (!curve.hasValues()) continue;
+      // A sheet that leaves its plane has some measures only at its start.
+      const auto missing =
+          std::ranges::count_if(curve.values, [](double value) { return std::isnan(value); });
+      if (2 * missing >= static_cast<long>(curve.values.size())) continue;
       Json values = Json::array();
       for (const double value : curve.values)
         // Six digits: a text of fewer digits is shorter as JSON too.
         values.push_back(std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr));
       lines.push_back({{"label", curve.name}, {"values", std::move(values)}});
     }
+    if (lines.empty()) continue;
     groups.push_back({{"name", group.name},
                       {"unit", group.unit},
                       {"logarithmic", group.isLogarithmic},
@@ -453,6 +473,16 @@ record::PictureSettings stillSettings(const picture::Look& look) {
   return settings;
 }
 
+/// Shades of a colour map from its first end to the other.
+Json mapJson(picture::ColourMap map, picture::Colour background) {
+  Json shades = Json::array();
+  for (int k = 0; k < kShades; ++k) {
+    shades.push_back(
+        coloursJson(picture::evenShades(picture::mapColour(map, k / (kShades - 1.0), background))));
+  }
+  return shades;
+}
+
 }  // namespace
 
 Json styleJson(picture::Theme theme, const picture::Look& look) {
@@ -463,30 +493,21 @@ Json styleJson(picture::Theme theme, const picture::Look& look) {
   themed.colouring = picture::Colouring::Displacement;
   return {{"background", colourJson(style.background)},
           {"brick", coloursJson(style.brick)},
+          {"map", mapJson(look.map, style.background)},
           {"edge", colourJson(style.edge)},
           {"ground", colourJson(style.ground)},
           {"scenery", colourJson(style.scenery)},
           {"shadow", colourJson(style.shadow)},
           {"mark", colourJson(style.mark)},
           {"overlay", colourJson(style.overlay)},
-          {"edge_width", look.outlines ? picture::Style().edgeWidth : 0},
-          {"thinnest_edge", look.outlines ? picture::kThinnestEdge : 0},
-          {"most_outline_share", picture::kMaxOutlineShare},
+          {"slit_width", look.outlines ? look.outlineWidths.slits : 0},
+          {"silhouette_width", look.outlines ? look.outlineWidths.silhouettes : 0},
           {"mark_size", style.markSize},
           {"mark_lift", picture::kDotLift},
           {"overlay_width", style.overlayWidth},
           {"thinnest_overlay", picture::kThinnestOverlay},
           {"lights", lightsJson(style)},
           {"measure_lights", lightsJson(styleOf(themed))}};
-}
-
-Json mapJson(picture::ColourMap map) {
-  Json shades = Json::array();
-  for (int k = 0; k < kShades; ++k) {
-    shades.push_back(
-        coloursJson(picture::evenShades(picture::mapColour(map, k / (kShades - 1.0)))));
-  }
-  return shades;
 }
 
 Json runJson(const trajectory::TrajectoryReader& run, const picture::Look& look,

@@ -111,10 +111,6 @@ struct PageStates {
 /// given theme, not for the look's own.
 Json styleJson(picture::Theme theme, const picture::Look& look);
 
-/// The shades [bottom, top, side] of bricks whose colours show values, from the least to the
-/// largest in equal steps.
-Json mapJson(picture::ColourMap map);
-
 /// One run: bricks, poses, joints, measures, target, surroundings and cameras. See stage.js, which
 /// reads it. Throws InputError if the style needs data that the run lacks. Reads the trajectory
 /// once for the states, once for the curves. `states.samples` of a thousand bricks take 14 kB each

@@ -89,7 +89,7 @@ class Pages(unittest.TestCase):
                 window.move_slider(0.6)
                 window.run(
                     "const [stage] = kirireel.stages;"
-                    "stage.setStyle({...kirireel.data.light, edge_width: 0, thinnest_edge: 0},"
+                    "stage.setStyle({...kirireel.data.light, slit_width: 0, silhouette_width: 0},"
                     "  {...kirireel.data.light.lights, ambient: 1,"
                     "   key: {direction: [0, 0, 1], strength: 0},"
                     "   fill: {direction: [0, 0, 1], strength: 0}});"

@@ -1,8 +1,9 @@
 "use strict";
-// Bricks as faces: for drawing, and for finding the one under a finger. The outlines are those of
-// render/picture/picture_geometry.cpp: each side of a face moves inwards by half of the line's width.
+// Bricks as faces: for drawing, and for finding the one under a finger. A shader draws the inner half
+// of a line on its face, by the distance from the face's sides; rims are the outer halves.
 
 const BOTTOM = 0, TOP = 1, SIDE = 2; // kinds of faces, as their colours are listed
+const MOST_OUTLINE = 0.35; // of a face's shortest side that the ring of its outline takes
 
 const vec = {
   add: (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]],
@@ -34,7 +35,7 @@ function polygonNormal(corners) {
 
 /** A polygon in brick axes with all that its drawing needs. */
 class Face {
-  constructor(corners, kind, triangles, mostShare) {
+  constructor(corners, kind, triangles) {
     this.corners = corners;
     this.kind = kind;
     this.normal = polygonNormal(corners);
@@ -42,7 +43,7 @@ class Face {
     this.hasFewSides = !triangles && corners.length <= 4;
     this.across = this.directionsAcross();
     this.inwards = this.directionsInwards();
-    this.mostOutline = this.widestOutline(mostShare);
+    this.mostOutline = this.widestOutline();
     this.cornerDistances = this.hasFewSides && corners.map((corner) => this.distances(corner));
   }
 
@@ -69,14 +70,14 @@ class Face {
   }
 
   /** The width at which the shortest side keeps its share of the face, metres. */
-  widestOutline(mostShare) {
+  widestOutline() {
     const { corners, inwards } = this;
     let widest = Infinity;
     corners.forEach((corner, k) => {
       const next = (k + 1) % corners.length;
       const side = vec.sub(corners[next], corner);
       const shrinking = vec.dot(vec.unit(side), vec.sub(inwards[k], inwards[next]));
-      if (shrinking > 0) widest = Math.min(widest, (mostShare * vec.length(side)) / shrinking);
+      if (shrinking > 0) widest = Math.min(widest, (MOST_OUTLINE * vec.length(side)) / shrinking);
     });
     return widest < Infinity ? widest : 0;
   }
@@ -181,13 +182,13 @@ class FaceMesh {
 
 /** All bricks of a run. */
 class Bricks {
-  static async unpack(packed, mostShare) {
+  static async unpack(packed) {
     const bottoms = await Polygons.unpack(packed);
     const rises = await unpackArray(packed.rises);
-    return new Bricks(bottoms, rises, packed.triangles, mostShare);
+    return new Bricks(bottoms, rises, packed.triangles);
   }
 
-  constructor(bottoms, rises, triangles, mostShare) {
+  constructor(bottoms, rises, triangles) {
     this.count = bottoms.length;
     this.faces = [];
     this.radii = new Float64Array(this.count);
@@ -199,7 +200,7 @@ class Bricks {
       if (!shapes.has(key)) {
         const top = bottom.map((corner) => vec.add(corner, rise));
         shapes.set(key, {
-          faces: Bricks.facesOf(bottom, top, triangles[brick], mostShare),
+          faces: Bricks.facesOf(bottom, top, triangles[brick]),
           radius: Math.max(...[...bottom, ...top].map(vec.length)),
         });
       }
@@ -209,16 +210,16 @@ class Bricks {
     }
   }
 
-  static facesOf(bottom, top, triangles, mostShare) {
+  static facesOf(bottom, top, triangles) {
     const last = bottom.length - 1;
     const below = triangles && triangles.map(([a, b, c]) => [last - c, last - b, last - a]);
     const faces = [
-      new Face([...bottom].reverse(), BOTTOM, below, mostShare),
-      new Face(top, TOP, triangles, mostShare),
+      new Face([...bottom].reverse(), BOTTOM, below),
+      new Face(top, TOP, triangles),
     ];
     bottom.forEach((corner, k) => {
       const next = (k + 1) % bottom.length;
-      faces.push(new Face([corner, bottom[next], top[next], top[k]], SIDE, null, mostShare));
+      faces.push(new Face([corner, bottom[next], top[next], top[k]], SIDE, null));
     });
     return faces;
   }
@@ -231,6 +232,30 @@ class Bricks {
       for (const face of faces) mesh.append(face, brick);
     });
     return mesh;
+  }
+
+  /** A ribbon along each side of each face, to be widened outwards: its ends, its spot on it. */
+  rims() {
+    const positions = [], others = [], normals = [], spots = [], bricks = [];
+    this.faces.forEach((faces, brick) => {
+      for (const { corners, normal } of faces) {
+        corners.forEach((from, k) => {
+          const to = corners[(k + 1) % corners.length];
+          for (const spot of QUAD) {
+            positions.push(...(spot[0] < 0 ? from : to));
+            others.push(...(spot[0] < 0 ? to : from));
+            normals.push(...normal);
+            spots.push(...spot);
+            bricks.push(brick, 0, 0);
+          }
+        });
+      }
+    });
+    return {
+      position: [new Float32Array(positions), 3], other: [new Float32Array(others), 3],
+      faceNormal: [new Float32Array(normals), 3], spot: [new Float32Array(spots), 2],
+      info: [new Float32Array(bricks), 3],
+    };
   }
 
   /** The brick that a ray (world axes, unit direction) meets first at these poses; -1 for none. */

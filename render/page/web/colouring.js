@@ -54,10 +54,8 @@ function largestOfRun(run, measure) {
 
 /** Paints the bricks of all stages by one measure, on one scale, or plainly. */
 class Colouring {
-  /** map: shades from the least value to the largest, see styleJson(). */
-  constructor(stages, map) {
+  constructor(stages) {
     this.stages = stages;
-    this.map = map;
     this.measure = null;
     this.boxes = stages.map((stage) => {
       const box = document.createElement("div");
@@ -80,17 +78,19 @@ class Colouring {
     for (const box of this.boxes) box.hidden = !this.measure;
     if (!this.measure) return;
     this.most = Math.max(...this.stages.map(({ run }) => this.measure.mostOf(run))) || 1;
-    const stops = this.map.map(([, top]) => `rgb(${top.join(",")})`).join(",");
     for (const box of this.boxes) {
       box.innerHTML = `<span></span><span class="bar"></span><span class="ends"><span>0</span><span></span></span>`;
       box.firstChild.textContent = `${this.measure.name}, ${this.measure.unit}`;
-      box.querySelector(".bar").style.background = `linear-gradient(to right, ${stops})`;
       box.querySelector(".ends").lastChild.textContent = numberText(this.most);
     }
   }
 
   /** Gives the bricks their colours in their stages' states. */
   paint(style) {
+    const stops = style.map.map(([, top]) => `rgb(${top.join(",")})`).join(",");
+    for (const bar of this.boxes.map((box) => box.querySelector(".bar")).filter(Boolean)) {
+      bar.style.background = `linear-gradient(to right, ${stops})`;
+    }
     for (const stage of this.stages) {
       stage.setStyle(style, this.measure ? style.measure_lights : style.lights);
       this.colour(stage, style);
@@ -103,10 +103,10 @@ class Colouring {
       stage.setColours(() => style.brick);
       return;
     }
-    const last = this.map.length - 1;
+    const last = style.map.length - 1;
     stage.setColours((brick) => {
       const share = this.measure.valueOf(stage, brick) / this.most;
-      return this.map[Math.round(last * Math.max(0, Math.min(1, share)))];
+      return style.map[Math.round(last * Math.max(0, Math.min(1, share)))];
     });
   }
 }

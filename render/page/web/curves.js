@@ -29,6 +29,7 @@ class Diagram {
     this.caption = document.createElement("figcaption");
     const name = document.createElement("span");
     name.textContent = curve.unit ? `${curve.name}, ${curve.unit}` : curve.name;
+    if (curve.logarithmic) name.textContent += ", logarithmic";
     this.values = curve.lines.map((_, k) => {
       const value = document.createElement("output");
       value.className = `line-${k}`;
@@ -38,7 +39,10 @@ class Diagram {
     const frame = document.createElement("div");
     frame.className = "diagram";
     frame.append(this.draw(), ...this.endsOfRange());
-    this.element.append(this.caption, frame);
+    const across = document.createElement("p");
+    across.className = "across";
+    across.innerHTML = "<span>0%</span><span>share of the motion</span><span>100%</span>";
+    this.element.append(this.caption, frame, across);
     this.picture.addEventListener("pointerdown", (event) => {
       const box = this.picture.getBoundingClientRect();
       const x = ((event.clientX - box.left) / box.width) * DIAGRAM.width;

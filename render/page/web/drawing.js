@@ -1,7 +1,8 @@
 "use strict";
 // What is drawn of a run with three.js, by the rules of render/picture: faces are flat in the one
-// colour that faceColour() gives, their outlines lie on them, lines and dots face the camera.
+// colour that faceColour() gives, their outlines are as wide in print, lines and dots face the camera.
 
+const POINT = 96 / 72; // of print, in pixels of a page
 const TEXELS = 512; // bricks in a row of the textures that tell shaders of each brick
 
 const SHADER_PARTS = {
@@ -60,19 +61,47 @@ const SHADERS = {
       }`,
     fragment: `
       uniform vec3 edge;
-      uniform float outline;
+      uniform float outline; // half of a slit's width, pixels
       varying vec3 face;
       varying vec4 distances;
       varying float most;
       void main() {
-        float width = min(outline, most);
-        vec4 blur = max(fwidth(distances), 1e-12);
-        vec4 shares = clamp((distances - width) / blur + 0.5, 0.0, 1.0);
+        vec4 right = dFdx(distances), up = dFdy(distances);
+        vec4 pixels = distances / max(sqrt(right * right + up * up), 1e-12);
+        vec4 shares = clamp(pixels - outline + 0.5, 0.0, 1.0);
         float share = min(min(shares.x, shares.y), min(shares.z, shares.w));
         // Within the ring of a face that has one there is nothing to smooth.
         if (outline <= 0.0 || distances.x >= 0.9999 * most && distances.y > 1e8) share = 1.0;
         gl_FragColor = vec4(mix(edge, face, share), 1.0);
       }`,
+  },
+  /** The outer halves of lines, behind the faces that continue there. */
+  rims: {
+    vertex: `
+      ${SHADER_PARTS.pose} ${SHADER_PARTS.eye}
+      uniform float rim, retreat; // pixels, metres
+      uniform vec2 screen;        // half of the picture's sides, pixels
+      attribute vec3 other;
+      attribute vec3 faceNormal;
+      attribute vec2 spot;
+      attribute vec3 info;
+      vec4 seen(vec3 point) {
+        vec3 back = normalize(towardsEye(point));
+        return projectionMatrix * viewMatrix * vec4(point - retreat * back, 1.0);
+      }
+      void main() {
+        vec3 here = placed(info.x, position), there = placed(info.x, other);
+        vec3 normal = turned(poseTexel(info.x, 1), faceNormal);
+        vec4 clip = seen(here), end = seen(there);
+        vec2 along = (end.xy / end.w - clip.xy / clip.w) * screen;
+        float isSeen = dot(normal, towardsEye(here)) > 0.0 && length(along) > 0.0 ? 1.0 : 0.0;
+        along = spot.x < 0.0 ? normalize(along) : -normalize(along);
+        vec2 outwards = vec2(along.y, -along.x);
+        vec2 shift = spot.x * rim * along + (spot.y > 0.0 ? rim : 0.0) * outwards;
+        clip.xy += isSeen * shift / screen * clip.w;
+        gl_Position = isSeen > 0.0 ? clip : vec4(2.0, 2.0, 2.0, 1.0);
+      }`,
+    fragment: SHADER_PARTS.flat,
   },
   shadow: {
     vertex: `
@@ -258,7 +287,8 @@ class Drawing {
       fillDirection: vector(), fillStrength: number(),
       edge: vector(), outline: number(), chosen: number(-1), accent: vector(),
       eye: vector(), backwards: vector(), upwards: vector(), parallel: { value: false },
-      radius: number(), lift: number(), width: number(),
+      radius: number(), lift: number(), width: number(), rim: number(), retreat: number(),
+      screen: { value: new THREE.Vector2(1, 1) },
       height: number(this.run.plate ? this.run.plate.height : 0),
     };
   }
@@ -280,6 +310,8 @@ class Drawing {
       this.shadow = this.add("shadow", makeGeometry(corners, mesh.indices), { ...under, ...both });
     }
     this.bricks = this.add("bricks", bricks);
+    const rims = run.bricks.rims();
+    this.rims = this.add("rims", makeGeometry(rims, quadIndices(rims.spot[0].length / 8)), both);
     if (run.obstacles.length > 0) {
       this.scenery = this.add("scenery", sceneryGeometry(run.obstacles), both);
     }
@@ -329,6 +361,7 @@ class Drawing {
     paint(this.plate, style.ground);
     paint(this.shadow, style.shadow);
     paint(this.scenery, style.scenery);
+    paint(this.rims, style.edge);
     paint(this.marks, style.mark);
     paint(this.lines, style.overlay);
   }
@@ -338,13 +371,18 @@ class Drawing {
     shades.forEach((shade, kind) => this.colours.set(shade, 4 * (3 * brick + kind)));
   }
 
-  /** `pixels`: the picture's height. */
-  setCamera(camera, viewpoint, pixels) {
+  /** `size`: of the picture, pixels of the page, and how many are drawn for each. */
+  setCamera(camera, viewpoint, size) {
     const { uniforms, style } = this;
     const height = viewpoint.heightAtCentre();
-    const width = (share, thinnest) => Math.max(share, thinnest / pixels) * height;
-    uniforms.outline.value = 0.5 * width(style.edge_width, style.thinnest_edge);
-    uniforms.width.value = width(style.overlay_width, style.thinnest_overlay);
+    const point = POINT * size.ratio; // in drawn pixels
+    uniforms.outline.value = 0.5 * style.slit_width * point;
+    uniforms.rim.value = style.silhouette_width * point - uniforms.outline.value;
+    uniforms.retreat.value = (style.silhouette_width * POINT * height) / size.height;
+    uniforms.screen.value.set(size.width, size.height).multiplyScalar(0.5 * size.ratio);
+    this.rims.visible = style.slit_width > 0;
+    uniforms.width.value =
+      Math.max(style.overlay_width, style.thinnest_overlay / size.height) * height;
     uniforms.radius.value = 0.5 * style.mark_size * height;
     uniforms.eye.value.copy(camera.position);
     uniforms.parallel.value = camera.isOrthographicCamera === true;

@@ -79,7 +79,7 @@ class Page {
       new Section(stages[k], words[k], run, data.runs[k].curves, (share) => this.seekProgress(share)));
     for (const section of this.sections) section.open();
     this.stages = this.sections.map(({ stage }) => stage).filter(Boolean);
-    this.colouring = new Colouring(this.stages, data.map);
+    this.colouring = new Colouring(this.stages);
     this.lastChange = 0;
     this.isAwake = false;
     this.setUpTheme();
@@ -308,7 +308,7 @@ class Page {
 async function openPage() {
   const data = JSON.parse(byId("data").textContent);
   const runs = [];
-  for (const run of data.runs) runs.push(await unpackRun(run, data.light));
+  for (const run of data.runs) runs.push(await unpackRun(run));
   // For those who look at the page from a console or a program.
   window.kirireel = new Page(data, runs);
 }

@@ -23,20 +23,41 @@ class Viewpoint {
     this.ball = new THREE.Sphere(new THREE.Vector3(), 1);
   }
 
-  /** Takes one of a view's fits, see page.h. */
+  /** Takes one of a view's fits, see page.h; on a canvas narrower than its picture, from farther. */
   show(fit) {
     const centre = new THREE.Vector3(...fit.centre), eye = new THREE.Vector3(...fit.eye);
     const away = eye.distanceTo(centre);
     eye.addScaledVector(new THREE.Vector3(...fit.up), -TILT * away);
     this.camera = fit.orthographic ? this.cameras.parallel : this.cameras.perspective;
-    this.viewHeight = fit.view_height;
-    this.cameras.perspective.fov = THREE.Math.radToDeg(fit.field_of_view);
+    this.takeLens(fit);
     this.camera.position.copy(eye);
     this.camera.zoom = 1;
     this.controls.object = this.camera;
     this.controls.target.copy(centre);
     this.controls.update();
     this.exact = { fit, eye: this.camera.position.clone(), target: centre };
+  }
+
+  /** The height of what is in sight. */
+  takeLens(fit) {
+    const narrow = Math.max(1, fit.aspect / this.aspect);
+    this.viewHeight = narrow * fit.view_height;
+    this.cameras.perspective.fov =
+      THREE.Math.radToDeg(2 * Math.atan(narrow * Math.tan(0.5 * fit.field_of_view)));
+  }
+
+  /** The canvas has another shape, which has this fit of the same view: all stays in sight. */
+  refit(fit) {
+    if (this.isUnmoved) return this.show(fit);
+    const { camera, controls, exact } = this;
+    const away = ({ eye, centre }) => new THREE.Vector3(...eye).distanceTo(new THREE.Vector3(...centre));
+    this.takeLens(fit);
+    if (camera.isPerspectiveCamera) {
+      camera.position.sub(controls.target).multiplyScalar(away(fit) / away(exact.fit))
+        .add(controls.target);
+    }
+    this.exact = { ...exact, fit };
+    controls.update();
   }
 
   /** Whether nobody has moved the camera since it took a view. */
@@ -112,8 +133,8 @@ class Viewpoint {
 }
 
 /** Unpacks what stage and curves need of a run's data. */
-async function unpackRun(data, style) {
-  const bricks = await Bricks.unpack(data.bricks, style.most_outline_share);
+async function unpackRun(data) {
+  const bricks = await Bricks.unpack(data.bricks);
   const { states } = data;
   return {
     name: data.name,
@@ -218,15 +239,21 @@ class Stage {
   }
 
   showView(index) {
-    const { fits } = this.run.views[index];
-    const aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
-    const held = fits.filter((fit) => fit.aspect <= aspect * 1.001);
-    this.viewpoint.show(held.length > 0 ? held[held.length - 1] : fits[0]);
+    this.view = this.run.views[index];
+    this.viewpoint.show(this.fitOfView());
     this.changed();
+  }
+
+  /** The widest picture that the canvas holds. */
+  fitOfView() {
+    const { fits } = this.view;
+    const held = fits.filter((fit) => fit.aspect <= this.viewpoint.aspect * 1.001);
+    return held.length > 0 ? held[held.length - 1] : fits[0];
   }
 
   resize() {
     this.viewpoint.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+    if (this.view) this.viewpoint.refit(this.fitOfView());
     this.changed();
   }
 
@@ -241,7 +268,8 @@ class Stage {
     this.renderer.setPixelRatio(Math.min(ratio * (wantsFine ? STILL_SCALE : 1), finest));
     this.renderer.setSize(width, height, false);
     this.viewpoint.project();
-    this.drawing.setCamera(this.viewpoint.lens, this.viewpoint, height);
+    this.drawing.setCamera(
+      this.viewpoint.lens, this.viewpoint, { width, height, ratio: this.renderer.getPixelRatio() });
     this.renderer.render(this.drawing.scene, this.viewpoint.lens);
     this.isStale = false;
     this.isFine = wantsFine;

@@ -75,7 +75,7 @@ TEST_F(WebPage, HasTheColoursAndLightsOfOurPictures) {
   EXPECT_EQ(data["dark"]["lights"]["ambient"], style.ambient);
   EXPECT_EQ(data["light"]["lights"]["key"]["strength"], picture::Style().key.strength);
   EXPECT_EQ(data["light"]["brick"][1], Json({128, 174, 220}));
-  EXPECT_EQ(data["light"]["edge_width"], picture::Style().edgeWidth);
+  EXPECT_EQ(data["light"]["slit_width"], picture::OutlineWidths().slits);
 }
 
 TEST_F(WebPage, TakesColoursAndOpacitiesOfSingleTiles) {
