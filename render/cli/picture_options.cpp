@@ -95,10 +95,11 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
              [&](const scene::TypedValue& typed) { settings.font = typed.text; })
       .serializedAs([&] { return scene::quotedText(settings.font); });
   group
-      .value("--letters", "[WORD]", "none",
-             "(a), (b), ... over the grid's pictures; as a, (a) or A in bold, in a figure of several "
-             "runs one for each row",
-             [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
+      .value(
+          "--letters", "[WORD]", "none",
+          "(a), (b), ... over the grid's pictures; as a, (a) or A in bold, in a figure of several "
+          "runs one for each row",
+          [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
       .serializedAs([&] { return lettersText(settings.letters); });
   group.flag("--same-view", settings.sameView,
              "of all rows of a figure of several runs, that of the first; else each has its own");
@@ -305,7 +306,8 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
        {"shadow", picture::GroundLook::Shadow},
        {"none", picture::GroundLook::None}},
       "under the bricks, auto is a plate with a shadow when there is a ground");
-  group.flag("--transparent", look.transparent, "no background in PNG files, and in videos that have alpha");
+  group.flag("--transparent", look.transparent,
+             "no background in PNG files, and in videos that have alpha");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
   group
       .value("--outline-width", "PT[,PT]", "0.5pt,0.75pt",

@@ -364,6 +364,28 @@ std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
   return plots;
 }
 
+/// Which curves a figure shows.
+void addSelectionOptions(OptionGroup& group, record::CurvesSettings& settings) {
+  group.value("--curves", "LIST", "all",
+              "of the figures, with commas between them: target_error, opening_mean, radius, ...; "
+              "theta is the mean opening",
+              [&settings](const scene::TypedValue& typed) {
+                for (const std::string& name : splitAtCommas(typed)) {
+                  settings.selected.push_back(name);
+                }
+              });
+  group.values(
+      "--column", "FILE.csv:NAME",
+      "a column of a table, in the diagram of the curve of this name or its own",
+      [&settings](const scene::TypedValue& typed) {
+        const std::size_t colon = typed.text.rfind(':');
+        if (colon == std::string::npos || colon + 1 == typed.text.size()) {
+          throw scene::valueError(typed, "a file and a column, as in data.csv:radius_m");
+        }
+        settings.columns.push_back({typed.text.substr(0, colon), typed.text.substr(colon + 1)});
+      });
+}
+
 }  // namespace
 
 CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
@@ -378,24 +400,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   output.value("--out", "FOLDER", "next to RUN", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
-  figures.value("--curves", "LIST", "all",
-                "of the figures, with commas between them: target_error, opening_mean, radius, ...; "
-                "theta is the mean opening",
-                [&order](const scene::TypedValue& typed) {
-                  for (const std::string& name : splitAtCommas(typed)) {
-                    order.settings.selected.push_back(name);
-                  }
-                });
-  figures.values("--column", "FILE.csv:NAME",
-                 "a column of a table, in the diagram of the curve of this name or its own",
-                 [&order](const scene::TypedValue& typed) {
-                   const std::size_t colon = typed.text.rfind(':');
-                   if (colon == std::string::npos || colon + 1 == typed.text.size()) {
-                     throw scene::valueError(typed, "a file and a column, as in data.csv:radius_m");
-                   }
-                   order.settings.columns.push_back(
-                       {typed.text.substr(0, colon), typed.text.substr(colon + 1)});
-                 });
+  addSelectionOptions(figures, order.settings);
   figures.value(
       "--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
       [&order](const scene::TypedValue& typed) { order.settings.plots = parsePlots(typed); });

@@ -5,8 +5,8 @@
 //
 // with the areas A that show of the tiles' fronts and backs, from a depth buffer. Directions within
 // kNearlyBest of the best are equally good. Of these the nearest to a usual view is taken, oblique
-// for a flat start, else from a corner: small errors of the depth buffer do not decide, and symmetric
-// models are seen as usual.
+// for a flat start, else from a corner: small errors of the depth buffer do not decide, and
+// symmetric models are seen as usual.
 //
 // The set of directions is fixed in the axes of the first state: its normal if it is flat and
 // nothing else defines what is up, else z; and in the plane across, the sides of the smallest
@@ -83,8 +83,8 @@ double lengthAlong(std::span<const Vector3> points, const Vector3& axis) {
 /// x and y across a normal. Up in the picture is z, or y where the normal is nearer to z.
 Axes axesAcross(const Vector3& normal) {
   const bool isLying = std::abs(normal.z()) > std::numbers::sqrt2 / 2;
-  const Vector3 up = isLying ? (normal.z() > 0 ? Vector3(Vector3::UnitY()) : -Vector3::UnitY())
-                             : Vector3::UnitZ();
+  const Vector3 up =
+      isLying ? (normal.z() > 0 ? Vector3(Vector3::UnitY()) : -Vector3::UnitY()) : Vector3::UnitZ();
   const Vector3 x = up.cross(normal).normalized();
   return {x, normal.cross(x), normal};
 }
@@ -104,7 +104,8 @@ double uprightAngle(std::span<const Vector3> points, const Axes& axes) {
   const auto areaAt = [&outline](double angle) {
     const Eigen::Vector2d x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
     Eigen::AlignedBox2d box;
-    for (const Eigen::Vector2d& point : outline) box.extend(Eigen::Vector2d(x.dot(point), y.dot(point)));
+    for (const Eigen::Vector2d& point : outline)
+      box.extend(Eigen::Vector2d(x.dot(point), y.dot(point)));
     return box.volume();
   };
   constexpr double kQuarter = std::numbers::pi / 2;
@@ -146,8 +147,7 @@ std::optional<Vector3> layerNormal(std::span<const Vector3> points, const Tiles&
   // The start's own plane is exact.
   for (const Vector3& normal : {model::meanNormal(start, Vector3::UnitZ()), Vector3(axes.col(0))}) {
     const Axes across = axesAcross(normal);
-    const double larger =
-        std::max(lengthAlong(points, across.x), lengthAlong(points, across.y));
+    const double larger = std::max(lengthAlong(points, across.x), lengthAlong(points, across.y));
     if (lengthAlong(points, normal) < kFlatLayer * larger) return normal;
   }
   return std::nullopt;
@@ -230,7 +230,7 @@ class DepthBuffer {
  public:
   VisibleShare show(const TriangulatedState& surface, const Axes& view) {
     depths_.assign(kSide * kSide, -std::numeric_limits<double>::infinity());
-    sides_.assign(kSide * kSide, Side::None);
+    sides_.assign(kSide * kSide, Seen::Nothing);
     std::vector<Vector3> seen;
     Eigen::AlignedBox2d box;
     for (const Vector3& point : surface.points) {
@@ -241,12 +241,12 @@ class DepthBuffer {
     for (Vector3& point : seen) point.head<2>() = scale * (point.head<2>() - box.min());
     for (const auto& [a, b, c] : surface.triangles) draw(seen[a], seen[b], seen[c]);
     const double pixels = surface.area * scale * scale;
-    return {static_cast<double>(std::ranges::count(sides_, Side::Front)) / pixels,
-            static_cast<double>(std::ranges::count(sides_, Side::Back)) / pixels};
+    return {static_cast<double>(std::ranges::count(sides_, Seen::Front)) / pixels,
+            static_cast<double>(std::ranges::count(sides_, Seen::Back)) / pixels};
   }
 
  private:
-  enum class Side : char { None, Front, Back };
+  enum class Seen : char { Nothing, Front, Back };
 
   /// Pixels whose centres are in the triangle.
   void draw(const Vector3& a, const Vector3& b, const Vector3& c) {
@@ -272,13 +272,13 @@ class DepthBuffer {
         const std::size_t pixel = static_cast<std::size_t>(row) * kSide + column;
         if (depth <= depths_[pixel]) continue;
         depths_[pixel] = depth;
-        sides_[pixel] = whole > 0 ? Side::Front : Side::Back;
+        sides_[pixel] = whole > 0 ? Seen::Front : Seen::Back;
       }
     }
   }
 
   std::vector<double> depths_;
-  std::vector<Side> sides_;
+  std::vector<Seen> sides_;
 };
 
 /// A direction in some axes, and up in its picture.
@@ -340,8 +340,8 @@ AutomaticView chooseView(std::span<const Tiles> states, bool zIsUp) {
   const std::optional<Vector3> layer = layerNormal(verticesOf(onlyStart), start);
   const Vector3 up =
       layer && !zIsUp ? withoutRounding(towardsFronts(*layer, onlyStart)) : Vector3::UnitZ();
-  const Axes best = bestDirection(states, upright(start, up),
-                                  layer ? kObliqueView : kIsometricView, !zIsUp);
+  const Axes best =
+      bestDirection(states, upright(start, up), layer ? kObliqueView : kIsometricView, !zIsUp);
   return {anglesOf(best.z, best.y), false};
 }
 

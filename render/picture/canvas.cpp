@@ -203,8 +203,9 @@ void SvgCanvas::box(double left, double upper, double width, double height, Colo
 void SvgCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
                      Weight weight) {
   if (line.empty()) return;
-  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{} fill=\"{}\">{}</text>\n", left, baseline,
-         em, weight == Weight::Bold ? " font-weight=\"bold\"" : "", hex(colour), escaped(line));
+  append("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{}\"{} fill=\"{}\">{}</text>\n", left,
+         baseline, em, weight == Weight::Bold ? " font-weight=\"bold\"" : "", hex(colour),
+         escaped(line));
 }
 
 std::string SvgCanvas::finish() {
@@ -398,8 +399,7 @@ double CairoCanvas::silhouetteWidth() const {
   return internals_->silhouetteWidth;
 }
 
-void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale,
-                           double opacity) {
+void CairoCanvas::outlines(const std::vector<Points>& lines, Line kind, bool pale, double opacity) {
   Colour colour = pale ? internals_->paleOutline : internals_->outline;
   colour.alpha = static_cast<std::uint8_t>(std::lround(opacity * colour.alpha));
   internals_->choose(colour);
@@ -647,9 +647,8 @@ void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSi
   layer("bricks", farthestFirst(bricks));
   if (!geometry.outlines.empty()) {
     canvas.begin(layerName("outlines"));
-    drawOutlines(
-        seenOutlines(geometry, bricks, camera, canvas.silhouetteWidth() / size.height), project,
-        canvas);
+    drawOutlines(seenOutlines(geometry, bricks, camera, canvas.silhouetteWidth() / size.height),
+                 project, canvas);
     canvas.end();
   }
   layer("overlay", makePieces(geometry, geometry.overlay, camera));

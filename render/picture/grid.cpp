@@ -261,11 +261,10 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   // In 64 bits: rows and columns may be anything that a person typed.
   const long long width = 2LL * layout.gap + shape.columns * static_cast<long long>(picture.width) +
                           (shape.columns - 1) * static_cast<long long>(layout.columnGap);
-  long long height = layout.gap + layout.headHeight +
-                     static_cast<long long>(layout.scales) * layout.scaleHeight +
-                     shape.rows * static_cast<long long>(layout.rowHeadHeight +
-                                                         layout.letterHeight +
-                                                         layout.captionHeight + layout.gap);
+  long long height =
+      layout.gap + layout.headHeight + static_cast<long long>(layout.scales) * layout.scaleHeight +
+      shape.rows * static_cast<long long>(layout.rowHeadHeight + layout.letterHeight +
+                                          layout.captionHeight + layout.gap);
   if (style.rows.empty()) height += shape.rows * static_cast<long long>(picture.height);
   for (const GridRow& row : style.rows) height += row.picture.height;
   if (width > kMaxFrameSide || height > kMaxFrameSide) {
@@ -306,7 +305,8 @@ void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& s
       surface.text(panelLetter(cell, style.letters), left, std::round(baseline), em, style.text,
                    style.letters == PanelLetters::Plain ? Weight::Regular : Weight::Bold);
     }
-    double baseline = upper + layout.pictureOf(row).height + std::lround(kBaselineEms * layout.textSize);
+    double baseline =
+        upper + layout.pictureOf(row).height + std::lround(kBaselineEms * layout.textSize);
     const int width = style.textSize ? layout.picture.width : std::numeric_limits<int>::max();
     for (const std::string& line : captionLines(captions[cell], writer, width)) {
       drawCentred(surface, line, left, layout.picture.width, baseline, em, style.text);

@@ -290,9 +290,9 @@ class PictureGrid {
 /// A part of a line, from 0 at its first point to 1 at its last.
 using Interval = std::pair<double, double>;
 
-/// The part of a line that lies within a piece in the picture and no less than `depth` metres behind
-/// its plane: from one bound to the other, as both are convex. Empty (first not before second) where
-/// there is none.
+/// The part of a line that lies within a piece in the picture and no less than `depth` metres
+/// behind its plane: from one bound to the other, as both are convex. Empty (first not before
+/// second) where there is none.
 Interval behind(const Piece& piece, const Vector3& from, const Vector3& to, const View& view,
                 double depth) {
   Interval hidden(0, 1);
@@ -457,8 +457,7 @@ std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector
 
 std::vector<Piece> drawnPieces(const PictureGeometry& geometry, const Camera& camera) {
   std::vector<Piece> pieces = makePieces(geometry, geometry.solid, camera);
-  std::ranges::move(makePieces(geometry, geometry.translucent, camera),
-                    std::back_inserter(pieces));
+  std::ranges::move(makePieces(geometry, geometry.translucent, camera), std::back_inserter(pieces));
   return pieces;
 }
 

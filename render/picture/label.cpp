@@ -295,7 +295,8 @@ void FrameSurface::box(double left, double upper, double width, double height, C
 
 void FrameSurface::text(const std::string& line, double left, double baseline, int em,
                         Colour colour, Weight weight) {
-  LabelWriter(em, findFont(weight)).draw(frame_, line, nearestPixel(left), nearestPixel(baseline), colour);
+  LabelWriter(em, findFont(weight))
+      .draw(frame_, line, nearestPixel(left), nearestPixel(baseline), colour);
 }
 
 // ------------------------------------------------------------------------------------------------

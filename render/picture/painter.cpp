@@ -118,8 +118,8 @@ struct TriangleMesh {
   std::vector<Vertex> vertices;
   std::vector<GLuint> indices;  ///< of vertices, three a triangle
   std::vector<FacetTriangles> facets;
-  int groundEnd = 0;  ///< facets of the plate and the shadow: first, in painting order
-  int solidEnd = 0;   ///< then those that hide each other by depth
+  int groundEnd = 0;       ///< facets of the plate and the shadow: first, in painting order
+  int solidEnd = 0;        ///< then those that hide each other by depth
   int translucentEnd = 0;  ///< then those that are blended, in painting order
   int linesEnd = 0;        ///< then outlines; the rest is laid over
   bool hasTranslucentLines = false;
@@ -133,10 +133,15 @@ struct TriangleMesh {
   }
 };
 
+/// The thinnest lines in pictures of few pixels: thinner ones would break up into dashes.
+constexpr double kThinnestSlit = 0.8;
+constexpr double kThinnestSilhouette = 1.2;
+
 /// Corners of the disc that closes the end of a line.
 constexpr int kCapSides = 12;
 
-/// Turns facets and lines into triangles. Facets are convex, so each is a fan from its first corner.
+/// Turns facets and lines into triangles. Facets are convex, so each is a fan from its first
+/// corner.
 class Tessellator {
  public:
   Tessellator(const PictureGeometry& geometry, const Eigen::Matrix4d& clipFromWorldAxes,
@@ -180,9 +185,11 @@ class Tessellator {
       const std::array<std::uint8_t, 4> channels = bytes(colour);
       for (const auto& [points, isSilhouette] : lines) {
         const double width = isSilhouette ? style.silhouetteWidth : style.slitWidth;
+        const double thinnest = isSilhouette ? kThinnestSilhouette : kThinnestSlit;
         // In pixels, of which the picture is 2 half_.y high.
+        const double radius = std::max(half_.y() * width, 0.5 * thinnest);
         addFacet([&](ClipBox& place) {
-          appendLine(points, half_.y() * width, static_cast<float>(depth), channels, place);
+          appendLine(points, radius, static_cast<float>(depth), channels, place);
         });
       }
     }
@@ -455,7 +462,8 @@ void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& c
   const Style& style = subject.style;
   if (style.slitWidth > 0) {
     tessellator.append(
-        seenOutlines(geometry, drawnPieces(geometry, camera), camera, style.silhouetteWidth), style);
+        seenOutlines(geometry, drawnPieces(geometry, camera), camera, style.silhouetteWidth),
+        style);
   }
   mesh.linesEnd = mesh.facetCount();
   tessellator.append(geometry.overlay);

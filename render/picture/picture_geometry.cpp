@@ -219,8 +219,7 @@ void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours&
       corners.push_back(pose.position + rotation * point);
     }
     const double occluded = occluders ? occluders->occlusion(brick, corners, normal) : 0;
-    const Facet whole =
-        appendFacet(geometry, corners, faceColour(normal, base, style_, occluded));
+    const Facet whole = appendFacet(geometry, corners, faceColour(normal, base, style_, occluded));
     if (face.triangles.empty()) layer.push_back(whole);
     for (const auto& [a, b, c] : face.triangles) {
       layer.push_back(

@@ -139,9 +139,9 @@ bool needsView(const Look& look) {
 }
 
 void setView(const Look& look, std::span<const Poses> states, PictureContent& content) {
-  const bool zIsUp = look.camera.orbit != 0 || (look.ground == GroundLook::Auto
-                                                    ? content.groundHeight.has_value()
-                                                    : look.ground != GroundLook::None);
+  const bool zIsUp =
+      look.camera.orbit != 0 || (look.ground == GroundLook::Auto ? content.groundHeight.has_value()
+                                                                 : look.ground != GroundLook::None);
   std::vector<std::vector<model::Tile>> shown;
   for (const Poses& poses : states) {
     const std::vector<model::Tile> tiles = model::bottomTiles(content.bricks, poses);

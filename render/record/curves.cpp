@@ -115,7 +115,8 @@ std::vector<std::string> wordsOf(const std::string& line) {
 /// The column of a table as a run of its own, in the group of the curve with that column.
 PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
                      const trajectory::RunCurves& curves) {
-  std::istringstream lines(readTextFile(column.file, "give a table with commas between its columns"));
+  std::istringstream lines(
+      readTextFile(column.file, "give a table with commas between its columns"));
   std::string line;
   std::getline(lines, line);
   const std::vector<std::string> names = wordsOf(line);
@@ -260,7 +261,7 @@ constexpr picture::Colour kText = {30, 30, 30};
 constexpr picture::Colour kFrame = {120, 126, 134};
 constexpr picture::Colour kGrid = {226, 229, 233};
 /// Of a diagram's lines in turn: they stay apart in grey and for the colour-blind.
-constexpr picture::Colour kLines[] = {{43, 100, 166},  {194, 87, 26},  {61, 139, 95},
+constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26},  {61, 139, 95},
                                       {148, 62, 130}, {120, 100, 20}, {70, 70, 76}};
 
 constexpr int kColumns = 2;

@@ -488,11 +488,10 @@ void PanelSheet::paintAll(const std::vector<Cut>& cuts, std::optional<double> pi
         picture::PictureBox{0, 0, settings_.size}.scaled(cuts[row].scale).size;
     picture::Look look = rows_[row].look;
     look.pixelsPerInch = pixelsPerInch;
-    painters_.push_back(
-        std::make_unique<picture::StatePainter>(size, look, rows_[row].content));
+    painters_.push_back(std::make_unique<picture::StatePainter>(size, look, rows_[row].content));
     for (std::size_t k = 0; k < rows_[row].states.size(); ++k) {
-      pictures_.push_back({painters_.back()->paint(shownState(rows_[row].states[k])),
-                           rows_[row].captions[k]});
+      pictures_.push_back(
+          {painters_.back()->paint(shownState(rows_[row].states[k])), rows_[row].captions[k]});
     }
   }
 }
@@ -515,8 +514,8 @@ std::vector<PanelSheet::Cut> PanelSheet::findCuts() {
   if (!hasSeveralRuns() || settings_.sameScale) return cuts;
   for (Cut& cut : cuts) {
     const picture::FrameSize size = cut.part.size;
-    cut.scale = std::min(static_cast<double>(widest) / size.width,
-                         kMostAspect * widest / size.height);
+    cut.scale =
+        std::min(static_cast<double>(widest) / size.width, kMostAspect * widest / size.height);
     cut.part = cut.part.scaled(cut.scale);
   }
   return cuts;
@@ -638,9 +637,8 @@ void PanelSheet::writePage(picture::PageFormat format, const std::vector<Cut>& c
     const picture::PictureSetup& setup = painters_[row]->setup();
     const picture::PictureBox& part = cuts[row].part;
     for (const FrameState& state : rows_[row].states) {
-      const Eigen::Vector2d corner(
-          layout.left(cell % shape_.columns, cell / shape_.columns),
-          layout.upper(cell / shape_.columns));
+      const Eigen::Vector2d corner(layout.left(cell % shape_.columns, cell / shape_.columns),
+                                   layout.upper(cell / shape_.columns));
       const std::string name = fmt::format("picture_{:02}", ++cell);
       const picture::ShownState shown = shownState(state);
       canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
@@ -687,10 +685,10 @@ void PanelSheet::write() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Each of several runs in one figure has its own view and scale, unless one of all is requested. One
-// scale of length needs a parallel projection: each row's camera is fitted to its own model first;
-// with h its picture's height in metres and H the largest of them, the zooms are multiplied by
-// h / H. The scale of colours ends at the largest value of all rows.
+// Each of several runs in one figure has its own view and scale, unless one of all is requested.
+// One scale of length needs a parallel projection: each row's camera is fitted to its own model
+// first; with h its picture's height in metres and H the largest of them, the zooms are multiplied
+// by h / H. The scale of colours ends at the largest value of all rows.
 
 namespace {
 

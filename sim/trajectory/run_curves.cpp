@@ -79,10 +79,7 @@ std::vector<CurveGroup> emptyGroups() {
        "N",
        false,
        {{"pins", "pin_force_N"}, {"grips", "grip_force_N"}, {"contacts", "contact_force_N"}}},
-      {"Target error",
-       "m",
-       true,
-       {{"largest", "target_error_m"}, {"mean", "target_error_mean_m"}}},
+      {"Target error", "m", true, {{"largest", "target_error_m"}, {"mean", "target_error_mean_m"}}},
       {"Joint gap", "m", true, {{"joint gap", "joint_gap_m"}}},
       {"Overlap", "m", true, {{"overlap", "penetration_m"}}},
       {"Radius", "m", false, {{"radius", "radius_m"}}}};
@@ -280,10 +277,10 @@ RunCurves curvesOf(const TrajectoryReader& run) {
       values.push_back(value);
     const std::vector<model::Tile> tiles = model::bottomTiles(subject.bricks, at.poses);
     const std::optional<std::vector<model::Tile>>& target = subject.model.target;
-    values.insert(values.end(),
-                  {target ? at.targetError : kNone, target ? meanDistance(tiles, *target) : kNone,
-                   subject.model.joints.empty() ? kNone : at.jointGap, at.penetration,
-                   radiusOf(tiles)});
+    values.insert(
+        values.end(),
+        {target ? at.targetError : kNone, target ? meanDistance(tiles, *target) : kNone,
+         subject.model.joints.empty() ? kNone : at.jointGap, at.penetration, radiusOf(tiles)});
     auto value = values.begin();
     for (CurveGroup& group : result.groups) {
       for (Curve& curve : group.curves) curve.values.push_back(*value++);

@@ -144,9 +144,11 @@ std::multimap<std::string, Case> cases() {
   all.insert({"--hinge-width", {stl + Words{"--hinge-width", "0.1"}, {"--format", "svg"}}});
   all.insert({"--states",
               {{"export", "run", "--format", "glb", "--states", "final"}, {"--format", "obj"}}});
-  for (const auto& [option, value] : std::map<std::string, Words>{
-           {"--against", {"opening"}}, {"--width", {"85"}}, {"--font-size", {"7"}},
-           {"--curves", {"size"}}, {"--column", {"a.csv:b"}}}) {
+  for (const auto& [option, value] : std::map<std::string, Words>{{"--against", {"opening"}},
+                                                                  {"--width", {"85"}},
+                                                                  {"--font-size", {"7"}},
+                                                                  {"--curves", {"size"}},
+                                                                  {"--column", {"a.csv:b"}}}) {
     all.insert({option, {Words{"curves", "run", option} + value, {"--plot", "svg"}}});
   }
   all.insert({"--dpi", {{"curves", "run", "--plot", "svg", "--dpi", "300"}, {"--plot", "png"}}});
