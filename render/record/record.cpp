@@ -319,10 +319,19 @@ void prepareGraphics(const PictureSettings& settings) {
   if (settings.paints()) const picture::Context probe;
 }
 
+/// Whether the run was ended before it could move.
+bool wasCutShort(const trajectory::TrajectoryReader& run) {
+  if (run.end().events.empty()) return false;
+  const std::string& text = run.end().events.back().text;
+  return text.starts_with(deploy::toString(deploy::Outcome::Interrupted)) ||
+         text.starts_with(deploy::toString(deploy::Outcome::Diverged));
+}
+
 /// Whether one picture shows all of a run. Motion shorter than this part of the model is none.
 bool isStill(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
              const picture::CameraChoice& camera) {
   constexpr double kStill = 1e-9;
+  if (wasCutShort(run)) return false;
   return motion.length() <= kStill * model::modelSize(run.subject().model) && camera.orbit == 0 &&
          camera.keys.empty();
 }

@@ -606,6 +606,7 @@ double PanelSheet::enlargement(const std::vector<Cut>& cuts) const {
                               (cut.scale * std::max(settings_.size.width, settings_.size.height)));
   }
   double factor = std::min(most, requested / widthAt(1));
+  factor = std::min(most, factor * requested / widthAt(factor));
   // Whole pixels of each part of the sheet may be missing.
   while (factor < most && widthAt(factor) < requested) {
     factor = std::min(most, factor * (1 + 0.5 / requested));

@@ -45,22 +45,22 @@ TEST_F(FigureTest, ShowsARowOfStatesOfEachRun) {
   const std::array<const trajectory::TrajectoryReader*, 2> runs = {&small, &large};
   record::PictureSettings wanted = settings();
   for (const bool sameScale : {true, false}) {
-  wanted.sameScale = sameScale;
-  const std::vector<record::PanelRow> rows = record::figureRows(runs, wanted);
-  ASSERT_EQ(rows.size(), 2);
-  std::vector<double> scales;
-  for (const record::PanelRow& row : rows) {
-    EXPECT_EQ(row.states.size(), 3);
-    scales.push_back(picture::PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
-  }
-  if (sameScale) {
-    EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);  // 1e-16: zoomed by the ratio of the two
-  } else {
-    EXPECT_LT(scales[0] / scales[1], 0.6);  // half as large a sheet fills the same picture
-  }
-  EXPECT_EQ(rows[0].captions, (std::vector<std::string>{"0%", "50%", "100%"}));
-  EXPECT_EQ(rows[0].head, "small");
-  EXPECT_EQ(rows[1].head, "large");
+    wanted.sameScale = sameScale;
+    const std::vector<record::PanelRow> rows = record::figureRows(runs, wanted);
+    ASSERT_EQ(rows.size(), 2);
+    std::vector<double> scales;
+    for (const record::PanelRow& row : rows) {
+      EXPECT_EQ(row.states.size(), 3);
+      scales.push_back(picture::PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
+    }
+    if (sameScale) {
+      EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);  // 1e-16: zoomed by the ratio of the two
+    } else {
+      EXPECT_LT(scales[0] / scales[1], 0.6);  // half as large a sheet fills the same picture
+    }
+    EXPECT_EQ(rows[0].captions, (std::vector<std::string>{"0%", "50%", "100%"}));
+    EXPECT_EQ(rows[0].head, "small");
+    EXPECT_EQ(rows[1].head, "large");
   }
 }
 

@@ -292,17 +292,22 @@ TEST_F(RecordTest, StoresTheViewInTheSummary) {
 }
 
 TEST_F(RecordTest, GivesOnePictureWhereNothingMoves) {
-  scene::Scene scene = tessellationScene();
-  scene.model.target = scene.model.tiles;
+  record::PictureSettings pictures = settings_;
+  settings_.video = settings_.snapshots = settings_.meshes = false;
+  record::record(tessellationScene(), settings_, proceed_);
+  trajectory::Trajectory still = trajectory::readTrajectory(settings_.folder / "trajectory.h5");
+  for (trajectory::Sample& sample : still.samples) sample.poses = still.samples[0].poses;
+  trajectory::writeTrajectory(still, settings_.folder / "still.h5");
+  pictures.folder = settings_.folder / "pictures";
   std::string remark;
-  const record::RunSummary summary =
-      record::record(scene, settings_, [&remark](const record::Progress& progress) {
-        if (!progress.remark.empty()) remark = progress.remark;
-        return record::Interruption();
-      });
+  const record::PictureReport report = record::render(settings_.folder / "still.h5", pictures,
+                                                      [&remark](const record::Progress& progress) {
+                                                        if (!progress.remark.empty())
+                                                          remark = progress.remark;
+                                                        return record::Interruption();
+                                                      });
   EXPECT_THAT(remark, HasSubstr("nothing moves, so there is one picture and no video"));
-  EXPECT_THAT(summary.files, Contains("snapshots.png"));
-  EXPECT_THAT(summary.files, Not(Contains("deployment.mp4")));
+  EXPECT_THAT(report.files, testing::ElementsAre("snapshots.png"));
 }
 
 TEST_F(RecordTest, WithoutPicturesNeedsNoGraphics) {
