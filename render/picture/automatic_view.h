@@ -25,7 +25,8 @@ struct AutomaticView {
 /// Interrupted when the user ends the program.
 AutomaticView chooseView(std::span<const std::vector<model::Tile>> states, bool zIsUp);
 
-/// The fraction of the tiles' whole area that is seen from a direction, 0 to 1: of one side or both.
+/// The fraction of the tiles' whole area that is seen from a direction, 0 to 1: of one side or
+/// both.
 struct VisibleShare {
   double front = 0;
   double back = 0;

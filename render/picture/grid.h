@@ -73,7 +73,7 @@ struct GridStyle {
   /// Em of all text, pixels, for pictures of any size. Captions that need more room get lines.
   std::optional<int> textSize;
   PanelLetters letters = PanelLetters::None;
-  bool arrows = false;   ///< from each picture to the next one in its row
+  bool arrows = false;  ///< from each picture to the next one in its row
   /// Over the columns, one for each; none when empty.
   std::vector<std::string> heads;
   /// One for each row; none where all pictures have one size and rows have no heads.
@@ -88,17 +88,17 @@ struct GridStyle {
 
 /// The places of the cells of a grid, pixels.
 struct GridLayout {
-  FrameSize sheet;        ///< the whole grid
-  FrameSize picture;      ///< one picture; in a figure of several runs, the largest
-  int gap = 0;            ///< around every cell
-  int columnGap = 0;      ///< from one column to the next
-  int headHeight = 0;     ///< strip over the first row with the heads of the columns
-  int letterHeight = 0;   ///< strip over each picture
-  int captionHeight = 0;  ///< strip under each picture
-  int textSize = 0;       ///< em of the caption
-  int scaleHeight = 0;    ///< strip for each scale below all pictures, and for a legend
-  int scales = 0;         ///< strips below all pictures
-  int rowHeadHeight = 0;  ///< strip over each row with its head
+  FrameSize sheet;              ///< the whole grid
+  FrameSize picture;            ///< one picture; in a figure of several runs, the largest
+  int gap = 0;                  ///< around every cell
+  int columnGap = 0;            ///< from one column to the next
+  int headHeight = 0;           ///< strip over the first row with the heads of the columns
+  int letterHeight = 0;         ///< strip over each picture
+  int captionHeight = 0;        ///< strip under each picture
+  int textSize = 0;             ///< em of the caption
+  int scaleHeight = 0;          ///< strip for each scale below all pictures, and for a legend
+  int scales = 0;               ///< strips below all pictures
+  int rowHeadHeight = 0;        ///< strip over each row with its head
   std::vector<FrameSize> rows;  ///< of the pictures of each row, where they differ
 
   /// Of the pictures of a row.

@@ -75,9 +75,9 @@ struct PictureItems {
 
 /// A convex polygon of one colour that faces the camera. Its corners are stored in a geometry.
 struct Facet {
-  int first = 0;  ///< of its corners in the geometry's points, anticlockwise in the picture
-  int count = 0;  ///< of its corners
-  Colour colour;  ///< lit
+  int first = 0;        ///< of its corners in the geometry's points, anticlockwise in the picture
+  int count = 0;        ///< of its corners
+  Colour colour;        ///< lit
   bool isPart = false;  ///< of a concave face, which was divided
 };
 

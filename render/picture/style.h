@@ -70,8 +70,8 @@ struct Style {
   Colour mark = {196, 52, 44};     ///< dots on joints
   Colour overlay = {200, 30, 90};  ///< lines laid over everything
   Colour text = {30, 30, 30};      ///< captions, scales
-  /// Widths of lines on the edges of tiles, in heights of the picture: where a tile continues on the
-  /// other side, and where none does. 0 for no lines.
+  /// Widths of lines on the edges of tiles, in heights of the picture: where a tile continues on
+  /// the other side, and where none does. 0 for no lines.
   double slitWidth = 0.00196;
   double silhouetteWidth = 0.00294;
   double markSize = 0.016;      ///< diameter of a dot, in heights of the picture
@@ -129,8 +129,8 @@ enum class ColourMap {
 /// Grey for NaN. Opaque.
 Colour mapColour(ColourMap map, double share);
 
-/// The same, with the scale's range of lightness compressed: a lit face of each colour has a contrast
-/// of 3 or more to the background. Equal steps still look equal.
+/// The same, with the scale's range of lightness compressed: a lit face of each colour has a
+/// contrast of 3 or more to the background. Equal steps still look equal.
 Colour mapColour(ColourMap map, double share, Colour background);
 
 /// The contrast of two opaque colours, 1 to 21 (WCAG 2.1, section 1.4.3). At least 3 is required of

@@ -21,9 +21,9 @@ struct VideoSettings {
   /// Of x264, "ultrafast" to "placebo"; VP9 has steps like it. "auto" is x264's "veryfast" with the
   /// quickest search for motion, which flat faces need no other than.
   std::string preset = "auto";
-  std::string encoder;      ///< of libavcodec; empty: the format's usual one
+  std::string encoder;       ///< of libavcodec; empty: the format's usual one
   bool transparent = false;  ///< keeps alpha; else what is transparent shows white
-  std::string description;  ///< who made it from what, UTF-8: the file's comment
+  std::string description;   ///< who made it from what, UTF-8: the file's comment
 };
 
 /// A kind of video file. A row of the table in video.cpp.
@@ -36,8 +36,8 @@ struct VideoFormat {
   const char* conversion;
   const char* alphaConversion;  ///< the same with alpha; null: the format has none
   bool evenSides;               ///< colour planes of half the size
-  int usualCrf;      ///< visually lossless; negative if the format has no such quality
-  int worstCrf;      ///< the largest, which is the least quality
+  int usualCrf;                 ///< visually lossless; negative if the format has no such quality
+  int worstCrf;                 ///< the largest, which is the least quality
 };
 
 /// All formats: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv (FFV1, lossless), .mov (ProRes 4444).
@@ -75,8 +75,9 @@ int countVideoFrames(const std::filesystem::path& file);
 ///
 /// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0 (MOV: 4:4:4), and the
 /// stream says so: untagged, players guess by the picture's size. GIF gets the best 256 colours of
-/// each frame, one of them transparent where alpha is below a half; APNG and FFV1 keep every byte. Belongs to one thread at a time. Encoding takes a thread's time for
-/// each frame; nothing is done in the background.
+/// each frame, one of them transparent where alpha is below a half; APNG and FFV1 keep every byte.
+/// Belongs to one thread at a time. Encoding takes a thread's time for each frame; nothing is done
+/// in the background.
 class VideoWriter {
  public:
   /// Throws InputError for settings out of range, OutputError when the encoder is missing or the

@@ -45,7 +45,8 @@ struct PlotSettings {
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
                        const PlotSettings& settings);
 
-/// The curves of these names: of groups ("target_error", "opening") or of columns without their unit
+/// The curves of these names: of groups ("target_error", "opening") or of columns without their
+/// unit
 /// ("opening_mean"); "theta" is the mean opening. All for no names. Throws InputError for a name
 /// that is none, with those that are.
 std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& curves,
@@ -75,7 +76,7 @@ struct NamedRun {
 
 /// The outputs of runs' curves.
 struct CurvesSettings {
-  std::vector<std::string> selected;            ///< plotted, see selectCurves(); empty: all
+  std::vector<std::string> selected;  ///< plotted, see selectCurves(); empty: all
   /// Plotted too, in the diagram of the curve with this column, else in one of its own. Along the
   /// horizontal axis lies the column of the same name as for runs, else the first.
   std::vector<FileColumn> columns;
@@ -91,9 +92,10 @@ struct CurvesSettings {
 std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<double>& progress);
 
 /// Writes curves.csv and the figures into the folder, all of them or none, and lists them in
-/// contents.json. Of several runs there is a table for each, curves_1.csv and so on, and one figure.
-/// Returns their names. Throws InputError if files of others are in the way and for figures against
-/// what the run does not have, OutputError when one cannot be written. Reads each trajectory once.
+/// contents.json. Of several runs there is a table for each, curves_1.csv and so on, and one
+/// figure. Returns their names. Throws InputError if files of others are in the way and for figures
+/// against what the run does not have, OutputError when one cannot be written. Reads each
+/// trajectory once.
 std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
                                      const CurvesSettings& settings);
 

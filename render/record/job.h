@@ -76,7 +76,7 @@ struct PictureSettings {
   picture::PanelLetters letters = picture::PanelLetters::None;  ///< of the grid
   bool sameView = false;   ///< of all rows of a figure of several runs; else each has its own
   bool sameScale = false;  ///< the same of their scale of length
-  bool arrows = false;                ///< from each of the grid's pictures to the next in its row
+  bool arrows = false;     ///< from each of the grid's pictures to the next in its row
   std::vector<std::string> columnHeads;  ///< over the grid's columns, one each; none when empty
   std::vector<picture::PageFormat>
       pages;           ///< the grid as vector graphics too, as snapshots.svg, .pdf
@@ -147,8 +147,8 @@ struct PictureReport {
   RecordCost recordCost;            ///< of pictures and video
   /// That of all pictures; absent where camera keys move it.
   std::optional<picture::AutomaticView> view;
-  std::string graphics;             ///< version of OpenGL and its maker; empty when none was used
-  std::vector<std::string> files;   ///< relative to the folder, in the order written
+  std::string graphics;            ///< version of OpenGL and its maker; empty when none was used
+  std::vector<std::string> files;  ///< relative to the folder, in the order written
 };
 
 /// The contents of summary.json, without the settings.

@@ -1,4 +1,6 @@
 // Oracles: normals and rectangles known by hand, rotations, and a count of rays to the eye.
+#include "render/picture/automatic_view.h"
+
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -6,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include "render/picture/automatic_view.h"
 #include "sim/base/geometry.h"
 
 namespace kirireel {
@@ -49,7 +50,8 @@ Eigen::Vector2d sizeFromAbove(const Tiles& tiles, double azimuth) {
   const Vector3 up(-std::cos(azimuth), -std::sin(azimuth), 0);
   Eigen::AlignedBox2d box;
   for (const model::Tile& tile : tiles) {
-    for (const Vector3& point : tile.vertices) box.extend(Eigen::Vector2d(right.dot(point), up.dot(point)));
+    for (const Vector3& point : tile.vertices)
+      box.extend(Eigen::Vector2d(right.dot(point), up.dot(point)));
   }
   return box.sizes();
 }
@@ -91,8 +93,8 @@ double bestShare(const std::vector<Tiles>& states) {
   double best = 0;
   for (int k = 0; k < 200; ++k) {
     const double z = 1 - (2 * k + 1) / 200.0, angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
-    const Vector3 eye(std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle),
-                      z);
+    const Vector3 eye(std::sqrt(1 - z * z) * std::cos(angle),
+                      std::sqrt(1 - z * z) * std::sin(angle), z);
     double sum = 0;
     for (const Tiles& tiles : states) sum += raySharesOf(tiles, eye);
     best = std::max(best, sum);
@@ -111,8 +113,7 @@ TEST(AutomaticView, SeesFlatMotionsFromAbove) {
 TEST(AutomaticView, SeesUprightSheetsFromTheFront) {
   // The fronts of the first face -y, those of the second +y, of the third -x.
   const auto upright = [](double quarters, const Vector3& axis) {
-    return turned(rolledSheet(4, 3, 0),
-                  Eigen::AngleAxisd(quarters * std::numbers::pi / 2, axis));
+    return turned(rolledSheet(4, 3, 0), Eigen::AngleAxisd(quarters * std::numbers::pi / 2, axis));
   };
   const std::vector<Tiles> front = {upright(1, Vector3::UnitX())};
   const std::vector<Tiles> back = {upright(-1, Vector3::UnitX())};
@@ -124,8 +125,8 @@ TEST(AutomaticView, SeesUprightSheetsFromTheFront) {
 
 TEST(AutomaticView, KeepsTheStartUpright) {
   for (const double degrees : {46.4, 12.3, -9.4, -44.0, 120.0}) {
-    const Tiles start = turned(rolledSheet(4, 3, 0),
-                               Eigen::AngleAxisd(degrees * kDegree, Vector3::UnitZ()));
+    const Tiles start =
+        turned(rolledSheet(4, 3, 0), Eigen::AngleAxisd(degrees * kDegree, Vector3::UnitZ()));
     const std::vector<Tiles> states = {start, rolledSheet(3, 4, 0)};
     const picture::AutomaticView view = picture::chooseView(states, false);
     ASSERT_EQ(view.angles.elevation, picture::kTopView.elevation);

@@ -101,12 +101,15 @@ TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
   // Turned, the neck is sheared by half of the angle: at brick B its end adds half of 3 * 0.2.
   const picture::BrickPalette moment(coloured(picture::Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 2 * 0.4 + 0.3, 1e-12);
-  EXPECT_EQ(moment.colours(parted)[0].top, picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
+  EXPECT_EQ(moment.colours(parted)[0].top,
+            picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
   // Parted, each brick has half of 6 * 0.5^2 / 2.
   const picture::BrickPalette energy(coloured(picture::Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.375, 1e-12);
-  EXPECT_EQ(energy.colours(parted)[1].top, picture::mapColour(picture::ColourMap::Viridis, 1, kWhite));
-  EXPECT_EQ(energy.colours(parted)[2].top, picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
+  EXPECT_EQ(energy.colours(parted)[1].top,
+            picture::mapColour(picture::ColourMap::Viridis, 1, kWhite));
+  EXPECT_EQ(energy.colours(parted)[2].top,
+            picture::mapColour(picture::ColourMap::Viridis, 0, kWhite));
 }
 
 TEST(BrickPalette, MomentsNeedSpringsAtHinges) {

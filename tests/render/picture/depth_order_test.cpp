@@ -139,7 +139,7 @@ TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
   const picture::Camera camera = cameraOf(sample);
   const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
   const std::vector<picture::SeenOutline> seen =
-        picture::seenOutlines(geometryOf(sample, camera), pieces, camera, 0);
+      picture::seenOutlines(geometryOf(sample, camera), pieces, camera, 0);
   ASSERT_EQ(seen.size(), pieces.size());
   int points = 0, hidden = 0, wrong = 0;
   for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
@@ -187,8 +187,8 @@ TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
 std::pair<double, double> lengthsOf(const SampleBricks& sample, const picture::Camera& camera,
                                     double width) {
   std::pair<double, double> lengths;
-  for (const picture::SeenOutline& outline : picture::seenOutlines(
-           geometryOf(sample, camera), piecesOf(sample, camera), camera, width)) {
+  for (const picture::SeenOutline& outline :
+       picture::seenOutlines(geometryOf(sample, camera), piecesOf(sample, camera), camera, width)) {
     for (const auto& [line, isSilhouette] : outline.lines) {
       for (std::size_t k = 1; k < line.size(); ++k) {
         (isSilhouette ? lengths.first : lengths.second) += (line[k] - line[k - 1]).norm();

@@ -15,7 +15,8 @@ namespace {
 
 void cutToFilledPart(std::vector<picture::GridPicture>& pictures) {
   const picture::PictureBox part = picture::filledPart(pictures);
-  for (picture::GridPicture& picture : pictures) picture.frame = picture::cutOut(picture.frame, part);
+  for (picture::GridPicture& picture : pictures)
+    picture.frame = picture::cutOut(picture.frame, part);
 }
 
 std::vector<picture::GridPicture> colouredPictures(int count, picture::FrameSize size) {

@@ -194,9 +194,8 @@ TEST(Painter, LinesAreAsWideOnTurnedFaces) {
   style.silhouetteWidth = 0.03;  // 6 pixels
   for (const double angle : {0.0, 0.6, 1.2}) {
     sample.poses[0].rotation = rotationFromVector(Vector3(0, angle, 0));
-    const picture::Frame frame =
-        paintOnce(sample, {200, 200},
-                  parallelCamera(sample.poses[0].position, picture::kTopView, 2), style);
+    const picture::Frame frame = paintOnce(
+        sample, {200, 200}, parallelCamera(sample.poses[0].position, picture::kTopView, 2), style);
     double dark = 0;
     for (int x = 0; x < 100; ++x) dark += (255 - frame.at(x, 100).red) / 255.0;
     EXPECT_NEAR(dark, 6, 0.35) << angle;  // 0.25 off: a pixel has two samples across
