@@ -101,10 +101,6 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
           "runs one for each row",
           [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
       .serializedAs([&] { return lettersText(settings.letters); });
-  group.flag("--same-view", settings.sameView,
-             "of all rows of a figure of several runs, that of the first; else each has its own");
-  group.flag("--same-scale", settings.sameScale,
-             "the same of the scale of length; needs a parallel projection");
   group.flag("--arrows", settings.arrows,
              "from each of the grid's pictures to the next in its row");
   group

@@ -36,6 +36,10 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                  "frames in a second of video");
+  output.flag("--same-view", order.settings.sameView,
+              "of all rows, that of the first run; else each row has its own");
+  output.flag("--same-scale", order.settings.sameScale,
+              "the same of the scale of length; needs a parallel projection");
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
   command->footer(

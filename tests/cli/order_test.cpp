@@ -146,8 +146,6 @@ const std::vector<Sample>& chosenSamples() {
       {"--width", {"180mm", "88"}},
       {"--font-size", {"7pt", "8.5"}},
       {"--letters", {"a", "(a)", "A"}},
-      {"--same-view", {}},
-      {"--same-scale", {}},
       {"--arrows", {}},
       {"--column-heads", {"flat,half,open", "0%,1°,\"x\""}},
       {"--figure", {"svg", "pdf,svg"}},
