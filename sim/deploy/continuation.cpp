@@ -1,32 +1,34 @@
-// A path of the mechanism by the nearest points to a guide.
+// Kinematic path by the points nearest to a guide.
 //
-// The guide g(s), s from 0 to 1, moves each brick by itself from its start to its goal: its centre
-// goes straight, and it turns evenly about one axis. It opens the joints. Of all states with closed
-// joints, c(q) = 0, the one nearest to g(s) is sought, from the one before:
+// The guide g(s), s in [0, 1], moves each brick independently from its start to its goal. The
+// centre moves on a straight line, and the brick rotates uniformly about one axis. The guide opens
+// the joints. The path consists of the closed states, c(q) = 0, that are nearest to g(s). Each is
+// computed from the state before:
 //   minimise |q - g(s)|_W  with  c(q) = 0  and  phi(q) >= 0,
-// phi the gaps of contacts, and W = diag(1, w rho^2) for each brick: places count once, turns by
-// their arc at the radius of gyration rho, weighted w. One move is the step
+// phi the gaps of contacts, and W = diag(1, w rho^2) for each brick. Positions have weight 1.
+// Rotations count by their arc at the radius of gyration rho, with weight w. One move is the step
 //   minimise |u - (g(s) - q)|_W  with  J u = 0,  C u >= -phi,
-// followed by closing the joints again, which is what the joint solver does in a step of unit time
-// from the velocities g(s) - q, with W for its masses and without forces: Gauss-Newton for the
-// nearest point. The contact finder sweeps each move, so that no brick passes through another
-// however long the move. s goes on by equal parts: where the mechanism follows its guide, the path
-// is even.
+// and then closes the joints again. This is a Gauss-Newton step for the nearest point. The joint
+// solver computes it as a step of unit time with the velocities g(s) - q, with W as masses and
+// without forces. The contact finder sweeps each move: no brick passes through another, even in a
+// long move. s grows in equal steps. If the mechanism follows its guide, the states are therefore
+// equidistant.
 //
-// A move aims at the part t of the way, 1 where the mechanism is straight. On a curved one
+// A move aims at the fraction t of the distance to g. t is 1 if the mechanism is straight. On a
+// curved mechanism
 //   |q' - g|^2 = |q - g|^2 - 2 m^2 / t + c m^2,  m = |q' - q|,
-// c of the curvature, and t = 1 / c leads to the nearest point: a farther move would swing from one
-// side of it to the other. Each move says c for the next. Where closing would undo too much of a
-// move, or bricks have no room, it is made again and aims at half of the way.
+// c depends on the curvature, and t = 1 / c leads to the nearest point. A larger t would oscillate
+// about it. Each move estimates c for the next one. If closing undoes too much of a move, or bricks
+// have no room, the move is repeated with half the fraction.
 //
-// Compliant joints replace c(q) = 0 by a spring energy: the state minimises
-//   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over the weight of a place,
-// so that a design without freedom leaves its start, its joints open where they must. In a model
-// whose coordinates were rounded that is what "closed" means, with r from the rounding: see
+// Compliant joints replace c(q) = 0 by a spring energy. The state minimises
+//   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over the weight of a position.
+// A design without freedom can then leave its start by opening joints. In a model whose coordinates
+// were rounded, this energy also defines "closed". r then follows from the rounding, see
 // assembled_state.h.
 //
-// Full extension is sought by gradient ascent of the sum of squared distances from the common
-// centre on the mechanism, with momentum: Nesterov (1983), Soviet Math. Doklady 27.
+// Full extension maximises the sum of squared distances from the common centre on the mechanism, by
+// gradient ascent with momentum: Nesterov (1983), Soviet Math. Doklady 27.
 //
 // Nearest points are followed as in predictor-corrector continuation: Allgower, Georg (1990),
 // Introduction to Numerical Continuation Methods, chapters 2 and 6.
@@ -49,66 +51,67 @@
 namespace kirireel::deploy {
 namespace {
 
-// The guide moves on by this part of a tile from state to state, in so many states.
-// Lengths below are in parts of a tile or of a state; a state is the distance from one kept state
-// to the next.
+// Step of the guide from state to state, as a fraction of a tile, and the maximum number of states.
+// Lengths below are fractions of a tile or of a state. "State" as a length is the distance between
+// two consecutive states of the path.
 constexpr double kStateShare = 0.02;
 constexpr double kMostStates = 200;
-// A leap may be so much longer than its guide's, and the length of a state more.
+// The jump off the start may be this many times longer than that of its guide, plus one state.
 constexpr double kLongestLeap = 4;
-// Without a leap progress begins with this, and grows by a factor from state to state.
+// Without a jump, progress starts with this value and grows by this factor from state to state.
 constexpr double kFirstProgress = 1e-5;
 constexpr double kGrowth = 1.3;
-// Moves towards one place of the guide, and towards the goal.
+// Maximum number of moves towards one state of the guide, and towards the goal.
 constexpr int kMovesAState = 4;
 constexpr int kMovesAtGoal = 300;
-// Moves towards the goal before compliant joints close.
+// Maximum number of moves towards the goal before compliant joints close.
 constexpr int kMovesToSettle = 60;
-// A move longer than so many states of the guide is made again, shorter.
+// A move longer than this many states of the guide is repeated with a smaller fraction.
 constexpr double kLongestMove = 3;
-// A move shorter than this part of a state needs no further one.
+// A move shorter than this fraction of a state is the last one towards its guide state.
 constexpr double kShortMove = 0.05;
-// At the goal a move below this part of a tile is none.
+// At the goal, moves stop below this fraction of a tile.
 constexpr double kNoMove = 1e-10;
-// So many places of the guide with hardly a move in a row: the bricks are stuck.
+// The bricks are stuck after this many consecutive guide states with hardly any move.
 constexpr int kStuckPlaces = 8;
-// An error at the end above this part of a tile: another state may be nearer to the target.
+// Above this error at the end (fraction of a tile), an earlier state may be nearer to the target.
 constexpr double kFarError = 1e-6;
-// A move that fails, is too long, or leads away from its place, aims at half of the way, and so on
-// down to these parts of it; the next moves aim farther again.
+// If a move fails, is too long or increases the distance, its aim is halved, down to these
+// fractions of the distance. The aim of later moves grows again by kAimGrowth.
 constexpr double kLeastAim = 1e-6;
 constexpr double kLeastGood = 1.0 / 16;
 constexpr double kAimGrowth = 1.5;
-// Of the distance from a place, or of a tile: so little is neither nearer nor farther.
+// Tolerance for changes of distance, as a fraction of the distance or of a tile.
 constexpr double kNoFarther = 1e-6;
-// While extending, the place is so many reaches away, and below this reach the bricks are stuck.
+// Extension: maximum distance of the aim, in states, and the fraction below which bricks are stuck.
 constexpr double kReach = 5;
 constexpr double kLeastReach = 1e-6;
-// Towards full extension, places are at first this part of the usual distance away, and at most so
-// much farther from the centre than the state.
+// Extension: the first aim is this fraction of the maximum distance away. An aim is at most kWider
+// times farther from the centre than the state.
 constexpr double kFirstReach = 1e-3;
 constexpr double kWider = 1.0;
-// A state on the way is at least this part of the tiles' root mean square distance from their
-// centre.
+// Extension: a state's length is at least the tiles' root mean square distance from their centre
+// over this number.
 constexpr double kRadiusStates = 100;
-// A path ends with a move of at least this part of a state.
+// The last move of a path has at least this fraction of a state.
 constexpr double kResting = 0.5;
 constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
 constexpr int kMostExtending = 2000;
-// Within the rounding of the coordinates a move below this part of the last digit is none.
+// Moves stop below this fraction of the coordinates' rounding.
 constexpr double kNoDigit = 0.1;
-// Exact joints may cost so many times what a path of rounded ones did.
+// Maximum cost of the path with exact joints, relative to that of the path with rounded joints.
 constexpr double kExactCost = 4;
-// Moves that close compliant joints beyond the first order, at most.
+// Maximum number of moves that close compliant joints beyond the first order.
 constexpr int kSettlingMoves = 4;
-// Joints near a flush start, over the weight of a place, until the start is reached. On caps of 64
-// to 144 tiles 1e4 opens joints least, by 2e-4 to 3e-3 of a tile; where it wedges, softer ones do.
+// Joint stiffnesses near a flush start, over the weight of a position, tried in order. On caps of
+// 64 to 144 tiles 1e4 opens joints least, by 2e-4 to 3e-3 of a tile. If it jams, softer joints
+// arrive.
 constexpr double kNearStart[] = {1e4, 1e3, 1e2};
-// A saddle is left by a turn of so many radians, and where that gains so much extent.
+// Perturbation that leaves a saddle, radians, and the relative gain in extent that confirms it.
 constexpr double kNudge = 0.02;
 constexpr double kMoreExtent = 1e-6;
 
-/// The same bricks with the metric of the path in place of their masses.
+/// The same bricks, with the path's metric instead of their masses and inertias.
 std::vector<model::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
   std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   for (model::Brick& brick : bricks) {
@@ -133,7 +136,7 @@ Vector3 commonCentre(const Poses& poses) {
   return sum / static_cast<double>(poses.size());
 }
 
-/// The mean place of the bricks of each piece; `pieces` are those of model::piecesOf().
+/// The mean position of the bricks of each piece. `pieces` comes from model::piecesOf().
 std::vector<Vector3> centresOf(const Poses& poses, const std::vector<int>& pieces) {
   std::vector<Vector3> centres(1 + *std::ranges::max_element(pieces), Vector3::Zero());
   std::vector<double> counts(centres.size());
@@ -145,7 +148,7 @@ std::vector<Vector3> centresOf(const Poses& poses, const std::vector<int>& piece
   return centres;
 }
 
-/// Each brick farther from the centre of its piece by a part.
+/// Moves each brick away from the centre of its piece, by a fraction of its distance.
 Poses spread(Poses poses, const std::vector<int>& pieces, double part) {
   const std::vector<Vector3> centres = centresOf(poses, pieces);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -164,7 +167,7 @@ double extent(const Poses& poses, const std::vector<int>& pieces) {
   return sum;
 }
 
-/// The mechanism in one metric, moved from place to place.
+/// The mechanism in one metric. It moves states towards guide states.
 class Mechanism {
  public:
   Mechanism(const scene::Scene& scene, const ContinuationSettings& settings, const Poses& start)
@@ -176,21 +179,21 @@ class Mechanism {
     restart(start);
   }
 
-  // Forgets contacts: overlaps at these poses count as those of a start.
+  // Resets contacts: overlaps at these poses count as overlaps of the start.
   void restart(const Poses& start) {
     dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start);
     dynamics_->setJointStiffness(jointStiffness_);
     dynamics_->setHalving(isTouching());
   }
 
-  /// Holds joints by this over the stiffness of the pull from now on.
+  /// Sets the joint stiffness, relative to the stiffness of the pull.
   void holdJoints(double stiffness) {
     jointStiffness_ = stiffness;
     dynamics_->setJointStiffness(jointStiffness_);
   }
 
-  /// Closes compliant joints beyond the first order, moving bricks as little as that takes: one
-  /// move is one step of Gauss-Newton, which leaves gaps of half the square of the turns.
+  /// Closes compliant joints beyond the first order, with the smallest motion of the bricks. One
+  /// move is a Gauss-Newton step, which leaves gaps of half the square of the rotations.
   void settle(Poses& poses, SearchBudget& budget) {
     for (int i = 0; i < kSettlingMoves; ++i) {
       const double moved = move(poses, poses, std::numeric_limits<double>::infinity(), budget);
@@ -204,7 +207,7 @@ class Mechanism {
     symmetries.restore(poses, *dynamics_);
   }
 
-  /// Moves towards a place, at most about `longest` metres. Returns how far, metres.
+  /// Moves towards `place`, by at most about `longest` metres. Returns the distance moved, metres.
   double move(Poses& poses, const Poses& place, double longest, SearchBudget& budget) {
     const double before = distance(poses, place);
     for (bool isFirst = true;; isFirst = false) {
@@ -213,7 +216,7 @@ class Mechanism {
       budget.spend(report.work);
       const double moved = pathDistance(bricks_, poses, motion.poses);
       const double after = distance(motion.poses, place);
-      // Among contacts the solver has tried a failed move in halves.
+      // Among contacts the solver has already halved a failed move.
       const bool isGood = (report.unconverged == 0 || isTouching()) &&
                           (!isExact() || after <= (1 + kNoFarther) * before + kNoFarther * tile_);
       const bool isTaken = isGood || (moved > 0 && aim_ <= kLeastGood);
@@ -230,12 +233,12 @@ class Mechanism {
   bool isExact() const { return std::isinf(jointStiffness_); }
   bool isTouching() const { return scene_.environment.contacts != scene::ContactFilter::None; }
 
-  /// From a state to a place, in the metric of the mechanism, metres.
+  /// Distance from a state to a place in the metric of the mechanism, metres.
   double distance(const Poses& state, const Poses& place) const {
     return pathDistance(bricks_, state, place, turnWeight_);
   }
 
-  /// Says how far the next move aims, from how far the last one led: see the head of this file.
+  /// Computes the next move's aim from the last move; see the head of this file.
   void aimNext(const StepReport& report, double before, double moved, double after) {
     double best = 1;
     if (isExact() && moved > kNoFarther * before) {
@@ -246,7 +249,7 @@ class Mechanism {
     aim_ = std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_));
   }
 
-  /// The velocities that take free bricks so far on the way to a place in a second.
+  /// The velocities that move free bricks by the fraction aim_ of the distance to a place, in 1 s.
   std::vector<Velocity> aimedAt(const Poses& from, const Poses& place) const {
     std::vector<Velocity> velocities;
     for (std::size_t i = 0; i < from.size(); ++i) {
@@ -261,17 +264,17 @@ class Mechanism {
   }
 
   const scene::Scene& scene_;
-  double jointStiffness_;  // over the bricks' unit mass and the unit time squared
+  double jointStiffness_;  // relative to the bricks' unit mass and unit time
   double turnWeight_;
   double tile_;     // metres
-  double aim_ = 1;  // the part of the way to a place that moves aim at, up to 1
+  double aim_ = 1;  // the fraction of the distance at which moves aim, (0, 1]
   std::vector<model::Brick> bricks_;
   std::unique_ptr<Dynamics> dynamics_;
 };
 
 class Continuation {
  public:
-  /// `closedStiffness`: of joints that are closed, as ContinuationSettings::jointStiffness.
+  /// `closedStiffness`: stiffness of closed joints, as ContinuationSettings::jointStiffness.
   Continuation(const scene::Scene& scene, Poses start, const ContinuationSettings& settings,
                double closedStiffness, SearchBudget& budget, const PathObserver& shouldContinue)
       : scene_(withoutLoads(scene)),
@@ -290,8 +293,8 @@ class Continuation {
     keep();
   }
 
-  /// Follows the given states from the first, closed, to the last.
-  // A leap off the singular start, then state by state.
+  /// Follows the given states from the first, which is closed, to the last.
+  // Jumps off a singular start, then continues state by state.
   MechanismPath along(std::vector<Poses> states) {
     states.front() = poses_;
     for (const Poses& state : states) symmetries_.keepThoseOf(state);
@@ -313,7 +316,7 @@ class Continuation {
     if (radius == 0) return finish();  // loose tiles
     stateLength_ = std::max(kStateShare * tile_, radius / kRadiusStates);
     extend();
-    // Where nothing extends the tiles, they stand at a maximum or, often by symmetry, at a saddle.
+    // Without any gain in extent, the state is a maximum or, often by symmetry, a saddle.
     while (mayContinue() && leaveSaddle()) continue;
     leaveOutRest();
     path_.guideLength = path_.length();
@@ -326,7 +329,7 @@ class Continuation {
     return settings;
   }
 
-  /// Whether closed joints are so within the rounding of the coordinates.
+  /// Whether "closed" means closed within the rounding of the coordinates.
   bool isRounded() const {
     return settings_.jointStiffness == closedStiffness_ && settings_.areJointsCompliant();
   }
@@ -354,17 +357,17 @@ class Continuation {
     return moved;
   }
 
-  /// Moves the tiles apart until nothing extends them any more.
+  /// Moves the tiles apart until the extent no longer grows.
   void extend() {
     const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
     const double widest = kReach * stateLength_ / whole;
-    // Bricks that lie flush part by tiny moves, and would wedge by larger ones.
+    // Flush bricks separate by tiny moves. Larger moves would jam.
     double part = kFirstReach * widest;
     double reached = extent(poses_, pieces_);
     Poses last = poses_;
-    int gains = 0;  // in a row
+    int gains = 0;  // consecutive gains
     for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayContinue(); ++i) {
-      // Going on as before, more so the longer it gains.
+      // The momentum grows with the number of consecutive gains.
       const double momentum = gains / (gains + 3.0);
       const Poses ahead = interpolate(last, poses_, 1 + momentum);
       Poses tried = poses_;
@@ -382,12 +385,12 @@ class Continuation {
       last = std::exchange(poses_, std::move(tried));
       keep();
       reached = extended;
-      // Far places cost halved moves: they come nearer where moves are as long as they may be.
+      // Distant aims cost halved moves. The aim comes nearer if moves already have full length.
       part = moved < 0.5 * stateLength_ ? std::min(kGrowth * part, kWider) : part / kGrowth;
     }
   }
 
-  /// Leaves out the states beside the last one: they go to and fro where the extent hardly grows.
+  /// Removes the states near the last one: there they oscillate with hardly any gain in extent.
   void leaveOutRest() {
     const auto distanceToLast = [&](std::size_t state) {
       return pathDistance(mechanism_.bricks(), path_.states[state], poses_);
@@ -400,8 +403,9 @@ class Continuation {
     keep();
   }
 
-  /// Turns all tiles a little in one sense, which keeps a symmetry by turns but no mirror symmetry,
-  /// and extends them from there. Returns whether they came farther; else they stay.
+  /// Rotates all tiles a little in the same sense and extends them again. This keeps rotational
+  /// symmetry but breaks mirror symmetry. Returns whether the extent grew. If not, the state is
+  /// restored.
   bool leaveSaddle() {
     const Poses before = poses_;
     const MechanismPath soFar = path_;
@@ -419,7 +423,7 @@ class Continuation {
     return false;
   }
 
-  /// Goes to the closed state near the guide, where there is one.
+  /// Jumps to the closed state near the guide, if there is one.
   void leap(const PathGuide& guide) {
     Poses first = guide.at(settings_.leap);
     if (!mechanism_.close(first)) return;
@@ -428,7 +432,7 @@ class Continuation {
     poses_ = std::move(first);
     mechanism_.restore(symmetries_, poses_);
     keep();
-    // The overlaps that a leap makes count as those of the start.
+    // Overlaps that the jump causes count as overlaps of the start.
     mechanism_.restart(poses_);
     progress_ = settings_.leap;
   }
@@ -445,7 +449,7 @@ class Continuation {
         if (moveTowards(place) < kShortMove * wanted) break;
       }
       still = path_.length() - before < kShortMove * wanted ? still + 1 : 0;
-      // Compliant joints may wait for their guide for long before they give way.
+      // Compliant joints may resist their guide for many states before they open.
       path_.isStuck = still >= kStuckPlaces && (isRounded() || !settings_.areJointsCompliant());
     }
     if (settings_.areJointsCompliant()) {
@@ -458,19 +462,19 @@ class Continuation {
     if (isRounded()) soften(guide.end());
   }
 
-  // Moves towards the goal until a move is none.
+  // Moves towards the goal until the moves become negligible.
   void goTo(const Poses& goal) {
     for (int i = 0; i < kMovesAtGoal && mayContinue(); ++i) {
       if (moveTowards(goal) < noMove()) break;
     }
   }
 
-  /// A move that is shorter is none, metres.
+  /// Moves below this length are negligible, metres.
   double noMove() const {
     return std::max(kNoMove * tile_, isRounded() ? kNoDigit * scene_.model.rounding : 0);
   }
 
-  /// Comes nearer to the goal by softer joints, as long as they are closed within the rounding.
+  /// Comes nearer to the goal with softer joints, as long as they stay closed within the rounding.
   void soften(const Poses& goal) {
     const std::vector<model::Pivot> pivots =
         model::makePivots(scene_.model.joints, mechanism_.bricks());
@@ -499,7 +503,7 @@ class Continuation {
     return trajectory::targetError(*scene_.model.target, mechanism_.bricks(), state);
   }
 
-  /// Where the target is out of reach, a path may come nearer to it than its end: it ends there.
+  /// If the target is out of reach, ends the path at the state that is nearest to the target.
   void endWhereNearest() {
     std::size_t nearest = path_.states.size() - 1;
     for (std::size_t k = 0; k < path_.states.size(); ++k) {
@@ -517,17 +521,17 @@ class Continuation {
   double closedStiffness_;
   double tile_;  // metres
   std::vector<int> pieces_;
-  Poses poses_;  // the last state
+  Poses poses_;  // the current state
   Mechanism mechanism_;
-  SymmetricStates symmetries_;  // that the path keeps
-  double stateLength_ = 0;      // of the guide from state to state, metres
-  double progress_ = 0;         // along the guide, 0 to 1
+  SymmetricStates symmetries_;  // symmetries that the path keeps
+  double stateLength_ = 0;      // step of the guide from state to state, metres
+  double progress_ = 0;         // along the guide, [0, 1]
   SearchBudget& budget_;
   const PathObserver& shouldContinue_;
   MechanismPath path_;
 };
 
-/// Follows a guide between two states of which neither need be the scene's target.
+/// Follows a guide between two states. Neither has to be the scene's target.
 MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& shouldContinue) {
@@ -539,14 +543,14 @@ MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> guide,
       .along(std::move(guide));
 }
 
-/// Ends a path at its state that is nearest to a place.
+/// Ends a path at its state nearest to a place.
 void endNearest(const std::vector<model::Brick>& bricks, const Poses& place, MechanismPath& path) {
   const auto nearest = std::ranges::min_element(
       path.states, {}, [&](const Poses& state) { return pathDistance(bricks, state, place); });
   path.states.erase(nearest + 1, path.states.end());
 }
 
-/// Measures a path anew whose states have changed.
+/// Recomputes the lengths of a path whose states have changed.
 void measureLengths(const std::vector<model::Brick>& bricks, MechanismPath& path) {
   path.lengths = {0};
   for (std::size_t k = 1; k < path.states.size(); ++k) {
@@ -555,7 +559,7 @@ void measureLengths(const std::vector<model::Brick>& bricks, MechanismPath& path
   }
 }
 
-/// Whether each state has one with joints closed exactly beside it, within the rounding's reach.
+/// Whether a state with exactly closed joints lies near each state, within roundedReach().
 bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) {
   const scene::Scene alone = [&] {
     scene::Scene copy = scene;
@@ -587,8 +591,8 @@ void endBeforeJointsOpen(const scene::Scene& scene, MechanismPath& path) {
   path.guideLength = path.length();
 }
 
-/// A path whose joints close within the rounding of the coordinates, which cost that much work:
-/// with exact joints where the tiles fit each other all along it.
+/// Repeats a path with exact joints. Returns the given path, closed within the rounding, if the
+/// tiles do not fit each other along the whole path. `cost` is the work that the given path took.
 MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, double cost,
                             SearchBudget& budget, const PathObserver& shouldContinue) {
   rounded.isRounded = true;
@@ -705,24 +709,24 @@ MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budge
 }
 
 // ------------------------------------------------------------------------------------------------
-// q(s) = argmin |q - ((1 - s) q0 + s q1)|_M subject to c(q) = 0: the straight state between two
-// samples, projected on the joints in the metric of the masses by Gauss-Newton steps (Hairer,
-// Lubich and Wanner, Geometric Numerical Integration, 2006, IV.4). The straight state is wrong by
-// the square of the step, so two or three steps close it to rounding.
+// q(s) = argmin |q - ((1 - s) q0 + s q1)|_M subject to c(q) = 0: the linear interpolation of two
+// samples, projected onto closed joints in the mass metric by Gauss-Newton steps (Hairer, Lubich
+// and Wanner, Geometric Numerical Integration, 2006, IV.4). The error of the interpolation is
+// quadratic in the step. Two or three steps therefore close the joints to rounding.
 
 namespace {
 
-/// Joints count as closed below this part of a tile, here as in a run's figures.
+/// Joints count as closed below this fraction of a tile, as in a run's figures.
 constexpr double kClosedJoints = 1e-9;
-/// Closing moves the bricks by less than this part of the way between the samples, unless it leads
-/// to another branch of the mechanism.
+/// Closing moves the bricks by less than this fraction of the distance between the samples. A
+/// larger move indicates another branch of the mechanism.
 constexpr double kMostClosing = 0.5;
-/// A brick moves in the plane when it leaves it by less than this, tiles and radians.
+/// Tolerance for motion in the plane, tiles and radians.
 constexpr double kInPlane = 1e-9;
 
-// Whether all bricks are upright and only turn about the vertical, at one height, from one sample
-// to the next. A run in the plane has to be interpolated in the plane: solved in space, rounding
-// could tilt its bricks.
+// Whether all bricks are upright, keep their height and rotate only about the vertical between two
+// samples. A run in the plane has to be interpolated in the plane: in space, rounding could tilt
+// its bricks.
 bool movesInPlane(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
                   double tileSize) {
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -734,7 +738,7 @@ bool movesInPlane(const std::vector<model::Brick>& bricks, const Poses& from, co
   return true;
 }
 
-/// The largest turn of any brick from one state to another, radians.
+/// The largest rotation of any brick between two states, radians.
 double largestTurn(const Poses& from, const Poses& to) {
   double largest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -753,7 +757,7 @@ StateInterpolator::StateInterpolator(const model::Model& model,
       pivots_(model::makePivots(model.joints, bricks)),
       tileSize_(model::tileSize(model)) {}
 
-// Samples whose joints were compliant are open; they are not closed between.
+// Samples of compliant joints are open. Their joints are not closed between samples.
 bool StateInterpolator::areClosed(const Poses& poses) const {
   return trajectory::jointGap(pivots_, poses).max <= kClosedJoints * tileSize_;
 }
@@ -763,8 +767,8 @@ void StateInterpolator::setPinned(const std::vector<int>& tiles) {
   for (const int tile : tiles) pinned_[static_cast<std::size_t>(tile)] = true;
 }
 
-// A solver for the plane or for space, made at its first use and kept: making one plans the
-// factorisation.
+// A solver for the plane or for space. It is created at first use and kept, because its creation
+// plans the factorisation.
 mechanics::JointSolver& StateInterpolator::solverFor(const Poses& from, const Poses& to) {
   const bool planar = movesInPlane(bricks_, from, to, tileSize_);
   std::unique_ptr<mechanics::JointSolver>& solver = planar ? inPlane_ : inSpace_;
@@ -776,8 +780,8 @@ mechanics::JointSolver& StateInterpolator::solverFor(const Poses& from, const Po
   return *solver;
 }
 
-// The closed state nearest to the straight one. Where the joints do not close, or closing leads far
-// away, the nearer of the two samples is taken instead: it is at least a state of the run.
+// The closed state nearest to the interpolated one. If the joints do not close, or closing moves
+// the bricks far, this returns the nearer of the two samples: it is at least a state of the run.
 Poses StateInterpolator::closedBetween(const Poses& from, const Poses& to, double share) {
   const Poses straight = interpolate(from, to, share);
   Poses closed = straight;
@@ -788,8 +792,8 @@ Poses StateInterpolator::closedBetween(const Poses& from, const Poses& to, doubl
   return share < 0.5 ? from : to;
 }
 
-// The time and the poses are interpolated, and the measures are computed anew from the poses.
-// Everything else is that of the earlier sample, its pins included.
+// Time and poses are interpolated, and the measures are recomputed from the poses. All other
+// values, including the pins, are those of the earlier sample.
 trajectory::Sample StateInterpolator::between(const trajectory::Sample& from,
                                               const trajectory::Sample& to, double share) {
   if (share <= 0) return from;
@@ -820,9 +824,9 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
   return momentsThrough(from, closed, to);
 }
 
-// p(s) = open(s) + b(s) (closed(1/3) - open(1/3)) + b(1 - s) (closed(2/3) - open(2/3)) with
-// b(s) = 27/2 s (1 - s) (2/3 - s), rotations by rotation vectors. Joints open by the fourth power
-// of the turn.
+// p(s) = open(s) + b(s) (closed(1/3) - open(1/3)) + b(1 - s) (closed(2/3) - open(2/3)) with b(s) =
+// 27/2 s (1 - s) (2/3 - s). Rotations use rotation vectors. Joints open by the fourth power of the
+// rotation.
 void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
                   const std::array<Poses, 2>& closed) {
   const double whole = 13.5 * share * (1 - share);

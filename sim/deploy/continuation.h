@@ -1,4 +1,4 @@
-/// Paths of the mechanism through states that are closed.
+/// Kinematic paths: sequences of states with closed joints.
 #pragma once
 
 #include <algorithm>
@@ -25,106 +25,106 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// The deployment as geometry: a path of the mechanism from its start to its target.
+// Kinematic deployment: a path of the mechanism from its start to its target.
 
-/// A path of the mechanism: states with their joints closed, each a small move from the one before.
+/// A kinematic path: states with closed joints, each a small move away from the one before.
 struct MechanismPath {
-  std::vector<Poses> states;      ///< the start first, one pose a tile
-  std::vector<double> lengths;    ///< of the path up to each state, metres; see pathDistance()
-  double guideLength = 0;         ///< of the tiles' own motions from the start to the goal, metres
+  std::vector<Poses> states;      ///< the first is the start; one pose per tile
+  std::vector<double> lengths;    ///< path length up to each state, metres; see pathDistance()
+  double guideLength = 0;         ///< length of the guide from start to goal, metres
   double error = 0;               ///< target error at the end, metres; 0 without a target
-  bool isStuck = false;           ///< it ended early, where the bricks followed the guide no more
-  bool isCutShort = false;        ///< the budget or the caller ended it
-  bool endsAtOpenJoints = false;  ///< beyond its end joints open by more than the rounding explains
-  bool isRounded = false;         ///< joints close within the rounding of the coordinates only
-  std::vector<model::Symmetry> symmetries;  ///< of the model, that all states have; a group
+  bool isStuck = false;           ///< the path ended early: the bricks no longer follow the guide
+  bool isCutShort = false;        ///< the budget was spent or the caller stopped
+  bool endsAtOpenJoints = false;  ///< the next states open joints by more than rounding explains
+  bool isRounded = false;         ///< joints close only within the rounding of the coordinates
+  std::vector<model::Symmetry> symmetries;  ///< model symmetries that all states have; a group
 
-  /// Of the whole path, metres.
+  /// Length of the whole path, metres.
   double length() const { return lengths.back(); }
 };
 
 /// The root mean square distance of a brick's bottom vertices from its centre of mass, metres.
 double gyrationRadius(const model::Brick& brick);
 
-/// How far two states of the same bricks are apart, metres: the root of the mean over bricks of
+/// Distance between two states of the same bricks, metres: the root of the mean over bricks of
 ///   |dx|^2 + w rho^2 |dphi|^2,
-/// dx the move of the centre of mass, dphi the turn in radians, rho its gyrationRadius(), and w
-/// `turnWeight`: 1 in the length of a path.
+/// with dx the displacement of the centre of mass, dphi the rotation in radians, rho the brick's
+/// gyrationRadius() and w `turnWeight`. Path lengths use w = 1.
 double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
                     double turnWeight = 1);
 
-/// Closes joints as Dynamics::assemble() does, and leaves the bricks' common centre in its place:
-/// near singular states closing would carry the whole along, by rounding times its stiffness.
+/// Closes joints as Dynamics::assemble() does, but keeps the bricks' common centre fixed. Near
+/// singular states, rounding errors times the stiffness would otherwise shift the whole sheet.
 bool closeInPlace(Poses& poses, Dynamics& dynamics);
 
-/// Measures how deep those bricks overlap that these contacts would hold apart, or all where there
-/// are none, beyond `start`. Bricks must outlive the meter.
+/// Measures how much deeper bricks overlap than at `start`. It counts the pairs that these contacts
+/// keep apart, or all pairs if contacts are off. The meter keeps a reference to `bricks`.
 trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
                                           const std::vector<model::Brick>& bricks,
                                           std::span<const model::Pivot> pivots, const Poses& start);
 
-/// A guide is divided into so many states at least.
+/// Minimum number of states along a guide.
 inline constexpr double kLeastStates = 60;
 
-/// How a path is followed.
+/// Settings of path following.
 struct ContinuationSettings {
-  /// Of turns against places, times rho^2, in what "nearest" means: a tile turns as its guide does,
-  /// and where it stands follows.
+  /// Weight of rotations against positions (times rho^2) in the distance to the guide. With a large
+  /// weight the rotations follow the guide, and the positions adapt.
   double turnWeight = 100;
-  /// A singular start is left by a leap, contacts left out: the first state is sought at this
-  /// progress of the guide. 0: the first moves are tiny instead, and grow.
+  /// First progress along the guide, (0, 1]. The path jumps off a singular start to this progress,
+  /// without contacts. 0: there is no jump; the first moves are tiny and then grow.
   double leap = 1.0 / 60;
-  /// Of each joint, over the weight of a tile's place in what "nearest" means. Designs without
-  /// freedom leave their start only by opening their joints: the stiffer, the less. Infinity:
-  /// exact.
+  /// Stiffness of each joint, relative to the weight of a tile's position in the distance to the
+  /// guide. Designs without freedom can leave their start only if joints open. Stiffer joints open
+  /// less. Infinity: exact joints.
   double jointStiffness = std::numeric_limits<double>::infinity();
 
-  /// Whether joints may open on the way.
+  /// Whether joints may open along the path.
   bool areJointsCompliant() const { return std::isfinite(jointStiffness); }
 };
 
-/// Called before each move with the progress along the guide, 0 to 1; return false to end the path.
+/// Called before each move with the progress along the guide, [0, 1]. Return false to end the path.
 using PathObserver = std::function<bool(double progress)>;
 
-/// Follows the mechanism from the first state of `guide`, once its joints are closed, along the
-/// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
-/// and damping are left out. A path with exact joints ends where it is nearest to the scene's
-/// target. In a model whose coordinates were rounded, exact joints are taken where the tiles fit
-/// each other all along the path; see assembled_state.h. `shouldContinue` may be empty.
-/// Costs 60 to 200 states of a few factorisations each, more where bricks meet. All results depend
-/// on their arguments alone. `budget` is charged for the work.
+/// Closes the joints of the first state of `guide`. Then follows the other states to the last,
+/// whose joints are closed. Uses the scene's contacts and ignores loads and damping. A path with
+/// exact joints ends at its state that is nearest to the scene's target. If the model's coordinates
+/// were rounded, joints are exact only if the tiles fit each other along the whole path; see
+/// assembled_state.h. `shouldContinue` may be empty. Computes 60 to 200 states at a cost of a few
+/// factorisations each, more if bricks touch. Results depend only on the arguments. `budget` is
+/// charged for the work.
 MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& shouldContinue = {});
 
-/// A path from the first state of a guide, whose joints are closed, as near as the mechanism comes
-/// to the last; joints exact, among the contacts that the scene asks for. The scene's target is
-/// left out.
+/// A path from the first state of a guide, whose joints are closed, to the state that is nearest
+/// to the last one. Joints are exact, and the scene's contacts apply. The scene's target is
+/// ignored.
 MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
                       const PathObserver& shouldContinue = {});
 
-/// A path from a start to a goal, both with closed joints, found from the goal on: bricks that lie
-/// flush at the start wedge when they leave it by a finite move, and come near it all the same.
-/// Joints are exact from the goal back to where the mechanism comes nearest to the start, and
-/// compliant for what is left; `isStuck` where even so the start is not reached. Among the contacts
-/// that the scene asks for.
+/// A path from a start to a goal, both with closed joints. It is computed backwards from the
+/// goal: flush bricks jam when a finite move separates them, but a path can end near that
+/// state. Joints are exact from the goal to the state nearest to the start, and compliant for
+/// the rest. `isStuck` if the path still does not reach the start. The scene's contacts
+/// apply.
 MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, const Poses& goal,
                                SearchBudget& budget, const PathObserver& shouldContinue = {});
 
-/// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
-/// state in which the sum of squared distances from it is greatest: full extension.
+/// Follows the mechanism from the scene's start away from the tiles' common centre. It ends at full
+/// extension, the maximum of the sum of squared distances from the centre.
 MechanismPath continueToExtension(const scene::Scene& scene, SearchBudget& budget,
                                   const PathObserver& shouldContinue = {});
 
 // ------------------------------------------------------------------------------------------------
-// What a path of the mechanism follows.
+// The guide of a kinematic path.
 
-/// What a path follows: straight from each of its states to the next, at an even pace.
-/// Distances between its states are pathDistance(), so that its pace is even in moves and turns
+/// A guide: linear interpolation between given states, at constant speed. Distances between
+/// states are pathDistance(). The speed is therefore constant in translations and rotations
 /// together.
 class PathGuide {
  public:
-  /// Two states at least, one pose a brick in each.
+  /// Needs at least two states with one pose per brick.
   PathGuide(const std::vector<model::Brick>& bricks, std::vector<Poses> states)
       : states_(std::move(states)) {
     for (std::size_t k = 1; k < states_.size(); ++k) {
@@ -132,12 +132,12 @@ class PathGuide {
     }
   }
 
-  /// Of the whole guide, metres.
+  /// Length of the whole guide, metres.
   double length() const { return lengths_.back(); }
   /// Its last state.
   const Poses& end() const { return states_.back(); }
 
-  /// The place at a progress from 0 to 1.
+  /// The state at a progress in [0, 1].
   Poses at(double progress) const {
     const double length = progress * lengths_.back();
     const auto next = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, length);
@@ -155,25 +155,25 @@ class PathGuide {
 // ------------------------------------------------------------------------------------------------
 // States of a recorded run between its samples.
 
-/// How many states momentsBetween() gives.
+/// Number of states that momentsBetween() returns.
 inline constexpr int kMomentsBetween = 10;
-/// Radians. Joints of momentsBetween() open by less than 1e-7 of a tile then.
+/// Radians. Up to here, states of momentsBetween() open joints by less than 1e-7 of a tile.
 inline constexpr double kMostTurnBetween = 0.05;
 
-/// Moves a state at a share of the way between two others as closing the joints moves the states at
-/// a third and at two thirds of it: by the cubic through these moves that is 0 at both ends.
+/// Adds a joint-closing correction to an interpolated state. The correction is a cubic in `share`:
+/// zero at both ends and equal to the known corrections (`open` to `closed`) at 1/3 and 2/3.
 void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
                   const std::array<Poses, 2>& closed);
 
-/// States at kMomentsBetween equal shares of the way between two states, by the cubic through them
-/// and the states at a third and at two thirds of the way.
+/// kMomentsBetween equidistant states between two states, by the cubic through both of them and the
+/// states at one third and two thirds.
 std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,
                                   const Poses& to);
 
-/// Finds states between two samples of one run. The mechanism has no straight ways: half way
-/// between two closed states, places taken straight and rotations by the shortest turn, its joints
-/// gape by the square of the turn. So they are closed again, moving the bricks as little as their
-/// masses allow, wherever they are closed in both samples.
+/// Finds states between two samples of one run. Linear interpolation opens joints by the square of
+/// the rotation between the samples. If the joints are closed in both samples, the interpolator
+/// therefore closes them again. This moves the bricks as little as possible, weighted by their
+/// masses.
 class StateInterpolator {
  public:
   /// Both must outlive the interpolator.
@@ -182,17 +182,17 @@ class StateInterpolator {
   explicit StateInterpolator(const trajectory::Subject& subject)
       : StateInterpolator(subject.model, subject.bricks) {}
 
-  /// The state at a share of the way from one sample to a later one, 0 to 1, with its time, joint
-  /// gap and target error; penetration, pins and steps are the earlier sample's. Where the joints
-  /// are closed in both samples (to 1e-9 of a tile), they are closed to that in it as well; where
-  /// no such state lies between the two, it is the nearer sample's.
+  /// The state at a share in [0, 1] between one sample and a later one. Time, joint gap and target
+  /// error belong to this state. Penetration, pins and steps are those of the earlier sample. If
+  /// joints are closed in both samples (to 1e-9 of a tile), they are closed to the same tolerance
+  /// here. If no such state exists, this returns the nearer sample's state.
   trajectory::Sample between(const trajectory::Sample& from, const trajectory::Sample& to,
                              double share);
 
-  /// States at kMomentsBetween equal shares of the way between two states, at the cost of closing
-  /// the joints twice: by the cubic through the two states and the closed states at a third and two
-  /// thirds of the way. Empty if a brick turns by more than kMostTurnBetween from one state to the
-  /// other: its path is not known.
+  /// kMomentsBetween equidistant states between two states. Closes the joints only twice, at one
+  /// third and two thirds, and uses the cubic through these and the two given states. Returns an
+  /// empty list if a brick rotates by more than kMostTurnBetween between the two states: its path
+  /// is then unknown.
   std::vector<Poses> momentsBetween(const Poses& from, const Poses& to);
 
  private:
@@ -206,7 +206,7 @@ class StateInterpolator {
   std::vector<bool> pinned_;
   std::vector<model::Pivot> pivots_;
   double tileSize_;                                  ///< metres
-  std::unique_ptr<mechanics::JointSolver> inPlane_;  ///< made when first needed, as is the next
+  std::unique_ptr<mechanics::JointSolver> inPlane_;  ///< created at first use, like inSpace_
   std::unique_ptr<mechanics::JointSolver> inSpace_;
 };
 

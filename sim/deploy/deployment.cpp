@@ -1,16 +1,16 @@
-// What deploy() does, from a scene to its result.
+// Implements deploy(), from a scene to its result.
 //
-// 1. Open choices (drive, thickness) are filled in from the model, planar sheets are turned into
-//    the horizontal, and senseless scenes refused.
-// 2. A scene with grips is followed through its equilibria and ends here (loading.cpp).
-// 3. The target is looked at: can rigid tiles reach it, where do joint-closed states come nearest,
-//    which bricks would overlap there.
-// 4. A scene that is geometry takes a path of the mechanism (planner.cpp), which is played back.
-// 5. Any other scene is run by its dynamics (path_choice.cpp).
+// 1. Open choices (drive, thickness) are taken from the model. Planar sheets are rotated into the
+//    horizontal plane. Invalid scenes are rejected.
+// 2. A scene with grips is followed through its equilibria and ends here (loading.cpp). 3. The
+// target is checked: whether rigid tiles reach it, the nearest states with closed joints, and
+//    the bricks that would overlap there.
+// 4. A kinematic scene takes a path of the mechanism (planner.cpp), which is played back. 5. Any
+// other scene is run by its dynamics (path_choice.cpp).
 //
-// The search has one budget of counted work (search_budget.h): every machine takes the same path.
-// With checkpoints, the trials of step 5 are kept as they end, and the run itself
-// between its steps.
+// The search has one budget of counted work (search_budget.h): all machines select the same path.
+// Checkpoints store the results of the trials of step 5, and the state of the run between its
+// steps.
 #include "sim/deploy/deployment.h"
 
 #include <algorithm>
@@ -41,11 +41,11 @@
 namespace kirireel::deploy {
 namespace {
 
-// What is tried before any path.
+// Names of the searches in progress reports.
 constexpr const char* kAssembling = "the state nearest to the target";
 constexpr const char* kClosing = "the path beyond full extension";
 
-/// An entry that could never happen is a mistake.
+/// An entry after the end of the run is an error.
 void requireInTime(const scene::Timeline& timeline, double duration) {
   for (const scene::TimelineEntry& entry : timeline) {
     if (entry.when.kind != scene::Trigger::Kind::AtTime || entry.when.value <= duration) continue;
@@ -56,7 +56,7 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
   }
 }
 
-/// In motion tiles bend between their parts, and nothing stretches.
+/// With dynamics, tiles only bend between their parts: nothing stretches.
 void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpring>& springs) {
   if (!scene.hinges.panels) return;
   if (scene::sceneNeeds(scene).planar.on) {
@@ -69,7 +69,7 @@ void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpr
       "stretch too need a [[grip]] in scene.toml");
 }
 
-/// Tiles that a material was given for, and that stay rigid all the same.
+/// Tiles that stay rigid although they have a material.
 std::string rigidTilesWarning(const scene::Scene& scene) {
   if (!scene.hinges.panels) return "";
   const auto isWhole = [](const model::Tile& tile) { return tile.vertices.size() > 3; };
@@ -92,7 +92,7 @@ void requireSense(const scene::Scene& scene, double sampleInterval) {
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  // What these throw shall be thrown before a search that may take minutes.
+  // Invalid input must throw here, before a search that may take minutes.
   if (scene.grips.empty()) {
     requireBending(scene, model::hingeSpringsOf(scene::dynamicTies(scene, bricks).pairForces));
   } else {
@@ -101,17 +101,17 @@ void requireSense(const scene::Scene& scene, double sampleInterval) {
   static_cast<void>(makeDriveForce(scene, bricks));
 }
 
-/// What the search for a path has found.
+/// Results of the path search.
 struct Search {
   AssembledState nearest;
   std::vector<BlockingPair> blocking;
   std::vector<std::string> warnings;
   PlannedPath planned;
   PathChoice choice;  ///< of the dynamics if there is no planned path
-  double misfit = 0;  ///< to which tiles fit, metres; 0 if the path is exact
+  double misfit = 0;  ///< misfit of the tiles, metres; 0 if the path is exact
 };
 
-/// Without a target, tiles that joints hold fast cannot be driven by anything that they were given.
+/// Throws if there is no target and the joints leave no motion that the given forces could drive.
 void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
   const MechanismPath& path = planned.path->path;
   const double tile = model::tileSize(scene.model);
@@ -128,18 +128,18 @@ void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
       "as it is (`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
 }
 
-// Corners that fit to a tolerance only, in all digits: designs that an optimiser left.
+// Corners that fit only to a tolerance although all digits are given: designs from an optimiser.
 //
-// Tiles that do not quite fit each other make no exact mechanism: redundant joints become
-// independent, and singular values of their Jacobian that should be zero are about as large as the
-// misfit, in tiles. They are known by the gap to the next larger singular value.
+// Tiles with a misfit form no exact mechanism. Redundant joints become independent. Singular values
+// of their Jacobian that should be zero are about the misfit, in tiles. The gap to the next larger
+// singular value identifies them.
 
-/// How closely the tiles of a model fit, metres; 0 if they fit exactly or nobody can tell.
+/// The misfit of the tiles of a model, metres. 0 if they fit exactly or it is unknown.
 double misfitOf(const scene::Scene& scene) {
-  constexpr double kExact = 1e-11;    // an exact mechanism drops no larger singular value
+  constexpr double kExact = 1e-11;    // largest dropped singular value of an exact mechanism
   constexpr double kMost = 1e-4;      // in tiles
-  constexpr double kGap = 30;         // between the least one kept and the largest one dropped
-  constexpr int kMostUnknowns = 900;  // beyond, singular values are bounds
+  constexpr double kGap = 30;         // ratio of the smallest kept to the largest dropped one
+  constexpr int kMostUnknowns = 900;  // above, singular values are only bounds
   const bool isPlanar = scene::sceneNeeds(scene).planar.on;
   const auto count = static_cast<int>(scene.model.tiles.size());
   if (scene.model.rounding > 0 || (isPlanar ? 3 : 6) * count > kMostUnknowns) return 0;
@@ -157,8 +157,8 @@ double misfitOf(const scene::Scene& scene) {
   return 0;
 }
 
-/// The path to full extension. Tiles that fit to a tolerance only are kept to that, unless exact
-/// joints take them farther.
+/// The path to full extension. Tiles with a misfit keep that tolerance, unless exact joints lead
+/// farther.
 void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
             Search& found) {
   constexpr double kShorter = 0.98;
@@ -177,7 +177,7 @@ void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   found.misfit = misfit;
 }
 
-/// Goes on from full extension to the second compact state, where the scene leads there.
+/// Continues from full extension to the second compact state, if the scene requests it.
 void closeAgain(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
                 Search& found) {
   if (scene.path.to != scene::Destination::Closed || found.planned.isCutShort) return;
@@ -193,7 +193,7 @@ void closeAgain(const scene::Scene& scene, SearchBudget& budget, const TrialObse
   found.planned.isCutShort = path.path.isCutShort;
 }
 
-/// Looks at the target, and for a path of the mechanism where the scene is one for it.
+/// Checks the target, and searches a path of the mechanism if the scene is kinematic.
 void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
             Search& found) {
   watch({kAssembling, 0});
@@ -240,14 +240,14 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   }
 }
 
-/// Whether ways to the target are tried one by one, so that contacts can be decided by them.
+/// Whether paths to the target are tried one by one. The trials then also decide about contacts.
 bool isSearched(const scene::Scene& scene) {
   return scene.model.target && scene.timeline.empty() && scene.springs.pull() &&
          scene.actuation.drive == scene::Drive::Target &&
          scene.solver.kind == scene::SolverKind::Direct;
 }
 
-/// Says where bricks were left free to pass through each other, and did.
+/// Warns if bricks overlapped in a run without contacts.
 void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
   const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
@@ -257,12 +257,12 @@ void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
                   model::lengthInTiles(grown, scene.model)));
 }
 
-/// Of the tolerance, in the run that measures the error in time.
+/// Factor on the tolerance in the run that measures the error in time.
 constexpr double kFinerShare = 0.1;
-/// Samples are at the same time within so many seconds.
+/// Samples within this time are simultaneous, seconds.
 constexpr double kSameSample = 1e-9;
 
-/// The largest distance of a vertex, of either face, between two states, metres.
+/// The largest distance of a vertex (top or bottom) between two states, metres.
 double farthestVertex(const std::vector<model::Brick>& bricks, const Poses& a, const Poses& b) {
   double largest = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -275,7 +275,7 @@ double farthestVertex(const std::vector<model::Brick>& bricks, const Poses& a, c
   return largest;
 }
 
-/// Runs the scene by its dynamics, along the path that is chosen for it.
+/// Runs the scene with dynamics along the chosen path.
 DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice,
                              const AssembledState& nearest, const RunObservers& watch,
                              Checkpoints* checkpoints) {
@@ -293,8 +293,8 @@ DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice
   return result;
 }
 
-/// Runs the scene, and again with a tenth of its tolerance: the largest distance of a vertex
-/// between the two, over the samples that both have, is the measured error in time.
+/// Runs the scene twice, the second time with a tenth of its tolerance. The error in time is the
+/// largest distance of a vertex between both runs, over their common samples.
 DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
                           const AssembledState& nearest, const RunObservers& watch,
                           Checkpoints* checkpoints) {
@@ -327,7 +327,7 @@ DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
   return result;
 }
 
-/// Takes the planned path, or chooses one for the dynamics and sets the scene for it.
+/// Takes the planned path, or chooses a dynamic path and adapts the scene's contacts to it.
 void selectPath(scene::Scene& scene, Search& found, SearchBudget& budget,
                 const TrialObserver& watch, std::vector<TrialEnd>& trials) {
   if (found.planned.path) {
@@ -352,7 +352,7 @@ void selectPath(scene::Scene& scene, Search& found, SearchBudget& budget,
   if (!found.planned.trouble.empty()) found.choice.reason += "; dynamics: " + found.planned.trouble;
 }
 
-/// Watches how deep the bricks overlap that the user lets touch, beyond the start.
+/// Measures the growth of overlaps beyond the start, for the contacts that the user requests.
 class OverlapWatch {
  public:
   explicit OverlapWatch(const scene::Scene& scene)
@@ -362,13 +362,13 @@ class OverlapWatch {
         meter_(overlapMeter(scene.environment, bricks_, pivots_,
                             model::startPoses(scene.model.tiles, bricks_))) {}
 
-  /// A run's own figures are of all pairs; those that may not touch are left out here.
+  /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
   void observe(const Poses& poses) {
     if (filter_ != scene::ContactFilter::Unjoined) return;
     grown_ = std::max(grown_, meter_.at(poses).grown);
   }
 
-  /// The largest so far, metres; 0 if the user switched contacts off.
+  /// The largest growth so far, metres. 0 if the user switched contacts off.
   double grown(const Accuracy& accuracy) const {
     if (filter_ == scene::ContactFilter::None) return 0;
     return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
@@ -382,14 +382,14 @@ class OverlapWatch {
   double grown_ = 0;
 };
 
-/// Whether the budget ended the search before it found a path on which nothing is wanting.
+/// Whether the budget was spent before the search found a path without faults.
 bool isCutShort(const Search& found, const DeploymentResult& result, bool isOverlapping) {
   const bool isBest = found.planned.path && result.accuracy.jointOpeningMax == 0 &&
                       result.atTarget.value_or(true) && !isOverlapping;
   return (found.planned.isCutShort || found.choice.isCutShort) && !isBest;
 }
 
-/// Notes why a run does not count as done, which ends its reason, too. `grown`: the overlap that
+/// Records why a run does not count as successful, also in its reason. `grown`: the overlap that
 /// counts, metres.
 void addShortfall(const scene::Scene& scene, const Search& found, double grown,
                   DeploymentResult& result) {
@@ -418,8 +418,8 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
       fmt::format("{}: {}", toString(result.outcome), result.reason);
 }
 
-/// Whether a flat sheet should look for a way through space: it goes to a target by geometry, and
-/// in the plane joints have to open or bricks to overlap for it.
+/// Whether a flat sheet should search a path through space. This applies to kinematic paths to a
+/// target that open joints or overlap in the plane.
 bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const Search& found) {
   std::string reason;
   const scene::PathKind kind = given.path.kind;
@@ -435,8 +435,9 @@ bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const S
   return !isCollisionFree(scene, path) || (path.hasCompliantJoints && !mayOpen);
 }
 
-/// Replaces scene and path by those through space, if one there keeps joints closed and bricks
-/// apart. The search has a budget of its own: a sheet that stays in its plane does as without it.
+/// Replaces scene and path by those in space, if the path there keeps joints closed and has no
+/// overlaps. The search has its own budget: otherwise a sheet that stays in its plane would be
+/// affected.
 void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
                 const TrialObserver& watch) {
   scene::Scene inSpace = given;
@@ -452,7 +453,7 @@ void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
   found = std::move(other);
 }
 
-/// Of a search that was ended from within no path is known: the start alone is shown.
+/// An interrupted search has no path: only the start is shown.
 void abandonSearch(scene::Scene& scene, Search& found) {
   found.planned.path.reset();
   found.choice = {scene.path, "the search for a path was interrupted"};
@@ -461,7 +462,7 @@ void abandonSearch(scene::Scene& scene, Search& found) {
   if (contacts == scene::ContactFilter::Auto) contacts = scene::ContactFilter::None;
 }
 
-/// Runs a scene that lies in a horizontal plane if it is planar.
+/// Runs a scene whose plane, if it is planar, is already horizontal.
 DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval,
                                 const SampleObserver& observer, const TrialObserver& searching,
                                 Checkpoints* checkpoints) {
@@ -500,7 +501,7 @@ DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval
     abandonSearch(scene, found);
   }
   searchSeconds = threadCpuSeconds() - startSeconds;
-  // A search that was ended early ends the run with its start, on a path that may be another's.
+  // A search that ended early ends the run at its start, possibly on another path.
   if (!goOn) checkpoints = nullptr;
   OverlapWatch overlaps(given);
   const SampleObserver takeSample = [&](const trajectory::Sample& sample) {
@@ -525,8 +526,8 @@ DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval
   return result;
 }
 
-// A planar sheet in another plane is run in the axes of its frame. Everything that has directions
-// is turned back here, and nowhere else.
+// A planar sheet in another plane is run in the axes of its frame. All directions of the result are
+// rotated back here, and nowhere else.
 
 Poses inWorld(const model::SheetFrame& frame, Poses poses) {
   for (Pose& pose : poses) pose = frame.toWorld(pose);

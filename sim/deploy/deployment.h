@@ -8,19 +8,19 @@
 
 namespace kirireel::deploy {
 
-/// Runs the scene along its path (see choosePath) and samples it every `sampleInterval` simulated
-/// seconds from the start on, and at the end. Nothing else depends on that interval: the steps are
-/// the scene's, and a sample between two of them is made from their poses. Throws InputError when
-/// the scene makes no sense; a run that diverges is reported, not thrown, and ends with its last
-/// step that left no brick behind. `searching` is told of each trial while a path is sought, and
-/// may end the run. Either observer may be empty.
+/// Runs the scene along its path (see choosePath). Samples it at the start, every
+/// `sampleInterval` simulated seconds, and at the end. The interval does not affect the steps: a
+/// sample between two steps is interpolated from their poses. Throws InputError for invalid
+/// scenes. A run that diverges does not throw: it ends with its last step that lost no brick.
+/// `searching` receives each trial of the path search and may end the run. Either observer may be
+/// empty.
 DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
                         const SampleObserver& observer, const TrialObserver& searching = {});
 
-/// The same, but the samples go to the observer alone: the result's trajectory holds none, so that
-/// memory does not grow with the length of the run. With checkpoints, which may be null, the run
-/// goes on from the one that was found there, its samples first, and leaves others on its way and
-/// where the observer ends it. An engine's hidden state cannot be kept: such runs leave none.
+/// The same, but only the observer receives the samples. The result's trajectory holds none, and
+/// memory does not grow with the run. `checkpoints` may be null. Otherwise the run continues from a
+/// checkpoint if there is one, with its samples first. It writes new ones during the run and when
+/// the observer ends it. An engine's hidden state cannot be saved: such runs write none.
 DeploymentResult deployUnkept(const scene::Scene& scene, double sampleInterval,
                               const SampleObserver& observer, const TrialObserver& searching = {},
                               Checkpoints* checkpoints = nullptr);

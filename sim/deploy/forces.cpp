@@ -1,4 +1,4 @@
-// The forces that drive bricks, each in a section of its own with its equations.
+// The forces that drive bricks. Each section has one force and its equations.
 #include "sim/deploy/forces.h"
 
 #include <algorithm>
@@ -16,16 +16,16 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// The springs of a brick of mass m (kg) and inertia I (kg m^2) with n vertices. Alone on n springs
-// of k_f (N/m) it obeys m x" + mu_v x' + n k_f x = 0, which swings undamped with the frequency f
-// (Hz) and has the damping ratio zeta where
+// The springs of a brick of mass m (kg) and inertia I (kg m^2) with n vertices. On n springs of k_f
+// (N/m), a free brick obeys m x" + mu_v x' + n k_f x = 0. Its undamped frequency is f (Hz) and its
+// damping ratio zeta if
 //   k_f = m (2 pi f)^2 / n,      mu_v = 2 zeta sqrt(n k_f / m) m.
-// k_tau is the same, as a spring at each vertex has it: a square turns sqrt(3) times as fast as it
-// moves. Turning is damped at the same rate,
+// k_tau = k_f, as for a spring at each vertex: a square then rotates at sqrt(3) times the frequency
+// of its translation. Rotations are damped at the same rate,
 //   mu_omega = 2 zeta sqrt(n k_tau / m) I,
-// a matrix, since a brick turns about each of its axes with another inertia. Multiplied by m, all
-// of them leave the motion as it is; so does I times a length squared. What is given in N/m takes
-// the place of its own term. Catto's Box2D (v3) states its springs in this way.
+// a matrix, because the inertia differs between the axes of a brick. Scaling m, and I by the same
+// factor or by a length squared, does not change the motion. A value given in N/m replaces its own
+// term. Catto's Box2D (v3) uses the same parameters for its springs.
 
 namespace {
 
@@ -41,7 +41,7 @@ std::vector<BrickSpring> springsOf(const std::vector<model::Brick>& bricks,
   return springs;
 }
 
-/// Adds the damping of a brick's spring in world axes.
+/// Adds the brick's damping, in world axes.
 void addDamping(const BrickSpring& spring, const Matrix3& R, model::Load& load) {
   load.damping.diagonal().head<3>().array() += spring.forceDamping;
   load.damping.bottomRightCorner<3, 3>() += R * spring.torqueDamping * R.transpose();
@@ -75,17 +75,19 @@ double placeStiffness(const scene::TargetSpringSettings& settings,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Springs from the hull's corners to an ellipse. With the middle m of the hull's corners and the
-// half axes a (along x) and b (along y), the ray from m through a corner leaves the ellipse at
+// Springs from the hull's corners to an ellipse. m is the centre of the hull's corners; a (along x)
+// and b (along y) are the half axes. The ray from m through a corner intersects the ellipse at
 //   m + (x, y) / sqrt((x / a)^2 + (y / b)^2),      (x, y) = corner - m
-// which is the corner's anchor, at the corner's own height above the sheet's plane. b is the wanted
-// size times the radius of the smallest circle about m that holds all corners, a is b times the
-// aspect. Anchors stay where they are: the sheet grows towards them. Corners of several tiles at
-// one place of the convex outline, joined or not, share its spring: no order of tiles counts.
+// This point is the corner's anchor, at the corner's own height above the sheet's plane. b is the
+// requested size times the radius of the smallest circle about m that holds all corners. a is b
+// times the aspect. Anchors are fixed: the sheet grows towards them. Corners of several tiles at
+// one position of the convex outline, joined or not, share its spring: the order of the tiles does
+// not matter.
 
 namespace {
 
-/// Where the ray from the middle of an ellipse through a point leaves it; the height stays.
+/// Intersection of an ellipse with the ray from its centre through a point. Keeps the point's
+/// height.
 Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
                      const Vector3& point) {
   const double x = point.x() - middle.x();
@@ -100,7 +102,7 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
   return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
 }
 
-/// All corners of a model that are where this one is, itself included.
+/// All corners of a model at the position of this one, including itself.
 std::vector<model::Corner> cornersAt(const model::Model& model, const model::Corner& corner) {
   const Vector3 place = model.tiles[corner.tile].vertices[corner.vertex];
   const double same = std::max(model::flatTolerance(model), 2 * model.rounding);
@@ -121,12 +123,12 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
                                  const scene::TargetSpringSettings& settings,
                                  const scene::BoundaryCurve& curve)
     : strengths_(springsOf(bricks, settings)), springs_(bricks.size()) {
-  // The model named a hull that could not be read. Only this drive needs one, so that only it
-  // refuses.
+  // The model names a hull that could not be read. Only this drive needs a hull, and only it
+  // throws.
   if (!model.hullFault.empty()) {
     throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
   }
-  // Sheets that are not flat are pulled along x and y.
+  // In sheets that are not flat, the springs pull along x and y.
   const model::SheetFrame frame = model::sheetFrame(model).value_or(model::SheetFrame{});
   const std::vector<model::Corner> hull =
       model.hull ? *model.hull : model::outlineCorners(model::toFrame(frame, model.tiles));
@@ -155,7 +157,7 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
 
 void BoundarySprings::addLoads(const Poses& poses, std::vector<model::Load>& loads) const {
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    // Every brick is damped, also those without a spring.
+    // Damping applies to every brick, even without a spring.
     addDamping(strengths_[i], poses[i].rotation.toRotationMatrix(), loads[i]);
     for (const PointSpring& spring : springs_[i]) addPointSpring(spring, poses[i], loads[i]);
   }
@@ -170,14 +172,14 @@ double BoundarySprings::energy(const Poses& poses) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Expansion: F = k (x - c) - mu v away from the centre of mass c of its piece (N, with k in N/m).
-// Its derivative by x is +k, which is not the stiffness of a spring but the opposite; an implicit
-// step would need a matrix that is not positive definite. The push is therefore taken at the step's
-// start, and only its damping is implicit. All pushes together have no resultant where all masses
-// are equal.
+// Expansion: F = k (x - c) - mu v away from the centre of mass c of its piece (N, with k
+// in N/m). Its derivative with respect to x is +k, the opposite sign of a spring's
+// stiffness. An implicit step would need an indefinite matrix. The push is therefore
+// explicit, and only its damping is implicit. If all masses are equal, the pushes have no
+// resultant.
 
-// An acceleration that is proportional to the distance alone makes a sheet grow evenly, whatever
-// its tiles' masses and numbers of vertices: by frequency, k is m (2 pi f)^2 / 4.
+// A uniform expansion needs an acceleration that depends only on the distance, not on the tiles'
+// masses and vertex counts. k is therefore m (2 pi f)^2 / 4 if a frequency is given.
 
 Expansion::Expansion(const std::vector<model::Brick>& bricks, std::vector<int> pieces,
                      const scene::TargetSpringSettings& settings)
@@ -218,10 +220,10 @@ std::vector<Vector3> Expansion::centresOf(const Poses& poses) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A spring between a point r of a brick (brick axes) and an anchor a: with the arm s = R r, the
-// force is f = k (a - x - s), the torque s x f. The point moves by G dq = dx - s x dtheta for a
-// small displacement dq = (dx, dtheta), G = [1, -[s]x]. The Gauss-Newton part k G^T G of the
-// stiffness is positive semidefinite, and so is the damping c G^T G, which acts on the point's
+// A spring between a point r of a brick (brick axes) and an anchor a. With the arm s = R r, the
+// force is f = k (a - x - s) and the torque s x f. A small displacement dq = (dx, dtheta) moves
+// the point by G dq = dx - s x dtheta, G = [1, -[s]x]. The Gauss-Newton part k G^T G of the
+// stiffness is positive semidefinite. So is the damping c G^T G, which acts on the point's
 // velocity.
 
 void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& load) {
@@ -229,8 +231,8 @@ void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& lo
   const Vector3 force = spring.stiffness * (spring.anchor - pose.position - arm);
   load.force.head<3>() += force;
   load.force.tail<3>() += arm.cross(force);
-  // The point moves by G (dx, dtheta); how the arm's turn changes the torque is left out, since it
-  // may be indefinite.
+  // The point moves by G (dx, dtheta). The change of torque by the arm's rotation is neglected,
+  // because it may be indefinite.
   Eigen::Matrix<double, 3, 6> G;
   G << Matrix3::Identity(), -crossMatrix(arm);
   const Matrix6 outer = G.transpose() * G;
@@ -243,15 +245,15 @@ double pointSpringEnergy(const PointSpring& spring, const Pose& pose) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Gravity m g at the centre of mass, and viscous damping. A velocity that loses the part p of
-// itself in a second obeys v(t) = v(0) (1 - p)^t, thus dv/dt = -c v with c = -ln(1 - p) (1/s); the
-// force is -c m v and the torque -c I w with the inertia I turned into world axes. Damping enters
-// as a matrix, so that the implicit step takes it without a bound on its length.
+// Gravity m g at the centre of mass, and viscous damping. A velocity that loses the fraction p per
+// second obeys v(t) = v(0) (1 - p)^t, thus dv/dt = -c v with c = -ln(1 - p) (1/s). The force is -c
+// m v and the torque -c I w, with the inertia I in world axes. Damping enters the implicit step as
+// a matrix, which sets no limit on the step length.
 
 void addEnvironmentLoads(const scene::Environment& environment,
                          std::span<const model::Brick> bricks, const Poses& poses,
                          std::vector<model::Load>& loads) {
-  // exp(-rate) is the part of the velocity that is left after a second.
+  // exp(-rate) is the fraction of the velocity that remains after one second.
   const double linearRate = -std::log1p(-environment.linearDamping);
   const double angularRate = -std::log1p(-environment.angularDamping);
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -267,41 +269,41 @@ void addEnvironmentLoads(const scene::Environment& environment,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Springs to a target, with the derivatives that an implicit step needs.
+// Springs to a target, with the derivatives for an implicit step.
 //
-// With p_k the bottom vertices and t_k their targets in world axes, primes for differences from
-// their means, n vertices, s the arm from the centre of mass x to the mean of the p_k, and g = mean
-// t - x - s:
+// p_k are the bottom vertices and t_k their targets in world axes, n the number of vertices. Primes
+// are differences from the means. s is the arm from the centre of mass x to the mean of the p_k,
+// and g = mean t - x - s:
 //   F = k_f n g                                          N
 //   T = k_tau sum p'_k x t'_k + s x F                    N m about x
-// Both follow from the energy E = k_f n |g|^2 / 2 + k_tau / 2 sum |p'_k - t'_k|^2. A turn dtheta
-// moves p'_k by dtheta x p'_k; the second derivative of -sum p'_k . t'_k by dtheta is tr(C) 1 - (C
-// + C^T) / 2 with C = sum p'_k t'_k^T, and the arm s, pulled by F, contributes in the same way with
-// C = k_f n s g^T. The stiffness by (dx, dtheta) is then
+// Both follow from the energy E = k_f n |g|^2 / 2 + k_tau / 2 sum |p'_k - t'_k|^2. A rotation
+// dtheta moves p'_k by dtheta x p'_k. The second derivative of -sum p'_k . t'_k by dtheta is tr(C)
+// 1 - (C + C^T) / 2 with C = sum p'_k t'_k^T. The force F on the arm s contributes the same term
+// with C = k_f n s g^T. The stiffness in (dx, dtheta) is then
 //   [ k_f n 1        -k_f n [s]x                      ]
 //   [ k_f n [s]x      k_f n [s]x^T [s]x + tr(C) 1 - sym(C) ]
-// The last term becomes indefinite where a tile is turned by more than 90 degrees from its target,
-// so that only its positive semidefinite part is kept (the eigenvalues below 0 are set to 0). With
-// it no step length diverges; the force itself is exact.
+// The last term becomes indefinite if a tile is rotated by more than 90 degrees from its target.
+// Only its positive semidefinite part is used (negative eigenvalues are set to 0). No step length
+// diverges with it. The force itself is exact.
 //
-// Jiang and Choi's PyKirigami holds the same forces constant over a step, which needs many short
-// steps when k is large.
+// Jiang and Choi's PyKirigami holds the same forces constant during a step, which requires many
+// short steps when k is large.
 
 namespace {
 
-// The paper's 60 steps of 1/240 s, as a time, so that the length of steps does not matter.
+// The paper's 60 steps of 1/240 s as a time: the step length does not matter.
 constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
-constexpr double kSameTime = 1e-9;           // seconds
+constexpr double kSameTime = 1e-9;           // seconds; times closer than this are equal
 constexpr double kLargestFactor = 16;        // of the stiffness
-constexpr double kLowerError = 1 - 0.005;    // of the error, to count as one
+constexpr double kLowerError = 1 - 0.005;    // factor on the error that counts as an improvement
 
 bool isPositiveDefinite(const Matrix3& K) {
-  // Sylvester's criterion: the leading minors are positive. It spares most steps the eigenvalues.
+  // Sylvester's criterion: the leading minors are positive. Most steps then need no eigenvalues.
   return K(0, 0) > 0 && K(0, 0) * K(1, 1) - K(0, 1) * K(0, 1) > 0 && K.determinant() > 0;
 }
 
-/// The nearest positive semidefinite matrix; springs far from their target lose the part that would
-/// drive an implicit step away from it.
+/// The nearest positive semidefinite matrix. It removes directions in which an implicit step would
+/// move away from a distant target.
 Matrix3 positivePart(const Matrix3& K) {
   if (isPositiveDefinite(K)) return K;
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(K);
@@ -309,8 +311,8 @@ Matrix3 positivePart(const Matrix3& K) {
          solver.eigenvectors().transpose();
 }
 
-/// Minus the second derivative of sum_k p_k . t_k by a rotation of the p_k: tr(C) 1 - sym(C) for
-/// C = sum_k p_k t_k^T.
+/// Minus the second derivative of sum_k p_k . t_k with respect to a rotation of the p_k: tr(C) 1 -
+/// sym(C) for C = sum_k p_k t_k^T.
 Matrix3 rotationalStiffness(const Matrix3& C) {
   return C.trace() * Matrix3::Identity() - 0.5 * (C + C.transpose());
 }
@@ -348,8 +350,8 @@ void TargetSprings::setTarget(const std::vector<model::Tile>& target) {
     for (std::size_t k = 0; k < bottom.size(); ++k) {
       const Vector3 p = bottom[k] - spring.bottomMean;
       const Vector3 t = target[i].vertices[k] - spring.targetMean;
-      // The sum over the vertices is taken once: in each step one product with the rotation gives
-      // C.
+      // The sum over the vertices is precomputed: each step needs only one product with the
+      // rotation to get C.
       spring.moment += p * t.transpose();
       spring.spread += p.squaredNorm() + t.squaredNorm();
     }
@@ -375,14 +377,14 @@ void TargetSprings::addLoad(const Spring& spring, const Pose& pose, double stiff
   addDamping(spring.strength, R, load);
   if (!spring.pulled) return;
 
-  // The force at the mean of the bottom, seen from the centre of mass through the arm s.
+  // The force at the mean of the bottom acts on the centre of mass through the arm s.
   const double kf = stiffening * spring.strength.springStiffness * spring.vertexCount;
   const double kt = stiffening * spring.strength.torqueStiffness;
   const Vector3 s = R * spring.bottomMean;
   const Vector3 gap = spring.targetMean - pose.position - s;
   const Matrix3 S = crossMatrix(s);
 
-  // Both the torque springs and the turning arm have the same kind of second derivative.
+  // The torque springs and the rotating arm have second derivatives of the same form.
   const Matrix3 C = kt * R * spring.moment + kf * s * gap.transpose();
   load.force.head<3>() += kf * gap;
   load.force.tail<3>() += crossSum(C);
@@ -407,9 +409,9 @@ double TargetSprings::energy(const Poses& poses, double stiffening) const {
   return stiffening * sum;
 }
 
-// An error e improves on the best one, b, where it passes 0.995 b. While it falls steadily it
-// passes b 0.995^k, k = 1, 2, ...; the last of these before the step's end is the new best, and the
-// moment of passing it is taken as if log e were linear in the step.
+// An error e is an improvement on the best error b if e <= 0.995 b. A steadily falling error passes
+// b 0.995^k, k = 1, 2, ... The last of these before the step's end becomes the new best. Its time
+// follows from linear interpolation of log e within the step.
 bool AdaptiveStiffness::observe(double targetError, double time, double step) {
   const double from = time - step;
   const bool isFirst = bestError_ < 0;
@@ -447,17 +449,17 @@ void AdaptiveStiffness::stiffen() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Each tile's own way from start to target: its mean goes straight, its rotation is exp(s theta)
-// with theta the rotation vector of the best fit (isometry.cpp) and s the progress, and what the
-// best fit leaves over, in the axes of the start, is added in proportion to s. At s = 1 every
-// vertex is exactly at its target.
+// Rigid motion of each tile from start to target. Its mean moves straight. Its rotation is exp(s
+// theta), with theta the rotation vector of the best fit (isometry.cpp) and s the progress. The
+// residual of the fit, in the axes of the start, is added in proportion to s. At s = 1 every vertex
+// is exactly at its target.
 
 namespace {
 
 Vector3 rotationVector(const Matrix3& rotation) {
   const Eigen::AngleAxisd turn(rotation);
-  // The angle is at most pi. A tile that turns by exactly pi has two such ways, of which rounding
-  // chooses one.
+  // The angle is at most pi. For a rotation by exactly pi there are two such motions, and rounding
+  // selects one.
   return turn.angle() * turn.axis();
 }
 
@@ -497,7 +499,7 @@ Poses bestFitPoses(const std::vector<model::Brick>& bricks,
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const model::RigidMotion motion = model::bestRigidMotion(bricks[i].bottom, target[i].vertices);
     poses[i] = {motion.translation, Quaternion(motion.rotation)};
-    // The way there is not known: at most half a turn from the start.
+    // The path is unknown. The shorter rotation from the start, at most pi, is assumed.
     if (poses[i].rotation.w() < 0) poses[i].rotation.coeffs() *= -1;
   }
   return poses;

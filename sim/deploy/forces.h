@@ -17,59 +17,59 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// How strong springs are.
+// Stiffness and damping of springs.
 
-/// What pulls and damps one brick.
+/// Spring and damping constants of one brick.
 struct BrickSpring {
-  double springStiffness = 0;               ///< k_f, N/m for each vertex
-  double torqueStiffness = 0;               ///< k_tau, N/m for each vertex
+  double springStiffness = 0;               ///< k_f, N/m per vertex
+  double torqueStiffness = 0;               ///< k_tau, N/m per vertex
   double forceDamping = 0;                  ///< mu_v, N s/m
   Matrix3 torqueDamping = Matrix3::Zero();  ///< mu_omega in brick axes, N m s
 };
 
-/// The brick's spring by the settings. See the equations in forces.cpp.
+/// The brick's constants for these settings. See the equations in forces.cpp.
 BrickSpring springOf(const model::Brick& brick, const scene::TargetSpringSettings& settings);
 
-/// By how much springs of the settings' frequency hold one tile at its place, at the mean mass of
-/// these bricks, N/m: m (2 pi f)^2. Compliant joints have a multiple of it
-/// (PathSettings::jointRatio).
+/// The stiffness m (2 pi f)^2 of springs that hold one tile at its place, N/m. m is the mean mass
+/// of these bricks, f the frequency of the settings. Compliant joints have a multiple of this
+/// stiffness (PathSettings::jointRatio).
 double placeStiffness(const scene::TargetSpringSettings& settings,
                       const std::vector<model::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
-// The force of a drive, for all drives but the springs to a target, which a run moves on and
-// stiffens on its way (see TargetSprings).
+// Force of a drive. This covers all drives except the springs to a target: a run moves these and
+// stiffens them during the path (see TargetSprings).
 
-/// What drives the bricks of a scene.
+/// Base class of the forces that drive a scene's bricks.
 class DriveForce {
  public:
   virtual ~DriveForce() = default;
 
-  /// Adds the drive's load on every brick at these poses, its damping included.
-  /// One pose and one load a brick. The loads are added to what is there.
+  /// Adds the drive's load on every brick at these poses, including damping. `loads` has one entry
+  /// per brick. Existing loads are kept.
   virtual void addLoads(const Poses& poses, std::vector<model::Load>& loads) const = 0;
 
-  /// Energy that it stores in these poses, joules; 0 where it stores none.
+  /// Energy stored in these poses, joules. 0 for drives that store no energy.
   virtual double energy(const Poses& poses) const = 0;
 
-  /// Adds to every brick's force, newtons, what of the drive stores no energy.
+  /// Adds the non-conservative part of the drive to every brick's force, newtons.
   virtual void addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const = 0;
 
-  /// Whether it drives bricks on however far they have come, so that nothing but joints ends it.
+  /// Whether the drive never ends by itself: only joints or contacts can stop the bricks.
   virtual bool isEndless() const = 0;
 };
 
 // ------------------------------------------------------------------------------------------------
-// Expansion: every brick is pushed away from the centre of its piece (PyKirigami's --cm_expansion).
+// Expansion pushes every brick away from the centre of its piece (PyKirigami's --cm_expansion).
 
-/// F = k (x - centre) - c v on a brick's centre of mass, with the centre of mass of the bricks that
-/// joints connect it to, and the torque damping of its spring. The push grows outwards, so it is
-/// taken at the start of a step: its stiffness is zero, only the damping is implicit.
+/// F = k (x - centre) - c v at a brick's centre of mass, plus the torque damping of its spring.
+/// `centre` is the centre of mass of all bricks of its piece. The push grows outwards and is
+/// therefore explicit, with zero stiffness. Only the damping is implicit.
 class Expansion : public DriveForce {
  public:
-  /// k is the spring stiffness of the settings, N/m, or what their frequency gives a vertex of a
-  /// square of the brick's mass; c is the brick's force damping, N s/m. `bricks` must outlive this.
-  /// `pieces` has the number of each brick's piece, see model::piecesOf().
+  /// k is the settings' spring stiffness, N/m, or follows from their frequency for one vertex of a
+  /// square with the brick's mass. c is the brick's force damping, N s/m. The object keeps a
+  /// reference to `bricks`. `pieces` has the index of each brick's piece, see model::piecesOf().
   Expansion(const std::vector<model::Brick>& bricks, std::vector<int> pieces,
             const scene::TargetSpringSettings& settings);
 
@@ -82,41 +82,41 @@ class Expansion : public DriveForce {
   std::vector<Vector3> centresOf(const Poses& poses) const;
 
   const std::vector<model::Brick>& bricks_;
-  std::vector<int> pieces_;             // one a brick
-  std::vector<BrickSpring> strengths_;  // one a brick
+  std::vector<int> pieces_;             // one per brick
+  std::vector<BrickSpring> strengths_;  // one per brick
 };
 
 // ------------------------------------------------------------------------------------------------
-// A damped spring between a point of a brick and a point of the world.
+// A damped spring between a point of a brick and a fixed point.
 
-/// What the spring pulls at, and how.
+/// The two ends and the constants of a point spring.
 struct PointSpring {
-  Vector3 point = Vector3::Zero();   ///< of the brick, in its axes
+  Vector3 point = Vector3::Zero();   ///< on the brick, in its axes, metres
   Vector3 anchor = Vector3::Zero();  ///< in the world, metres
-  double stiffness = 0;              ///< N/m, from 0
-  double damping = 0;                ///< N s/m of the point's velocity, from 0
+  double stiffness = 0;              ///< N/m, >= 0
+  double damping = 0;                ///< N s/m of the point's velocity, >= 0
 };
 
-/// Adds the spring's force and its torque about the centre of mass to the brick's load.
-/// Forces of the damper are in the load's damping, not in its force, which is that at zero
+/// Adds the spring's force and its torque about the centre of mass to the brick's load. The
+/// damper is part of the load's damping matrix. The load's force is the force at zero
 /// velocity.
 void addPointSpring(const PointSpring& spring, const Pose& pose, model::Load& load);
 
-/// Energy that the spring stores, joules.
+/// Energy stored in the spring, joules.
 double pointSpringEnergy(const PointSpring& spring, const Pose& pose);
 
 // ------------------------------------------------------------------------------------------------
-// Springs that pull the corners of the hull towards a circle or an oblong round it (Liu, Choi and
+// Springs that pull the corners of the hull to a surrounding circle or ellipse (Liu, Choi and
 // Mahadevan, "Quasicrystal kirigami", 2022).
 
-/// One damped spring for each place of the hull, which the corners there share, from the corner
-/// straight out to the curve: an ellipse round the hull's middle in the plane of x and y.
+/// One damped spring for each position of the hull. Corners at the same position share it. It pulls
+/// radially to an ellipse about the hull's centre, in the x-y plane.
 class BoundarySprings : public DriveForce {
  public:
-  /// The curve is laid round the start; the corners are the model's hull, or those on the convex
-  /// outline of its start where the model has none. Throws InputError for a hull that the model
-  /// names and that cannot be.
-  /// The middle of the hull must not be one of its corners. `bricks` are those of the model's
+  /// The ellipse surrounds the start. The corners are those of the model's hull.
+  /// If the model has none, they are the corners on the convex outline of its
+  /// start. Throws InputError if the model names an invalid hull. The centre of
+  /// the hull must not be one of its corners. `bricks` belong to the model's
   /// tiles.
   BoundarySprings(const model::Model& model, const std::vector<model::Brick>& bricks,
                   const scene::TargetSpringSettings& settings, const scene::BoundaryCurve& curve);
@@ -126,60 +126,60 @@ class BoundarySprings : public DriveForce {
   void addFreeForces(const Poses&, std::vector<Vector3>&) const override {}
   bool isEndless() const override { return false; }
 
-  /// The point of the curve that corner k of the hull is pulled to.
+  /// The point of the ellipse that attracts corner k of the hull, metres.
   const Vector3& anchor(int k) const { return anchors_[k]; }
 
  private:
-  std::vector<BrickSpring> strengths_;             // one a brick
-  std::vector<Vector3> anchors_;                   // one a hull corner
-  std::vector<std::vector<PointSpring>> springs_;  // of each brick
+  std::vector<BrickSpring> strengths_;             // one per brick
+  std::vector<Vector3> anchors_;                   // one per hull corner
+  std::vector<std::vector<PointSpring>> springs_;  // of each brick; empty for inner bricks
 };
 
 // ------------------------------------------------------------------------------------------------
-// Gravity and the damping of free flight.
+// Gravity and environment damping.
 
-/// Adds gravity and the environment's damping to the load of each of these bricks, which are the
-/// first of those that have poses and loads. Damping takes the given part of the velocity away each
-/// second, as a viscous force in proportion to mass and inertia.
+/// Adds gravity and the environment's damping to the loads of these bricks. They are the first of
+/// those that have poses and loads. Damping removes the given fraction of the velocity per second.
+/// It is a viscous force, proportional to mass and inertia.
 void addEnvironmentLoads(const scene::Environment& environment,
                          std::span<const model::Brick> bricks, const Poses& poses,
                          std::vector<model::Load>& loads);
 
 // ------------------------------------------------------------------------------------------------
-// Springs that pull every brick's bottom towards its target (Jiang and Choi, "PyKirigami",
+// Springs that pull every brick's bottom face towards its target (Jiang and Choi, "PyKirigami",
 // Algorithm 2).
 
-/// One force at the mean of a brick's bottom vertices and one torque about that mean:
+/// One force at the mean of a brick's bottom vertices and one torque about this mean:
 ///   F = k_f sum_k (t_k - p_k) - mu_v v,   T = k_tau sum_k p'_k x t'_k - mu_omega omega,
 /// with p_k the bottom vertices, t_k their targets, primes relative to the means. Both come from
 /// the energy k_f n/2 |mean p - mean t|^2 + k_tau/2 sum |p'_k - t'_k|^2.
 class TargetSprings {
  public:
-  /// `bricks` must outlive this. `target`: one tile a brick, vertex by vertex. `pulled`: the bricks
-  /// that feel springs; all when absent. Bricks that feel none keep their damping.
+  /// Keeps a reference to `bricks`. `target`: one tile per brick, vertex by vertex. `pulled`: the
+  /// bricks with springs; all if absent. Bricks without springs keep their damping.
   TargetSprings(const std::vector<model::Brick>& bricks, const std::vector<model::Tile>& target,
                 const std::optional<std::vector<int>>& pulled,
                 const scene::TargetSpringSettings& settings);
 
-  /// Pulls towards another target from now on; the same tiles as the first.
+  /// Sets another target. It needs the same tiles as the first.
   void setTarget(const std::vector<model::Tile>& target);
 
-  /// The load on one brick at a pose; both stiffnesses times `stiffening` (from 1).
-  /// About 100 multiplications and, far from the target, a 3 x 3 eigenvalue problem.
+  /// The load on one brick at a pose. `stiffening` (>= 1) scales both stiffnesses. About 100
+  /// multiplications and, far from the target, a 3 x 3 eigenvalue problem.
   model::Load load(int brick, const Pose& pose, double stiffening) const;
 
-  /// Adds the loads on all bricks at these poses, one a brick, to what is there.
+  /// Adds the loads on all bricks at these poses, one per brick. Existing loads are kept.
   void addLoads(const Poses& poses, double stiffening, std::vector<model::Load>& loads) const;
 
   /// Energy stored in all springs, joules.
   double energy(const Poses& poses, double stiffening) const;
 
  private:
-  /// The springs of one brick, reduced to what its load needs.
+  /// The springs of one brick, reduced to the terms of its load.
   struct Spring {
     int vertexCount = 0;
-    Vector3 bottomMean;  ///< of the bottom vertices, brick axes
-    Vector3 targetMean;  ///< of the targets, world axes
+    Vector3 bottomMean;  ///< mean of the bottom vertices, brick axes
+    Vector3 targetMean;  ///< mean of the target vertices, world axes
     Matrix3 moment;      ///< sum over vertices of p'_k t'_k^T, p' in brick axes
     double spread = 0;   ///< sum over vertices of |p'_k|^2 + |t'_k|^2
     bool pulled = true;
@@ -192,29 +192,29 @@ class TargetSprings {
   std::vector<Spring> springs_;
 };
 
-/// Doubles the stiffness when the target error stalls: after 60 steps of 1/240 s without
-/// improvement by half a percent, up to 16 times (paper, "adaptive stiffness"). When that is does
-/// not depend on the steps: see nextMoment().
+/// Doubles the stiffness when the target error stalls, up to a factor of 16. A stall is 60 steps of
+/// 1/240 s without 0.5 % of improvement (paper, "adaptive stiffness"). The time of doubling does
+/// not depend on the step length; see nextMoment().
 class AdaptiveStiffness {
  public:
-  /// `enabled`: whether it ever stiffens.
+  /// `enabled`: false keeps the factor at 1.
   explicit AdaptiveStiffness(bool enabled) : enabled_(enabled) {}
 
-  /// Tells the error at `time`, the end of a step of `step` seconds; doubles where it is time, and
-  /// returns whether. What passes between two steps that are told does not count.
+  /// Records the error at `time`, the end of a step of `step` seconds. Doubles the factor if the
+  /// error has stalled, and returns whether it did. Time between observed steps does not count.
   bool observe(double targetError, double time, double step);
 
-  /// When it will double unless the error improves before, seconds: a step should end there.
-  /// Infinity: it will not, or nothing was told yet.
+  /// Time of the next doubling if the error does not improve before, seconds. A step should end
+  /// there. Infinity if none is due or nothing was observed yet.
   double nextMoment() const;
 
-  /// The factor on both stiffnesses, 1 to 16.
+  /// The factor on both stiffnesses, [1, 16].
   double factor() const { return factor_; }
 
-  /// Whether no further doubling can come.
+  /// Whether no further doubling can occur.
   bool exhausted() const;
 
-  /// Doubles at once (a deployment that came to rest need not wait).
+  /// Doubles immediately, for a deployment that has come to rest.
   void stiffen();
 
   /// Records or plays back.
@@ -225,25 +225,25 @@ class AdaptiveStiffness {
  private:
   bool enabled_;
   double factor_ = 1;
-  double bestError_ = -1;  ///< the last error that was an improvement; negative: nothing was told
+  double bestError_ = -1;  ///< the last error that was an improvement; < 0: none was observed
   double lastError_ = 0;
   double lastTime_ = 0;    ///< seconds
-  double improvedAt_ = 0;  ///< when the best error was passed, or the stiffness doubled, seconds
+  double improvedAt_ = 0;  ///< time of that error, or of the last doubling, seconds
 };
 
 // ------------------------------------------------------------------------------------------------
-// A way for every tile from its start to its target.
+// Rigid motion of every tile from its start to its target.
 
-/// Leads every tile along its own rigid motion: its middle goes straight, the tile turns evenly
-/// about one axis, and what its target differs from it in shape is faded in. Neighbours part on
-/// the way, as far as their motions differ; the joints make them find a way together.
+/// Moves every tile along its own rigid motion. Its mean moves straight, and the tile rotates
+/// uniformly about one axis. The difference in shape to the target grows linearly. Neighbours
+/// separate if their motions differ; the joints force a common motion.
 class TargetGuide {
  public:
-  /// The same tiles, vertex by vertex, in both states.
+  /// `start` and `target` have the same tiles with the same vertices.
   TargetGuide(const std::vector<model::Tile>& start, const std::vector<model::Tile>& target);
 
-  /// Where the tiles are guided at a progress from 0 (the start) to 1 (the target).
-  /// Costs O(vertices).
+  /// The tiles at a progress from 0 (the start) to 1 (the target). Costs
+  /// O(vertices).
   std::vector<model::Tile> at(double progress) const;
 
  private:
@@ -253,14 +253,14 @@ class TargetGuide {
     Vector3 targetMean;
     Vector3 turn;                   ///< rotation vector of the best fit
     std::vector<Vector3> vertices;  ///< of the start, relative to its mean
-    std::vector<Vector3> misfit;    ///< what the best fit leaves over, in the start's axes
+    std::vector<Vector3> misfit;    ///< residual of the best fit, in the start's axes
   };
 
   std::vector<Way> ways_;
 };
 
-/// The bricks' poses that fit the target best, each brick by itself.
-/// `target` has one tile a brick. The fit is that of the bottoms, in the sum of squares.
+/// The bricks' poses that fit the target best, each brick independently. `target` has one tile per
+/// brick. The fit minimises the sum of squared distances of the bottom vertices.
 Poses bestFitPoses(const std::vector<model::Brick>& bricks, const std::vector<model::Tile>& target);
 
 }  // namespace kirireel::deploy

@@ -1,30 +1,29 @@
-// Which way of dynamics brings a model to its target: trials, each a run of its own.
+// Selects a dynamic path to the target. Each trial is a complete run.
 //
-// The ways, in the order in which they are tried: a straight pull; guided tiles, with exact
-// joints; guided tiles on compliant joints, from stiff to soft. Among touching bricks tiles
-// are guided after the bricks were pushed apart first. Times are periods of the scene's springs and
-// stiffnesses multiples of that which holds a tile at its place, so that a model of another
-// size or mass is tried in the same ways. A trial ends when it arrives, when it stops to come
-// nearer, when exact joints jam, when bricks overlap that may not, or when a third of the budget's
-// rest is spent. Each trial takes the steps that the run itself would take, so that what arrives
-// here arrives there.
+// The candidates, in order: a straight pull, guided tiles with exact joints, and guided tiles with
+// compliant joints from stiff to soft. With contacts, the first guided candidates also push the
+// bricks apart before the guide starts. Times are periods of the scene's springs. Joint stiffnesses
+// are multiples of the stiffness that holds a tile at its place. Candidates are therefore the same
+// for models of any size or mass. A trial ends when it reaches the target, stops improving, its
+// exact joints jam, forbidden overlaps appear, or it has used a third of the remaining budget.
+// Trials take the same steps as the run itself, so a path that arrives in a trial also arrives in
+// the run.
 //
-// These ways are what an ablation left of twelve, each tried by itself on models of data/, on four
-// that PyKirigami's authors published and on 40 drawn from all families, of up to 64 tiles. Of 54
-// rows without contacts, and of 49 among touching bricks, whose target has room for them,
-//   a straight pull       brings 41 and 36 to their targets
-//   guided                   10 and 8 more: irregular quads, square to disk, hexagons, triangles
-//   and
-//                         islamic tiles that turn far, a cylinder, saddles; a Moebius band, which
-//                         arrives among touching bricks only where it is not pushed apart first
-//   pushed apart and guided  2 more among touching bricks: caps, whose start lies flush
-//   compliant joints      3 and 2 more, which have no freedom: without contacts all at a ratio of
-//                         1e5, among touching bricks two at 1e4; one arrives at 1e3, but opens
-//                         too far
-// At twice, half or a quarter of the pace, or led by a quarter or a twentieth of the stiffness, no
-// row arrived that does not so; joints of a ratio of 100 and 10 opened farther.
+// An ablation selected these candidates from twelve. Each was tried separately on the models of
+// data/, on four models that PyKirigami's authors published and on 40 drawn from all families, of
+// up to 64 tiles. Of 54 cases without contacts and 49 with contacts, whose target has room for the
+// bricks,
+//   a straight pull         brings 41 and 36 to their targets
+//   guided                  10 and 8 more: irregular quads, square to disk, hexagons, triangles and
+//                           islamic tiles with large rotations, a cylinder, saddles; a Moebius
+//                           band, which arrives with contacts only if it is not pushed apart first
+//   pushed apart, guided    2 more with contacts: caps, whose start is flush
+//   compliant joints        3 and 2 more, which have no freedom: without contacts all at a ratio
+//                           of 1e5, with contacts two at 1e4; one arrives at 1e3, but opens far
+// At twice, half or a quarter of the speed, or guided with a quarter or a twentieth of the
+// stiffness, no further case arrived. Joints of a ratio of 100 and 10 opened farther.
 //
-// Trials that were made before a checkpoint are taken from the list as they ended.
+// Trials made before a checkpoint are read from the list of trial results.
 #include "sim/deploy/path_choice.h"
 
 #include <array>
@@ -50,37 +49,38 @@
 namespace kirireel::deploy {
 namespace {
 
-// In the plane the first look at the straight path takes longer steps where bricks may not touch:
-// models that need no search are most. In space steps decide too often in which local minimum a
-// pull ends, and among bricks whether they keep clear.
+// In the plane and without contacts, the first trial of the straight path takes longer steps: most
+// models need no search. In space the step length often decides which local minimum a pull reaches,
+// and with contacts whether bricks overlap.
 constexpr double kCoarseSteps = 4;
 
-// A trial that has not come nearer to the target by this factor in so many seconds is given up.
+// A trial stops if its target error has not decreased by this factor in this time.
 constexpr double kImprovement = 0.995;
 constexpr double kPatienceSeconds = 2;
 
-// How far joints may open on such a path, in tiles: farther, bricks could slip past each other.
+// Maximum joint opening on such a path, in tiles. Wider joints could let bricks slip past each
+// other.
 constexpr double kOpeningShare = 1e-2;
-// A trial may cost this part of what is left of the budget: where bricks wedge, steps are halved
-// again and again.
+// A trial may use this fraction of the remaining budget. If bricks jam, steps are halved
+// repeatedly.
 constexpr double kTrialShare = 1.0 / 3;
 
-// By this factor a later path has to come nearer than an earlier one to be taken instead.
+// A later path replaces an earlier one only if its error is smaller by this factor.
 constexpr double kNearer = 0.99;
 
-// Whether exact joints jam is looked at for so many seconds.
+// Duration of the test for jammed exact joints, seconds.
 constexpr double kJamTime = 0.5;
-// They do once most steps, and so many, have failed at their shortest: those of two whole ones.
+// They jam if most steps, and at least this many, failed at the shortest length (two whole steps).
 constexpr long kJammedSteps = 512;
 
-// Periods of the springs' frequency in which tiles are guided, and for which bricks that lie flush
-// are pushed apart before.
+// Duration of the guide, and of the push that separates flush bricks before it. Both in periods of
+// the springs' frequency.
 constexpr double kGuidedPeriods = 12;
 constexpr double kOpenPeriods = 4;
-// Ratios of compliant joints, from stiff to soft: the first that arrives opens least.
+// Ratios of compliant joints, from stiff to soft. The first that arrives opens least.
 constexpr std::array kCompliantRatios = {1e5, 1e4, 1e3};
 
-/// The ways to the scene's target, in the order in which they are tried.
+/// The candidate paths to the scene's target, in order of the trials.
 std::vector<scene::PathSettings> waysOf(const scene::Scene& scene, bool areAmongBricks) {
   const double period = 1 / scene.springs.frequency;
   scene::PathSettings guided{scene::PathKind::Guided};
@@ -98,7 +98,7 @@ std::vector<scene::PathSettings> waysOf(const scene::Scene& scene, bool areAmong
   return ways;
 }
 
-// The words for a path in reasons and in what is told of the search.
+// The name of a path in reasons and in search reports.
 std::string describe(const scene::PathSettings& path) {
   if (path.kind == scene::PathKind::Straight) return "straight pull";
   std::string way = fmt::format("guided for {:.3g} s", path.guideTime);
@@ -107,7 +107,7 @@ std::string describe(const scene::PathSettings& path) {
                                    : way + ", exact joints";
 }
 
-/// Watches a trial that may cost so much.
+/// Stops a trial that exceeds its share of the budget.
 class WorkLimit {
  public:
   explicit WorkLimit(const SearchBudget& budget) : most_(kTrialShare * budget.left()) {}
@@ -123,7 +123,7 @@ class WorkLimit {
   bool isReached_ = false;
 };
 
-/// Ends a trial that gets no nearer to the target any more.
+/// Stops a trial that no longer approaches the target.
 class StallWatch {
  public:
   explicit StallWatch(const scene::Scene& scene)
@@ -131,8 +131,8 @@ class StallWatch {
                                           ? scene.path.openTime + scene.path.guideTime
                                           : 0)) {}
 
-  // Whether the trial goes on. Time that tiles are opened and guided counts as patience: the error
-  // may grow in it.
+  // Whether to continue. The time of opening and guiding adds to the patience, because the error
+  // may grow during it.
   bool operator()(const trajectory::StepRecord& step) {
     if (best_ < 0 || step.targetError < kImprovement * best_) {
       best_ = step.targetError;
@@ -147,20 +147,20 @@ class StallWatch {
   double bestTime_ = 0;
 };
 
-// Whether steps fail so often that the joints cannot be held exactly.
+// Whether so many steps fail that exact joints jam.
 bool isJammed(const DeployCost& cost) {
   return cost.took.unconverged > kJammedSteps && 2 * cost.took.unconverged > cost.took.steps;
 }
 
-/// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
-/// tiles forbids any motion, and most steps are halved in vain.
+/// Whether exact joints jam along the path. With redundant joints the smallest misfit of the tiles
+/// prevents any motion, and most steps are halved without success.
 bool exactJointsJam(const scene::Scene& scene, SearchBudget& budget,
                     const TrialObserver& observer) {
   scene::Scene trial = scene;
   trial.environment = scene::Environment{};
   trial.stop.duration = kJamTime;
   trial.path = {scene::PathKind::Straight};
-  // The observer is called in the run's constructor already, when there is no run to ask yet.
+  // The run's constructor already calls the observer, before `running` is set.
   const Run* running = nullptr;
   WorkLimit limit(budget);
   RunObservers watch;
@@ -176,12 +176,12 @@ bool exactJointsJam(const scene::Scene& scene, SearchBudget& budget,
   return 2 * cost.took.halved > cost.took.steps;
 }
 
-/// Whether bricks that may touch keep out of each other in a trial, whatever touches in it. A run's
-/// own figures are of all pairs; where joined bricks may pass through each other, samples are
-/// looked at pair by pair.
+/// Checks that bricks which may touch do not overlap in a trial, even in a trial without contacts.
+/// A run's own figures cover all pairs. If joined bricks may overlap, each sample is checked pair
+/// by pair instead.
 class TrialClearance {
  public:
-  /// `wanted`: which pairs may touch.
+  /// `wanted`: the requested contacts, i.e. which pairs must not overlap.
   TrialClearance(const scene::Scene& scene, scene::ContactFilter wanted)
       : isOfUnjoined_(wanted == scene::ContactFilter::Unjoined),
         most_(kClearShare * model::tileSize(scene.model)),
@@ -189,7 +189,7 @@ class TrialClearance {
         bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(model::makePivots(scene.model.joints, bricks_)) {}
 
-  /// Makes the trial's samples known to this, where it needs them.
+  /// Subscribes to the trial's samples if they are needed.
   void watch(RunObservers& observers) {
     if (!isOfUnjoined_) return;
     observers.sampleInterval = kLookTime;
@@ -204,10 +204,10 @@ class TrialClearance {
   }
 
  private:
-  // Seconds from one look to the next.
+  // Interval between two checks, seconds.
   static constexpr double kLookTime = 1.0 / 60;
 
-  // The first state is the start, whose overlaps are given.
+  // The first state is the start. Its overlaps are subtracted from later ones.
   void look(const Poses& poses) {
     const bool isStart = !atStart_;
     if (isStart) atStart_.emplace();
@@ -223,17 +223,17 @@ class TrialClearance {
   }
 
   bool isOfUnjoined_;
-  double most_;  // metres that an overlap may grow
+  double most_;  // allowed growth of an overlap, metres
   double zone_;
   std::vector<model::Brick> bricks_;
   std::vector<model::Pivot> pivots_;
   bool isClear_ = true;
-  std::optional<std::map<std::pair<int, int>, double>> atStart_;  // metres, of pairs
+  std::optional<std::map<std::pair<int, int>, double>> atStart_;  // overlap per pair, metres
 };
 
-/// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
-/// long as `shouldContinue` says so and the budget allows. `wanted`: which pairs may touch in the
-/// end.
+/// Runs a scene with the steps of the deployment itself. What arrives here also arrives there.
+/// Stops when `shouldContinue` returns false or the budget is spent. `wanted`: the requested
+/// contacts.
 TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
                  const TargetFindings& atTarget, const SearchBudget& budget,
                  const std::function<bool(double work)>& shouldContinue) {
@@ -260,24 +260,24 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
   end.work = result.cost.took.work;
-  // The springs bring a trial to where they rest. From there on the nearest state is sought.
+  // The springs pull a trial to their equilibrium. The nearest state is searched from there.
   end.arrives = result.outcome != Outcome::Diverged && !end.jams &&
                 isNearest(scene.model, end.error, nearest.restError);
   end.cutShort = limit.isReached() && !end.arrives && !end.jams;
-  // Compliant joints may yet open where a trial was cut short.
+  // In a trial that was cut short, compliant joints might still open later.
   const bool isOpenEnded =
       scene.path.jointsAreCompliant() && result.outcome == Outcome::Interrupted && !end.arrives;
   end.keepsClear = clearance.holds(accuracy) && !run.isHeldOpen() && !isOpenEnded;
   return end;
 }
 
-/// Where bricks are in the way all the same, joints are not to be compliant in vain: a straight
-/// pull then takes the path's place.
+/// If bricks overlap anyway, compliant joints bring no benefit. A straight pull then replaces the
+/// path.
 scene::PathSettings withExactJoints(const scene::PathSettings& path) {
   return path.jointsAreCompliant() ? scene::PathSettings{scene::PathKind::Straight} : path;
 }
 
-/// Looks for a path of one scene.
+/// Searches a path for one scene.
 class PathSearch {
  public:
   PathSearch(const scene::Scene& scene, TargetFindings atTarget, SearchBudget& budget,
@@ -288,8 +288,8 @@ class PathSearch {
         observer_(observer),
         trials_(trials) {}
 
-  // Without contacts first: those trials are cheap, and where bricks keep clear on a path that
-  // arrives it serves as it is.
+  // Starts without contacts: these trials are cheap, and a path that arrives without overlaps is
+  // already a solution.
   PathChoice find() {
     const bool fitsAtTarget = !atTarget_.isBlocked;
     PathChoice choice = findWithoutContacts();
@@ -300,7 +300,7 @@ class PathSearch {
     const bool isWanting = contacts && !choice.isFound;
     if (isOver_ || !isWanting) return choice;
     if (!last_.arrives) {
-      // Without contacts the straight pull goes on to where it ends, nearer than wedged bricks.
+      // Without contacts the straight pull continues to its end, nearer than jammed bricks.
       choice.through = choice.path;
       choice.throughReason = choice.reason;
       return choice;
@@ -318,7 +318,7 @@ class PathSearch {
     TrialEnd end;
   };
 
-  /// Whether a path arrives; not when the search ends before that is known.
+  /// Whether a path arrives. False if the search ends before this is known.
   bool arrives(const scene::PathSettings& path, const scene::Environment& environment,
                const std::string& what, double stepFactor = 1) {
     scene::Scene trial = scene_;
@@ -326,7 +326,7 @@ class PathSearch {
     trial.stop = scene::StopRules{};  // the run's own time may be too short for any path
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
-    // Trials that a checkpoint brought along are not made again: their ends are the same.
+    // Trials from a checkpoint are not repeated: their results would be the same.
     if (count_ == trials_.size()) {
       const TrialEnd end = tryPath(trial, scene_.environment.contacts, atTarget_, budget_,
                                    [&](double work) { return tell(what, work); });
@@ -340,7 +340,7 @@ class PathSearch {
     return last_.arrives;
   }
 
-  /// Tells what is being tried, with the work of this trial so far. Returns whether to go on.
+  /// Reports the current trial and its work so far. Returns whether to continue.
   bool tell(const std::string& what, double work) {
     SearchBudget soFar = budget_;
     soFar.spend(work);
@@ -348,7 +348,7 @@ class PathSearch {
     return !isOver_;
   }
 
-  /// Whether there is leave, and budget, for another trial.
+  /// Whether the observer and the budget allow another trial.
   bool mayTry(const std::string& what) {
     if (!tell(what, 0)) return false;
     if (budget_.isSpent()) isIncomplete_ = true;
@@ -357,7 +357,7 @@ class PathSearch {
 
   bool isCutShort() const { return cutShort_ > 0 || isIncomplete_; }
 
-  /// What the budget kept from being known; empty when nothing.
+  /// What is unknown because of the budget. Empty if nothing is.
   std::string untried() const {
     if (!isCutShort()) return "";
     std::vector<std::string> parts;
@@ -368,15 +368,15 @@ class PathSearch {
     return fmt::format(" ({} by the search budget; raise `search_effort`)", fmt::join(parts, ", "));
   }
 
-  /// What a path does that comes to where the scene's springs rest.
+  /// Describes a path that reaches the equilibrium of the scene's springs.
   std::string arriving() const {
     return atTarget_.nearest.restError <= kFarShare * model::tileSize(scene_.model)
                ? " arrives"
                : " comes as near as joints that stay closed were found to";
   }
 
-  // In the plane a coarse look at the straight pull comes first, but where bricks are to keep
-  // clear.
+  // In the plane without contacts, a straight pull with longer steps is tried
+  // first.
   PathChoice findWithoutContacts() {
     scene::PathSettings straight = scene_.path;
     straight.kind = scene::PathKind::Straight;
@@ -403,7 +403,7 @@ class PathSearch {
     return (count_ == 0 ? "no path was tried" : "no path that was tried arrives") + untried();
   }
 
-  /// Where bricks meet on the way, other ways are tried with contacts.
+  /// If bricks overlap on the path found, searches another path with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool fitsAtTarget) {
     if (const auto path = pathAmongBricks(waysOf(scene_, true))) {
       return {*path, describe(*path) + " among touching bricks" + arriving(), true};
@@ -418,11 +418,11 @@ class PathSearch {
                                         describe(nearest_->path))};
   }
 
-  /// The first path on which bricks arrive without overlap, joints hardly open.
+  /// The first path that arrives without overlaps and with small joint openings.
   std::optional<scene::PathSettings> pathAmongBricks(
       const std::vector<scene::PathSettings>& paths) {
     scene::Environment bricks = scene_.environment;
-    // Ground and weight would decide which trial arrives; a path is sought for the mechanism alone.
+    // Ground and weight would affect which trial arrives. The search is only about the mechanism.
     bricks.ground.reset();
     bricks.gravity.setZero();
     for (const scene::PathSettings& path : paths) {
@@ -440,7 +440,7 @@ class PathSearch {
     return {};
   }
 
-  /// Which joints arrive that open too far, for the summary; empty when none do.
+  /// For the summary: compliant joints that arrive but open too far. Empty if there are none.
   std::string widerJoints() const {
     if (!wide_) return "";
     return fmt::format("; {} does, but joints open by {}", describe(wide_->path),
@@ -452,12 +452,12 @@ class PathSearch {
   SearchBudget& budget_;
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
-  std::size_t count_ = 0;      // of trials so far
-  bool isOver_ = false;        // the observer said so
-  int cutShort_ = 0;           // of the trials
-  bool isIncomplete_ = false;  // the budget ended before all paths were tried
+  std::size_t count_ = 0;      // trials so far
+  bool isOver_ = false;        // the observer stopped the search
+  int cutShort_ = 0;           // number of trials that the budget cut short
+  bool isIncomplete_ = false;  // the budget was spent before all paths were tried
   TrialEnd last_;
-  std::optional<Attempt> nearest_;  // of those among bricks that do not arrive
+  std::optional<Attempt> nearest_;  // nearest of those with contacts that do not arrive
   std::optional<Attempt> wide_;     // arrives, but joints open too far
 };
 
@@ -469,8 +469,8 @@ std::string jamming() {
 
 }  // namespace
 
-// The first rule that applies decides. Everything up to the last lines names a case in which a
-// search would make no sense, or in which another force than the pull leads.
+// The first rule that applies decides. All rules before the last line are cases in which a search
+// is useless, or in which a force other than the pull drives the deployment.
 PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
                       SearchBudget& budget, const TrialObserver& observer,
                       std::vector<TrialEnd>& trials) {
@@ -499,23 +499,23 @@ PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Warnings about a target that rigid, jointed tiles cannot reach, said before the run. They look at
-// the data alone: how far joints are open at the target, whether the sheet is turned over, how near
-// tiles can come to it one by one (measures.cpp), and whether the alignment has moved the start
-// although ground or obstacles make its place count.
+// Warnings before the run about a target that rigid, jointed tiles cannot reach. They use only the
+// data: joint gaps at the target, a sheet that is turned over, the distance at which single tiles
+// fit their targets (measures.cpp), and a start that was moved by alignment although ground or
+// obstacles fix its position.
 
 namespace {
 
-// A start that was moved less, in tiles, stayed where it was.
+// Smaller moves of the start, in tiles, do not count.
 constexpr double kMovedShare = 1e-6;
-// Bounds that differ less are one.
+// Bounds count as equal below this ratio.
 constexpr double kAboveBound = 1.1;
 
 bool isWanted(const scene::Scene& scene) {
   return scene.model.target && scene.actuation.drive == scene::Drive::Target;
 }
 
-// Joints that are open in the target's own data.
+// Warns if joints are open in the target's own data.
 std::string tornWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
@@ -526,7 +526,8 @@ std::string tornWarning(const scene::Scene& scene) {
       lengthText(gap, scene.model.unit), gap / tile);
 }
 
-/// Tiles of a folded target face many ways; a sheet of which all do the other way is turned over.
+/// Tiles of a folded target face many directions. A sheet is turned over only if all tiles are
+/// reversed.
 std::string turnedWarning(const scene::Scene& scene) {
   const model::Model& model = scene.model;
   const auto count = static_cast<int>(model.tiles.size());
@@ -540,7 +541,7 @@ std::string turnedWarning(const scene::Scene& scene) {
       turned, count);
 }
 
-// Tiles of other shapes than the target's.
+// Warns if the tiles' shapes differ from those of the target.
 std::string rigidWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
@@ -551,7 +552,7 @@ std::string rigidWarning(const scene::Scene& scene) {
       model::lengthInTiles(bound, scene.model, 3));
 }
 
-// Where the place matters, a start that was moved onto its target is told.
+// Reports a start that was moved onto its target, if its position matters.
 std::string movedWarning(const scene::Scene& scene) {
   const scene::StartAlignment& alignment = scene.alignment;
   const scene::Environment& environment = scene.environment;

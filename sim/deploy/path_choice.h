@@ -1,4 +1,4 @@
-/// Which path brings a model to its target.
+/// Selects the path that brings a model to its target.
 #pragma once
 
 #include <optional>
@@ -13,52 +13,52 @@
 
 namespace kirireel::deploy {
 
-/// A path, and why it was taken.
+/// The selected path and the reason for the selection.
 struct PathChoice {
   scene::PathSettings path;  ///< Straight or Guided
   std::string reason;        ///< one short phrase for the summary
-  bool isFound = false;      ///< it arrives, among bricks that touch where they may
-  bool isClear = false;      ///< no bricks met on it
-  bool isCutShort = false;   ///< the budget ended the search for it
-  /// A path that arrives where bricks pass through each other.
+  bool isFound = false;      ///< it reaches the target, without overlaps if contacts are on
+  bool isClear = false;      ///< no bricks met on the path
+  bool isCutShort = false;   ///< the budget was spent before the search ended
+  /// A path that reaches the target, but with overlaps.
   std::optional<scene::PathSettings> through = std::nullopt;
-  std::string throughReason = {};  ///< why that was taken, one short phrase
+  std::string throughReason = {};  ///< reason for that selection, one short phrase
 };
 
-/// What is known of the target before the search.
+/// Results about the target that are known before the search.
 struct TargetFindings {
   AssembledState nearest;  ///< see assembleAtTarget()
   bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
 };
 
-/// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
-/// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
-/// exact joints before compliant ones, stiff ones before soft ones, and takes the first that
-/// arrives where the scene's springs come to rest near the target. Where bricks run into each other
-/// on it, paths are tried with contacts, joints opening by at most a hundredth of a tile; fewer
-/// where bricks have no room at the target. Where none arrives, the one that comes nearest without
-/// overlaps is taken, and the reason says whether wider joints would arrive. A
-/// path that the scene names is kept. Springs without stiffness pull to nothing. Where nothing
-/// pulls to a target and the tiles' misfit makes exact joints lock, joints are compliant
-/// throughout. Trials are as the run itself. A trial may cost a third of what is left of the
-/// budget: one that is cut short is no trial that failed, and the reason tells of it. `observer`
-/// may be empty. `trials` holds how the first trials ended, which are not made again, and gets the
-/// others, but not one that the observer stopped.
+/// Selects a path if the scene leaves the choice to the program. A path that the scene names is
+/// kept. First tries paths without contacts, ground and gravity: a path that joints forbid
+/// stays forbidden with them. The order is from simple to complex: exact joints before
+/// compliant ones, stiff before soft. The first path that reaches the equilibrium of the
+/// scene's springs near the target is taken. If bricks overlap on it, paths are tried with
+/// contacts and with joints that open by at most a hundredth of a tile. If no path arrives, the
+/// one that comes nearest without overlaps is taken. The reason then says whether wider joints
+/// would arrive. Springs without stiffness do not pull. If there is no pull to a target and the
+/// tiles' misfit jams exact joints, all joints are compliant. A trial has the same settings as
+/// the run. A trial may use a third of the remaining budget. Running out of budget is not a
+/// failure, and the reason mentions it. `observer` may be empty. `trials` holds the results of
+/// earlier trials, which are not repeated. New results are appended, except for a trial that
+/// the observer stopped.
 PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
                       SearchBudget& budget, const TrialObserver& observer,
                       std::vector<TrialEnd>& trials);
 
 // ------------------------------------------------------------------------------------------------
-// What is wrong with a target, told before the run.
+// Warnings about the target, issued before the run.
 
-/// One line each, with figures in metres and in tiles, where the scene's target is torn (its own
-/// joints are open there by more than a thousandth of a tile), turned over, or out of reach of
-/// rigid tiles by more than a tenth of a tile, and where a start was moved onto its target although
-/// its place counts (ground, obstacles). Empty where all is well, or nothing pulls to the target.
+/// One line per problem, with figures in metres and in tiles. The target's own joints are open by
+/// more than a thousandth of a tile, the target is turned over, or rigid tiles miss it by more than
+/// a tenth of a tile. Another warning is about a start that was aligned to its target although
+/// ground or obstacles fix its position. Empty without problems or without a pull to the target.
 std::vector<std::string> targetWarnings(const scene::Scene& scene);
 
-/// The same where no state with closed joints was found within a tenth of a tile, beyond what rigid
-/// tiles by themselves miss; empty otherwise.
+/// Warns if no state with closed joints was found within a tenth of a tile of the target, beyond
+/// the distance that single rigid tiles miss. Otherwise empty.
 std::string reachWarning(const scene::Scene& scene, const AssembledState& nearest);
 
 }  // namespace kirireel::deploy

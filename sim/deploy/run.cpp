@@ -1,26 +1,26 @@
-// One run with dynamics: the loop over steps and what decides in it.
+// One run with dynamics: the loop over steps and its decisions.
 //
-//   start: close joints, set the first velocities, measure
-//   while it goes on:
-//     the timeline does what is due
-//     the clock finds where the step ends: at the next look, or where something is due before
+//   start: close joints, set the initial velocities, measure
+//   while the run continues:
+//     the timeline executes due entries
+//     the clock sets the end of the step: the next look, or an earlier due time
 //     the drive enters the phase of the step (open, guide, close, settle; run_drive.h)
-//     the solver moves the bricks under what acts on them (run_motion.h, run_mechanics.h)
-//     the recorder measures the step and shows it (run_recorder.h)
-//     rest and stalls are watched (rest.h, AdaptiveStiffness)
-//     at rest: something makes it go on, or it ends
-//   end: the last sample, and words for how it ended (RunReasons)
+//     the solver moves the bricks under the acting forces (run_motion.h, run_mechanics.h)
+//     the recorder measures the step and reports it (run_recorder.h)
+//     rest and stalls are detected (rest.h, AdaptiveStiffness)
+//     at rest: an action restarts the motion, or the run ends
+//   end: the last sample, and the reason for the end (RunReasons)
 //
-// At rest these are tried in order: a nudge, where a target is pulled to and not reached and the
-// run had none yet or only its symmetric part, for an equilibrium that a motion came to may be
-// unstable too, as a ring's that closes in symmetry; a stiffer pull; long implicit steps from rest,
-// which tell bricks that are only slow; what the timeline has for a state of rest; and a nudge
-// where nothing is pulled to a target. Where nothing of this moves the bricks, the run is over,
-// settled or locked by the error that is left. If nothing but the pull acts, a last step brings
-// bricks next to the nearest state with closed joints into it.
+// At rest these actions are tried in order. 1. A nudge, if there is a pull to a target that is not
+// reached, and the run had no nudge or only its symmetric part. An equilibrium after a motion may
+// also be unstable, for example that of a ring that closes symmetrically. 2. Stiffer springs. 3.
+// Long implicit steps from rest, which detect slow bricks. 4. Timeline entries that wait for rest.
+// 5. A nudge, if there is no pull to a target. If none of these moves the bricks, the run ends. It
+// is settled or locked, depending on the remaining error. If only the pull acts, a last step moves
+// bricks near the nearest state with closed joints into that state.
 //
-// A step that loses a brick, or that is ended from within, is taken back: the state, the time and
-// the account of energies are those before it.
+// If a step loses a brick or is interrupted, the run restores the state, the time and the energy
+// account from before the step.
 #include "sim/deploy/run.h"
 
 #include <algorithm>
@@ -40,13 +40,13 @@
 namespace kirireel::deploy {
 namespace {
 
-// So much of the model's size from the target is arrived: a stiffer pull is not tried.
+// Below this target error, as a fraction of the model's size, springs are not stiffened further.
 constexpr double kArrivedShare = 1e-9;
-// Bricks that rest within this part of a tile of the nearest state settle there, also within this
-// multiple of that state's joint gap.
+// At rest, bricks within this fraction of a tile of the nearest state move into it. So do bricks
+// within this multiple of that state's joint gap.
 constexpr double kSettlingShare = 1e-3;
 constexpr double kSettlingGaps = 10;
-// Of the energy that was put in, steps may add this share without a warning.
+// Energy gain of the steps that causes no warning, as a fraction of the energy input.
 constexpr double kEnergyGain = 0.01;
 
 }  // namespace
@@ -84,7 +84,7 @@ DeploymentResult Run::finish() {
   return result();
 }
 
-// Closes joints, does what the timeline has for the start, sets the first velocities and measures.
+// Closes joints, executes the timeline's entries for the start, sets the velocities and measures.
 void Run::start() {
   const scene::Scene& scene = bricks_.scene;
   Motion& now = motion_.now();
@@ -103,8 +103,8 @@ void Run::start() {
   recorder_.begin(drive_.jointsAreCompliant());
 }
 
-// Where a step is ended from within, the solver is in no state to go on from: the checkpoint before
-// stays.
+// After an interrupted step the solver's state is invalid. The last checkpoint is therefore
+// kept.
 void Run::advanceToEnd() {
   try {
     const InterruptionCatcher catcher;
@@ -115,7 +115,7 @@ void Run::advanceToEnd() {
   }
 }
 
-// Looks between two steps whether the run is to go on: to the look nearest to its duration.
+// Whether to continue after a step. A run ends at the look nearest to its duration.
 bool Run::goesOn() {
   if (ending_) return false;
   const bool isAskedToEnd = recorder_.isAskedToEnd();
@@ -124,7 +124,7 @@ bool Run::goesOn() {
   return !ending_ && clock_.isBefore(bricks_.scene.stop.duration);
 }
 
-// One step of the loop, pauses included.
+// One iteration of the loop, including pauses.
 void Run::advance() {
   followTimeline(false);
   if (ending_) return;
@@ -137,13 +137,13 @@ void Run::advance() {
   takeStep();
   if (ending_) return;
   recorder_.showStep();
-  // A stiffer pull has to show that it moves nothing, too.
+  // The run is at rest only if the stiffer springs move nothing either.
   if (stiffensWhereStalled()) rest_.countAnew();
   recorder_.takeSamples();
   if (!ending_ && clock_.isDue(rest_.moment(time()))) restOrGoOn();
 }
 
-// A step ends where something of the run comes due, however steps lie.
+// A step ends when an event of the run is due.
 double Run::nextMoment() const {
   double due = std::min(timeline_.nextMoment(time()), drive_.nextMoment());
   const double rested = rest_.moment(time());
@@ -153,8 +153,8 @@ double Run::nextMoment() const {
   return due;
 }
 
-// Goes on by one step and measures it. One that loses a brick is not counted: the run ends where it
-// began. Nor is one that is ended from within.
+// Takes and measures one step. A step that loses a brick or is interrupted does not count: the run
+// ends at its beginning.
 void Run::takeStep() {
   const StepClock clockBefore = clock_;
   const RunMechanics::Account account = recorder_.account();
@@ -183,7 +183,7 @@ void Run::takeStep() {
   }
 }
 
-// The phase of the step, then the solver, with the account of energies around it.
+// The phase of the step, then the solver, with the energy account before and after.
 StepReport Run::advanceBricks() {
   if (drive_.beginStep(target_, motion_.poses(), motion_.solver())) {
     joints_.closeAtEndOfPath(motion_, recorder_.figures());
@@ -196,14 +196,14 @@ StepReport Run::advanceBricks() {
   return report;
 }
 
-// Sets how the run ended, once, as the last event.
+// Records the end of the run once, as the last event.
 void Run::end(RunEnding ending) {
   recorder_.events().push_back(
       {time(), fmt::format("{}: {}", toString(ending.outcome), ending.reason)});
   ending_ = std::move(ending);
 }
 
-// Everything that the run leaves, at its end.
+// All results of the run.
 DeploymentResult Run::result() {
   DeploymentResult result;
   trajectory::Trajectory& trajectory = result.trajectory;
@@ -226,7 +226,7 @@ DeploymentResult Run::result() {
   return result;
 }
 
-// Steps of first order, and stiff springs, may give a run energy that nothing has put in.
+// First-order steps and stiff springs can add energy without any input.
 void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
   if (bricks_.scene.actuation.drive != scene::Drive::None) return;
   const RunMechanics::Account account = recorder_.account();
@@ -240,9 +240,9 @@ void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// At rest, and when the pull stalls.
+// Actions at rest and when the pull stalls.
 
-// Whether a target is pulled to that stiffer springs may bring nearer.
+// Whether stiffer springs may reduce the error of the current target.
 bool Run::watchesStall() const {
   return target_.isPulledTo() && !drive_.isOnPath() && timeline_.forcesAreOn();
 }
@@ -251,7 +251,7 @@ bool Run::stiffensWhereStalled() {
   return watchesStall() && drive_.stiffness().observe(targetErrorNow(), time(), clock_.length());
 }
 
-// Nothing moves: a nudge, a stiffer pull or the timeline may change that, else the run is over.
+// At rest: tries a nudge, stiffer springs and the timeline. Otherwise the run ends.
 void Run::restOrGoOn() {
   const bool isPulled = target_.isPulledTo() && timeline_.forcesAreOn();
   const double error = targetErrorNow();
@@ -265,7 +265,7 @@ void Run::restOrGoOn() {
   } else if (isOnlySlow()) {
     rest_.doubt();
   } else if (followTimeline(true) || (!timeline_.isOver(time()) && !timeline_.waitsForState())) {
-    return;  // something acts now, or will
+    return;  // an entry acts now or later
   } else if (nudges_.canGive() && !isPulled) {
     nudges_.giveAtRest(motion_);
     rest_.countAnew();
@@ -277,14 +277,14 @@ void Run::restOrGoOn() {
   }
 }
 
-// A run may have found a nearer state than the search.
+// The run may have found a nearer state than the search.
 RunReasons Run::reasons() {
   target_.noteOwnError(recorder_.figures().assembledError());
   return {bricks_, target_, motion_, forces_, rest_};
 }
 
-// Whether bricks that hardly move are on their way: soft springs and heavy bricks are slow. Springs
-// at hinges move them too, but expansion would drive them on for ever.
+// Whether bricks that hardly move are still in motion: soft springs and heavy bricks are slow.
+// Springs at hinges count too, but not expansion, which would never end.
 bool Run::isOnlySlow() {
   const scene::Scene& scene = bricks_.scene;
   const double tile = bricks_.tileSize;
@@ -302,9 +302,9 @@ bool Run::isOnlySlow() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The last small way to the target.
+// Last step to the nearest state.
 
-// Whether nothing but the pull to the target acts on the bricks, joints and contacts apart.
+// Whether only the pull to the target acts on the bricks, apart from joints and contacts.
 bool Run::isOnlyPulled() const {
   const scene::Scene& scene = bricks_.scene;
   const scene::Environment& around = scene.environment;
@@ -315,8 +315,8 @@ bool Run::isOnlyPulled() const {
          around.obstacles.empty();
 }
 
-// Springs slow down near the target, and they rest at the least sum of squares. In one last step
-// the bricks go to the nearest state with closed joints, if it is next to them and clear.
+// Springs slow down near the target, and their equilibrium is the least sum of squares. One last
+// step moves the bricks to the nearest state with closed joints, if it is near and adds no overlap.
 void Run::settleAtNearest() {
   const Poses* nearest = target_.nearestPoses();
   if (!nearest || !isOnlyPulled() || target_.isNearest(targetErrorNow())) return;
@@ -343,7 +343,7 @@ void Run::settleAtNearest() {
 // ------------------------------------------------------------------------------------------------
 // The timeline.
 
-// Does what the timeline wants now. Returns whether that was anything.
+// Executes the due entries of the timeline. Returns whether there were any.
 bool Run::followTimeline(bool atRest) {
   if (timeline_.isOver(time())) return false;
   const double error = targetErrorNow();
@@ -355,14 +355,14 @@ bool Run::followTimeline(bool atRest) {
   return true;
 }
 
-// Null for the model's own.
+// Null selects the model's own target.
 void Run::goTo(const std::vector<model::Tile>* target) {
   nudges_.beginAnew();
   target_.set(target, motion_.poses());
   drive_.headFor(target_, motion_.poses());
 }
 
-// Back to the start, which is left as it was at first.
+// Restores the initial state of the run.
 void Run::reset() {
   motion_.goBack();
   joints_.hold(motion_.solver());
@@ -375,8 +375,8 @@ void Run::quit() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// What a run keeps in a checkpoint, and how it goes on from one: its state, then each sample with
-// the figures so far, so that samples can be shown again.
+// Checkpoints. A checkpoint stores the state of the run, then each sample with the figures at that
+// time. A run that continues from it can therefore deliver the samples again.
 
 void Run::transfer(StateTape& tape) {
   tape.transfer(motion_, target_);
@@ -391,8 +391,8 @@ void Run::saveState() {
   checkpoints_->save({time(), tape.numbers()});
 }
 
-// Shows the samples of the processes before this one, then takes over where they ended. A run that
-// ends on the way there leaves the checkpoint as it is.
+// Delivers the samples of earlier processes, then continues from their last state. If the run ends
+// during this, the checkpoint stays as it is.
 void Run::goOnFrom(const RunState& state) {
   StateTape tape(state.numbers);
   transfer(tape);
@@ -403,23 +403,23 @@ void Run::goOnFrom(const RunState& state) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Words for how a run ends. What keeps a run from its target is named by the first of these that
-// holds: friction on the ground; contacts that carry load; steps that fail; joints that leave no
-// freedom; a state that is the nearest with closed joints; springs at hinges; else the pull
-// balances itself.
+// Reasons for the end of a run. If it misses its target, the first cause that applies is reported:
+// friction on the ground, contacts that carry load, steps that fail, joints that leave no freedom,
+// the nearest state with closed joints is reached, springs at hinges. Otherwise the pull is in
+// equilibrium.
 
 namespace {
 
-// Joints with this multiple of the usual stiffness let tiles move that have no freedom.
+// With this joint ratio, tiles without freedom can usually move.
 constexpr double kCompliantRatio = 100;
 
-// Of the contacts that hold a run up, so many are named.
+// Maximum number of contacts in the reason.
 constexpr std::size_t kPairsNamed = 3;
 
 // Tiles lie on the ground if they are no higher than this fraction of a tile above it.
 constexpr double kLyingShare = 1e-3;
 
-/// "contact stops tiles 3 and 4, tile 5 and the ground and 2 more".
+/// For example "contact stops tiles 3 and 4, tile 5 and the ground and 2 more".
 std::string contactWords(std::vector<std::string> contacts) {
   const std::size_t count = contacts.size();
   contacts.resize(std::min(count, kPairsNamed));
@@ -460,7 +460,7 @@ RunEnding RunReasons::late() const {
   return {Outcome::OutOfTime, text};
 }
 
-// Whether the joints leave the tiles no motion but that of the whole.
+// Whether the joints allow only rigid motions of the whole sheet.
 bool RunReasons::isImmobile() const {
   const trajectory::Freedom freedom =
       bricks_.needs.planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
@@ -470,9 +470,9 @@ bool RunReasons::isImmobile() const {
   return found.isCounted && found.freedoms <= 0;
 }
 
-// Whether the ground's friction can hold each tile against all else that acts on it, contacts
-// apart: the horizontal force |F| <= mu m g. Empty if not, or if the tiles do not lie on the
-// ground.
+// Whether the ground's friction can hold each tile against all other forces except contacts. The
+// condition is |F| <= mu m g for the horizontal force F. Empty if it fails, or if the tiles do not
+// lie on the ground.
 std::string RunReasons::friction() const {
   const scene::Environment& environment = bricks_.scene.environment;
   const double weight = -environment.gravity.z();
@@ -502,7 +502,7 @@ std::string RunReasons::friction() const {
       pull, most);
 }
 
-// What keeps a run from its target that has come to rest.
+// What prevents a run at rest from reaching its target.
 std::string RunReasons::holdup() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline does not tell why";

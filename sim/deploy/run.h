@@ -1,4 +1,4 @@
-/// A deployment by dynamics in progress: the loop over its steps.
+/// A deployment by dynamics: the loop over its steps.
 #pragma once
 
 #include <optional>
@@ -18,24 +18,24 @@
 
 namespace kirireel::deploy {
 
-/// How a run ended, and why, in one line.
+/// The outcome of a run and its reason.
 struct RunEnding {
   Outcome outcome = Outcome::OutOfTime;  ///< how it ends
-  std::string reason;                    ///< one line, as the summary has it
+  std::string reason;                    ///< one line, as shown in the summary
 };
 
-/// Says how a run stands, for the reason of its end.
+/// Determines the reason for the end of a run.
 class RunReasons {
  public:
-  /// The parts of a run at its end; all must outlive this.
+  /// Keeps references to these parts of a run at its end.
   RunReasons(const SceneBricks& bricks, const CurrentTarget& target, const RunMotion& motion,
              const ActingForces& forces, const RestWatch& rest)
       : bricks_(bricks), target_(target), motion_(motion), forces_(forces), rest_(rest) {}
 
-  /// Of bricks that came to rest: settled, or locked short of the target. What holds them up is
-  /// looked for, which costs up to a factorisation, unless this `isTrial`.
+  /// For bricks at rest: settled, or locked before the target. Unless `isTrial`, it also determines
+  /// the cause, which costs up to one factorisation.
   RunEnding atRest(bool isTrial) const;
-  /// Of a run whose time is up.
+  /// For a run that reached its maximum duration.
   RunEnding late() const;
 
  private:
@@ -50,12 +50,12 @@ class RunReasons {
   const RestWatch& rest_;
 };
 
-/// CPU time of a run, in this process and those before it.
+/// CPU time of a run, including earlier processes.
 class SpentTime {
  public:
-  /// Counts what this thread does from now on.
+  /// Starts counting in this thread.
   void begin() { begin_ = threadCpuSeconds(); }
-  /// CPU seconds so far, those before a checkpoint included.
+  /// CPU seconds so far, including those before a checkpoint.
   double seconds() const { return earlier_ + threadCpuSeconds() - begin_; }
 
   /// Records or plays back.
@@ -70,36 +70,36 @@ class SpentTime {
   double earlier_ = 0;
 };
 
-/// Steps a scene from its start until it rests, locks, diverges, or its time is up. All that it
-/// does and measures depends on the steps alone, not on who looks at it and how often.
+/// Steps a scene until it is at rest, locked, diverged or out of time. Results depend only on the
+/// steps, not on the observers or their sampling interval.
 class Run : private TimelineStage {
  public:
-  /// `nearest`: see assembleAtTarget(). The scene's path must be chosen (not Auto). Scene
-  /// and checkpoints must outlive the run; the latter may be null.
+  /// `nearest`: see assembleAtTarget(). The scene's path must be chosen (not Auto). Keeps
+  /// references to the scene and the checkpoints; `checkpoints` may be null.
   Run(const scene::Scene& scene, const AssembledState& nearest, const RunObservers& observers,
       Checkpoints* checkpoints = nullptr);
   // Its parts refer to each other.
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// To be called before a run that is only tried: the reason for its end is left out.
+  /// Call this before a trial: it omits the reason for its end.
   void beTrial() {
     isTrial_ = true;
     recorder_.beTrial();
   }
 
-  /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
-  /// samples: they go to the observer. Interrupted (see sim/base/interruption.h) ends the run after
-  /// its last whole step, yet is thrown by a trial.
+  /// Runs to the end, from a checkpoint if one was found. The trajectory holds no samples: they go
+  /// to the observer. Interrupted (see sim/base/interruption.h) ends the run after its last whole
+  /// step. A trial throws it instead.
   DeploymentResult finish();
 
-  /// What it has cost so far.
+  /// Cost so far.
   const DeployCost& cost() const { return recorder_.figures().cost(); }
-  /// How well it has gone so far.
+  /// Accuracy so far.
   const Accuracy& accuracy() const { return recorder_.figures().accuracy(); }
-  /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
+  /// Whether overlaps cover all pairs that are near at the start; see mostPairs().
   bool seesAllPairs() const { return recorder_.figures().seesAllPairs(); }
-  /// Whether bricks keep compliant joints from closing.
+  /// Whether overlaps prevent compliant joints from closing.
   bool isHeldOpen() const { return joints_.isHeldOpen(); }
 
  private:
@@ -116,7 +116,7 @@ class Run : private TimelineStage {
   DeploymentResult result();
   void warnOfEnergy(std::vector<std::string>& warnings) const;
 
-  // What may go on at rest.
+  // Actions at rest.
   bool watchesStall() const;
   bool stiffensWhereStalled();
   void restOrGoOn();
@@ -125,7 +125,7 @@ class Run : private TimelineStage {
   bool isOnlyPulled() const;
   void settleAtNearest();
 
-  // The timeline, and what it does to the run.
+  // The timeline and its actions on the run.
   bool followTimeline(bool atRest);
   void setPinned(const std::vector<bool>& pinned) override { motion_.solver().setPinned(pinned); }
   void goTo(const std::vector<model::Tile>* target) override;
@@ -154,7 +154,7 @@ class Run : private TimelineStage {
   Checkpoints* checkpoints_;
   SpentTime spent_;
   bool isTrial_ = false;
-  std::optional<RunEnding> ending_;  // once it has ended
+  std::optional<RunEnding> ending_;  // set when the run has ended
 };
 
 }  // namespace kirireel::deploy

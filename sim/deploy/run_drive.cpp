@@ -1,18 +1,18 @@
-// What drives the bricks of a run, phase by phase.
+// The drive of a run, phase by phase.
 //
 //   Open ----> Guide ----> Close ----> Settle
 //
-// Open: expansion from the centre for path.openTime. Guide: springs k_f at the means and 40 k_f for
-// the turns pull every tile to where its own rigid motion has it at the time (TargetGuide,
-// forces.h), for path.guideTime and half a second more, in which they catch up. Unless k_f is given
-// it is twice that of the scene's frequency. Close: compliant joints stiffen geometrically, k(t) =
-// k_0 (1e8 k_u / k_0)^p with k_u the usual stiffness (forces.h) and p from 0 to 1 in half a second,
-// so that what is left of their openings is closed in one small step. Settle: the scene's own
-// drive, with springs to the target that are stiffened up to 16 times when the error stalls.
+// Open: expansion from the centre for path.openTime. Guide: every tile follows its own rigid motion
+// (TargetGuide, forces.h). Springs k_f pull its mean and 40 k_f its rotation, for path.guideTime
+// and half a second more, in which the tiles catch up. k_f is twice that of the scene's frequency.
+// Close: compliant joints stiffen geometrically, k(t) = k_0 (1e7 k_p / k_0)^p. k_p is the place
+// stiffness (forces.h), and p grows from 0 to 1 in half a second. One small step then closes the
+// remaining gaps. Settle: the scene's own drive. Its springs to the target are stiffened up to 16
+// times if the error stalls.
 //
-// A guided path has Guide, Open where it has an openTime, Close where its joints are
-// compliant; everything else settles at once. A new target begins the phases anew. All follow from
-// the time, and a step ends where opening does.
+// A guided path has Guide, Open if openTime > 0, and Close if its joints are compliant. All other
+// paths start with Settle. A new target starts the phases again. Phases depend only on the time,
+// and a step ends when opening ends.
 #include "sim/deploy/run_drive.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// The target headed for.
+// The current target.
 
 void CurrentTarget::set(const std::vector<model::Tile>* tiles, const Poses& from) {
   const model::Model& model = bricks_.scene.model;
@@ -81,8 +81,8 @@ void CurrentTarget::transfer(StateTape& tape) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The choice of a drive. Springs to a target are not made here: a run moves their target on,
-// stiffens them and switches them, so that it keeps them itself.
+// Creation of a drive. Springs to a target are not created here: the run itself moves, stiffens and
+// switches them.
 
 std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
                                            const std::vector<model::Brick>& bricks) {
@@ -102,23 +102,23 @@ std::unique_ptr<DriveForce> makeDriveForce(const scene::Scene& scene,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Leading tiles.
+// Guided tiles.
 
 namespace {
 
-// Turning counts this much more than place while the tiles are guided.
+// Weight of rotations over positions while tiles are guided.
 constexpr double kTurnShare = 40;
-// The frequency of springs that lead over the scene's: they are twice as stiff.
+// Frequency of guide springs over the scene's. They are twice as stiff.
 constexpr double kLedFrequency = std::numbers::sqrt2;
-// Seconds to catch up with a target that has stopped, and to stiffen compliant joints.
+// Time to catch up with a target that has stopped, and time to stiffen compliant joints, seconds.
 constexpr double kCatchUp = 0.5;
 constexpr double kStiffeningTime = 0.5;
-// The joint ratio at the end: what is left of openings closes in one step.
+// The final joint ratio: one step can then close the remaining gaps.
 constexpr double kClosingRatio = 1e7;
 
 }  // namespace
 
-// Their damping is critical whatever the scene's: tiles are to follow, not to swing.
+// Damping is always critical: tiles must follow without oscillation.
 scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
   scene::TargetSpringSettings springs;
   springs.frequency = kLedFrequency * scene.springs.frequency;
@@ -134,7 +134,7 @@ double jointStiffnessOf(const scene::Scene& scene, const std::vector<model::Bric
          placeStiffness(isGuided ? leadingSprings(scene) : scene.springs, bricks);
 }
 
-// The guide leads from the bricks' poses at the start of leading, not from the model's start.
+// The guide begins at the bricks' poses at `beginTime`, not at the model's start.
 PathFollower::PathFollower(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
                            const Poses& start, const std::vector<model::Tile>& target,
                            double beginTime)
@@ -165,15 +165,15 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
       opening_(bricks.bricks, model::piecesOf(bricks.scene.model), bricks.scene.springs) {}
 
-// Compliant joints while the tiles are guided close again; on a straight path they stay as they
-// are.
+// Compliant joints close after the tiles were guided. On a straight path they stay
+// compliant.
 bool RunDrive::jointsAreCompliant() const {
   if (bricks_.ties.pairForces.replaceJoints()) return true;
   const scene::PathSettings& path = bricks_.scene.path;
   return path.jointsAreCompliant() && (isOnPath() || path.kind == scene::PathKind::Straight);
 }
 
-// Without a target nothing pulls any more.
+// Without a target there is no pull.
 void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
   springs_.reset();
   follower_.reset();
@@ -196,12 +196,12 @@ void RunDrive::pullTo(const std::vector<model::Tile>& target) {
   springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, scene.springs);
 }
 
-// From where and when the bricks departed.
+// Guides from the departure poses and time.
 void RunDrive::leadTo(const std::vector<model::Tile>& target) {
   follower_.emplace(bricks_.scene, bricks_.bricks, departure_, target, departedAt_);
 }
 
-// The way begins where opening has brought the bricks.
+// The guide starts at the poses that opening has reached.
 bool RunDrive::beginStep(const CurrentTarget& target, const Poses& poses, Dynamics& dynamics) {
   if (phase_ == Phase::Open && clock_.isDue(openedAt_)) {
     departure_ = poses;
@@ -220,13 +220,13 @@ double RunDrive::nextMoment() const {
   return isOpening ? openedAt_ : std::numeric_limits<double>::infinity();
 }
 
-// Null where springs to a target drive, or nothing.
+// Null for springs to a target, or no drive.
 const DriveForce* RunDrive::presentDrive() const {
   return phase_ == Phase::Open ? &opening_ : drive_.get();
 }
 
-// The springs of the moving guide where tiles are guided, else those to the target. Null where
-// nothing pulls.
+// The springs of the guide while tiles are guided, else those to the target. Null without a
+// pull.
 const TargetSprings* RunDrive::presentSprings() const {
   if (follower_) return &follower_->springs();
   return springs_ ? &*springs_ : nullptr;
@@ -250,7 +250,7 @@ void RunDrive::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) c
   if (const DriveForce* drive = presentDrive()) drive->addFreeForces(poses, forces);
 }
 
-// Springs follow from the target and from where the way to it began.
+// Springs are restored from the target and the start of its path.
 void RunDrive::transfer(StateTape& tape, const CurrentTarget& target) {
   tape.transfer(phase_, departure_, departedAt_, openedAt_, stiffness_);
   if (!tape.isPlaying()) return;

@@ -1,11 +1,13 @@
-// How the bricks of a run move. A step is the solver's; this keeps the state in which the step
-// began and what the solver passed through, from which states within the step follow:
+// Motion of the bricks of a run. The solver takes the steps. This class stores the state at the
+// start of the step and the solver's intermediate states. States within the step are interpolated
+// from them:
 //
-// - where a tolerance in time was kept, poses by the velocities on both sides (cubics between the
-//   states that were passed), velocities straight between them;
-// - else places straight and rotations by the shortest turn between the step's ends.
+// - If a tolerance in time was kept: cubics through the intermediate states, with velocities on
+// both
+//   sides. Velocities are interpolated linearly.
+// - Otherwise: linear positions, and rotations by the shortest path, between the ends of the step.
 //
-// Joints of such a state are closed by a solver of its own, so that no look at a run changes it.
+// A separate solver closes the joints of such states. Sampling therefore does not change the run.
 #include "sim/deploy/run_motion.h"
 
 #include <algorithm>
@@ -24,11 +26,11 @@
 namespace kirireel::deploy {
 namespace {
 
-// A run has diverged once a brick is this many model sizes away from where it started.
+// A run has diverged if a brick is this many model sizes away from its start.
 constexpr double kLostDistance = 1e3;
-// Closing joints may make bricks overlap by this part of a tile.
+// Closing joints may cause overlaps up to this fraction of a tile.
 constexpr double kPushedShare = 1e-4;
-// A run that keeps a tolerance in time is looked at after so many timesteps.
+// Timesteps per look in a run that keeps a tolerance in time.
 constexpr int kStepsAtOnce = 4;
 
 }  // namespace
@@ -45,7 +47,7 @@ SceneBricks::SceneBricks(const scene::Scene& given)
 // ------------------------------------------------------------------------------------------------
 // Time.
 
-// A due moment that is the next look up to rounding is that look.
+// A due time that equals the next look up to rounding is moved to that look.
 void StepClock::beginStep(double due) {
   const double untilLook = look_ - sinceLook_;
   const double untilDue = due - time();
@@ -101,7 +103,7 @@ void RunMotion::beginHere() {
   start_ = now_.poses;
 }
 
-// A solver carries contacts and multipliers from step to step, which do not belong to the start.
+// A new solver discards the contacts and multipliers of earlier steps.
 void RunMotion::goBack() {
   now_ = {start_, std::vector<Velocity>(bricks_.bricks.size())};
   solver_ = makeSolver();
@@ -112,7 +114,7 @@ void RunMotion::beginStep() {
   isSmooth_ = false;
 }
 
-// Fixed steps each take the loads at their own start.
+// Each fixed step uses the loads at its own start.
 StepReport RunMotion::advance(const mechanics::TimedLoads& loads, bool isToTolerance) {
   if (isToTolerance) {
     const StepReport report = solver_->advanceToTolerance(now_, clock_.length(), loads);
@@ -175,13 +177,13 @@ Motion RunMotion::motionAt(double time, const Poses& poses) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Whether joints are exact.
+// Exactness of the joints.
 
 void JointFit::closeAtStart(RunMotion& motion, RunFigures& figures) {
   isMisfit_ =
       !bricks_.scene.path.jointsAreCompliant() && !motion.solver().assemble(motion.now().poses);
   if (bricks_.needs.contacts.on) pushedAtStart_ = figures.overlapsOf(motion.poses()).grown;
-  // Contacts of the open start would have to be violated from the first step on.
+  // Contacts that refer to the open start would be violated from the first step.
   if (pushedAtStart_ > 0) motion.beginContactsHere();
   hold(motion.solver());
 }
@@ -195,7 +197,7 @@ void JointFit::closeAtEndOfPath(RunMotion& motion, RunFigures& figures) {
   isMisfit_ = isMisfit_ || !isClosed;
 }
 
-// Returns whether the joints are closed now; else the poses are as they were.
+// Returns whether the joints are now closed. If not, the poses are unchanged.
 bool JointFit::close(RunMotion& motion, RunFigures& figures) {
   const model::Model& model = bricks_.scene.model;
   const Poses open = motion.poses();
@@ -215,7 +217,7 @@ bool JointFit::close(RunMotion& motion, RunFigures& figures) {
   return !isHeldOpen_;
 }
 
-// They give a little where tiles do not fit.
+// If tiles misfit, the joints are slightly compliant.
 void JointFit::hold(Dynamics& solver) const {
   const scene::PathSettings& path = bricks_.scene.path;
   if (path.jointsAreCompliant()) {

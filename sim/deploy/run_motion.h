@@ -1,5 +1,5 @@
-/// How the bricks of a run move: the time in steps, the solver, the states between two steps, and
-/// whether joints are exact.
+/// Motion of the bricks of a run: time steps, the solver, states within a step and the exactness of
+/// joints.
 #pragma once
 
 #include <memory>
@@ -19,141 +19,141 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// What of a run does not change.
+// Constant data of a run.
 
-/// The bricks of a scene, how they are joined, and what follows from both.
+/// The bricks of a scene, their joints, and derived quantities.
 struct SceneBricks {
-  /// The scene must outlive this, its path be chosen (not Auto). Throws InputError for forces
-  /// between pairs and needs that the scene cannot have.
+  /// Keeps a reference to the scene, whose path must be chosen (not Auto). Throws InputError for
+  /// invalid pair forces and for needs that the scene cannot satisfy.
   explicit SceneBricks(const scene::Scene& given);
 
-  const scene::Scene& scene;         ///< that the run is of
-  std::vector<model::Brick> bricks;  ///< one a tile
+  const scene::Scene& scene;         ///< the scene of the run
+  std::vector<model::Brick> bricks;  ///< one per tile
   std::vector<model::Pivot> pivots;  ///< of all joints
   scene::Ties
-      ties;  ///< exact pivots, ligaments in the place of the others, and what else acts in pairs
-  scene::Needs needs;   ///< what is modelled
+      ties;  ///< exact pivots, ligaments that replace the others, and other pair forces
+  scene::Needs needs;   ///< modelled features
   double size = 0;      ///< of the model, metres
   double tileSize = 0;  ///< metres
 };
 
 // ------------------------------------------------------------------------------------------------
-// Time.
+// Time steps.
 
-/// The time of a run. A look is a whole timestep, or several where a tolerance in time is kept. A
-/// step ends with the next look, or earlier where something is due. Looks are counted, so that
-/// their times do not gather rounding.
+/// The time of a run. A look is one timestep, or several if steps keep a tolerance in time. A step
+/// ends at the next look, or earlier at a due time. Looks are counted as integers: their times do
+/// not accumulate rounding errors.
 class StepClock {
  public:
-  /// `look`: seconds from one to the next, above 0.
+  /// `look`: interval between looks, seconds, > 0.
   explicit StepClock(double look) : look_(look), length_(look) {}
 
-  /// Seconds from the start to the end of the last step.
+  /// End of the last step, seconds since the start.
   double time() const { return static_cast<double>(looks_) * look_ + sinceLook_; }
-  /// Seconds from one look to the next.
+  /// Interval between two looks, seconds.
   double look() const { return look_; }
-  /// Of the last step, or of that in work, seconds.
+  /// Length of the current or last step, seconds.
   double length() const { return length_; }
 
-  /// Whether a moment is past or present, up to rounding.
+  /// Whether a time is past or present, up to rounding.
   bool isDue(double moment) const { return moment <= time() + kSameTime * look_; }
-  /// Whether a moment is present or to come, up to rounding.
+  /// Whether a time is present or in the future, up to rounding.
   bool isAhead(double moment) const { return moment >= time() - kSameTime * look_; }
-  /// Whether there are steps to make up to the look that is nearest to `end`, seconds.
+  /// Whether steps remain before the look nearest to `end`, seconds.
   bool isBefore(double end) const { return sinceLook_ > 0 || time() < end - 0.5 * look_; }
 
-  /// Sets the length of the next step: to `due`, or to the next look where that is earlier.
+  /// Sets the length of the next step: to `due` or to the next look, whichever is earlier.
   void beginStep(double due);
-  /// Lets the time of the step pass.
+  /// Advances the time by the step.
   void endStep();
 
   /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(looks_, sinceLook_, length_); }
 
  private:
-  /// Times closer than this part of a look are the same.
+  /// Times closer than this fraction of a look are equal.
   static constexpr double kSameTime = 1e-6;
 
   double look_;
   double length_;
-  long looks_ = 0;        // pauses included
+  long looks_ = 0;        // number of looks, including pauses
   double sinceLook_ = 0;  // seconds
 };
 
 // ------------------------------------------------------------------------------------------------
-// The bricks in motion.
+// Bricks in motion.
 
-/// One step of a run, as its energies see it.
+/// Data of one step for the energy account.
 struct StepSpan {
-  double time = 0;     ///< where it begins, seconds
-  double seconds = 0;  ///< its length
-  const Motion& from;  ///< at its beginning
-  const Motion& to;    ///< at its end
+  double time = 0;     ///< its start, seconds
+  double seconds = 0;  ///< its length, seconds
+  const Motion& from;  ///< the state at its start
+  const Motion& to;    ///< the state at its end
   std::span<const mechanics::PassedState>
-      passed;                ///< in between, where springs move on within the step
-  bool springsMove = false;  ///< or stand as they are at its beginning
+      passed;                ///< intermediate states, if springs move within the step
+  bool springsMove = false;  ///< false: springs keep their state at the start
   double damped = 0;         ///< joules, see StepReport
   double impacted = 0;       ///< joules, see StepReport
 };
 
-/// The bricks of a run at the end of its last step, the solver that moves them, and the states
-/// within that step.
+/// The bricks at the end of the last step, the solver that moves them, and the states within that
+/// step.
 class RunMotion {
  public:
-  /// The bricks stand where the model has them. Both must outlive this. Throws InputError where the
-  /// solver cannot do what the scene asks for.
+  /// The bricks start at the model's poses. Keeps references to both. Throws InputError if the
+  /// solver does not support the scene.
   RunMotion(const SceneBricks& bricks, const StepClock& clock);
 
-  /// Seconds from one look at a scene's run to the next.
+  /// Interval between two looks at a scene's run, seconds.
   static double lookOf(const scene::Scene& scene);
 
-  /// The state now: one pose and one velocity a brick.
+  /// The current state: one pose and one velocity per brick.
   Motion& now() { return now_; }
-  /// The same, to be read.
+  /// The current state, read only.
   const Motion& now() const { return now_; }
-  /// The poses now.
+  /// The current poses.
   const Poses& poses() const { return now_.poses; }
-  /// The poses that the run began in.
+  /// The poses at the start of the run.
   const Poses& start() const { return start_; }
   /// The solver that takes the steps.
   Dynamics& solver() { return *solver_; }
-  /// The same, to be asked.
+  /// The solver, read only.
   const Dynamics& solver() const { return *solver_; }
   /// A new solver for the same bricks, as at the start of a run.
   std::unique_ptr<Dynamics> makeSolver() const;
-  /// Another in the state of the run's.
+  /// A second solver in the same state as the run's.
   std::unique_ptr<Dynamics> copyOfSolver();
 
-  /// From now on contacts keep the overlaps of this state, joints closed, at most.
+  /// Contacts now allow at most the overlaps of this state. Joints must be closed.
   void beginContactsHere();
-  /// Makes this state the start.
+  /// Makes the current state the start.
   void beginHere();
-  /// Back to the start, at rest, with a new solver.
+  /// Restores the start, at rest, with a new solver.
   void goBack();
 
-  /// Keeps the state as that in which the next step begins.
+  /// Stores the current state as the start of the next step.
   void beginStep();
-  /// Moves the bricks by the length of a step, to the scene's tolerance in time where
-  /// `isToTolerance` (joints must be exact, see wantsTolerance()), else by fixed steps.
+  /// Moves the bricks by one step. If `isToTolerance`, keeps the scene's tolerance in time, which
+  /// requires exact joints, see wantsTolerance(). Otherwise uses fixed steps.
   StepReport advance(const mechanics::TimedLoads& loads, bool isToTolerance);
-  /// Back to where the step began.
+  /// Restores the state from the start of the step.
   void takeBack() { now_ = before_; }
 
-  /// Whether the scene asks for a tolerance in time that a run of it keeps.
+  /// Whether the scene requests a tolerance in time that a run of it can keep.
   bool wantsTolerance() const { return wantsTolerance_; }
-  /// Whether a brick has left all bounds, or is nowhere.
+  /// Whether a brick is too far away, or its pose is not finite.
   bool isLost() const;
-  /// The last step, which began at a time (seconds).
+  /// The last step, which started at `begin` (seconds).
   StepSpan span(double begin, const StepReport& report, bool isToTolerance) const;
 
-  /// The poses at a time within the last step, seconds; joints as they come.
+  /// The poses at a time within the last step, seconds. Joints are not closed again.
   Poses posesAt(double time) const;
-  /// The same with joints closed, and these bricks held where they come to lie; one entry a brick.
-  /// An engine's joints stay as they come.
+  /// The same with joints closed. Bricks marked in `pinned` stay fixed, one entry per brick. The
+  /// joints of an engine are not closed.
   Poses closedPosesAt(double time, const std::vector<bool>& pinned);
-  /// How fast the bricks are so many seconds after the start of the last step.
+  /// The velocities at a time after the start of the last step, seconds.
   std::vector<Velocity> velocitiesAt(double seconds) const;
-  /// How the bricks move in these poses at a time within the last step.
+  /// The motion of these poses at a time within the last step, seconds.
   Motion motionAt(double time, const Poses& poses) const;
 
   /// Records or plays back.
@@ -164,38 +164,38 @@ class RunMotion {
   const StepClock& clock_;
   bool wantsTolerance_;
   Motion now_;
-  Motion before_;          // where the last step began
+  Motion before_;          // the state at the start of the last step
   Poses start_;            // joints closed unless they are compliant
-  Poses contactStart_;     // contacts keep its overlaps at most
-  bool isSmooth_ = false;  // the last step kept its tolerance throughout
+  Poses contactStart_;     // contacts allow at most its overlaps
+  bool isSmooth_ = false;  // the last step kept its tolerance everywhere
   std::unique_ptr<Dynamics> solver_;
-  std::unique_ptr<Dynamics> projection_;  // closes joints of states within a step; made when needed
+  std::unique_ptr<Dynamics> projection_;  // closes joints within a step; created when needed
 };
 
 // ------------------------------------------------------------------------------------------------
-// Whether joints are exact.
+// Exactness of the joints.
 
-/// How well the tiles of a run fit each other: whether their joints can be closed, and are held
-/// exactly from then on.
+/// Whether the joints of a run's tiles can be closed. If so, they are held exactly from then
+/// on.
 class JointFit {
  public:
-  /// `bricks` must outlive this.
+  /// Keeps a reference to `bricks`.
   explicit JointFit(const SceneBricks& bricks) : bricks_(bricks) {}
 
-  /// Closes the joints of the start, unless they are compliant, and holds them. Joints that are
-  /// compliant need not be closed first, which can push bricks into each other.
+  /// Closes the joints of the start and holds them, unless they are compliant. Compliant joints do
+  /// not need to be closed, which could push bricks into each other.
   void closeAtStart(RunMotion& motion, RunFigures& figures);
-  /// Closes joints that were compliant on the way and holds them exactly, unless that pushes bricks
-  /// into each other, or tiles of rounded coordinates back to where alone they fit.
+  /// Closes joints that were compliant along the path and holds them exactly. Keeps them open if
+  /// closing causes overlaps, or if it moves tiles of rounded coordinates too far.
   void closeAtEndOfPath(RunMotion& motion, RunFigures& figures);
-  /// Holds the joints as the start of the run does.
+  /// Sets the joint stiffness of the run's start.
   void hold(Dynamics& solver) const;
 
-  /// Whether joints could not be closed, and are slightly compliant.
+  /// Whether joints could not be closed, and are therefore slightly compliant.
   bool isMisfit() const { return isMisfit_; }
-  /// Whether bricks keep joints that were compliant from closing.
+  /// Whether overlaps prevent compliant joints from closing.
   bool isHeldOpen() const { return isHeldOpen_; }
-  /// What keeps the joints from being as asked for; empty when nothing does.
+  /// Why the joints are not as requested. Empty if they are.
   std::string trouble() const;
 
   /// Records or plays back.
@@ -207,7 +207,7 @@ class JointFit {
   const SceneBricks& bricks_;
   bool isMisfit_ = false;
   bool isHeldOpen_ = false;
-  double pushedAtStart_ = 0;  // metres that closing the joints pushed bricks into each other
+  double pushedAtStart_ = 0;  // overlap that closing the joints caused, metres
 };
 
 }  // namespace kirireel::deploy
