@@ -6,20 +6,20 @@
 
 namespace kirireel::deploy {
 
-/// Of the least error that is known, the largest multiple that counts as arrived.
+/// Largest multiple of the least known error that counts as arrived.
 inline constexpr double kArrivalFactor = 1.05;
-/// Added to it, in tiles, for targets that can be reached exactly.
+/// Absolute tolerance in tiles, for targets that can be reached exactly.
 inline constexpr double kArrivalShare = 1e-6;
-/// Beyond this error, in tiles, a target counts as missed although nothing nearer is known.
+/// Above this error, in tiles, a target is missed even if no nearer state is known.
 inline constexpr double kFarShare = 0.1;
 
-/// The largest target error that counts as arrived, metres. `leastError`: the least one that is
-/// known for closed joints, metres; see AssembledState.
+/// The largest target error that counts as arrived, metres. `leastError`: the least known error
+/// with closed joints, metres; see AssembledState.
 inline double arrivalLimit(const model::Model& model, double leastError) {
   return kArrivalFactor * leastError + kArrivalShare * model::tileSize(model);
 }
 
-/// Whether a target error, metres, is as small as the least one that is known.
+/// Whether a target error, metres, equals the least known error within the tolerance.
 inline bool isNearest(const model::Model& model, double error, double leastError) {
   return error <= arrivalLimit(model, leastError);
 }

@@ -1,18 +1,19 @@
-// The joint-closed states nearest to a target, found by long implicit steps.
+// The joint-closed states nearest to a target, computed by long implicit steps.
 //
-// 1. Every brick is put where it fits its target best by itself, and the joints are closed from
-//    there (Gauss-Newton in the metric of the masses).
-// 2. The scene's springs pull, 16 times as stiff as usual, with exact joints. Each step is one of
-//    implicit Euler from rest and 0.25 s long: for stiffness K and mass M it minimises
+// 1. Each brick is fitted to its target independently. Then the joints are closed (Gauss-Newton in
+// the
+//    mass metric).
+// 2. The scene's springs pull, with 16 times their stiffness and exact joints. Each step is one of
+//    implicit Euler from rest with h = 0.25 s. For stiffness K and mass M it minimises
 //      |x|_M^2 / (2 h^2) + E(q + x)
-//    over displacements x that joints allow, which for h^2 K far above M is Newton's method on the
-//    springs' energy E. It converges to the state of rest, the least sum of squares nearby.
-// 3. Wanted is the least of the largest distance, not of the sum of squares. So bricks are
-//    weighted: w_i is multiplied by e_i / max e, e_i the brick's error (m), and all weights are
-//    scaled to the mean 1, bounded on both sides so that no brick is let go. This is Lawson's
-//    iteration (see measures.cpp), without its guarantee, as joints make the problem nonconvex.
-// 4. Where this leaves something, 2 and 3 are repeated from the start, which may lie in another
-//    basin. The best state of all is kept.
+//    over displacements x that joints allow. For h^2 K >> M this is Newton's method on the springs'
+//    energy E. It converges to the equilibrium, a local minimum of the sum of squares.
+// 3. The goal is the smallest maximum distance, not the smallest sum of squares. w_i is multiplied
+//    by e_i / max e, e_i the brick's error (m). All weights are scaled to the mean 1 and bounded on
+//    both sides: every brick is pulled. This is Lawson's iteration (see measures.cpp). Joints make
+//    the problem nonconvex, and its guarantee does not apply.
+// 4. If an error remains, 2 and 3 are repeated from the start, which may lie in another basin of
+//    attraction. The result is the best of all states.
 #include "sim/deploy/assembled_state.h"
 
 #include <algorithm>
@@ -36,27 +37,27 @@
 namespace kirireel::deploy {
 namespace {
 
-// Steps start from rest, so that long ones come near to Newton's method on the springs' energy.
+// Steps start from rest. Long steps then approximate Newton's method on the springs' energy.
 constexpr double kStep = 0.25;  // seconds
-// The largest factor by which a run may stiffen its springs (kLargestFactor of forces.cpp).
+// The largest stiffening factor of a run's springs (kLargestFactor of forces.cpp).
 constexpr double kSpringStiffening = 16;
 constexpr int kSteps = 200;
 constexpr int kStepsFromStart = 100;
-constexpr double kConverged = 1e-7;         // change of the error in a step, relative
-constexpr double kNegligibleError = 1e-12;  // error in tile edges
+constexpr double kConverged = 1e-7;         // relative change of the error per step
+constexpr double kNegligibleError = 1e-12;  // in tile edges
 
-// Reweighting begins above this error in tile edges, and this factor of the rigid bound.
+// Reweighting starts above this error in tile edges, and above this multiple of the rigid bound.
 constexpr double kWorthwhile = 1e-6;
 constexpr double kAtBound = 1.001;
-// It ends after so many steps, or so many in a row without so much gain.
+// It ends after this many steps, or after kPatienceSteps steps without the relative gain kGain.
 constexpr int kReweightings = 200;
 constexpr int kPatienceSteps = 25;
 constexpr double kGain = 1e-3;
-// No brick is pulled less than this, or more than that, times the usual.
+// Bounds on the spring weights, relative to the mean.
 constexpr double kLeastWeight = 1e-3;
 constexpr double kMostWeight = 30;
 
-/// Joined bricks that springs pull to their target, step by step from rest.
+/// Joined bricks pulled to their target by springs, step by step from rest.
 class Assembly {
  public:
   Assembly(const scene::Scene& scene, const std::function<bool()>& shouldContinue)
@@ -77,7 +78,7 @@ class Assembly {
     };
   }
 
-  // The steps of the file's head, in order.
+  // The steps at the head of the file, in order.
   AssembledState find() {
     AssembledState state;
     beginAt(bestFitPoses(bricks_, target_));
@@ -88,7 +89,7 @@ class Assembly {
   }
 
  private:
-  // From the state of rest on.
+  // Continues from the equilibrium state.
   void findNearest(AssembledState& state) {
     state.restError = state.error = error();
     state.restPoses = state.poses = motion_.poses;
@@ -107,8 +108,8 @@ class Assembly {
     motion_.poses = std::move(poses);
     weights_.assign(bricks_.size(), 1.0);
     dynamics_ = makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, motion_.poses);
-    // Joints of rounded tiles are springs over the pull's own stiffness; where tiles fit in no
-    // state nearby, joints are springs of a usual stiffness.
+    // Joints of rounded tiles are springs, relative to the pull's own stiffness. If tiles fit in no
+    // state nearby, joints have the stiffness for misfits.
     const double rounded = roundedJointStiffness(scene_.model);
     if (std::isfinite(rounded)) {
       dynamics_->setJointStiffness(rounded * pullStiffness());
@@ -117,7 +118,7 @@ class Assembly {
     }
   }
 
-  /// Comes nearer by softer joints, where they are closed within the rounding of the coordinates.
+  /// Comes nearer with softer joints, as long as they stay closed within the rounding.
   void soften() {
     if (!std::isfinite(roundedJointStiffness(scene_.model))) return;
     const std::vector<model::Pivot> pivots = model::makePivots(scene_.model.joints, bricks_);
@@ -136,7 +137,7 @@ class Assembly {
     dynamics_->setJointStiffness(closed * pullStiffness());
   }
 
-  /// Of the springs that pull a brick to its place, the stiffest, N/m.
+  /// The largest stiffness of the springs that pull a brick to its place, N/m.
   double pullStiffness() const {
     double stiffest = 0;
     for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -147,7 +148,7 @@ class Assembly {
     return stiffest;
   }
 
-  /// A target may be so far out of reach that nothing comes nearer than the start.
+  /// If the target is far out of reach, the start may be the nearest state.
   void keepStartIfNearer(AssembledState& state) const {
     Poses start = model::startPoses(scene_.model.tiles, bricks_);
     if (!makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start)->assemble(start)) return;
@@ -157,7 +158,7 @@ class Assembly {
     state.poses = std::move(start);
   }
 
-  /// Whether no other state is worth its while.
+  /// Whether the error is too small to search further.
   bool isNearEnough(const AssembledState& state) const {
     return state.error <= std::max(kWorthwhile * tile_, kAtBound * rigidBound_);
   }
@@ -175,12 +176,12 @@ class Assembly {
 
   // One implicit step from rest.
   void step() {
-    // From rest: what moves on by its speed would run past the minimum.
+    // Without velocities the step does not overshoot the minimum.
     motion_.velocities.assign(bricks_.size(), Velocity{});
     dynamics_->advance(motion_, kStep, pull_);
   }
 
-  // Until the error changes no more; `steps` at most.
+  // Steps until the error no longer changes, at most `steps` times.
   void comeToRest(int steps) {
     double last = error();
     for (int i = 0; i < steps && last > kNegligibleError * tile_ && mayStep(); ++i) {
@@ -191,7 +192,7 @@ class Assembly {
     }
   }
 
-  // Lawson's step on the bricks' weights.
+  // Lawson's update of the bricks' weights.
   void reweight() {
     const std::vector<double> errors =
         trajectory::brickTargetErrors(target_, bricks_, motion_.poses);
@@ -205,7 +206,7 @@ class Assembly {
     for (double& weight : weights_) weight = std::clamp(even * weight, kLeastWeight, kMostWeight);
   }
 
-  // Reweighted steps as long as they gain.
+  // Takes reweighted steps as long as the error decreases.
   void approach(AssembledState& state) {
     double gainedFrom = state.error;
     int patience = kPatienceSteps;
@@ -224,7 +225,7 @@ class Assembly {
   const std::vector<model::Tile>& target_;
   std::vector<model::Brick> bricks_;
   TargetSprings springs_;
-  std::vector<double> weights_;  // of the springs, one a brick; 1 in the mean
+  std::vector<double> weights_;  // of the springs, one per brick, mean 1
   double tile_;                  // metres
   double rigidBound_;            // metres
   const std::function<bool()>& shouldContinue_;
@@ -245,16 +246,16 @@ AssembledState assembleAtTarget(const scene::Scene& scene,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Numbers behind assembled_state.h: d is the last digit of the coordinates over the mean edge, r =
-// 10 / d the stiffness of joints over that of the pull. Softer joints are tried in steps of ten,
+// Constants of assembled_state.h. d is the last digit of the coordinates over the mean edge. r = 10
+// / d is the stiffness of joints over that of the pull. Softer joints are tried in steps of ten,
 // down to r = 10.
 
 namespace {
 
 constexpr double kDigits = 10;
-// Exact joints close to this part of a tile, so that finer digits make no difference.
+// Exact joints close to this fraction of a tile. Finer digits make no difference.
 constexpr double kFinest = 1e-9;
-// Joints are softened by this factor down to this stiffness.
+// Joints are softened by this factor, at most down to this stiffness.
 constexpr double kSofter = 10;
 constexpr double kSoftest = 10;
 
@@ -283,26 +284,26 @@ void softenWhileClosed(const model::Model& model,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Bricks that would overlap at the target, and what would free each pair of them.
+// Pairs of bricks that overlap at the target, and changes that separate them.
 //
-// Overlaps are measured in the state where the scene's springs rest near the target, joints closed
-// and without contacts. A pair is freed by another face of its joints where the sheet folds (the
-// model is assembled again with the faces of FaceRule::Fold for the pairs that overlap, and looked
-// at again), or by thinner bricks: thicknesses are tried downwards in steps of a tenth, for the
-// pair alone, its bottoms where they were. Overlap need not fall steadily with the thickness, so
-// that no bisection is used.
+// Overlaps are measured at the equilibrium of the scene's springs near the target, with closed
+// joints and without contacts. Two changes can free a pair. One is another face for its joints, if
+// the sheet folds: the model is assembled again with the faces of FaceRule::Fold for the
+// overlapping pairs, and checked again. The other is a smaller thickness: thicknesses decrease in
+// steps of a tenth, only for this pair, with fixed bottom faces. The overlap may not be monotonic
+// in the thickness, which rules out bisection.
 
 namespace {
 
 using TilePair = std::pair<int, int>;
 
-// Overlaps below this part of a tile do not stop anything.
+// Overlaps below this fraction of a tile do not block.
 constexpr double kNegligibleDepth = 1e-4;
-// Thicknesses are tried in steps of this factor, down to this part of the scene's own.
+// Thickness decreases by this factor, down to this fraction of the scene's own.
 constexpr double kThinnerStep = 0.9;
 constexpr double kThinnest = 1e-3;
 
-// Pairs that contacts would look at, the deepest first.
+// Pairs that the contacts consider, the deepest first.
 std::vector<trajectory::Penetration> overlapsAt(const scene::Scene& scene, const Poses& poses) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
@@ -318,7 +319,8 @@ std::vector<trajectory::Penetration> overlapsAt(const scene::Scene& scene, const
   return overlaps;
 }
 
-/// The model with the joints between pairs that overlap where a fold to its target leaves room.
+/// The model with the joints of overlapping pairs moved to the face that a fold to its target
+/// needs.
 model::Model withFreeingFaces(const model::Model& model,
                               const std::vector<trajectory::Penetration>& overlaps) {
   std::set<TilePair> blocked;
@@ -335,7 +337,7 @@ model::Model withFreeingFaces(const model::Model& model,
   return freed;
 }
 
-/// The faces that joints of pairs would have to lie on, for the pairs that this frees.
+/// The joint faces that free pairs, for the pairs that can be freed.
 std::map<TilePair, model::JointFace> freeingFaces(
     const scene::Scene& scene, const std::vector<trajectory::Penetration>& overlaps) {
   scene::Scene freed = scene;
@@ -354,25 +356,25 @@ std::map<TilePair, model::JointFace> freeingFaces(
   return faces;
 }
 
-/// A tile's brick of some thickness, and its pose with the bottom where it was.
+/// A tile's brick with another thickness, and its pose with the same bottom face.
 struct ThinBrick {
   model::Brick brick;
   Pose pose;
 };
 
-// Its bottom stays where the tile is.
+// Keeps the bottom face at the tile.
 ThinBrick thinned(const scene::Scene& scene, int tile, const model::Brick& brick, const Pose& pose,
                   double thickness) {
   model::BrickRule rule = scene.brick;
   rule.thickness = thickness;
   ThinBrick thin{model::makeBrick(scene.model.tiles[tile], rule), pose};
-  // A thinner brick has its centre of mass nearer to the bottom.
+  // The centre of mass of a thinner brick is nearer to its bottom.
   thin.pose.position += pose.rotation * (brick.bottom[0] - thin.brick.bottom[0]);
   return thin;
 }
 
-/// The joints of each pair of tiles, as if these two were the only ones: 0 the one with the smaller
-/// number, 1 the other.
+/// The joints of each pair of tiles, renumbered for a model of these two tiles only: 0 is the
+/// smaller index, 1 the other.
 using JointsByPair = std::map<TilePair, std::vector<model::Joint>>;
 
 JointsByPair jointsByPair(const model::Model& model) {
@@ -386,7 +388,7 @@ JointsByPair jointsByPair(const model::Model& model) {
   return joints;
 }
 
-/// Whether two bricks would keep clear of each other if they were that thin.
+/// Whether two bricks of this thickness do not overlap.
 bool isFree(const scene::Scene& scene, const trajectory::Penetration& overlap, const Poses& poses,
             const std::vector<model::Joint>& between, double thickness) {
   std::vector<model::Brick> bricks;
@@ -402,7 +404,7 @@ bool isFree(const scene::Scene& scene, const trajectory::Penetration& overlap, c
   return left.depth <= kNegligibleDepth * model::tileSize(scene.model);
 }
 
-// The largest thickness tried that frees the pair, metres; 0 where none does.
+// The largest tested thickness that frees the pair, metres. 0 if none does.
 double freeingThickness(const scene::Scene& scene, const trajectory::Penetration& overlap,
                         const Poses& poses, const std::vector<model::Joint>& between) {
   for (double share = kThinnerStep; share > kThinnest; share *= kThinnerStep) {

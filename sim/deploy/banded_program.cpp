@@ -22,13 +22,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMostSteps = 25;
-// Slacks at first, over the largest bound; multipliers, over the largest gradient.
+// Initial slacks over the largest bound; initial multipliers over the largest gradient.
 constexpr double kFirst = 1e-2;
 // The price of a violated constraint, over the largest gradient.
 constexpr double kPrice = 1e3;
-// A step goes by this part of the way to where a slack or a multiplier is zero.
+// A step uses this fraction of the distance at which a slack or a multiplier becomes zero.
 constexpr double kStepShare = 0.99;
-// The iteration ends at these parts of the largest gradient and bound.
+// The iteration ends at these fractions of the largest gradient and bound.
 constexpr double kComplementarity = 1e-7;
 constexpr double kStationarity = 1e-5;
 constexpr double kFeasibility = 1e-3;
@@ -117,7 +117,7 @@ class InteriorPoint {
     return sum;
   }
 
-  /// Residuals of the present point; whether they are small enough.
+  /// Computes the residuals of the current point. Returns whether they are small enough.
   bool isSolved() {
     primal_ = constraintsOf(y_) - bounds_ + excess_ - slack_;
     dual_ = times(program_.hessian, y_) + program_.gradient - transposed(multiplier_);
@@ -201,7 +201,7 @@ BandedCholesky::BandedCholesky(BandedMatrix matrix) : factor_(std::move(matrix))
     isDefinite_ = root.info() == Eigen::Success;
     block = root.matrixL();
     const auto upper = block.triangularView<Eigen::Lower>();
-    // Of a block below, B L^-T: solved by columns of its transpose.
+    // B L^-T for a block B below the diagonal, by columns of its transpose.
     const auto divide = [&](MatrixXd& below) {
       below = upper.solve(below.transpose()).transpose().eval();
     };

@@ -1,4 +1,4 @@
-/// Quadratic programs over a chain of states, each coupled to the two next ones only.
+/// Quadratic programs over a chain of states. Each state is coupled to the next two only.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ class BandedCholesky {
  public:
   /// O(states n^3).
   explicit BandedCholesky(BandedMatrix matrix);
-  /// Whether the matrix was positive definite. If not, solve() means nothing.
+  /// Whether the matrix was positive definite. If not, solve() is undefined.
   bool isDefinite() const { return isDefinite_; }
   /// The solution for a right side: one column per state, n rows.
   Eigen::MatrixXd solve(Eigen::MatrixXd right) const;

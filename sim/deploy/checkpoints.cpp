@@ -1,10 +1,10 @@
-// Checkpoints on disk. state.h5 holds everything but the samples, as one list of numbers under a
-// checksum; samples go to files of their own, one for each checkpoint, so that writing one does not
-// grow with the length of the run. The samples are written first: a state on disk never counts on
-// samples that are not there. Each file appears whole under its name.
+// Checkpoints on disk. state.h5 holds everything except the samples, as one list of numbers with a
+// checksum. Each checkpoint adds one file of samples: the cost of a checkpoint therefore does not
+// grow with the length of the run. Samples are written first: a state on disk never refers to
+// missing samples. Each file is written atomically.
 //
-// The pace bounds the cost: the next checkpoint is due after the longer of 2 s and 400 times what
-// the last one took. It decides when files are written and never what is in the results.
+// CheckpointPace bounds the cost. The next checkpoint is due after 2 s or 400 times the duration of
+// the last one, whichever is longer. This affects when files are written, but never the results.
 #include "sim/deploy/checkpoints.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kState = "state.h5";
 constexpr const char* kFormat = "kirireel checkpoint 11";
 constexpr const char* kNumbers = "numbers";
-// 4 MB: samples that wait for a checkpoint take no more memory than this, and are still in the
+// 4 MB. Samples that wait for a checkpoint need at most this memory, and are still in the
 // processor's cache when they are written.
 constexpr std::size_t kMostWaiting = 500'000;
 
@@ -39,10 +39,10 @@ Checkpoints::Checkpoints(fs::path folder, std::string order, CheckpointPace pace
   waitAfter({});
 }
 
-// Everything is read once before any of it is used.
+// All files are read once before any is used.
 std::string Checkpoints::find() {
   const std::string place = fmt::format("the checkpoint in {}", folder_.string());
-  // A link may lead anywhere.
+  // A link may point to any place.
   if (fs::is_symlink(folder_) || !fs::exists(folder_ / kState)) {
     remove();
     return "";
@@ -55,7 +55,7 @@ std::string Checkpoints::find() {
     }
     StateTape tape(file.checkedDoubles(kNumbers));
     transfer(tape);
-    // What is missing or damaged is to show before anything is done with the rest.
+    // Detects missing or damaged files before the rest is used.
     for (std::size_t k = 0; k < sampleFiles_.size(); ++k) readSamples(k);
   } catch (const InputError&) {
     remove();
@@ -86,7 +86,7 @@ void Checkpoints::save(RunState run) {
   const Clock::time_point begin = Clock::now();
   makeFolder(folder_);
   run_ = std::move(run);
-  // The samples are in place before the state that counts on them.
+  // The samples must be on disk before the state that refers to them.
   if (!run_.numbers.empty() && !samples_.numbers().empty()) {
     write(samplesFile(sampleFiles_.size()), samples_);
     sampleFiles_.push_back(samples_.numbers().size());

@@ -1,5 +1,5 @@
-/// What a deployment leaves on disk now and then while it runs, so that another process can go on
-/// with it and end with the same bytes.
+/// Checkpoints of a deployment on disk. Another process can continue from one and ends with
+/// identical results.
 #pragma once
 
 #include <chrono>
@@ -14,16 +14,16 @@
 
 namespace kirireel::deploy {
 
-/// How often checkpoints are made.
+/// Frequency of checkpoints.
 struct CheckpointPace {
-  double leastSeconds = 2;       ///< from one to the next, by the clock
-  double largestShare = 0.0025;  ///< of the time up to the next that making one may take
+  double leastSeconds = 2;       ///< minimum time between two checkpoints, wall time
+  double largestShare = 0.0025;  ///< maximum share of that time spent on writing
 };
 
-/// A run between two samples.
+/// State of a run between two samples.
 struct RunState {
   double time = 0;              ///< simulated seconds
-  std::vector<double> numbers;  ///< all that it goes on from, see StateTape; empty before the run
+  std::vector<double> numbers;  ///< complete state, see StateTape; empty before the run
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
@@ -32,35 +32,35 @@ struct RunState {
   }
 };
 
-/// A folder with the latest checkpoint of one run: state.h5, which appears whole, and the samples
-/// up to it in samples_00001.h5 and so on, one file for each checkpoint that was made. Numbers are
-/// exact and under checksums. The folder appears with the first checkpoint.
+/// A folder with the latest checkpoint of one run. state.h5 is written atomically. The samples up
+/// to it are in samples_00001.h5 and so on, one file per checkpoint. Numbers are exact and
+/// protected by checksums. The first checkpoint creates the folder.
 class Checkpoints {
  public:
-  /// `order` tells this run from all others.
+  /// `order` identifies this run.
   Checkpoints(std::filesystem::path folder, std::string order, CheckpointPace pace = {});
 
-  /// Looks for a checkpoint of this order. Says in one line what comes of it; nothing where there
-  /// is none. One that is of another order or damaged is removed. Throws OutputError.
+  /// Searches a checkpoint of this order. Returns one line about the result, or an empty string if
+  /// there is none. Removes a checkpoint that is damaged or of another order. Throws OutputError.
   std::string find();
-  /// Removes the folder: the run is over, or begins anew. Throws OutputError.
+  /// Removes the folder, because the run has ended or starts again. Throws OutputError.
   void remove();
 
-  /// Whether it is time for the next checkpoint.
+  /// Whether the next checkpoint is due.
   bool isDue() const;
-  /// Makes a checkpoint of a run, or of the search before it. Throws OutputError.
+  /// Writes a checkpoint of a run, or of the search before it. Throws OutputError.
   void save(RunState run);
 
-  /// How the trials of the search for a path ended, in order.
+  /// Results of the trials of the path search, in order.
   std::vector<TrialEnd>& trials() { return trials_; }
-  /// CPU seconds that the search has taken, in this process and those before it.
+  /// CPU seconds of the search, including earlier processes.
   double& searchSeconds() { return searchSeconds_; }
-  /// Where samples are recorded, each with what the run notes beside it.
+  /// Receives the samples, each with the run's data at that time.
   StateTape& samples() { return samples_; }
 
-  /// The run as of the latest checkpoint, found or made; null before the first.
+  /// The state of the latest checkpoint, read or written. Null before the first.
   const RunState* run() const { return run_.numbers.empty() ? nullptr : &run_; }
-  /// Plays that run's samples, one a call, until `take` returns false.
+  /// Plays back that run's samples, one per call, until `take` returns false.
   void playSamples(const std::function<bool(StateTape&)>& take) const;
 
  private:
@@ -78,7 +78,7 @@ class Checkpoints {
   std::vector<TrialEnd> trials_;
   double searchSeconds_ = 0;
   StateTape samples_;                     // since the last checkpoint
-  std::vector<std::size_t> sampleFiles_;  // numbers in each
+  std::vector<std::size_t> sampleFiles_;  // count of numbers in each
   RunState run_;
   Clock::time_point due_;
 };

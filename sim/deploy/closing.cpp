@@ -1,16 +1,16 @@
 // The second compact state of a sheet that has one motion once it has left its start.
 //
-// 1. *One motion*: half way to full extension the joints' equations leave one freedom.
-// 2. *Following*: the next state is predicted on the straight line through the last two, and its
-//    joints are closed. Steps are short enough that closing moves it by a small part of the step.
-//    One motion has one curve, which leads through full extension without a choice.
-// 3. *Meeting*: each hinge at a corner has two gaps, one on either side, and the distance of its
-//    angle from either bound says how far they are open. A gap that closes leaves the step at most
-//    half of its way, so that the tiles come near and never pass. Tiles without a common hinge may
-//    overlap first, which is found by bisection.
-// 4. *The end*: a compact state often is singular. Further motions begin there, and joints close
-//    badly near it. It is found from afar: poses as polynomials of the gap that is first (Neville's
-//    rule), through the last states, at the gap 0.
+// 1. *One motion*: half-way to full extension the joints' equations leave one freedom. 2.
+// *Following*: the next state is predicted by a straight line through the last two. Then its
+//    joints are closed. Steps are short: closing moves it by a small fraction of the step. One
+//    motion has one curve, which passes full extension without a branch.
+// 3. *Meeting*: each hinge at a corner has two gaps, one on either side. A gap is the distance of
+// the
+//    hinge angle from a bound. A step closes a gap by at most half: tiles approach without overlap.
+//    Tiles without a common hinge may overlap before; bisection finds that state.
+// 4. *The end*: a compact state is often singular. Other motions branch off there, and joints close
+//    badly near it. It is therefore extrapolated: poses as polynomials of the first gap (Neville's
+//    rule), through the last states, at gap 0.
 #include "sim/deploy/closing.h"
 
 #include <algorithm>
@@ -30,29 +30,29 @@ namespace kirireel::deploy {
 namespace {
 
 constexpr double kStepsToExtension = 60;
-// A step is made again, half as long, if closing the joints moves it by more than this part.
+// If closing the joints moves a step by more than this fraction, the step is halved.
 constexpr double kMostCorrection = 0.1;
-// A step below this part of a tile leads nowhere.
+// The search fails if a step is shorter than this fraction of a tile.
 constexpr double kLeastStep = 1e-7;
 // Steps grow by this factor.
 constexpr double kLongerStep = 1.3;
-// A path longer than so many times that to full extension leads to no second compact state.
+// A path longer than this multiple of the extension path has no second compact state.
 constexpr double kLongestPath = 20;
-// A gap is left so much of its way by one step.
+// A step closes a gap by at most this fraction.
 constexpr double kGapShare = 0.5;
-// A gap that closes by less in a step stands still, radians.
+// A gap that closes by less in a step is constant, radians.
 constexpr double kStill = 1e-9;
-// From this gap on the end is poseAtNoGap, radians: the error is about the product of the last
+// Below this gap the end is poseAtNoGap(), radians. The error is about the product of the last
 // kNodes gaps.
 constexpr double kNearGap = 1e-3;
 constexpr std::size_t kNodes = 5;
-// Of rounded tiles from so many roots of the rounding.
+// For rounded tiles, this multiple of the root of the rounding is used.
 constexpr double kAboveRounding = 10;
-// Gaps below this are shut at the end, radians; of rounded tiles below so many digits.
+// At the end, smaller gaps are shut, radians. For rounded tiles the limit is kShutDigits digits.
 constexpr double kShut = 1e-6;
 constexpr double kShutDigits = 100;  // of the last digit, in tiles
 constexpr int kBisections = 40;
-// Moves that close rounded joints beyond the first order, at most.
+// Maximum number of moves that close rounded joints beyond the first order.
 constexpr int kClosingMoves = 4;
 
 std::vector<model::Brick> bricksOfMetric(const scene::Scene& scene) {
@@ -70,7 +70,7 @@ scene::Scene withoutSurroundings(scene::Scene scene) {
   return scene;
 }
 
-/// Poses at the gap 0 of the polynomial through these states, each at its own gap.
+/// The polynomial through these states, each at its own gap, evaluated at gap 0.
 Poses poseAtNoGap(const std::vector<double>& gaps, const std::vector<Poses>& states) {
   Poses poses = states.back();
   std::vector<Vector3> turns(poses.size(), Vector3::Zero());
@@ -120,9 +120,9 @@ class ClosingPath {
     gaps_ = gapsAt(last_);
     const double longest = extension_ / kStepsToExtension;
     const double allowed =
-        meter_.at(last_).grown + kClearShare * tile_;  // what the way to extension has as well
+        meter_.at(last_).grown + kClearShare * tile_;  // the path to extension has the same limit
     double step = longest;
-    // The first gaps are those of the state before: they say which ones are closing.
+    // The gaps of the previous state show which gaps are closing.
     std::vector<double> earlier = gapsAt(before_, gaps_);
     while (mayContinue()) {
       const double made = pathDistance(metric_, before_, last_);
@@ -158,8 +158,9 @@ class ClosingPath {
  private:
   bool isExact() const { return std::isinf(jointStiffness_); }
 
-  /// From this gap on the end is extrapolated, radians. Rounded joints hold motions whose singular
-  /// values, which are about as large as the gap, are above the root of the rounding in tiles.
+  /// Below this gap the end is extrapolated, radians. Rounded joints resist motions whose singular
+  /// values exceed the root of the rounding in tiles. Singular values are about as large as the
+  /// gap.
   double nearGap() const {
     if (isExact()) return kNearGap;
     return std::max(kNearGap, kAboveRounding * std::sqrt(scene_.model.rounding / tile_));
@@ -205,7 +206,7 @@ class ClosingPath {
         "error: `to = closed`: the tiles do not meet again beyond full extension; give `target`");
   }
 
-  /// The last state of the path that is far enough from its end to tell the direction.
+  /// The last state that is far enough from the end to define a direction.
   const Poses& beforeLast() const {
     std::size_t k = path_.states.size() - 1;
     while (k > 0 &&
@@ -215,7 +216,7 @@ class ClosingPath {
     return path_.states[k];
   }
 
-  /// Closes the joints of a state nearby, as far as the rounding of the model's coordinates allows.
+  /// Closes the joints of a nearby state, within the rounding of the model's coordinates.
   bool close(Poses& poses) {
     if (isExact()) {
       budget_.spend(100.0 * static_cast<double>(bricks_.size() * bricks_.size()));
@@ -234,8 +235,8 @@ class ClosingPath {
     return trajectory::jointGap(pivots_, poses).max <= roundedReach(scene_.model);
   }
 
-  /// Two for each hinge: how far its angle is from both bounds, radians. Angles continue those of
-  /// the gaps before.
+  /// Two gaps per hinge: the distances of its angle from both bounds, radians. Angles are
+  /// continuous with `before`.
   std::vector<double> gapsAt(const Poses& poses, const std::vector<double>& before = {}) const {
     std::vector<double> gaps;
     for (std::size_t k = 0; k < hinges_.size(); ++k) {
@@ -250,7 +251,7 @@ class ClosingPath {
     return gaps;
   }
 
-  /// The gap that will be shut first at the present pace, of those that are closing.
+  /// The closing gap that reaches zero first at the current rate.
   std::optional<std::size_t> closingGap(const std::vector<double>& earlier) const {
     std::optional<std::size_t> first;
     double least = 0;
@@ -265,14 +266,14 @@ class ClosingPath {
     return first;
   }
 
-  /// The way that is left at the present pace, metres.
+  /// Remaining path length at the current rate, metres.
   double distanceToMeeting(const std::vector<double>& earlier, double made) const {
     const std::optional<std::size_t> gap = closingGap(earlier);
     return gap ? made * gaps_[*gap] / (earlier[*gap] - gaps_[*gap])
                : std::numeric_limits<double>::infinity();
   }
 
-  /// The last state before tiles without a common hinge overlap.
+  /// The last state before tiles without a common hinge overlap, by bisection.
   Poses lastFree(const Poses& beyond, double allowed) {
     double free = 0, blocked = 1;
     Poses best = last_;
@@ -291,7 +292,7 @@ class ClosingPath {
     path_.states.push_back(poses);
   }
 
-  /// The end, from the last states and their gap.
+  /// Adds the end, extrapolated from the last states and their gaps.
   void finish(std::size_t gap) {
     const std::size_t count = std::min(kNodes, path_.states.size());
     const std::vector<Poses> states(path_.states.end() - static_cast<std::ptrdiff_t>(count),
@@ -334,7 +335,7 @@ class ClosingPath {
   scene::Scene scene_;
   double tile_;                       // metres
   std::vector<model::Brick> bricks_;  // of the scene
-  std::vector<model::Brick> metric_;  // the same with the metric of the path for their masses
+  std::vector<model::Brick> metric_;  // the same with the path's metric as masses
   std::vector<model::Pivot> pivots_;
   std::vector<model::Hinge> hinges_;
   double jointStiffness_;
@@ -346,7 +347,7 @@ class ClosingPath {
   MechanismPath& path_;
   double extension_;  // length of the path to full extension, metres
   Poses before_, last_;
-  std::vector<double> gaps_;  // at the last state
+  std::vector<double> gaps_;  // of the last state
 };
 
 }  // namespace

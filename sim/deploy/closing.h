@@ -1,4 +1,4 @@
-/// From full extension on to the second compact state of a sheet.
+/// Path from full extension to the second compact state of a sheet.
 #pragma once
 
 #include "sim/deploy/assembled_state.h"
@@ -10,10 +10,10 @@
 namespace kirireel::deploy {
 
 /// Follows a sheet beyond full extension until its tiles meet again. `found` is its path to full
-/// extension and becomes the whole path. Contacts are left out on the way.
+/// extension and is extended to the whole path. Contacts are ignored along the path.
 ///
-/// Throws InputError for a sheet that does not extend, one with more than one motion half way to
-/// full extension, one that stops before its tiles meet, and one whose tiles never meet.
+/// Throws InputError if the sheet does not extend, has more than one motion half-way to full
+/// extension, stops before its tiles meet, or never meets.
 void continueUntilClosed(const scene::Scene& scene, SearchBudget& budget,
                          const PathObserver& shouldContinue, GeometricPath& found);
 

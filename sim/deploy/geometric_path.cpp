@@ -1,7 +1,7 @@
-// How a path is played back.
+// Playback of a path.
 //
-// The pace is even: state k is reached at T L_k / L, L_k the path's length up to it (pathDistance)
-// and T the playback time. Samples lie between two states, with joints closed again.
+// The speed is constant: state k is reached at T L_k / L, with L_k the path's length up to it
+// (pathDistance) and T the playback time. Samples are interpolated, with joints closed again.
 #include "sim/deploy/geometric_path.h"
 
 #include <algorithm>
@@ -20,13 +20,13 @@
 namespace kirireel::deploy {
 namespace {
 
-// An extension shorter than this part of a tile is none.
+// A shorter extension, as a fraction of a tile, does not count.
 constexpr double kLeastExtension = 1e-3;
 
-// A state between two of a path of rounded tiles lies on a curve through so many.
+// Number of states that interpolate a path of rounded tiles.
 constexpr std::size_t kSmoothStates = 4;
 
-/// A walk in progress.
+/// Plays back one path.
 class Walk {
  public:
   Walk(const scene::Scene& scene, const GeometricPath& found, const AssembledState& nearest,
@@ -41,7 +41,7 @@ class Walk {
                  model::startPoses(scene.model.tiles, bricks_), nearest),
         between_(scene, found) {}
 
-  // Walks all states, samples included, and returns the result without outcome and reason.
+  // Plays back all states and samples. Returns the result without outcome and reason.
   DeploymentResult finish() {
     figures_.begin(found_.path.states.front(), found_.hasCompliantJoints);
     takeSample(0, found_.path.states.front());
@@ -49,9 +49,9 @@ class Walk {
       const InterruptionCatcher catcher;
       for (std::size_t k = 1; k < found_.path.states.size() && !isAskedToEnd_; ++k) step(k);
     } catch (const Interrupted&) {
-      isAskedToEnd_ = true;  // within a state that lies between two others
+      isAskedToEnd_ = true;  // interrupted while a state was interpolated
     }
-    // The last state is sampled though no sample is due.
+    // The last state is always sampled.
     if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
     DeploymentResult result;
     static_cast<trajectory::Subject&>(result.trajectory) = trajectory::subjectOf(scene_);
@@ -63,19 +63,19 @@ class Walk {
   double time() const { return time_; }
 
  private:
-  /// When a state is reached, seconds.
+  /// The time of a state, seconds.
   double timeAt(std::size_t state) const {
     const double whole = std::min(scene_.path.walkTime, scene_.stop.duration);
     return found_.path.length() > 0 ? whole * (found_.path.lengths[state] / found_.path.length())
                                     : 0;
   }
 
-  // One state of the path, and the samples that came due on the way to it.
+  // One state of the path, and the samples that are due before it.
   void step(std::size_t state) {
     const double before = time_;
     const double next = timeAt(state);
     isWhole_ = state + 1 == found_.path.states.size();
-    if (!(next > before)) return;  // a state that is the one before but for rounding
+    if (!(next > before)) return;  // equal to the previous state up to rounding
     time_ = next;
     poses_ = &found_.path.states[state];
     StepReport report;
@@ -92,8 +92,8 @@ class Walk {
     }
   }
 
-  // The observer may end the walk here. Samples that are due within the same step are then left
-  // out.
+  // The observer may end the playback here. Further samples of the same step are then
+  // omitted.
   void takeSample(double time, Poses poses) {
     ++samples_;
     lastTime_ = time;
@@ -110,15 +110,15 @@ class Walk {
   RunFigures figures_;
   StatesBetween between_;
   const Poses* poses_ = &found_.path.states.front();
-  double time_ = 0;      // of the last state, seconds
+  double time_ = 0;      // of the current state, seconds
   double lastTime_ = 0;  // of the last sample, seconds
   long samples_ = 0;
   bool isWhole_ = false;
   bool isAskedToEnd_ = false;
 };
 
-/// How a walk ends near a target, `error` metres from it. `nearest`: of a state with closed joints,
-/// metres.
+/// How a path ends near a target, `error` metres away. `nearest`: least error of a state with
+/// closed joints, metres.
 std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found, double error,
                           double nearest) {
   const LengthUnit& unit = scene.model.unit;
@@ -137,7 +137,7 @@ std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found,
                              lengthText(nearest, unit));
 }
 
-/// How a walk ends that nobody interrupts. Errors as in endNearTarget().
+/// How a complete path ends. Errors as in endNearTarget().
 std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error,
                   double nearest) {
   std::string words = "the path ends at full extension";
@@ -174,8 +174,8 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
   return words;
 }
 
-/// Joints that are open at the start as read are closed there, whatever is in the way: says so
-/// where that pushes bricks into each other.
+/// Open joints of the start are closed even if bricks then overlap. Adds a warning in this
+/// case.
 void addPushedWarning(const scene::Scene& scene, const Poses& closed, DeploymentResult& result) {
   if (scene.environment.contacts == scene::ContactFilter::None) return;
   const double tile = model::tileSize(scene.model);
@@ -199,7 +199,7 @@ bool isExtension(const scene::Scene& scene, const MechanismPath& path) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// States between two others.
+// Interpolated states.
 
 StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& found)
     : found_(found),
@@ -217,8 +217,8 @@ bool StatesBetween::isOpen(const Poses& state) const {
   return found_.hasCompliantJoints && trajectory::jointGap(pivots_, state).max > kExactShare * tile_;
 }
 
-// On the cubic through the four states around it (Lagrange). Straight ways of rounded tiles would
-// open their joints by the square of a turn.
+// The cubic through the four surrounding states (Lagrange). Linear interpolation would open the
+// joints of rounded tiles by the square of a rotation.
 Poses StatesBetween::smoothAt(std::size_t state, double share) const {
   const std::vector<Poses>& states = found_.path.states;
   const std::vector<double>& lengths = found_.path.lengths;
@@ -252,8 +252,8 @@ void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
   }
 }
 
-// Joints that are closed in both states are closed again. Compliant joints that are open need not
-// close, and only the symmetry is restored.
+// Joints that are closed in both states are closed again. Open compliant joints need not close:
+// only the symmetry is restored.
 Poses StatesBetween::at(std::size_t state, double share) {
   const Poses& from = found_.path.states[state - 1];
   const Poses& to = found_.path.states[state];

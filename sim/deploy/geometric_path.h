@@ -1,4 +1,4 @@
-/// A path of the mechanism with its figures, and its playback at an even pace.
+/// A kinematic path with its figures, and its playback at constant speed.
 #pragma once
 
 #include <memory>
@@ -12,33 +12,33 @@
 
 namespace kirireel::deploy {
 
-/// A path, and what is known of it.
+/// A path and its properties.
 struct GeometricPath {
   MechanismPath path;                                          ///< its states
-  scene::ContactFilter contacts = scene::ContactFilter::None;  ///< that bricks had on it
-  std::string contactReason;                                   ///< why, for the summary
-  std::string reason;                                          ///< why this path, for the summary
-  std::string closedWords;  ///< of a path to the second compact state: how it ends
-  PathEvaluation evaluation;                                   ///< its figures
-  bool hasCompliantJoints = false;                             ///< joints may be open on the way
-  /// Model::rounding is not the last digit of coordinates but how closely the tiles fit.
+  scene::ContactFilter contacts = scene::ContactFilter::None;  ///< contacts along the path
+  std::string contactReason;                                   ///< for the contacts, in the summary
+  std::string reason;                                          ///< for this path, in the summary
+  std::string closedWords;          ///< how a path to the second compact state ends; else empty
+  PathEvaluation evaluation;        ///< its figures
+  bool hasCompliantJoints = false;  ///< joints may open along the path
+  /// Model::rounding is the misfit of the tiles, not the last digit of coordinates.
   bool isFitMeasured = false;
 };
 
-/// Joints that are open by less, in tiles, are closed.
+/// Joints with smaller gaps, in tiles, are closed.
 inline constexpr double kExactShare = 1e-10;
 
-/// Whether a path is longer than the shortest extension that counts.
+/// Whether a path has the minimum length of an extension.
 bool isExtension(const scene::Scene& scene, const MechanismPath& path);
 
-/// Finds states between two neighbouring states of a path. Joints that are closed in both are
-/// closed in between, too.
+/// Interpolates two neighbouring states of a path. Joints that are closed in both stay
+/// closed.
 class StatesBetween {
  public:
-  /// The path must outlive this.
+  /// Keeps a reference to the path.
   StatesBetween(const scene::Scene& scene, const GeometricPath& found);
 
-  /// The state at a share, 0 to 1, of the way from the state before `state` to it.
+  /// The state at a share ([0, 1]) between the state before `state` and `state`.
   Poses at(std::size_t state, double share);
 
  private:
@@ -54,8 +54,8 @@ class StatesBetween {
   std::unique_ptr<Dynamics> projection_;  // closes joints
 };
 
-/// Walks a path at an even pace within the scene's PathSettings::walkTime, or its duration where
-/// that is shorter. Measures each state; samples lie between two states, with joints closed.
+/// Plays back a path at constant speed, in the shorter of PathSettings::walkTime and the scene's
+/// duration. Measures each state. Samples are interpolated between states, with joints closed.
 DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
                       const AssembledState& nearest, double sampleInterval,
                       const SampleObserver& observer);

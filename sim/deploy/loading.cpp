@@ -1,7 +1,7 @@
-// A scene with grips: its sheet is made, in the plane with three coordinates a tile or in space as
-// bars and hinges, its equilibria are followed from the load 0 to 1 (load_path.cpp), and the states
-// found are walked as a path of the mechanism is. Everything that equilibria do not know is refused
-// with what to leave away: time, contacts, gravity, links, drives.
+// A scene with grips. Its sheet is created: in the plane with three coordinates per tile, or in
+// space as bars and hinges. Its equilibria are followed from load 0 to 1 (load_path.cpp). The
+// resulting states are played back like a kinematic path. Features that equilibria do not support
+// are rejected, with a message that names them: time, contacts, gravity, links, drives.
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@
 namespace kirireel::deploy {
 namespace {
 
-/// The tiles that are pinned from the start, which is all that the timeline may ask for.
+/// The tiles that are pinned at the start. The timeline may contain nothing else.
 std::vector<int> pinnedTiles(const scene::Scene& scene) {
   std::vector<int> tiles;
   for (const scene::TimelineEntry& entry : scene.timeline) {
@@ -48,14 +48,14 @@ std::vector<int> pinnedTiles(const scene::Scene& scene) {
   return tiles;
 }
 
-// Each message says what to leave away.
+// Each message names the feature to remove.
 void requireEquilibria(const scene::Scene& scene) {
   scene::Scene bare = scene;
-  // What the checks below allow by themselves is taken out, so that isQuasiStatic() speaks of the
+  // Features that the checks below allow are removed: isQuasiStatic() then reports only the
   // rest.
   bare.timeline.clear();
   bare.hinges = {};
-  if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold what no joint does
+  if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold unjoined tiles
   bare.actuation.drive = scene::defaultDrive(bare.model);
   std::string reason;
   if (!scene::isQuasiStatic(bare, reason)) {
@@ -88,7 +88,7 @@ void requireEquilibria(const scene::Scene& scene) {
   }
 }
 
-/// What a grip holds of its tiles: its corners, or the tiles' middles.
+/// The points that a grip holds: its corners, or the centres of its tiles.
 std::vector<mechanics::GripHandle> handlesOf(const GripOrder& grip,
                                              const std::vector<model::Brick>& bricks) {
   std::vector<mechanics::GripHandle> points;
@@ -104,7 +104,7 @@ std::vector<mechanics::GripHandle> handlesOf(const GripOrder& grip,
   return points;
 }
 
-/// The grips of a scene, one for each direction that it names.
+/// The grips of a scene, one per direction.
 std::vector<GripOrder> gripsOf(const scene::Scene& scene) {
   std::vector<GripOrder> found;
   for (std::size_t k = 0; k < scene.grips.size(); ++k) {
@@ -136,7 +136,7 @@ std::size_t leadingOf(const std::vector<GripOrder>& grips) {
   return static_cast<std::size_t>(leading - grips.begin());
 }
 
-/// What a grip holds: "x of tile 3 (grip 2)".
+/// For example "x of tile 3 (grip 2)".
 std::string held(const scene::Scene& scene, const GripOrder& grip) {
   std::vector<std::string> parts;
   const int first = scene.model.fileOrder.countsFrom;
@@ -151,11 +151,11 @@ std::string held(const scene::Scene& scene, const GripOrder& grip) {
   return fmt::format("{} of {}", grip.axis, fmt::join(parts, ", "));
 }
 
-/// Whether joints, pins and grips allow their moves together, as far as the start shows.
+/// Whether joints, pins and grips allow their combined moves to first order at the start.
 bool allowMoves(const mechanics::LoadedSheet& sheet) {
   using Matrix = mechanics::LoadedSheet::Matrix;
-  constexpr double kFirm = 1e-9;     // beside the squares of the rows
-  constexpr double kAllowed = 1e-6;  // part of the moves that may be missing
+  constexpr double kFirm = 1e-9;     // relative to the squares of the rows
+  constexpr double kAllowed = 1e-6;  // fraction of the moves that may be missing
   const Matrix rows = sheet.jacobian(sheet.startCoordinates());
   const Eigen::VectorXd motion = sheet.motion();
   if (motion.size() == 0 || motion.isZero(0)) return true;
@@ -165,7 +165,7 @@ bool allowMoves(const mechanics::LoadedSheet& sheet) {
   const Eigen::SimplicialLDLT<Matrix> factor(square);
   Eigen::VectorXd move = Eigen::VectorXd::Zero(rows.cols());
   Eigen::VectorXd missing = motion;
-  // What the diagonal takes is given back round by round.
+  // Each round corrects the error of the added diagonal.
   for (int round = 0; round < 5; ++round) {
     move += factor.solve(Eigen::VectorXd(rows.transpose() * missing));
     missing = motion - rows * move;
@@ -173,8 +173,8 @@ bool allowMoves(const mechanics::LoadedSheet& sheet) {
   return missing.norm() <= kAllowed * motion.norm();
 }
 
-/// Throws InputError for grips that contradict each other: together they ask for moves that joints
-/// do not allow, and without one of them they do not.
+/// Throws InputError for contradicting grips: the joints do not allow their combined moves, but
+/// allow the moves without one of them.
 template <typename MakeSheet>
 void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
                       const MakeSheet& makeSheet) {
@@ -188,14 +188,14 @@ void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& g
     const bool isMoving = std::ranges::any_of(others, [](const GripOrder& grip) {
       return grip.amount != 0 && !grip.setting->isForce;
     });
-    // The grips that move are a part of each contradiction.
+    // Every contradiction contains all moving grips.
     const bool isPart = !isMoving || allowMoves(*makeSheet(others));
     if (!isPart) continue;
     names.push_back(fmt::format("{} by {:g} ({})", held(scene, grips[g]), grips[g].amount,
                                 grips[g].name.name));
     last = &grips[g];
   }
-  // Of one grip, or of none, the joints are the limit: the path says so where it ends.
+  // With one grip or none the joints are the limit. The path reports this at its end.
   if (names.size() < 2) return;
   throw inputErrorAt(last->setting->where,
                      fmt::format("grips contradict each other: the joints do not allow {} "
@@ -203,16 +203,16 @@ void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& g
                                  fmt::join(names, ", ")));
 }
 
-/// The part of a direction in the plane of the sheet, whose normal is z of the axes that the scene
-/// is turned into.
+/// The part of a direction in the plane of the sheet. The normal is the z axis of the
+/// scene.
 Vector3 inPlane(const Vector3& direction) {
   constexpr double kRounding = 1e-9;
   const Vector3 part(direction.x(), direction.y(), 0);
   return part.norm() > kRounding ? part : Vector3::Zero();
 }
 
-/// Throws InputError for a grip that names the normal of the sheet, whose amounts no move in the
-/// plane has, or whose force leaves the plane.
+/// Throws InputError if a grip names the normal of the sheet, has amounts that no move in the plane
+/// has, or has a force out of the plane.
 void requireInPlane(const scene::GripSetting& grip) {
   constexpr double kRounding = 1e-9;
   Eigen::Matrix<double, 3, 2> directions = Eigen::Matrix<double, 3, 2>::Zero();
@@ -236,7 +236,7 @@ void requireInPlane(const scene::GripSetting& grip) {
                      "the plane, or let the tiles bend (`panels`)");
 }
 
-/// The sheet in three coordinates a tile.
+/// The sheet with three coordinates per tile.
 std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
                                                     const std::vector<model::Brick>& bricks,
                                                     const scene::Ties& ties,
@@ -251,7 +251,7 @@ std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
     const scene::GripSetting& setting = *grip.setting;
     const bool isOfThree = setting.x && setting.y && setting.z && !grip.name.isTurn;
     if (!isOfThree) continue;
-    // gripsOf() has x, y and z of a setting in a row.
+    // gripsOf() lists x, y and z of a setting consecutively.
     const bool isNext = &setting == lastOfThree;
     first = isNext ? first : held.size() - 1;
     lastOfThree = &setting;
@@ -263,7 +263,7 @@ std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
       pinnedTiles(scene), std::move(held));
 }
 
-/// The states as a path to be walked.
+/// The states as a path for playback.
 GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics::LoadPath& loaded,
                        bool isSoft) {
   GeometricPath walked;
@@ -282,7 +282,7 @@ GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics:
   return walked;
 }
 
-/// What happened on the way, each at its time in the walk.
+/// Adds limit points and bifurcations as events, at their time in the playback.
 void noteTurnings(const mechanics::LoadCurve& curve, const MechanismPath& path, double seconds,
                   const LengthUnit& unit, DeploymentResult& result) {
   const mechanics::GripName& leading = curve.grips[curve.leading];
@@ -303,7 +303,7 @@ void noteTurnings(const mechanics::LoadCurve& curve, const MechanismPath& path, 
   result.trajectory.events.insert(result.trajectory.events.begin(), events.begin(), events.end());
 }
 
-/// Whether a grip moves a part of the sheet away from its middle.
+/// Whether a grip moves a part of the sheet away from its centre.
 bool movesOutwards(const std::vector<model::Brick>& bricks, const Poses& start,
                    const GripOrder& grip) {
   Vector3 middle = Vector3::Zero(), place = Vector3::Zero();
@@ -316,7 +316,7 @@ bool movesOutwards(const std::vector<model::Brick>& bricks, const Poses& start,
   return grip.amount * grip.direction.dot(place - middle) >= 0;
 }
 
-/// How the path ended, with its stability, and what is wrong with it.
+/// How the path ended, its stability, and its faults.
 void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
              const mechanics::LoadPath& loaded, const GripOrder& leading,
              DeploymentResult& result) {
@@ -340,7 +340,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
         "the last equilibrium is not stable: the sheet would leave it in {} independent way{}",
         modes, modes == 1 ? "" : "s"));
   }
-  // Tiles that bend have poses that only fit them.
+  // Poses of bending tiles are only fits: their overlaps do not count.
   const double tile = model::tileSize(scene.model);
   const double grown = scene.hinges.panels ? 0 : result.accuracy.penetrationGrownMax;
   if (grown > kClearShare * tile) {
@@ -386,7 +386,7 @@ DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
   if (!ties.pairForces.empty()) {
     result.elasticity = model::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
-    // Bars hold energy too, which poses do not show.
+    // Bars also store energy, which poses do not show.
     if (scene.hinges.panels) {
       result.elasticity->energyStart = loaded.states.front().energy;
       result.elasticity->energyEnd = loaded.states.back().energy;
@@ -403,18 +403,18 @@ DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
 // ------------------------------------------------------------------------------------------------
 // A scene's tiles as bars and hinges (bar_hinge_sheet.h).
 //
-// Corners that joints hold together, in groups, become nodes: the mean of their places. Each tile
-// is divided into triangles; every side of a triangle is a bar, with the areas of the triangles on
-// its sides added up (stiffness.h), so that a bar between two tiles carries for both. A side
-// between two triangles of one tile is where the tile bends, one between triangles of two tiles a
-// fold.
+// Joined corners become one node at the mean of their positions. Each tile is divided
+// into triangles. Every side of a triangle is a bar. Its area is the sum over the
+// triangles at this side (stiffness.h): a bar between two tiles carries load for both. A
+// tile bends at a side between two of its triangles. A side between triangles of two
+// tiles is a fold.
 
 namespace {
 
-/// The node of each corner of each tile: corners that joints hold together have one.
+/// The node of each corner of each tile. Joined corners have the same node.
 std::vector<std::vector<int>> nodesOfTiles(const model::Model& model, int& count) {
   std::vector<std::vector<int>> corners;
-  // Numbers of all corners, tile after tile.
+  // Numbers all corners, tile by tile.
   int next = 0;
   for (const model::Tile& tile : model.tiles) {
     corners.emplace_back(tile.vertices.size());
@@ -438,7 +438,7 @@ std::vector<std::vector<int>> nodesOfTiles(const model::Model& model, int& count
 struct PanelSide {
   int tile = 0;
   int from = 0, to = 0;  // anticlockwise in the triangle
-  int wing = 0;          // its third node
+  int wing = 0;          // index of its third node
   std::array<int, 3> corners{};
 };
 
@@ -451,7 +451,7 @@ struct FoldSides {
 using Edge = std::pair<int, int>;
 using Edges = std::map<Edge, std::vector<PanelSide>>;
 
-// By their two nodes, the lower first, with the triangles on their sides.
+// Edges by their two nodes, the lower index first, with the triangles at each edge.
 Edges edgesOf(const model::Model& model, const std::vector<std::vector<int>>& nodes) {
   Edges edges;
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
@@ -469,7 +469,7 @@ Edges edgesOf(const model::Model& model, const std::vector<std::vector<int>>& no
   return edges;
 }
 
-/// A sheet in the making.
+/// Builds the sheet of bars and hinges.
 class BarHingeMaker {
  public:
   BarHingeMaker(const scene::Scene& scene, const std::vector<model::Brick>& bricks)
@@ -483,7 +483,7 @@ class BarHingeMaker {
     for (const auto& [edge, sides] : edges_) addBends(sides);
   }
 
-  /// Springs at hinges of the scene: each edge that the two tiles share has its part by length.
+  /// Springs at hinges of the scene. Each common edge of the two tiles has a share by its length.
   void addFolds(const std::vector<model::HingeSpring>& springs) {
     for (const model::HingeSpring& spring : springs) {
       const std::vector<FoldSides> shared = sidesBetween(spring.hinge.brickA, spring.hinge.brickB);
@@ -496,7 +496,7 @@ class BarHingeMaker {
     }
   }
 
-  // All nodes of these tiles.
+  // Fixes all nodes of these tiles.
   void fix(const std::vector<int>& tiles) {
     for (const int tile : tiles) {
       const std::vector<int>& nodes = made_.tiles[static_cast<std::size_t>(tile)];
@@ -526,7 +526,7 @@ class BarHingeMaker {
   mechanics::BarHingeModel take() { return std::move(made_); }
 
  private:
-  /// Each node where its corners are on the average.
+  /// Places each node at the mean of its corners.
   void placeNodes(int count) {
     made_.nodes.assign(static_cast<std::size_t>(count), Vector3::Zero());
     std::vector<double> corners(static_cast<std::size_t>(count), 0);
@@ -555,7 +555,7 @@ class BarHingeMaker {
     made_.bars.push_back({edge.first, edge.second, length, material_.youngs * area / length});
   }
 
-  /// Where a tile bends: between two of its triangles.
+  /// A tile bends between two of its triangles.
   void addBends(const std::vector<PanelSide>& sides) {
     for (std::size_t b = 1; b < sides.size(); ++b) {
       for (std::size_t a = 0; a < b; ++a) {
@@ -572,12 +572,12 @@ class BarHingeMaker {
 
   mechanics::Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
     mechanics::Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
-    // Without a rest angle of its own a fold rests as it stands.
+    // Without a given rest angle, a fold is at rest at its start angle.
     fold.rest = mechanics::foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
     return made_.folds.emplace_back(fold);
   }
 
-  /// The triangles of two tiles on both sides of each edge that they share.
+  /// The triangles of two tiles at each edge that they share.
   std::vector<FoldSides> sidesBetween(int a, int b) const {
     std::vector<FoldSides> found;
     for (const auto& [edge, sides] : edges_) {
@@ -620,7 +620,7 @@ void requireNodes(const model::Model& model) {
   }
 }
 
-/// Tiles that bend have springs at their folds; other forces need bricks that are rigid.
+/// Throws for forces other than springs at hinges: those need rigid bricks.
 void requireSpringsAlone(const model::PairForces& forces) {
   for (const std::shared_ptr<const model::PairForce>& force : forces) {
     if (force->hingeSprings()) continue;

@@ -1,9 +1,9 @@
 // The gap of two convex pieces is their largest separation over all planes of faces and of pairs of
 // edges (sim/contacts/contact_finder.h). A point c on that plane, with the unit normal n from B to
-// A, moves with brick A by dx_a + dphi_a x (c - x_a), and likewise with B, so that
+// A, moves with brick A by dx_a + dphi_a x (c - x_a), and in the same form with B. Thus
 //   dgap = n . dx_a + ((c - x_a) x n) . dphi_a - n . dx_b - ((c - x_b) x n) . dphi_b.
-// Of two edges c is the middle of the nearest points of their lines. There n is along the line from
-// one to the other, so its own change has no effect. Of a face and points c is each of the points.
+// For two edges, c is the middle of the nearest points of their lines. n is parallel to the line
+// between these points, and its own change has no effect. For a face and points, c is each point.
 #include "sim/deploy/near_gaps.h"
 
 #include <algorithm>
@@ -18,13 +18,13 @@ using contacts::Outline;
 using contacts::PlacedOutline;
 using contacts::SeparatingPlane;
 
-// Points of an edge reach equally far to this part of the reach.
+// Points of an edge are at equal distance up to this fraction of the reach.
 constexpr double kTie = 1e-4;
-// Planes keep bricks apart equally well to this part of their radii.
+// Planes separate bricks equally well up to this fraction of their radii.
 constexpr double kEqualPlanes = 1e-9;
 
-/// The first and the last of the points that reach farthest against `direction`, to `tie` metres:
-/// the ends of an edge, or one corner twice.
+/// The first and the last of the points that lie farthest against `direction`, within `tie` metres:
+/// the ends of an edge, or the same corner twice.
 std::array<Vector3, 2> lowestEdge(const PlacedOutline& placed, const Vector3& direction,
                                   double tie) {
   double low = std::numeric_limits<double>::infinity();
@@ -36,8 +36,8 @@ std::array<Vector3, 2> lowestEdge(const PlacedOutline& placed, const Vector3& di
   return {found.front(), found.back()};
 }
 
-/// The middle of the nearest points of two lines that are not parallel. If one or both are points,
-/// of the nearest points to these.
+/// The middle of the nearest points of two lines that are not parallel. Each line may degenerate to
+/// a point.
 Vector3 middleOfNearest(const std::array<Vector3, 2>& p, const std::array<Vector3, 2>& q) {
   const Vector3 u = p[1] - p[0], v = q[1] - q[0], w = q[0] - p[0];
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
@@ -107,7 +107,7 @@ void NearGapFinder::addPairs(int a, int b, const std::vector<std::size_t>& outli
   for (const std::size_t ofA : outlinesA) {
     for (const std::size_t ofB : outlinesB) {
       PiecePair& pair = added.emplace_back(PiecePair{a, b, ofA, ofB});
-      // Planes are numbers of faces and edges: pieces with equal counts have the same list.
+      // Planes are indices of faces and edges: pieces with equal counts have the same list.
       const Outline &x = outlines_[ofA], &y = outlines_[ofB];
       const auto [list, isNew] = planeLists_.try_emplace(
           {x.normals.size(), x.directions.size(), y.normals.size(), y.directions.size()});
@@ -122,8 +122,8 @@ void NearGapFinder::place(const PiecePair& pair, const Poses& poses) {
   contacts::placeOutline(outlines_[pair.b], poses[pair.brickB], placedB_);
 }
 
-/// The largest separation of a placed pair, metres, and its plane in `known`: of planes that keep
-/// the pair apart equally well the first. Ends at the first plane that keeps it apart by the margin.
+/// The largest separation of a placed pair, metres. Stores its plane in `known`, the first of
+/// equally good planes. Stops at the first plane that separates the pair by the margin.
 double NearGapFinder::separate(PiecePair& pair, double margin) {
   const auto along = [&](std::size_t plane) {
     return contacts::separation((*pair.planes)[plane], placedA_, placedB_);

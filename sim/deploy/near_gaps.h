@@ -1,4 +1,4 @@
-/// Gaps between bricks that are near each other, with their derivatives.
+/// Gaps between near bricks, with their derivatives.
 #pragma once
 
 #include <array>
@@ -16,25 +16,25 @@ namespace kirireel::deploy {
 /// One point of a brick against a plane of another. A move of both bricks changes the gap by
 /// ofA . (dx_a, dphi_a) + ofB . (dx_b, dphi_b), to the first order.
 struct NearGap {
-  int brickA = 0;  ///< its number, from 0
-  int brickB = 0;  ///< likewise
-  double gap = 0;  ///< metres, plus the overlap that the pair had at the start
-  Vector6 ofA;     ///< by a move (1) and a turn about the centre of mass (metres per radian)
-  Vector6 ofB;     ///< likewise
+  int brickA = 0;  ///< index >= 0
+  int brickB = 0;  ///< index >= 0
+  double gap = 0;  ///< metres, plus the overlap of the pair at the start
+  Vector6 ofA;     ///< by displacement (1) and by rotation about the centre of mass (m/rad)
+  Vector6 ofB;     ///< the same for brick B
 };
 
-/// Finds the gaps of bricks that may touch: the best separating plane of each pair of convex pieces
-/// that is nearer than a margin, and the points that are close to that plane. Joined bricks meet
-/// without the corners that they share (sim/model/contact.h).
+/// Finds the gaps of bricks that may touch. For each pair of convex pieces nearer than a margin, it
+/// uses the best separating plane and the points close to it. Joined bricks are compared without
+/// the corners that they share (sim/model/contact.h).
 class NearGapFinder {
  public:
-  /// `contacts`: which pairs may touch. `planar`: only the outlines in the plane meet. Pairs may
+  /// `contacts`: which pairs may touch. `planar`: uses only the outlines in the plane. Pairs may
   /// keep the overlap that they have at `start`. Bricks are copied.
   NearGapFinder(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
                 scene::ContactFilter contacts, double pivotZone, bool planar, const Poses& start);
 
-  /// The gaps of pairs that are nearer than `margin` metres, in order of bricks. Of each pair the
-  /// points within `reach` metres of the nearest one.
+  /// The gaps of pairs that are nearer than `margin` metres, in order of bricks. Each pair has the
+  /// points within `reach` metres of its nearest point.
   std::vector<NearGap> find(const Poses& poses, double margin, double reach);
 
  private:
@@ -43,7 +43,7 @@ class NearGapFinder {
     std::size_t a = 0, b = 0;  // outlines
     const std::vector<contacts::SeparatingPlane>* planes = nullptr;
     double kept = 0;        // overlap at the start, metres
-    std::size_t known = 0;  // plane that kept the pair apart when it was last checked
+    std::size_t known = 0;  // plane that separated the pair at the last check
   };
 
   std::vector<std::size_t> addOutlines(const std::vector<model::BrickPiece>& pieces,
@@ -59,7 +59,7 @@ class NearGapFinder {
   std::vector<double> radii_;  // of the bricks, metres
   std::vector<contacts::Outline> outlines_;
   std::map<std::array<std::size_t, 4>, std::vector<contacts::SeparatingPlane>> planeLists_;
-  std::vector<std::vector<PiecePair>> pairs_;  // those of one pair of bricks together
+  std::vector<std::vector<PiecePair>> pairs_;  // grouped by pair of bricks
   contacts::PlacedOutline placedA_, placedB_;
 };
 

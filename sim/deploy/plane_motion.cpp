@@ -1,7 +1,7 @@
 // Mobility of flat sheets in the plane and in space: the rank of the joints' Jacobian at the start.
-// A sheet that fits to a tolerance only may seem locked, because its redundant joints are
-// independent to all digits. Such a sheet is not counted here: its misfit shows as a least singular
-// value that is small but not zero.
+// A sheet with a misfit may seem locked, because its redundant joints are independent if all digits
+// count. Such a sheet is not counted here. Its misfit shows as a least singular value that is small
+// but not zero.
 #include "sim/deploy/plane_motion.h"
 
 #include <algorithm>
@@ -16,9 +16,9 @@
 namespace kirireel::deploy {
 namespace {
 
-/// Motions beyond those of the whole; -1 if they cannot be counted.
+/// Motions other than rigid motions of the whole sheet; -1 if they cannot be counted.
 int motions(const scene::Scene& scene, trajectory::Freedom freedom) {
-  constexpr double kFits = 1e-4;  // in tiles; below, the joints may be redundant but for a misfit
+  constexpr double kFits = 1e-4;  // in tiles; below, joints may be redundant except for a misfit
   const trajectory::Mobility found =
       trajectory::mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
   const bool isCertain = found.rank == 0 || found.leastKept > kFits;

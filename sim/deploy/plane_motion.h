@@ -10,13 +10,13 @@ namespace kirireel::deploy {
 /// Costs up to two singular value decompositions of the joints' Jacobian.
 int motionsOutOfPlane(const scene::Scene& scene);
 
-/// Throws InputError if nothing moves a sheet without target that can only leave its plane: see
+/// Throws InputError if nothing moves a sheet without target that can only leave its plane, see
 /// motionsOutOfPlane().
 void requireDriveOutOfPlane(const scene::Scene& scene);
 
-/// Takes a planar scene without target out of its plane if it has no motion there: sets
-/// Scene::spaceReason. Throws InputError if nothing moves it. Scenes that a geometric path serves
-/// stay as they are.
+/// Moves a planar scene without target to space if it has no motion in its plane: sets
+/// Scene::spaceReason. Throws InputError if nothing moves it. Scenes with a geometric path are not
+/// changed.
 void leaveLockedPlane(scene::Scene& scene);
 
 }  // namespace kirireel::deploy

@@ -1,16 +1,16 @@
-// Which kinematic path a scene takes.
+// Selection of a kinematic path.
 //
 // There is one list of candidates (kCandidates), one evaluation (evaluate), one order (isBetter),
 // and one stop rule: the search ends at the first path that arrives with exact joints and without
-// overlaps. A candidate has a guide, contacts or none, and joints that are exact or of stiffness r
-// over that of one tile's position. Where a candidate stiffens, the path found becomes the guide of
-// the next one, with r ten times as large, for as long as joints open less.
+// overlaps. A candidate has a guide, contacts or none, and joints that are exact or of stiffness r.
+// r is relative to the stiffness of one tile's position. If a candidate stiffens, its path guides
+// the next one with r ten times as large, as long as the joint openings decrease.
 //
-// Overlaps are measured at the states and half way between them: where a branch of the mechanism
-// ends, a path that is followed state by state jumps, and its states do not show that.
+// Overlaps are measured at the states and half-way between them. At the end of a branch of the
+// mechanism the path jumps, and its states do not show the overlaps of the jump.
 //
 // The selected path is improved as a whole if it is rough, overlaps or opens joints
-// (smoothing.cpp). If that makes it worse, it stays as it was found.
+// (smoothing.cpp). If that makes it worse, the original path is kept.
 #include "sim/deploy/planner.h"
 
 #include <algorithm>
@@ -36,23 +36,23 @@ namespace {
 // ------------------------------------------------------------------------------------------------
 // The candidates.
 
-/// What a path follows.
+/// What a candidate follows.
 enum class Guide {
   OwnMotion,     ///< each tile's own motion to the goal
-  FromTarget,    ///< the same from the goal back; near the start joints are compliant if they must
-  PreviousPath,  ///< the last path without contacts whose joints are compliant
+  FromTarget,    ///< the same backwards from the goal; joints may be compliant near the start
+  PreviousPath,  ///< the last path without contacts and with compliant joints
 };
 
 struct Candidate {
   Guide guide;
   bool hasContacts;
   double jointStiffness;  ///< see ContinuationSettings
-  bool stiffens = false;  ///< whether stiffer joints are tried along the path that was found
+  bool stiffens = false;  ///< whether stiffer joints are tried along the resulting path
 };
 
-// In the order in which they are tried: the first brings most designs to their targets. Without
-// contacts, soft joints give the smoothest paths, which then guide those with contacts. Exact
-// joints among bricks that lie flush at the start cost most.
+// The candidates in the order of the search. The first brings most designs to their targets.
+// Without contacts, soft joints give the smoothest paths. These guide the candidates with contacts.
+// Exact joints with bricks that are flush at the start cost most.
 constexpr auto kCandidates = std::to_array<Candidate>({
     {Guide::OwnMotion, false, kExactJoints},
     {Guide::FromTarget, true, kExactJoints},
@@ -64,10 +64,10 @@ constexpr auto kCandidates = std::to_array<Candidate>({
     {Guide::OwnMotion, true, 1e2, true},
 });
 constexpr double kStiffer = 10;
-// Joints are stiffened for as long as each step leaves less than this part of the opening.
+// Joints are stiffened as long as each step leaves less than this fraction of the opening.
 constexpr double kOpeningLeft = 0.9;
 
-/// The candidates of a scene: those above, or those with the joint ratio that it sets.
+/// The candidates of a scene: kCandidates, or those with the scene's own joint ratio.
 std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
   if (!path.jointsAreCompliant()) return {kCandidates.begin(), kCandidates.end()};
   return {{Guide::OwnMotion, false, path.jointRatio},
@@ -75,7 +75,7 @@ std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
           {Guide::OwnMotion, true, path.jointRatio}};
 }
 
-/// What summary.json calls a candidate.
+/// The name of a candidate in summary.json.
 std::string describe(const Candidate& candidate) {
   const char* guide = candidate.guide == Guide::OwnMotion    ? "own motion of each tile"
                       : candidate.guide == Guide::FromTarget ? "from the target back"
@@ -86,26 +86,26 @@ std::string describe(const Candidate& candidate) {
   return fmt::format("{}, contacts {}, {}", guide, candidate.hasContacts ? "on" : "off", joints);
 }
 
-// A candidate may cost this part of the budget, and as much again for each fifth of the guide that
-// it has followed.
+// A candidate may use this fraction of the budget, and the same again for each fifth of the guide
+// that it has followed.
 constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
-// One from the target back may cost this part if exact joints are known to arrive without contacts:
-// those that touching bricks let through take many short moves, and the others cost little.
+// The same for a candidate from the target, if exact joints arrive without contacts. Among touching
+// bricks it may need many short moves, while the other candidates cost little.
 constexpr double kFromTargetShare = 0.75;
-// A last move to the nearest state is at most this part of a tile.
+// A final move to the nearest state is at most this fraction of a tile.
 constexpr double kLastMove = 1e-3;
-// Extending without contacts may cost this part of the budget.
+// The extension without contacts may use this fraction of the budget.
 constexpr double kWithoutContactsShare = 0.6;
 // ------------------------------------------------------------------------------------------------
 // The evaluation.
 
-// Frames in which roughness is counted, and the angle from which a frame is rough, radians.
+// Number of frames for roughness, and the angle above which a frame is rough, radians.
 constexpr int kFrames = 360;
 constexpr double kRoughAngle = 30 * kDegree;
 
-/// The velocities of all tiles from one state to another, by the time between them: moves, and
-/// turns by their arc at the radius of gyration.
+/// The velocities of all tiles between two states, relative to the time between them. Rotations
+/// count by their arc at the radius of gyration.
 std::vector<Vector3> velocitiesBetween(const std::vector<model::Brick>& bricks, const Poses& from,
                                        const Poses& to) {
   std::vector<Vector3> velocities;
@@ -131,7 +131,7 @@ std::vector<Vector3> verticesOf(const std::vector<model::Brick>& bricks, const P
   return vertices;
 }
 
-/// Measures how unevenly the tiles move from frame to frame along a path at an even pace.
+/// Measures the variation of the tiles' motion between frames, along a path at constant speed.
 void measureRoughness(const std::vector<model::Brick>& bricks, const MechanismPath& path,
                       PathEvaluation& evaluation) {
   evaluation.roughFrames = 0;
@@ -178,12 +178,12 @@ void measureRoughness(const std::vector<model::Brick>& bricks, const MechanismPa
   evaluation.stepChange = *middle > 0 ? evaluation.stepChange / *middle : 0;
 }
 
-/// Whether the scene lets these bricks touch.
+/// Whether the scene allows contacts.
 bool mayTouch(const scene::Scene& scene) {
   return scene.environment.contacts != scene::ContactFilter::None;
 }
 
-/// Measures a path, but for its end, error and work. The scene has the contacts that were
+/// Measures a path except for its end, error and work. The scene has the contacts that were
 /// requested.
 void evaluate(const scene::Scene& scene, GeometricPath& found) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
@@ -214,13 +214,13 @@ void evaluate(const scene::Scene& scene, GeometricPath& found) {
 // ------------------------------------------------------------------------------------------------
 // The order.
 
-// Openings that differ by less than this part of a tile are alike.
+// Openings that differ by less than this fraction of a tile are equal.
 constexpr double kOpeningStep = 0.02;
 
-/// Whether a path is better than another: one that arrives without overlaps before any other; then
-/// the one that opens less in steps of kOpeningStep, then the smoother one, then the one that opens
-/// less. Of paths with overlaps the one with less, of paths that end short the one that comes
-/// nearer. Where the user asks for contacts, a path with overlaps is the last choice.
+/// Whether a path is better than another. A path that arrives without overlaps comes first. Next is
+/// the smaller opening in steps of kOpeningStep, then smoothness, then the exact opening. With
+/// overlaps, the smaller overlap is better. Before the target, the nearer end is better. If the
+/// user requests contacts, a path with overlaps is the last choice.
 class PathOrder {
  public:
   explicit PathOrder(const scene::Scene& scene)
@@ -247,23 +247,23 @@ class PathOrder {
   }
 
   double tile_;     // metres
-  bool mustTouch_;  // the user asks for contacts
+  bool mustTouch_;  // the user requests contacts
 };
 
 // ------------------------------------------------------------------------------------------------
 // Improvement of the selected path.
 
-// A path is smooth if no step changes by more than this part of the usual step, and if the
-// velocities of all tiles together turn by no more than this from frame to frame, radians.
+// A path is smooth if no step changes by more than this fraction of the typical step. The
+// velocities of all tiles together must rotate by at most kSmoothTurn between frames, radians.
 constexpr double kSmoothStepChange = 0.2;
 constexpr double kSmoothTurn = 10 * kDegree;
-// Bricks that overlap by more than this part of a tile are not pushed apart: another path is
+// Bricks with a larger overlap, as a fraction of a tile, are not pushed apart: another path is
 // needed.
 constexpr double kSmallOverlap = 0.1;
 
 /// Improves a path as a whole if it is rough, overlaps or opens joints. Keeps the improved path if
-/// it is smoother, and if neither its overlaps nor its openings are larger than those of the found
-/// one by more than what counts as none. Returns the figures of the improved path, if there is one.
+/// it is smoother and its overlaps and openings do not exceed those of the found path beyond the
+/// tolerance. Returns the figures of the improved path, if there is one.
 std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& found,
                                       SearchBudget& budget, const PathObserver& shouldContinue) {
   const PathEvaluation& before = found.evaluation;
@@ -277,14 +277,14 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
   const scene::ContactFilter contacts =
       arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
   better.path = smoothed(scene, found, contacts, budget, shouldContinue);
-  // Bricks that did not meet on the found path do not need contacts on a path near it.
+  // Without overlaps on the found path, a path near it needs no contacts.
   if (before.overlapGrowth > clear) better.contacts = contacts;
   evaluate(scene, better);
   PathEvaluation& after = better.evaluation;
   after.candidate = "improved as a whole: " + before.candidate;
   after.work = budget.spent() - spent;
   const PathEvaluation improved = after;
-  // Joints that are open by no more count as closed.
+  // Joints with smaller gaps count as closed.
   const double closed = found.path.isRounded ? 0 : kOpenJoints * tile;
   if (after.overlapGrowth <= std::max(before.overlapGrowth, clear) &&
       after.opening <= std::max(before.opening, closed) && after.stepChange < before.stepChange) {
@@ -294,12 +294,12 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
 }
 
 // ------------------------------------------------------------------------------------------------
-// The words about a path, for the summary.
+// Description of a path, for the summary.
 
 const char* const kSmoothing = "improvement of the path as a whole";
 const char* const kExtending = "the path to full extension";
 
-/// Says why a path was selected and why bricks have contacts on it, from its figures.
+/// Sets the reasons for the path and its contacts, from its figures.
 void addReasons(const scene::Scene& scene, GeometricPath& found) {
   const bool isTouching = found.contacts != scene::ContactFilter::None;
   const bool isOverlapping = overlaps(scene, found);
@@ -366,13 +366,13 @@ class Planner {
   }
 
  private:
-  /// Whether joints are exact, or compliant because the scene wants them so.
+  /// Whether joints are exact, or compliant by request.
   bool isExactEnough(const GeometricPath& found) const {
     return !found.hasCompliantJoints || found.path.isRounded || scene_.path.jointsAreCompliant();
   }
 
-  /// Limits the search by the work of the first candidate. One that was stuck early counts as if it
-  /// had kLeastStates states.
+  /// Limits the search by the work of the first candidate. If this was stuck early, its work is
+  /// scaled to kLeastStates states.
   void limitBudget() {
     const auto states = static_cast<double>(planned_.path->path.states.size());
     const double work = planned_.candidates.front().work * std::max(1.0, kLeastStates / states);
@@ -382,22 +382,22 @@ class Planner {
   bool isWorthTrying(const Candidate& candidate, bool isLast) {
     if (candidate.hasContacts && !mayTouch(scene_)) return false;
     const bool hasExactJoints = std::isinf(candidate.jointStiffness);
-    // Bricks that overlap at the goal keep any path with contacts from it: one with contacts shows
-    // where the sheet stops.
+    // Bricks that overlap at the goal block any path with contacts. One such path then shows where
+    // the sheet stops.
     if (isBlocked()) {
       const bool isStiffest = hasExactJoints || scene_.path.jointsAreCompliant();
       return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && isStiffest
                                    : !firstArrives();
     }
-    // Exact joints that lead nowhere do so among touching bricks, too.
+    // If exact joints do not arrive without contacts, they do not arrive with contacts either.
     if (hasExactJoints && candidate.guide != Guide::FromTarget && !firstArrives()) return false;
     if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
     const bool isFree = isCollisionFree(scene_, *planned_.path);
-    // Exact joints among touching bricks cost most, and gain nothing where joints hardly open.
+    // Exact joints with contacts cost most, and have no benefit if joints hardly open.
     if (hasExactJoints && candidate.guide == Guide::OwnMotion) {
       return !isFree || planned_.path->evaluation.opening >= kOpeningStep * tile_;
     }
-    // The softest joints come last.
+    // The softest joints are the last candidate.
     return !isLast || !isFree;
   }
 
@@ -414,7 +414,7 @@ class Planner {
 
   double clear() const { return kClearShare * tile_; }
 
-  /// How much overlaps of bricks that may touch have grown at a state, metres.
+  /// The growth of overlaps at a state, for bricks that may touch, metres.
   double growthAt(const Poses& state) const {
     return overlapMeter(scene_.environment, bricks_, pivots_, start_).at(state).grown;
   }
@@ -462,7 +462,7 @@ class Planner {
     if (isBack) {
       found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, shouldContinue);
     } else {
-      // Where bricks lie flush at the start, a jump off it would jam them.
+      // If bricks are flush at the start, a jump off it would jam them.
       ContinuationSettings settings;
       if (candidate.hasContacts || found.hasCompliantJoints) settings.leap = 0;
       settings.jointStiffness = candidate.jointStiffness;
@@ -482,9 +482,9 @@ class Planner {
     return found;
   }
 
-  /// A path that comes near to the known nearest state ends there, unless bricks overlap deeper in
-  /// it. Tiles of rounded coordinates come near to it within the rounding's reach: in a singular
-  /// state, a gap of that size is a turn by its square root.
+  /// Ends a path at the known nearest state if it comes near it, unless bricks overlap deeper
+  /// there. Tiles of rounded coordinates come near it only within the rounding's reach. In a
+  /// singular state, a gap of that size is a rotation by its square root.
   void endAtNearest(MechanismPath& path) const {
     if (path.isStuck || path.isCutShort) return;
     if (isNearest(scene_.model, path.error, nearest_.error)) return;
@@ -510,7 +510,7 @@ class Planner {
     return path.error <= limit ? PathEnd::Arrived : PathEnd::Short;
   }
 
-  /// Notes a path, and selects it if it is the best so far and begins at the start.
+  /// Records a path. Selects it if it is the best so far and begins at the start.
   void consider(GeometricPath found, bool isWithoutStart) {
     const PathEvaluation& evaluation = found.evaluation;
     planned_.candidates.push_back(evaluation);
@@ -543,7 +543,7 @@ class Planner {
 // ------------------------------------------------------------------------------------------------
 // Full extension.
 
-/// The path to full extension with these contacts, at a share of the rest of the budget.
+/// The path to full extension with these contacts. It may use a share of the remaining budget.
 GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts, double share,
                         SearchBudget& budget, const TrialObserver& observer) {
   scene::Scene trial = scene;
@@ -598,8 +598,8 @@ PlannedPath planPath(const scene::Scene& scene, const AssembledState& nearest, S
   return Planner(scene, nearest, budget, observer).find();
 }
 
-// Flush bricks may hold each other. Where the scene leaves contacts open, a sheet that does not
-// move is no answer.
+// Flush bricks may block each other. If the scene leaves contacts open, a sheet that does not move
+// is not accepted.
 PlannedPath planExtension(const scene::Scene& scene, SearchBudget& budget,
                           const TrialObserver& observer) {
   const scene::ContactFilter requested = scene.environment.contacts;

@@ -1,4 +1,4 @@
-/// Which kinematic path a scene takes: all candidates, their evaluation and their order.
+/// Selection of a kinematic path: all candidates, their evaluation and their order.
 #pragma once
 
 #include <optional>
@@ -20,10 +20,10 @@ struct PlannedPath {
   std::string trouble;                     ///< why there is no path, for the summary
 };
 
-/// The contacts of a path that has them: all, if the scene leaves them open.
+/// The contacts of a path with contacts: all, if the scene leaves the choice open.
 scene::ContactFilter contactsIfOn(scene::ContactFilter requested);
 
-/// Whether a path arrives and no bricks that may touch overlap on it.
+/// Whether a path arrives without overlaps of bricks that may touch.
 bool isCollisionFree(const scene::Scene& scene, const GeometricPath& found);
 
 /// Whether bricks that may touch overlap on a path by more than rounding.

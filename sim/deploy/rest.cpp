@@ -1,10 +1,10 @@
-// Rest. A run rests while its fastest brick is slower than the settle speed, or while steps fail
-// however short they are and no brick gets anywhere. Since when follows from the motion, not from
-// where steps end: the moment at which the fastest speed falls through its limit is found within
-// the step.
+// Rest. A run rests while its fastest brick is slower than the settle speed, or while all
+// steps fail and no brick moves. The rest time follows from the motion, not from the ends of
+// steps: the time at which the fastest speed falls below the limit is computed within the
+// step.
 //
-// Below: whether bricks at rest are only slow; and the nudge by which a run leaves a state in
-// balance.
+// The second part distinguishes rest from slow motion. The third part gives nudges that leave
+// an equilibrium.
 #include "sim/deploy/rest.h"
 
 #include <algorithm>
@@ -16,9 +16,9 @@
 namespace kirireel::deploy {
 namespace {
 
-// Steps that fail, and bring no brick farther than this part of a tile, are no motion.
+// Failed steps that move no brick farther than this fraction of a tile count as no motion.
 constexpr double kStuckShare = 1e-3;
-// A step is looked at in so many parts for the beginning of rest, and the part halved so often.
+// Number of parts of a step that are tested for the start of rest, and number of bisections.
 constexpr int kRestLooks = 16;
 constexpr int kRestHalvings = 30;
 
@@ -50,9 +50,9 @@ void RestWatch::observe(const RunMotion& motion, double length, const StepReport
   rested_ = within < length ? within : rested_ + length;
 }
 
-// For how long up to the end of the last step the fastest speed has stayed below a limit that it is
-// below then, seconds; the whole step's length where it was never above. Speeds swing: looked at in
-// parts of the step, then by bisection.
+// How long the fastest speed was below a limit up to the end of the last step, seconds. It must be
+// below the limit at the end. Returns the step's length if it never was above. Speeds may
+// oscillate: the step is tested in parts, then bisected.
 double RestWatch::restWithinStep(const RunMotion& motion, double length, double limit) const {
   const auto isFast = [&](double seconds) {
     return fastestSpeed(motion.velocitiesAt(seconds), bricks_.tileSize) >= limit;
@@ -86,21 +86,21 @@ bool RestWatch::isStuck(const Poses& poses) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Is a state that hardly moves at rest, or is it only slow?
+// Is a state that hardly moves at rest, or only slow?
 //
 // From rest, an implicit Euler step of length h moves bricks of mass M, damping D and stiffness K
-// under the force F by dx = (M / h^2 + D / h + K)^-1 F. For long h mass and damping drop out, and
-// dx comes near to K^-1 F, Newton's step to where the forces vanish. So steps 16 times as long as
-// the one before, up to 1e7 s, show where the bricks would go in the end: if none goes a thousandth
-// of a tile, the state is at rest.
+// under the force F by dx = (M / h^2 + D / h + K)^-1 F. For long h, mass and damping vanish, and
+// dx approaches K^-1 F, Newton's step to equilibrium. Steps grow by a factor of 16, up to 1e7 s,
+// and show where the bricks would end. If none moves a thousandth of a tile, the state is at
+// rest.
 
 namespace {
 
-// Steps grow by this factor, up to so many seconds: what forces of rounding would move stays below
-// a millionth of a tile.
+// Steps grow by this factor up to kLongest seconds. Rounding errors of the forces then move bricks
+// by less than a millionth of a tile.
 constexpr double kStepGrowth = 16;
 constexpr double kLongest = 1e7;
-// So much of a tile is a motion.
+// Displacement that counts as motion, fraction of a tile.
 constexpr double kMoved = 1e-3;
 
 }  // namespace
@@ -123,38 +123,38 @@ RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
     trial.velocities.assign(trial.poses.size(), Velocity{});
     const StepReport report = dynamics.advance(trial, length, actuation);
     probe.work += report.work;
-    if (report.unconverged > 0) break;  // what fails tells nothing
+    if (report.unconverged > 0) break;  // a failed step has no information
     probe.movesOn = farthestMove(motion.poses, trial.poses, tileSize) > kMoved * tileSize;
   }
   return probe;
 }
 
 // ------------------------------------------------------------------------------------------------
-// A state where forces and joints are in balance is left by nobody but chance. What a run is given
-// there, velocities v_i of a millionth of the model's size a second, grows as exp(s t) with the
-// equilibrium's rate s, so that it takes ln(1e6) / s = 14 / s until it shows.
+// Only a perturbation leaves an equilibrium. The nudge consists of velocities v_i of a millionth of
+// the model's size per second. It grows as exp(s t) with the growth rate s of the equilibrium and
+// becomes visible after about ln(1e6) / s = 14 / s.
 //
-// Where the start moves by itself the nudge would only differ from seed to seed: 1e-6 of a tile
-// after half a second of a cap. It moves by itself if what acts on it makes it faster than the
-// nudge within kNudgeTime. At a singular state joints leave rounding of the loads, which is slower.
-// A sheet that is pulled to a target as a whole, yet cannot open, has a motion without a difference
-// in angular velocities: that does not count. Where no drive and no spring acts between bricks, any
-// motion counts. Pins of the timeline's start hold already.
+// If the start moves by itself, the nudge would only add a difference between seeds: 1e-6 of a tile
+// after half a second of a cap. A start moves by itself if its forces make it faster than the nudge
+// within kNudgeTime. At a singular state joints leave only the rounding of the loads, which is
+// slower. A sheet that is pulled as a whole, but cannot open, moves without a difference in angular
+// velocities: that does not count. If no drive and no spring acts between bricks, any motion
+// counts. Pins of the timeline's start already hold.
 //
 // Symmetries: the mean over the group's images of the v_i keeps a symmetric motion symmetric.
 
 namespace {
 
-constexpr double kSpeed = 1e-6;  // model sizes a second
-// Less of the turns that joints leave of a whole nudge is none.
+constexpr double kSpeed = 1e-6;  // model sizes per second
+// A symmetric nudge needs at least this fraction of the rotations of a whole nudge.
 constexpr double kLeft = 1e-3;
 
-/// Uniform in [-1, 1) with the same bits from every standard library.
+/// Uniform in [-1, 1), with identical bits in all standard libraries.
 double uniform(std::mt19937& generator) {
   return static_cast<double>(generator()) / 2147483648.0 - 1.0;
 }
 
-/// The largest difference of an angular velocity from the mean, rad/s: 0 where all move as one.
+/// The largest deviation of an angular velocity from the mean, rad/s. 0 for a rigid motion.
 double fastestOpening(const std::vector<Velocity>& velocities) {
   Vector3 mean = Vector3::Zero();
   for (const Velocity& velocity : velocities) mean += velocity.angular;
@@ -166,7 +166,7 @@ double fastestOpening(const std::vector<Velocity>& velocities) {
   return fastest;
 }
 
-/// What joints leave of velocities at a state.
+/// The part of the velocities that joints allow at a state.
 std::vector<Velocity> fitted(const std::vector<Velocity>& velocities, const Poses& poses,
                              Dynamics& dynamics) {
   Motion motion = {poses, velocities};
@@ -209,7 +209,7 @@ std::vector<Velocity> NudgeGiver::whole() const {
   return nudge(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
 }
 
-/// Whether joined bricks are pulled against each other, by more than what surrounds them.
+/// Whether a drive or springs act between joined bricks, in addition to the environment.
 bool NudgeGiver::areDrivenApart() const {
   const scene::Scene& scene = bricks_.scene;
   if (bricks_.pivots.empty()) return false;

@@ -1,4 +1,4 @@
-/// What watches a run for rest, and how a run leaves a state in balance.
+/// Detection of rest, and nudges that leave an equilibrium.
 #pragma once
 
 #include <cstddef>
@@ -14,31 +14,31 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// Since when nothing moves.
+// Detection of rest.
 
-/// The speed of the brick that is fastest, turns counted at a tile's size (metres), m/s.
+/// The speed of the fastest brick, m/s. Rotations count at the radius `tileSize` (metres).
 double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
 
-/// Watches the steps of a run for rest: no brick is faster than the scene's settle speed, or steps
-/// fail however short they are and no brick gets anywhere.
+/// Detects rest: no brick is faster than the scene's settle speed. A run also rests if its steps
+/// keep failing and no brick moves.
 class RestWatch {
  public:
-  /// `bricks` must outlive this.
+  /// Keeps a reference to `bricks`.
   explicit RestWatch(const SceneBricks& bricks)
       : bricks_(bricks), needed_(bricks.scene.stop.settleTime) {}
 
-  /// Looks at the last step, `length` seconds long. While tiles are guided or opened (`isOnPath`)
-  /// nothing counts as rest.
+  /// Checks the last step, `length` seconds long. While tiles are guided or opened (`isOnPath`), a
+  /// run is never at rest.
   void observe(const RunMotion& motion, double length, const StepReport& report, bool isOnPath);
-  /// Something begins to act: rest counts from now on.
+  /// Restarts the rest time, because something new acts.
   void countAnew() { rested_ = 0; }
-  /// What looked like rest was none: from now on it has to last twice as long.
+  /// Doubles the required rest time after a false detection.
   void doubt();
 
-  /// When the run has rested for as long as counts, if nothing moves from `now` on, seconds;
-  /// infinity while it does not rest.
+  /// Time at which the required rest time is complete if nothing moves after `now`, seconds.
+  /// Infinity while the run is not at rest.
   double moment(double now) const;
-  /// Whether steps fail, and the bricks have stayed where they were when steps began to.
+  /// Whether steps fail, and the bricks have hardly moved since steps began to fail.
   bool isStuck(const Poses& poses) const;
 
   /// Records or plays back.
@@ -48,84 +48,84 @@ class RestWatch {
   double restWithinStep(const RunMotion& motion, double length, double limit) const;
 
   const SceneBricks& bricks_;
-  double rested_ = 0;  // seconds up to the end of the last step
-  double needed_;      // seconds that count
-  Poses jamStart_;     // where steps began to fail; empty while they do not
+  double rested_ = 0;  // rest time at the end of the last step, seconds
+  double needed_;      // required rest time, seconds
+  Poses jamStart_;     // poses when steps began to fail; empty if they do not fail
 };
 
 // ------------------------------------------------------------------------------------------------
-// Whether bricks that hardly move are at rest, or only slow.
+// Distinguishes rest from slow motion.
 
-/// What was found about a state that hardly moves.
+/// Result of probeRest().
 struct RestProbe {
-  bool movesOn = false;  ///< given time, a brick would go farther than rounding and noise let it
-  double work = 0;       ///< that it cost, see StepReport
+  bool movesOn = false;  ///< in the long run a brick would move farther than rounding and noise
+  double work = 0;       ///< cost of the probe, see StepReport
 };
 
-/// Looks where bricks that hardly move would go, given time: from rest, implicit steps that grow
-/// from `step` seconds to months. A step that is long against the bricks' inertia and damping comes
-/// near to Newton's method on what pulls them, so that soft springs and heavy bricks take no longer
-/// than others. Where no brick goes a thousandth of a tile, the state is at rest.
+/// Finds out where almost resting bricks would move in the long run. It takes implicit steps from
+/// rest, whose length grows from `step` seconds to months. A step that is long against inertia and
+/// damping approximates Newton's method on the acting forces. Soft springs and heavy bricks
+/// therefore need no more steps. If no brick moves a thousandth of a tile, the state is at rest.
 ///
-/// `dynamics`: the bricks' solver in its present state, joints, pins and contacts included; it is
-/// moved on and not to be used afterwards. `actuation` must pull the bricks to somewhere, else long
-/// steps lead nowhere. `tileSize` in metres.
+/// `dynamics`: the bricks' solver in its current state, with joints, pins and contacts. It is
+/// changed and must not be used afterwards. `actuation` must have an equilibrium, otherwise long
+/// steps are meaningless. `tileSize` in metres.
 RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
                     const mechanics::LoadSource& actuation, double tileSize);
 
-/// How far the brick is that moved farthest from one state to another, metres: turns count at a
-/// tile's size.
+/// The largest displacement of a brick between two states, metres. Rotations count at the radius
+/// `tileSize`.
 double farthestMove(const Poses& from, const Poses& to, double tileSize);
 
 // ------------------------------------------------------------------------------------------------
-// What lets a run leave an unstable equilibrium: small velocities at random. They are an error in
-// time for a start that moves by itself, so that only those get them that do not.
+// A nudge leaves an unstable equilibrium by small random velocities. For a start that moves by
+// itself it would be an error in time. Such starts get no nudge.
 
-/// How much of the nudge a run has been given.
+/// The part of the nudge that a run has received.
 enum class Nudged {
-  No,          ///< none does
-  InSymmetry,  ///< the part that has the symmetries of the model and the state alone
-  Wholly,      ///< all bricks stand still
+  No,          ///< nothing
+  InSymmetry,  ///< only the part with the symmetries of the model and the state
+  Wholly,      ///< the whole nudge
 };
 
-/// How long bricks have from rest to get faster than a nudge, seconds.
+/// Time in which bricks must become faster than a nudge from rest, seconds.
 constexpr double kNudgeTime = 1.0 / 240;
 
-/// Small velocities for `count` bricks, turns apart: each component at random within a millionth of
-/// the model's size (metres) a second. The same seed gives the same ones everywhere.
+/// Random velocities for `count` bricks, without rotations. Each component is within a millionth of
+/// the model's size (metres) per second. The same seed gives the same result on all machines.
 std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed);
 
-/// Whether bricks move by what acts on them alone: whether in `after`, which they have come to from
-/// rest in kNudgeTime with joints and contacts kept, some brick is faster than a nudge. If they are
-/// `drivenApart`, by a drive or by springs between joined bricks, they must move against each
-/// other: a sheet that is pulled along, yet cannot open, does not move. Sizes in metres.
+/// Whether the acting forces move the bricks. `after` are the velocities at kNudgeTime after rest,
+/// with joints and contacts. Some brick must be faster than a nudge. If bricks are `drivenApart`,
+/// by a drive or by springs between them, the motion must be relative: a sheet that is pulled
+/// along, but cannot open, does not count. Sizes in metres.
 bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
                    double modelSize);
 
-/// The part of a nudge with the symmetries of `group`, the identity among them, where joints leave
-/// some of it, else nothing: a sheet that is closed may open in a way that no symmetry keeps.
-/// `dynamics` holds the joints at the state.
+/// The part of a nudge with the symmetries of `group`, which includes the identity. Empty if joints
+/// leave almost none of it: a closed sheet may open only in a motion without symmetry. `dynamics`
+/// holds the joints at the state.
 std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
                                      std::span<const model::Symmetry> group, Dynamics& dynamics);
 
-/// What a run has been given to leave states in balance, and gives it.
+/// Gives nudges to a run and records them.
 class NudgeGiver {
  public:
-  /// `bricks` must outlive this.
+  /// Keeps a reference to `bricks`.
   explicit NudgeGiver(const SceneBricks& bricks) : bricks_(bricks) {}
 
-  /// Gives the bricks, which stand still, what they need to leave this start: nothing where `loads`
-  /// move them by themselves. An engine's start is not known to its end, and it gets the whole
-  /// nudge. `joints` are as the run's; `pinned` has one entry a brick.
+  /// Gives a nudge to bricks at rest at the start, unless `loads` move them. The start of an
+  /// engine's run cannot be tested and always gets the whole nudge. `joints` are those of the run;
+  /// `pinned` has one entry per brick.
   void giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads, const JointFit& joints,
                    const std::vector<bool>& pinned);
-  /// Gives a whole nudge to bricks that came to rest: a motion may come to an equilibrium that is
-  /// not stable, as a start may be one.
+  /// Gives a whole nudge to bricks that came to rest: the equilibrium after a motion may be
+  /// unstable too.
   void giveAtRest(RunMotion& motion);
 
-  /// Whether there is anything left to give.
+  /// Whether a nudge remains.
   bool canGive() const { return given_ != Nudged::Wholly; }
-  /// Another target makes other equilibria: all may be given again.
+  /// Allows all nudges again, because another target has other equilibria.
   void beginAnew() { given_ = Nudged::No; }
 
   /// Records or plays back.

@@ -1,4 +1,4 @@
-/// What a finished run leaves.
+/// Results of a finished run.
 #pragma once
 
 #include <functional>
@@ -21,17 +21,17 @@ namespace kirireel::deploy {
 
 /// How a run ended.
 enum class Outcome {
-  Settled,      ///< everything came to rest (at the target or where nothing pushes any more)
-  Locked,       ///< at rest, yet short of the target (see arrival.h) or of full extension
-  OutOfTime,    ///< the duration was used up while something still moved
-  Diverged,     ///< a pose or velocity left all bounds
-  Interrupted,  ///< the caller asked for an early end
+  Settled,      ///< everything came to rest (at the target, or without further forces)
+  Locked,       ///< at rest before the target (see arrival.h) or before full extension
+  OutOfTime,    ///< the duration ended while something still moved
+  Diverged,     ///< a pose or velocity exceeded all bounds
+  Interrupted,  ///< the caller stopped the run
 };
 
 /// "settled", "locked", "out_of_time", "diverged", "interrupted".
 std::string toString(Outcome outcome);
 
-/// What files call DeploymentResult::assembledError.
+/// Name of DeploymentResult::assembledError in files.
 inline constexpr const char* kAssembledError = "assembled_error";
 
 /// How accurate a run was. Lengths in metres.
@@ -39,23 +39,23 @@ struct Accuracy {
   double jointGapMax = 0;      ///< largest of any pivot in any step or sample
   double jointGapMean = 0;     ///< mean over pivots, of the start and all steps
   double jointGapEnd = 0;      ///< largest at the end
-  double jointOpeningMax = 0;  ///< largest while joints were compliant; 0 when always exact
+  double jointOpeningMax = 0;  ///< largest while joints were compliant; 0 if always exact
   double assemblyMove = 0;     ///< largest move of a vertex when an open start was closed
-  /// The error at the start; see targetError(). 0 without a target, as are the next three.
+  /// Target error at the start; see targetError(). 0 without a target, as are the next three.
   double targetErrorStart = 0;
-  /// The error after the last step.
+  /// Target error after the last step.
   double targetErrorEnd = 0;
-  /// The least error in any step or sample.
+  /// The least target error in any step or sample.
   double targetErrorMin = 0;
   /// No arrangement of rigid tiles has a smaller error; see rigidBound().
   double rigidBound = 0;
-  double springsRestError = 0;  ///< where springs rest near the target, no contacts in their way
-  /// Deepest in any sample, and at ten moments between two samples; see
+  double springsRestError = 0;  ///< at the springs' equilibrium near the target, without contacts
+  /// Deepest overlap in any sample, and at ten times between two samples; see
   /// StateInterpolator::momentsBetween().
   double penetrationMax = 0;
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
-  /// Of that, what any pair has beyond its start, at the end of any step and at ten moments within
-  /// it. It does not depend on the samples, and decides whether a run counts as done.
+  /// The same, minus the pair's overlap at the start, at the end of any step and at ten times
+  /// within it. It does not depend on the samples, and decides whether a run counts as successful.
   double penetrationGrownMax = 0;
 
   /// For files; see base/fields.h.
@@ -79,47 +79,47 @@ struct Accuracy {
 
 /// What a run cost.
 struct DeployCost {
-  StepReport took;              ///< all steps together
-  double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
-  double cpuSecondsSearch = 0;  ///< of finding the assembled error and a path
-  double searchWork = 0;        ///< of all candidates, multiplications
-  /// Up to which the search could have gone, multiplications; infinite if none was set.
+  StepReport took;              ///< all steps
+  double cpuSeconds = 0;        ///< of the deploying thread, without the search for a path
+  double cpuSecondsSearch = 0;  ///< for the assembled error and the path
+  double searchWork = 0;        ///< work of all candidates, multiplications
+  /// Limit of the search work, multiplications. Infinite if none was set.
   double searchLimit = std::numeric_limits<double>::infinity();
 
   /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(took); }
 };
 
-/// Everything that a finished run leaves.
+/// All results of a finished run.
 struct DeploymentResult {
-  trajectory::Trajectory trajectory;     ///< what moved, and where to
+  trajectory::Trajectory trajectory;     ///< the recorded motion
   Outcome outcome = Outcome::OutOfTime;  ///< how it ended
-  std::string reason;                    ///< one line: why it ended so
-  /// Whether it ended at the target that it headed for; absent where nothing pulls to a target.
+  std::string reason;                    ///< one line: why it ended
+  /// Whether the run ended at its target. Absent if there is no pull to a target.
   std::optional<bool> atTarget;
-  /// Why the run does not count as done, in one line; empty if it does: the target is missed,
-  /// bricks that may touch pass through each other, or the budget ended the search.
+  /// Why the run is not successful, in one line; empty if it is. Reasons: the target is missed,
+  /// bricks with contacts overlap, or the budget ended the search.
   std::string shortfall;
-  double forbiddenOverlap = 0;  ///< the one in `shortfall`, metres; 0 if it has none
+  double forbiddenOverlap = 0;  ///< overlap in `shortfall`, metres; 0 if there is none
   Accuracy accuracy;            ///< gaps, errors and overlaps, metres
-  /// How far the tolerance's tenth moved a vertex at any sample, tiles; absent where it was not
-  /// measured (SolverSettings::measuresTimeError), or where the run kept no tolerance.
+  /// Largest move of a vertex at any sample if the tolerance is divided by ten, tiles. Absent if
+  /// not measured (SolverSettings::measuresTimeError), or if the run kept no tolerance.
   std::optional<double> timeError;
   DeployCost cost;                                ///< counted and in CPU seconds
-  std::optional<model::Elasticity> elasticity;    ///< absent where no hinge has a spring
-  std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
-  scene::Needs needs;                             ///< what was modelled, and why
-  scene::PathSettings path;                       ///< that was taken, never Auto
-  std::string pathReason;                         ///< one short phrase: why
+  std::optional<model::Elasticity> elasticity;    ///< absent if no hinge has a spring
+  std::optional<mechanics::LoadCurve> loadCurve;  ///< only for scenes with grips
+  scene::Needs needs;                             ///< modelled features, with reasons
+  scene::PathSettings path;                       ///< the path taken, never Auto
+  std::string pathReason;                         ///< one short phrase: why this path
   std::vector<PathEvaluation> candidates;         ///< kinematic paths that were tried, in order
-  /// The least target error found with joints closed, metres; negative without a target.
+  /// The least target error with closed joints, metres. < 0 without a target.
   double assembledError = -1;
-  std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
+  std::vector<BlockingPair> blocking;  ///< pairs of bricks that overlap at the target
   std::vector<std::string> warnings;   ///< about the target, one line each
 };
 
-/// Called with each sample, the last included; return false to end the run early. Samples that are
-/// due then, and the last one, follow all the same.
+/// Receives each sample, including the last. Return false to stop the run. Pending samples and the
+/// last one are still delivered.
 using SampleObserver = std::function<bool(const trajectory::Sample&)>;
 
 }  // namespace kirireel::deploy

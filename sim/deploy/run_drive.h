@@ -187,9 +187,9 @@ class RunDrive {
   std::unique_ptr<DriveForce> drive_;  // null for springs to the target, or no drive
   Expansion opening_;
   Phase phase_ = Phase::Settle;
-  double openedAt_ = 0;    // time when opening ends, seconds
-  Poses departure_;        // poses when the target was set or opening ended
-  double departedAt_ = 0;  // time of these poses, seconds
+  double openedAt_ = 0;                   // time when opening ends, seconds
+  Poses departure_;                       // poses when the target was set or opening ended
+  double departedAt_ = 0;                 // time of these poses, seconds
   std::optional<PathFollower> follower_;  // only while tiles are guided
   std::optional<TargetSprings> springs_;  // to the target
   AdaptiveStiffness stiffness_{false};

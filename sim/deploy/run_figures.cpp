@@ -1,7 +1,7 @@
 // Figures of a run, measured at its start, after and within each step, at each sample and between
-// samples. A maximum or minimum keeps the state in which it was reached: it can be computed again
-// from the trajectory. Sums (mean gap, cost) follow from the steps' records. Records wait for the
-// next sample, which takes those up to its own time along.
+// samples. A maximum or minimum keeps its state and can be recomputed from the trajectory. Sums
+// (mean gap, cost) follow from the records of the steps. Each sample takes the records up to its
+// own time.
 #include "sim/deploy/run_figures.h"
 
 #include <algorithm>
@@ -12,16 +12,16 @@
 namespace kirireel::deploy {
 namespace {
 
-// Joints with gaps below this part of a tile are closed.
+// Joints with gaps below this fraction of a tile are closed.
 constexpr double kClosedShare = 1e-9;
-// Larger than any depth of a figure that is not asked for, metres.
+// Larger than any depth, for figures that are not requested, metres.
 constexpr double kAnyDepth = std::numeric_limits<double>::infinity();
-// Of a state that is none of the run's.
+// Marks a state that does not belong to the run.
 constexpr double kNoTime = -1;
 
 }  // namespace
 
-// `asRead`: the state whose overlaps count as given, so that "grown" is measured from it.
+// `asRead`: overlaps of this state are given, and growth is measured from it.
 RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick>& bricks,
                        std::span<const model::Pivot> pivots, double pivotZone, const Poses& asRead,
                        const AssembledState& nearest)
@@ -40,7 +40,7 @@ RunFigures::RunFigures(const model::Model& model, const std::vector<model::Brick
   states_.push_back({nameOfField(&Accuracy::springsRestError), kNoTime, nearest.restPoses});
 }
 
-// The start is observed as a step of no length: it counts in means and maxima.
+// The start counts in means and maxima like a step of zero length.
 void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
   accuracy_.assemblyMove =
       trajectory::targetError(model::bottomTiles(bricks_, asRead_), bricks_, start);
@@ -49,10 +49,10 @@ void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
   observe(0, start, {}, jointsAreCompliant, {});
 }
 
-// Measures the state after a step, and states within it. `report` is that step's cost.
+// Measures the state after a step, and states within it. `report` is the cost of the step.
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
                          bool jointsAreCompliant, const StatesWithin& within) {
-  // What may be ended from within comes first, while nothing has changed.
+  // Interruptible work comes first, before any figure changes.
   const bool isStart = gaps_.count == 0;
   double grown = accuracy_.penetrationGrownMax, grownAt = time;
   const Poses* grownIn = isStart ? &poses : nullptr;
@@ -100,14 +100,14 @@ void RunFigures::keepState(const char* figure, const TimedPoses& state) {
   kept->poses = state.poses;
 }
 
-// The first value is taken whatever it is, so that each figure has a state.
+// The first value is always taken: every figure needs a state.
 void RunFigures::raise(double Accuracy::*figure, double value, const TimedPoses& state) {
   if (gaps_.count > 0 && !(value > accuracy_.*figure)) return;
   accuracy_.*figure = value;
   keepState(nameOfField(figure), state);
 }
 
-// Two least errors: of any state, and of states with closed joints.
+// Updates two minima: over all states, and over states with closed joints.
 void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointGap& gap) {
   if (!model_.target) return;
   const double error = accuracy_.targetErrorEnd = targetErrorOf(state.poses);
@@ -121,7 +121,6 @@ void RunFigures::observeTarget(const TimedPoses& state, const trajectory::JointG
   }
 }
 
-// 0 without a target.
 double RunFigures::targetErrorOf(const Poses& poses) const {
   return model_.target ? trajectory::targetError(*model_.target, bricks_, poses) : 0;
 }
@@ -135,10 +134,10 @@ bool RunFigures::wereClosed() const {
   return std::max(gaps_.before, gaps_.now) <= kClosedShare * tileSize_;
 }
 
-// A sample takes along the records of the steps up to its time; those of later ones wait. Bricks
-// may overlap most between two samples, so ten moments there count too.
+// A sample takes the records of the steps up to its time. Later records wait. Overlaps may be
+// deepest between two samples: ten states between them count too.
 trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
-  // What may be ended from within comes first, while nothing has changed.
+  // Interruptible work comes first, before any figure changes.
   std::vector<Poses> states;
   if (!lastSample_.poses.empty() && lastSample_.time < time) {
     states = interpolator_.momentsBetween(lastSample_.poses, poses);
@@ -176,7 +175,7 @@ trajectory::Sample RunFigures::sampleAt(double time, Poses poses) {
   return sample;
 }
 
-// The figures of the end are the sample's. Kept states are dropped with it.
+// The final figures are those of the sample. Kept states are discarded.
 void RunFigures::endWith(const trajectory::Sample& sample) {
   accuracy_.jointGapEnd = sample.jointGap;
   accuracy_.targetErrorEnd = sample.targetError;

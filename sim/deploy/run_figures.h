@@ -1,4 +1,4 @@
-/// What is measured of a run while it goes on.
+/// Figures that are measured during a run.
 #pragma once
 
 #include <functional>
@@ -14,85 +14,85 @@
 
 namespace kirireel::deploy {
 
-/// The poses of a run at a time, seconds.
+/// The poses of a run at a time.
 struct TimedPoses {
-  double time = 0;     ///< of the run, seconds
-  const Poses& poses;  ///< one a brick
+  double time = 0;     ///< seconds
+  const Poses& poses;  ///< one per brick
 };
 
-/// The same with poses of its own.
+/// The same with its own copy of the poses.
 struct TimedState {
-  double time = 0;  ///< of the run, seconds
-  Poses poses;      ///< one a brick
+  double time = 0;  ///< seconds
+  Poses poses;      ///< one per brick
 };
 
-/// States within a step, at equal times from each other and from its ends.
+/// Equidistant states within a step.
 struct StatesWithin {
-  double begin = 0;           ///< when the step begins, seconds
+  double begin = 0;           ///< start of the step, seconds
   std::vector<Poses> states;  ///< in order
 };
 
 /// Joint gaps of the states that a run measured, metres.
 struct GapRecord {
-  long count = 0;         ///< of states, the start included
-  double sumOfMeans = 0;  ///< each the mean over pivots
-  double before = 0;      ///< largest gap of the state before the last
+  long count = 0;         ///< number of states, including the start
+  double sumOfMeans = 0;  ///< of each state, the mean over pivots
+  double before = 0;      ///< largest gap of the second last state
   double now = 0;         ///< largest gap of the last state
 };
 
-/// Measures a run. Samples, and moments between two samples, decide the deepest overlaps of what is
-/// recorded. The ends of steps, and moments within them, decide how far overlaps grow: that figure
-/// does not depend on the frame rate. A figure that one state decides keeps that state. All others
-/// follow from the steps' records, so they can be computed again.
+/// Measures a run. The deepest overlaps of the recording come from samples and from states between
+/// two samples. The growth of overlaps comes from the ends of steps and states within them: it does
+/// not depend on the frame rate. A figure that is a maximum or minimum keeps its state. All others
+/// follow from the records of the steps and can be recomputed.
 class RunFigures {
  public:
-  /// `asRead`: where the bricks stand before joints are closed. `nearest`: see assembleAtTarget().
-  /// Model, bricks and pivots must outlive this.
+  /// `asRead`: the poses before joints are closed. `nearest`: see assembleAtTarget(). Keeps
+  /// references to model, bricks and pivots.
   RunFigures(const model::Model& model, const std::vector<model::Brick>& bricks,
              std::span<const model::Pivot> pivots, double pivotZone, const Poses& asRead,
              const AssembledState& nearest);
 
-  /// Measures the start, its joints closed unless they are compliant (`jointsAreCompliant`).
+  /// Measures the start. Its joints are closed unless `jointsAreCompliant`.
   void begin(const Poses& start, bool jointsAreCompliant);
-  /// Measures the state that a step led to at a time, seconds, and states within the step. If it is
-  /// interrupted (see sim/base/interruption.h), nothing has changed.
+  /// Measures the state after a step, at `time` (seconds), and states within the step. If it is
+  /// interrupted (see sim/base/interruption.h), nothing changes.
   void observe(double time, const Poses& poses, const StepReport& report, bool jointsAreCompliant,
                const StatesWithin& within);
-  /// Counts work beside the steps, in multiplications.
+  /// Adds work outside the steps, in multiplications.
   void addWork(double work) { cost_.took.work += work; }
 
   /// The figures so far, metres.
   const Accuracy& accuracy() const { return accuracy_; }
-  /// The least target error found with joints closed so far, metres; negative without a target.
+  /// The smallest target error with closed joints so far, metres. < 0 without a target.
   double assembledError() const { return assembledError_; }
-  /// What the steps took so far.
+  /// Cost of the steps so far.
   const DeployCost& cost() const { return cost_; }
   /// The target error of a state, metres; 0 without a target.
   double targetErrorOf(const Poses& poses) const;
-  /// The overlaps of a state, which enter no figure.
+  /// The overlaps of a state. They do not change any figure.
   trajectory::PenetrationDepths overlapsOf(const Poses& poses) { return overlaps_->at(poses); }
-  /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
+  /// Whether overlaps cover all pairs that are near at the start; see mostPairs().
   bool seesAllPairs() const { return overlaps_->seesAllPairs(); }
-  /// Whether the joints were closed at the start and at the end of the last step.
+  /// Whether the joints were closed at both ends of the last step.
   bool wereClosed() const;
   /// Whether the joints of a state are closed.
   bool areClosed(const Poses& poses) const;
   /// The record of the last step.
   const trajectory::StepRecord& lastStep() const { return steps_.back(); }
 
-  /// A sample of these poses with its measures, and the steps up to its time since the one before.
-  /// The sample, and moments between it and the sample before, decide the deepest overlaps.
+  /// A sample of these poses with its measures and the records of the steps since the previous
+  /// sample. States between both samples also count for the deepest overlaps.
   trajectory::Sample sampleAt(double time, Poses poses);
-  /// Makes a sample the end of the run, though later steps were measured. Which states the figures
-  /// up to it were reached in is not known.
+  /// Makes a sample the end of the run, although later steps were measured. The states of figures
+  /// up to this sample are then unknown.
   void endWith(const trajectory::Sample& sample);
 
-  /// Puts the figures in their places.
+  /// Copies the figures into the result.
   void leave(DeploymentResult& result) const;
 
-  /// The figures as of a sample.
+  /// Records or plays back the figures as of a sample.
   void transfer(StateTape& tape);
-  /// What measuring goes on from beside them.
+  /// Records or plays back the remaining state of the measurement.
   void transferStates(StateTape& tape);
 
  private:
@@ -109,13 +109,13 @@ class RunFigures {
   Poses asRead_;
   Accuracy accuracy_;
   DeployCost cost_;
-  double assembledError_;  // metres; negative without a target
+  double assembledError_;  // metres; < 0 without a target
   GapRecord gaps_;
   std::vector<trajectory::FigureState> states_;
   std::vector<trajectory::StepRecord> steps_;  // since the last sample
   StateInterpolator interpolator_;
-  TimedState lastSample_;     // no poses before the first
-  bool isCompliant_ = false;  // the joints, at the last step
+  TimedState lastSample_;     // empty poses before the first sample
+  bool isCompliant_ = false;  // whether joints were compliant in the last step
 };
 
 }  // namespace kirireel::deploy

@@ -1,5 +1,5 @@
-// What acts on the bricks of a run: drive, drags, compliant joints, gravity, forces between pairs
-// and contacts; and what follows of it, energies and forces.
+// Forces on the bricks of a run: drive, drags, compliant joints, gravity, forces between pairs and
+// contacts. Energies and reaction forces follow from them.
 #include "sim/deploy/run_mechanics.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// What acts on the bricks.
+// Acting forces.
 
 mechanics::TimedLoads ActingForces::timedLoads() const {
   return [this](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
@@ -24,7 +24,7 @@ mechanics::LoadSource ActingForces::loadsNow() const {
   return [this](const Poses& poses, std::vector<model::Load>& loads) { addLoads(0, poses, loads); };
 }
 
-// Drags move on with the seconds; the drive stays as it is at present.
+// Drags move during the step. The drive keeps its current state.
 void ActingForces::addLoads(double seconds, const Poses& poses,
                             std::vector<model::Load>& loads) const {
   std::fill(loads.begin(), loads.end(), model::Load{});
@@ -32,8 +32,8 @@ void ActingForces::addLoads(double seconds, const Poses& poses,
   timeline_.addDrags(clock_.time() + seconds, poses, loads);
 }
 
-// What drive, drags and yielding joints store at a time in these poses, joules. Forces between
-// pairs are accounted for apart.
+// Energy of drive, drags and compliant joints at a time in these poses, joules. Forces between
+// pairs are counted separately.
 double ActingForces::springEnergy(double time, const Poses& poses) const {
   double sum = timeline_.forcesAreOn() ? drive_.energy(poses) : 0;
   for (const DragSpring& grip : timeline_.dragSprings(time)) {
@@ -42,7 +42,7 @@ double ActingForces::springEnergy(double time, const Poses& poses) const {
   const double stiffness = jointStiffness();
   if (!std::isfinite(stiffness)) return sum;
   for (const model::Pivot& pivot : bricks_.pivots) {
-    // In the plane both faces' pivots are one.
+    // In the plane the pivots of both faces coincide.
     if (bricks_.needs.planar.on && pivot.isUpper) continue;
     sum += 0.5 * stiffness * std::pow(model::pivotGap(pivot, poses), 2);
   }
@@ -53,7 +53,7 @@ double ActingForces::pairEnergy(const Poses& poses) const {
   return bricks_.ties.pairForces.energy(poses);
 }
 
-// Forces that store no energy here, newtons: gravity, and what of a drive is no spring.
+// Non-conservative forces, newtons: gravity, and the part of a drive that is not a spring.
 std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
   for (const model::Brick& brick : bricks_.bricks)
@@ -62,7 +62,7 @@ std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
   return forces;
 }
 
-// Everything but contacts and joints, with its damping at these velocities: N and N m about the
+// All forces except contacts and joints, with damping at these velocities: N and N m about the
 // centres of mass.
 std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& motion) const {
   std::vector<model::Load> loads(bricks_.bricks.size());
@@ -105,7 +105,8 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
                      (load.force - load.damping * velocity).head<3>(), Vector3::Zero(),
                      pose.apply(grip.spring.point)});
   }
-  // Grips come by tile, in the timeline's order within a tile, so that files do not depend on it.
+  // Grips are sorted by tile, then in the timeline's order: the files do not depend on other
+  // orders.
   std::ranges::stable_sort(holds, {}, &trajectory::Hold::tile);
   const std::vector<trajectory::Hold> contacts =
       clock_.time() > 0 ? motion_.solver().contacts(motion.poses) : std::vector<trajectory::Hold>{};
@@ -116,17 +117,17 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
 // ------------------------------------------------------------------------------------------------
 // Energies and forces.
 //
-// The account: drives put energy in by tightening, moving and stiffening springs, which shows as a
-// jump of the springs' energy between two steps, while the bricks stand; by moving springs within a
-// step; and by forces that store nothing, gravity and expansion. Dampers and contacts take energy:
-// the solver counts that as it goes. What is then missing of the sum
+// The account. Drives add energy in three forms. 1. Springs that are tightened, moved or stiffened
+// between two steps: their energy jumps while the bricks are fixed. 2. Springs that move within a
+// step. 3. Non-conservative forces, gravity and expansion. Dampers and contacts remove energy, and
+// the solver counts it. The remaining difference in
 //   work - damped - impacted = kinetic + spring + elastic
-// is what the integrator takes: implicit Euler steps of length h damp a spring of frequency w by
-// h w / 2 of its energy a radian, steps to a tolerance by what the tolerance allows.
+// is lost in the integrator. Implicit Euler steps of length h damp a spring of frequency w by h w /
+// 2 of its energy per radian. Steps to a tolerance lose what the tolerance allows.
 
 namespace {
 
-// Forces balance if what is left on any brick is below this fraction of the largest force.
+// Forces balance if the residual on each brick is below this fraction of the largest force.
 constexpr double kImbalance = 0.05;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -143,7 +144,7 @@ trajectory::Energies energiesBetween(const trajectory::Energies& first,
   return between;
 }
 
-/// Adds a contact's force to what is applied to its tiles.
+/// Adds a contact's force to the applied forces of its tiles.
 void apply(const trajectory::Hold& contact, const Poses& poses, std::vector<Vector6>& applied) {
   const auto push = [&](int tile, double sign) {
     Vector6& force = applied[static_cast<std::size_t>(tile)];
@@ -163,8 +164,8 @@ RunMechanics::RunMechanics(const SceneBricks& bricks, const ActingForces& acting
       reactions_(mechanics::makeReactionSolver(bricks.bricks, bricks.ties.pivots,
                                                bricks.needs.planar.on, bricks.tileSize)) {}
 
-// What springs hold now and did not hold at the end of the last step was put in by whoever moved or
-// stiffened them.
+// A change of spring energy since the end of the last step is work of whatever moved or stiffened
+// the springs.
 void RunMechanics::begin(double time, const Motion& motion) {
   trajectory::Energies& now = account_.now;
   const double there = now.kinetic + now.spring + now.elastic;
@@ -172,14 +173,14 @@ void RunMechanics::begin(double time, const Motion& motion) {
   now.spring = acting_.springEnergy(time, motion.poses);
   now.elastic = acting_.pairEnergy(motion.poses);
   now.work += now.kinetic + now.spring + now.elastic - there;
-  // Closing joints between two steps moves bricks, too.
+  // Closing joints between two steps also moves bricks.
   if (!account_.reached.empty()) now.work += workOfFreeForces(account_.reached, motion.poses);
   account_.reached = motion.poses;
   account_.before = now;
   account_.largestWork = std::max(account_.largestWork, std::abs(now.work));
 }
 
-// Springs that move within a step hold their energy at its end by their places at its end.
+// Springs that move within a step have the energy of their positions at its end.
 void RunMechanics::end(const StepSpan& step) {
   trajectory::Energies& now = account_.now;
   const double springTime = step.time + (step.springsMove ? step.seconds : 0);
@@ -188,7 +189,7 @@ void RunMechanics::end(const StepSpan& step) {
   now.elastic = acting_.pairEnergy(step.to.poses);
   now.work += workOfFreeForces(step.from.poses, step.to.poses);
   if (step.springsMove) now.work += workOfMovingSprings(step);
-  // Dampers take energy only: what a step's extrapolation has below 0 is its error.
+  // Dampers only remove energy. Negative values of the extrapolation are its error.
   now.damped += std::max(0.0, step.damped);
   now.impacted += step.impacted;
   account_.reached = step.to.poses;
@@ -199,7 +200,7 @@ void RunMechanics::end(const StepSpan& step) {
   }
 }
 
-/// Exact where forces grow with the distance from a point, as these do.
+/// Exact for forces that grow linearly with the distance from a point, as these do.
 double RunMechanics::workOfFreeForces(const Poses& from, const Poses& to) const {
   const std::vector<Vector3> before = acting_.freeForces(from);
   const std::vector<Vector3> after = acting_.freeForces(to);
@@ -221,8 +222,8 @@ double RunMechanics::workOfMovingSprings(const StepSpan& step) const {
   return work + workOfMovingSprings(step.time + done, step.seconds - done, *from, step.to);
 }
 
-/// By how much springs that move while bricks stand gain, its mean over where the bricks come by
-/// (Simpson): exact to fourth order for springs that move evenly.
+/// Energy that moving springs gain while bricks are fixed, averaged over the positions of the
+/// bricks during the step (Simpson). Exact to fourth order for springs at constant speed.
 double RunMechanics::workOfMovingSprings(double time, double seconds, const Motion& from,
                                          const Motion& to) const {
   const auto gain = [&](const Poses& poses) {
@@ -232,10 +233,10 @@ double RunMechanics::workOfMovingSprings(double time, double seconds, const Moti
   return (gain(from.poses) + 4 * gain(middle) + gain(to.poses)) / 6;
 }
 
-/// Whether joints, contacts and what is applied give each free brick the acceleration that it had
-/// in the last step, up to kImbalance of the largest force on any brick. `largest`: of a contact
-/// and of what is applied besides, newtons. Contact forces are those that the last step ended with,
-/// which need not be those of the whole step.
+/// Whether joints, contacts and applied forces give each free brick its acceleration in the last
+/// step, up to kImbalance of the largest force on any brick. `largest`: of contact and applied
+/// forces, newtons. Contact forces are those at the end of the last step, which may differ from
+/// those of the whole step.
 bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
                               std::span<const Vector6> applied, double largest,
                               const Poses& poses) const {
@@ -252,15 +253,15 @@ bool RunMechanics::isBalanced(const mechanics::Reactions& reactions,
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (acting_.pinned()[i]) continue;
-    // In the plane the plane itself holds the rest.
+    // In the plane, the plane itself supports the residual.
     if (bricks_.needs.planar.on) rest[i].z() = 0;
     worst = std::max(worst, rest[i].norm());
   }
   return worst <= kImbalance * largest;  // also false when not a number
 }
 
-// Energies lie on a straight line between the two ends of the step; forces come from a solve of
-// their own in this state. Forces of joints, pins and contacts that do not balance are not known.
+// Energies are interpolated linearly between the ends of the step. Forces come from a separate
+// solve for this state. Forces of joints, pins and contacts that do not balance are unknown.
 trajectory::Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
   trajectory::Mechanics result;
   result.energies = energiesBetween(account_.before, account_.now, share);

@@ -1,4 +1,4 @@
-/// What a run with dynamics knows of its states beyond poses: what acts on the bricks, energies and
+/// Mechanics of a run with dynamics, in addition to poses: acting forces, energies and reaction
 /// forces.
 #pragma once
 
@@ -20,40 +20,40 @@
 namespace kirireel::deploy {
 
 // ------------------------------------------------------------------------------------------------
-// What acts on the bricks.
+// Acting forces.
 
-/// What acts on the bricks of a run at present: its drive, drags, compliant joints, forces between
+/// The forces on the bricks of a run at present: its drive, drags, compliant joints, forces between
 /// pairs, gravity, damping and contacts.
 class ActingForces {
  public:
-  /// All must outlive this.
+  /// Keeps references to all.
   ActingForces(const SceneBricks& bricks, const StepClock& clock, const TimelineRunner& timeline,
                const RunDrive& drive, const RunMotion& motion)
       : bricks_(bricks), clock_(clock), timeline_(timeline), drive_(drive), motion_(motion) {}
 
-  /// Loads of drive and drags, for steps in which they move on.
+  /// Loads of drive and drags, for steps in which they move.
   mechanics::TimedLoads timedLoads() const;
-  /// The same as they are at present.
+  /// The loads at the current time.
   mechanics::LoadSource loadsNow() const;
 
-  /// Energy stored in all springs but those between pairs, as they pull at a time of the run
-  /// (seconds), in the bricks at these poses; joules, from 0.
+  /// Energy in all springs except those between pairs, joules, >= 0. Springs are taken at a time of
+  /// the run (seconds), bricks at these poses.
   double springEnergy(double time, const Poses& poses) const;
-  /// The same in forces between pairs of bricks: springs at hinges, ligaments and others.
+  /// Energy in forces between pairs of bricks, joules: springs at hinges, ligaments and others.
   double pairEnergy(const Poses& poses) const;
-  /// Adds what pairs that stand in the place of joints pull the first tile of their joint with,
-  /// newtons; one entry a joint.
+  /// Adds the force on the first tile of each joint that is replaced by a pair force, newtons. One
+  /// entry per joint.
   void addForcesOfReplacedJoints(const Poses& poses, std::vector<Vector3>& jointForces) const;
-  /// Forces on the bricks' centres of mass that store no energy here: gravity and expansion, N.
+  /// Non-conservative forces at the bricks' centres of mass, N: gravity and expansion.
   std::vector<Vector3> freeForces(const Poses& poses) const;
-  /// Everything that is applied to bricks that move so, contacts apart: force and torque about the
+  /// All applied forces except contacts, for bricks in this motion: force and torque about the
   /// centre of mass of each, N and N m.
   std::vector<Vector6> appliedForces(double time, const Motion& motion) const;
-  /// Stiffness of the joints, N/m; infinity: exact.
+  /// Stiffness of the joints, N/m. Infinity: exact.
   double jointStiffness() const { return motion_.solver().jointStiffness(); }
-  /// Of the run, seconds.
+  /// Time of the run, seconds.
   double time() const { return clock_.time(); }
-  /// Which bricks are pinned, one entry a brick.
+  /// The pinned bricks, one entry per brick.
   const std::vector<bool>& pinned() const { return timeline_.pinned(); }
   /// The same as a list, ascending.
   std::vector<int> pinnedTiles() const { return timeline_.pinnedTiles(); }
@@ -73,28 +73,28 @@ class ActingForces {
 // ------------------------------------------------------------------------------------------------
 // Energies and forces.
 
-/// Keeps the account of a run's energies, and solves for the forces of states.
+/// Keeps the energy account of a run and computes the forces of states.
 class RunMechanics {
  public:
-  /// Both must outlive this. The solver must be the direct one.
+  /// Keeps references to both. The solver must be the direct one.
   RunMechanics(const SceneBricks& bricks, const ActingForces& acting);
 
-  /// To be called before each step, and at the start of the run, once springs are set for it: what
-  /// has changed since the step before was work.
+  /// Call this before each step and at the start of the run, when springs are set. Changes of
+  /// spring energy since the previous step count as work.
   void begin(double time, const Motion& motion);
-  /// To be called after each step.
+  /// Call this after each step.
   void end(const StepSpan& step);
 
-  /// The mechanics of a state at a time, which is so far (0 to 1) on the way through the last step.
+  /// The mechanics of a state at a time, at a share ([0, 1]) of the last step.
   trajectory::Mechanics at(double time, const Motion& motion, double share);
 
-  /// The account at present.
+  /// The current energy account.
   struct Account {
-    trajectory::Energies before;  ///< where the last step began
-    trajectory::Energies now;     ///< where it has ended
-    Poses reached;                ///< likewise; none before the start
-    double largestWork = 0;       ///< at the end of any step, without its sign, joules
-    /// Mean accelerations of the centres of mass in the last step, m/s^2; one entry a brick.
+    trajectory::Energies before;  ///< at the start of the last step
+    trajectory::Energies now;     ///< at the end of the last step
+    Poses reached;                ///< poses at the end of the last step; empty before the start
+    double largestWork = 0;       ///< absolute value at the end of any step, joules
+    /// Mean accelerations of the centres of mass in the last step, m/s^2; one entry per brick.
     std::vector<Vector3> accelerations;
 
     /// For files; see base/fields.h.
@@ -105,9 +105,9 @@ class RunMechanics {
                                      field("accelerations", &Account::accelerations, "m/s^2"));
     }
   };
-  /// Of the last step, joules.
+  /// The account after the last step, joules.
   const Account& account() const { return account_; }
-  /// Goes back to an earlier account, where steps are taken back.
+  /// Restores an earlier account when steps are undone.
   void goBackTo(const Account& account) { account_ = account; }
 
   /// Records or plays back.

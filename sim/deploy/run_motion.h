@@ -31,7 +31,7 @@ struct SceneBricks {
   std::vector<model::Brick> bricks;  ///< one per tile
   std::vector<model::Pivot> pivots;  ///< of all joints
   scene::Ties
-      ties;  ///< exact pivots, ligaments that replace the others, and other pair forces
+      ties;  ///< exact pivots, ligaments that replace the other pivots, and other pair forces
   scene::Needs needs;   ///< modelled features
   double size = 0;      ///< of the model, metres
   double tileSize = 0;  ///< metres

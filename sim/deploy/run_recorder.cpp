@@ -1,7 +1,7 @@
-// What is measured of a run and shown of it. A sample that is due between two steps is put between
-// their poses, its joints closed again where those of the step's two ends are. For a checkpoint
-// each sample is kept with the clock and the figures as of it: a resumed run shows them again
-// before it goes on.
+// Measures and delivers a run. A sample between two steps is interpolated from their poses. Its
+// joints are closed again if those at both ends of the step are closed. A checkpoint stores each
+// sample with the clock and the figures at that time: a resumed run delivers them again before it
+// continues.
 #include "sim/deploy/run_recorder.h"
 
 #include <array>
@@ -44,7 +44,7 @@ void RunRecorder::observe(const StepReport& report, bool jointsAreCompliant) {
   figures_.observe(clock_.time(), motion_.poses(), report, jointsAreCompliant, statesWithin());
 }
 
-// Trials are measured at the ends of their steps only.
+// Trials are measured only at the ends of their steps.
 StatesWithin RunRecorder::statesWithin() {
   if (isTrial_) return {};
   StatesWithin within = {clock_.time() - clock_.length(), {}};
@@ -88,7 +88,7 @@ void RunRecorder::takeLastSample() {
 }
 
 void RunRecorder::takeSample(double time, Poses poses) {
-  // What may be ended from within comes first.
+  // Interruptible work comes first.
   const double share = 1 - (clock_.time() - time) / clock_.length();
   std::optional<trajectory::Mechanics> mechanics;
   if (mechanics_) mechanics = mechanics_->at(time, motion_.motionAt(time, poses), share);
@@ -112,13 +112,13 @@ void RunRecorder::goBackTo(const RunMechanics::Account& account) {
   if (mechanics_) mechanics_->goBackTo(account);
 }
 
-// What a sample has beside it in a checkpoint.
+// The data that a checkpoint stores with a sample.
 void RunRecorder::transferAsOfSample(StateTape& tape) {
   tape.transfer(clock_, sampleCount_, lastSampleTime_, figures_);
 }
 
-// Which states the figures up to a sample were reached in is not known: those of the checkpoint may
-// be later.
+// The states of the figures up to a sample are unknown: those of the checkpoint may be
+// later.
 std::optional<trajectory::Sample> RunRecorder::showAgain(double time) {
   StateTape latest;
   transferAsOfSample(latest);

@@ -1,4 +1,4 @@
-/// What is measured of a run while it goes on, and shown to those who watch it.
+/// Measures a run and delivers steps and samples to observers.
 #pragma once
 
 #include <functional>
@@ -16,65 +16,65 @@
 
 namespace kirireel::deploy {
 
-/// What is shown of a run while it goes on. Either function may be empty; one that returns false
-/// ends the run.
+/// Observers of a run. Either function may be empty. A function that returns false ends the
+/// run.
 struct RunObservers {
-  /// Seconds between the samples: these do not need to be whole steps. Infinity: the start and the
-  /// end alone.
+  /// Interval between samples, seconds; need not be a multiple of the step. Infinity: only the
+  /// start and the end.
   double sampleInterval = std::numeric_limits<double>::infinity();
-  SampleObserver sample;                                    ///< gets each sample; may be empty
+  SampleObserver sample;                                    ///< receives each sample; may be empty
   std::function<bool(const trajectory::StepRecord&)> step;  ///< the start counts as one
 };
 
-/// Measures the start of a run and each step, and gives observers their steps and samples. Nothing
-/// in the run depends on them: a sample between two steps is made from their poses.
+/// Measures the start of a run and each step. Delivers steps and samples to observers. The run does
+/// not depend on them: a sample between two steps is interpolated from their poses.
 class RunRecorder {
  public:
-  /// All must outlive this; `checkpoints`, which keep the samples, may be null. `nearest`: see
+  /// Keeps references to all. `checkpoints` store the samples and may be null. `nearest`: see
   /// assembleAtTarget().
   RunRecorder(const SceneBricks& bricks, StepClock& clock, RunMotion& motion,
               const ActingForces& forces, const RunObservers& observers,
               const AssembledState& nearest, Checkpoints* checkpoints);
 
-  /// To be called before a run that is only tried.
+  /// Call this before a trial.
   void beTrial() { isTrial_ = true; }
 
-  /// Measures and shows the start; `jointsAreCompliant`: they are compliant on purpose.
+  /// Measures and delivers the start. `jointsAreCompliant`: by request.
   void begin(bool jointsAreCompliant);
-  /// To be called before a step, once springs are set for it.
+  /// Call this before a step, when its springs are set.
   void beginStep();
-  /// Accounts for a step from its length on, before its time has passed.
+  /// Accounts for a step after the solver, before the clock advances.
   void endStep(const StepReport& report, bool isToTolerance);
-  /// Measures the state that the step led to. Where it is ended from within (see
-  /// sim/base/interruption.h) nothing has changed.
+  /// Measures the state after the step. If this is interrupted (see sim/base/interruption.h),
+  /// nothing changes.
   void observe(const StepReport& report, bool jointsAreCompliant);
-  /// Shows the last step.
+  /// Delivers the last step.
   void showStep();
 
-  /// Takes a sample of the state now.
+  /// Takes a sample of the current state.
   void takeSample() { takeSample(clock_.time(), motion_.poses()); }
-  /// Takes the samples that became due with the last step.
+  /// Takes the samples that became due during the last step.
   void takeSamples();
-  /// Takes that of the end, which is the last step's, unless it was taken.
+  /// Takes a sample at the end of the last step, unless it was taken.
   void takeLastSample();
 
-  /// Whether an observer wants the run to end.
+  /// Whether an observer requests the end of the run.
   bool isAskedToEnd() const { return isAskedToEnd_; }
-  /// What has been measured so far.
-  RunFigures& figures() { return figures_; }
   /// The figures so far.
+  RunFigures& figures() { return figures_; }
+  /// The figures so far, read only.
   const RunFigures& figures() const { return figures_; }
-  /// What has happened so far.
+  /// The events so far.
   std::vector<trajectory::Event>& events() { return events_; }
 
-  /// The account of energies, for steps that are taken back.
+  /// The energy account, saved before steps that may be undone.
   RunMechanics::Account account() const;
-  /// Goes back to an earlier account, where steps are taken back.
+  /// Restores an earlier account when a step is undone.
   void goBackTo(const RunMechanics::Account& account);
 
-  /// Shows the samples that the checkpoint holds, of a run that it was made of at `time` (seconds).
-  /// Returns the one before that at which the observer ended the run: clock and figures are then as
-  /// of it, and no sample follows.
+  /// Delivers the samples of a checkpoint again. The checkpoint was made at `time` (seconds) of the
+  /// run. Returns the sample at which the observer ended the run, if it did. Clock and figures are
+  /// then those of this sample, and no sample follows.
   std::optional<trajectory::Sample> showAgain(double time);
 
   /// Records or plays back.
@@ -91,13 +91,13 @@ class RunRecorder {
   RunObservers observers_;
   Checkpoints* checkpoints_;
   RunFigures figures_;
-  std::optional<RunMechanics> mechanics_;  // where samples are taken that can have them
+  std::optional<RunMechanics> mechanics_;  // present if samples can have mechanics
   std::vector<trajectory::Event> events_;
   long sampleCount_ = 0;       // samples taken
   double lastSampleTime_ = 0;  // seconds
   bool isTrial_ = false;
   bool isAskedToEnd_ = false;
-  bool isOver_ = false;  // ended among samples that were shown again
+  bool isOver_ = false;  // ended while samples were delivered again
 };
 
 }  // namespace kirireel::deploy

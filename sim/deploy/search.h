@@ -1,4 +1,4 @@
-/// What the search for a path reports.
+/// Reports of the path search.
 #pragma once
 
 #include <functional>
@@ -10,14 +10,14 @@ namespace kirireel::deploy {
 
 /// How a trial ended.
 struct TrialEnd {
-  bool arrives = false;   ///< where the scene's springs come to rest near the target
-  bool jams = false;      ///< exact joints could not be held on the way
-  bool cutShort = false;  ///< the budget ended it: where it leads is not known
-  /// No bricks overlap on the way more than at the start, or keep compliant joints from closing.
+  bool arrives = false;   ///< reaches the equilibrium of the scene's springs near the target
+  bool jams = false;      ///< exact joints could not be held along the path
+  bool cutShort = false;  ///< the budget ended it: the result is unknown
+  /// No overlap grows beyond the start or prevents compliant joints from closing.
   bool keepsClear = false;
   double error = 0;    ///< target error at its end, metres
-  double opening = 0;  ///< how far compliant joints opened, metres
-  double work = 0;     ///< that it cost, see SearchBudget
+  double opening = 0;  ///< largest opening of compliant joints, metres
+  double work = 0;     ///< cost of the trial, see SearchBudget
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
@@ -29,14 +29,14 @@ struct TrialEnd {
   }
 };
 
-/// What a search tells as it goes on.
+/// Progress report of a search.
 struct SearchNews {
-  std::string what;          ///< that is being tried
-  double share = 0;          ///< of the budget that is spent, 0 to 1
-  std::string warning = {};  ///< about the target, to be told once; seldom there
+  std::string what;          ///< what is being tried
+  double share = 0;          ///< spent share of the budget, [0, 1]
+  std::string warning = {};  ///< about the target, to be shown once; usually empty
 };
 
-/// Called as a search begins and at each step of a trial; return false to stop looking.
+/// Called at the start of a search and at each step of a trial. Return false to end the search.
 using TrialObserver = std::function<bool(const SearchNews&)>;
 
 }  // namespace kirireel::deploy

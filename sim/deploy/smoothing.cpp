@@ -1,24 +1,24 @@
-// How a path is improved as a whole.
+// Improvement of a path as a whole.
 //
-// The states q_0 ... q_n of a path, its ends held, minimise the energy
+// The states q_0 ... q_n of a path, with fixed ends, minimise the energy
 //   E = sum over i of |z_(i-1) - 2 z_i + z_(i+1)|^2 + p sum over i of |c(q_i)|^2
 // with closed joints c(q_i) = 0 and gaps of near bricks phi(q_i) >= 0. z stacks the position x and
-// the rotation matrix rho R / sqrt 2 of each brick, with its radius of gyration rho: a turn counts
-// by its arc. The second term is the price p of joints that are open on the found path. They may
-// open in its leading modes only: the first singular vectors of its openings over the states.
+// the rotation matrix rho R / sqrt 2 of each brick, with its radius of gyration rho: a rotation
+// counts by its arc. The second term is the price p of joints that are open on the found path. They
+// may open in its leading modes only: the first singular vectors of its openings over the states.
 //
-// One round:
-// 1. B_i is an orthonormal basis of the moves of state i that keep its joints closed: the null
-//    space of their Jacobian J in the metric |dx|^2 + rho^2 |dphi|^2, found at one state by QR and
-//    carried on to its neighbours by projection. Columns that open the joints in the modes follow.
-// 2. With q_i moved by B_i y_i, the energy is quadratic and the gaps are linear in y: a banded
-//    quadratic program, since the second differences couple three states (banded_program.h). Gaps
-//    may be violated at a price, because bricks that are jammed between others have no solution.
-// 3. The states move, Newton steps close their joints, and bricks that then overlap are pushed
+// One round: 1. B_i is an orthonormal basis of the moves of state i that keep its joints closed:
+// the null
+//    space of their Jacobian J in the metric |dx|^2 + rho^2 |dphi|^2. It is computed at one state
+//    by QR and projected to its neighbours. Columns that open the joints in the modes follow.
+// 2. With q_i moved by B_i y_i, the energy is quadratic and the gaps are linear in y. This is a
+//    banded quadratic program, because second differences couple three states (banded_program.h).
+//    Gaps may be violated at a price, because bricks that are jammed have no solution.
+// 3. The states move, and Newton steps close their joints. Bricks that then overlap are pushed
 //    apart by the same program, each state by itself.
-// 4. The round is taken if E falls and overlaps stay small. If not, it is tried again with more
+// 4. The round is accepted if E falls and overlaps stay small. If not, it is tried again with more
 //    damping (Levenberg, Marquardt).
-// The states are then interpolated by cubics, at an even pace, closed and pushed apart again.
+// The states are then interpolated by cubics at constant speed, closed and pushed apart again.
 //
 // J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, 2006, chapter 18 (sequential
 // quadratic programming). N. Ratliff et al., CHOMP: gradient optimization techniques for efficient
@@ -48,36 +48,37 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Lengths are fractions of a tile.
-// Larger sheets stay as they are: the null space by QR is O(bricks^3), and all pairs are listed.
+// Lengths are fractions of a tile. Larger sheets are not improved: the null space by QR is
+// O(bricks^3), and all pairs are listed.
 constexpr std::size_t kMostBricks = 250;
 constexpr int kIntervals = 60;          // between the states that are improved
-constexpr double kFinalSpacing = 0.02;  // of the states of the result
-constexpr double kLeastFinal = 120;     // of its intervals
+constexpr double kFinalSpacing = 0.02;  // spacing of the states of the result
+constexpr double kLeastFinal = 120;     // minimum number of intervals of the result
 constexpr double kMostFinal = 400;
-constexpr int kSmoothingRounds = 12;      // taken, at most
-constexpr int kSmoothingTries = 24;       // of rounds, at most
-constexpr double kLeastRoundGain = 0.02;  // of the energy; a smaller one ends the rounds
-// A path is smooth enough if no brick's step changes by more than this part of the usual step.
+constexpr int kSmoothingRounds = 12;      // maximum number of accepted rounds
+constexpr int kSmoothingTries = 24;       // maximum number of tried rounds
+constexpr double kLeastRoundGain = 0.02;  // of the energy; a smaller gain ends the rounds
+// A path is smooth enough if no brick's step changes by more than this fraction of the typical
+// step.
 constexpr double kSmoothEnough = 0.5;
-constexpr int kModes = 24;              // of openings, at most
-constexpr double kWaves = 16;           // an opening costs what as large a wave of the path does
-constexpr double kMargin = 0.1;         // of gaps in the program
-constexpr double kPushMargin = 0.03;    // the same when bricks are pushed apart
-constexpr double kPointReach = 1e-2;    // of the points of a pair
-constexpr double kOverlap = 1e-5;       // that is left as it is
-constexpr double kFinalOverlap = 1e-5;  // the same in the result
-constexpr double kMostOverlap = 4 * kOverlap;    // of a round that is taken
-constexpr double kEarlyOverlap = 15 * kOverlap;  // of the first rounds
+constexpr int kModes = 24;                       // maximum number of modes of openings
+constexpr double kWaves = 16;                    // an opening costs as much as a wave of equal size
+constexpr double kMargin = 0.1;                  // of gaps in the program
+constexpr double kPushMargin = 0.03;             // the same while bricks are pushed apart
+constexpr double kPointReach = 1e-2;             // of the points of a pair
+constexpr double kOverlap = 1e-5;                // overlap that is ignored
+constexpr double kFinalOverlap = 1e-5;           // the same in the result
+constexpr double kMostOverlap = 4 * kOverlap;    // limit for an accepted round
+constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
 constexpr int kEarlyRounds = 4;
 constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
 constexpr int kPushes = 8;
-constexpr double kPriceOfPushing = 1e3;  // of opening joints, over that of moving
+constexpr double kPriceOfPushing = 1e3;  // price of opening joints over that of moving
 constexpr double kFirstDamping = 6e-5;
 constexpr double kLeastDamping = 6e-9;
 constexpr double kMostDamping = 600;
 constexpr double kClosedByNewton =
-    1e-11;  // an open joint, to which states are closed by Newton steps
+    1e-11;  // tolerance of an open joint, to which Newton steps close states
 constexpr double kNewtonEnd = 1e-13;
 constexpr int kNewtonSteps = 20;
 constexpr double kOpenOnPath =
@@ -87,8 +88,8 @@ constexpr double kRegular = 1e-12;  // added to J J', which redundant joints mak
 // Multiplications in a program, over states times freedoms cubed: steps of a block factorisation.
 constexpr double kProgramCost = 80;
 
-/// The joints of a sheet and their derivatives by u, which stacks the move dx and the arc rho dphi
-/// of each brick: 6 numbers, or 3 in the plane.
+/// The joints of a sheet and their derivatives with respect to u. u stacks the displacement dx and
+/// the arc rho dphi of each brick: 6 numbers, or 3 in the plane.
 class Joints {
  public:
   Joints(const std::vector<model::Brick>& bricks, const std::vector<model::Pivot>& pivots,
@@ -108,7 +109,7 @@ class Joints {
   int columns() const { return count_ * freedoms(); }
   double radius(int brick) const { return radii_[brick]; }
 
-  /// How far joints are open, metres; a link by how much it is too long.
+  /// Openings of the joints, metres. For a link, the excess of its length.
   VectorXd gaps(const Poses& poses) const {
     VectorXd values(rows_);
     int row = 0;
@@ -141,7 +142,7 @@ class Joints {
     return matrix;
   }
 
-  /// A state moved by u.
+  /// The state after the move u.
   Poses moved(Poses poses, const VectorXd& u) const {
     for (int i = 0; i < count_; ++i) {
       Vector6 move = Vector6::Zero();
@@ -151,13 +152,13 @@ class Joints {
     return poses;
   }
 
-  /// Of a linear form in (dx, dphi) of one brick, its part in component k of u.
+  /// Component k of u of a linear form in (dx, dphi) of one brick.
   double partOf(const Vector6& form, int brick, int k) const {
     const int which = component(k);
     return which < 3 ? form[which] : form[which] / radii_[brick];
   }
 
-  /// The component of (dx, dphi) that number k of a brick is.
+  /// The index in (dx, dphi) of a brick's component k.
   int component(int k) const { return isPlanar_ && k == 2 ? 5 : k; }
 
  private:
@@ -185,7 +186,7 @@ class Joints {
   std::vector<model::Pivot> pivots_;
 };
 
-/// Moves of least length that change the gaps of joints by given amounts, at one state.
+/// Moves of least length that change the gaps of joints by given amounts at one state.
 class LeastMoves {
  public:
   LeastMoves(const Joints& joints, const Poses& poses) : jacobian_(joints.jacobian(poses)) {
@@ -197,7 +198,7 @@ class LeastMoves {
   }
 
   const SparseMatrix& jacobian() const { return jacobian_; }
-  /// For each column of changes one of moves.
+  /// Returns one column of moves per column of changes.
   MatrixXd forChanges(const MatrixXd& changes) const {
     return jacobian_.transpose() * MatrixXd(factor_.solve(changes));
   }
@@ -233,7 +234,7 @@ class Smoothing {
     takeStates(scene);
   }
 
-  /// The improved states; none if there is no improvement.
+  /// The improved states. Empty if there is no improvement.
   std::vector<Poses> find() {
     if (!prepare()) return {};
     int taken = 0;
@@ -249,13 +250,13 @@ class Smoothing {
   }
 
  private:
-  // The joints of a state that are open, and how they may be on the way to it.
+  // Whether the budget is spent or the caller stops.
   bool isOver() const { return budget_.isSpent() || (shouldContinue_ && !shouldContinue_(1)); }
 
   std::size_t count() const { return states_.size(); }
   int freedoms() const { return free_ + static_cast<int>(modes_.cols()); }
 
-  /// States of the found path at an even pace, and the modes in which its joints are open.
+  /// Samples the found path at constant speed, and computes the modes of its joint openings.
   void takeStates(const scene::Scene& scene) {
     const MechanismPath& path = found_.path;
     StatesBetween between(scene, found_);
@@ -295,8 +296,8 @@ class Smoothing {
     modes_ = orthonormal(modes_);
   }
 
-  /// Closes a state by Newton steps; open joints may keep the part of their opening that the modes
-  /// have. Returns what is missing, metres.
+  /// Closes a state by Newton steps. Open joints may keep the part of their opening that lies in
+  /// the modes. Returns the remaining gap, metres.
   double close(Poses& poses, bool isOpen) const {
     VectorXd goal = VectorXd::Zero(joints_.rows());
     if (isOpen) goal = modes_ * (modes_.transpose() * joints_.gaps(poses));
@@ -361,8 +362,8 @@ class Smoothing {
     return q.rightCols(joints_.columns() - qr.rank());
   }
 
-  /// The basis of a neighbour projected on the moves that keep this state's joints closed; then, if
-  /// they may open, the moves that open them in the modes.
+  /// The basis of a neighbour, projected onto the moves that keep this state's joints closed. If
+  /// joints may open, the moves that open them in the modes follow.
   MatrixXd carriedOn(const MatrixXd& neighbour, const Poses& poses, bool isOpen) const {
     MatrixXd basis = MatrixXd::Zero(joints_.columns(), freedoms());
     if (joints_.rows() == 0) {
@@ -379,8 +380,8 @@ class Smoothing {
     return basis;
   }
 
-  /// The rows of a state's program that keep bricks apart, which are at most `margin` apart now.
-  /// Bounds leave an overlap of `overlap` metres.
+  /// The rows of a state's program that keep bricks apart, for pairs within `margin` metres. Bounds
+  /// allow an overlap of `overlap` metres.
   void appendGaps(const Poses& poses, const MatrixXd& basis, double margin, double overlap,
                   BandedProgram& program) {
     std::vector<NearGap> near;
@@ -403,7 +404,7 @@ class Smoothing {
     program.bounds.push_back(std::move(bounds));
   }
 
-  /// Moves bricks of one state apart that overlap by more than `overlap` tiles.
+  /// Separates bricks of one state that overlap by more than `overlap` tiles.
   void pushApart(Poses& poses, const MatrixXd& basis, bool isOpen, double overlap) {
     if (!gaps_) return;
     for (int k = 0; k < kPushes; ++k) {
@@ -447,7 +448,7 @@ class Smoothing {
     return places;
   }
 
-  /// How z changes by the columns of a basis.
+  /// The change of z for each column of a basis.
   MatrixXd changesOf(const MatrixXd& basis, const Poses& poses) const {
     MatrixXd changes(12 * static_cast<Eigen::Index>(poses.size()), basis.cols());
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -483,7 +484,7 @@ class Smoothing {
     return energy / scale_;
   }
 
-  /// Whether no brick's step from state to state changes much.
+  /// Whether the steps of all bricks between states change little.
   bool isSmooth() const {
     const std::vector<VectorXd> z = placesOf(states_);
     double largest = 0, usual = 0;
@@ -542,7 +543,7 @@ class Smoothing {
     return most;
   }
 
-  /// One round that is taken. Returns whether one was found.
+  /// Tries rounds until one is accepted. Returns whether one was.
   bool round(double& damping, int& tries, int taken) {
     const BandedProgram program = programOf();
     for (; tries > 0 && damping <= kMostDamping && !isOver();) {
@@ -574,7 +575,7 @@ class Smoothing {
     return false;
   }
 
-  /// Moves all states by a fraction of the moves, and keeps them if that is better.
+  /// Moves all states by a fraction of the moves. Keeps them if that is better.
   bool take(const std::vector<VectorXd>& moves, double part, int taken) {
     std::vector<Poses> tried = states_;
     std::vector<MatrixXd> bases = bases_;
@@ -607,7 +608,7 @@ class Smoothing {
     close(poses, isOpen);
   }
 
-  /// Where the states of the result are between the ends of a path of this length.
+  /// Path lengths of the states of the result, for a path of length `whole`.
   std::vector<double> finalLengths(double whole) const {
     const double count =
         std::clamp(std::ceil(whole / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
@@ -617,7 +618,7 @@ class Smoothing {
     return lengths;
   }
 
-  /// States at an even pace on cubics through the improved ones.
+  /// States at constant speed on cubics through the improved states.
   std::vector<Poses> interpolated() {
     std::vector<double> lengths = {0};
     for (std::size_t i = 1; i < count(); ++i) {
@@ -645,7 +646,7 @@ class Smoothing {
     return found;
   }
 
-  /// On the cubic through the four states around the interval before state i (Lagrange).
+  /// The cubic through the four states around the interval before state i (Lagrange).
   Poses onCubic(const std::vector<double>& lengths, std::size_t i, double length) const {
     const std::size_t first = std::min(i > 2 ? i - 2 : 0, count() - 4);
     Poses poses = states_[i];

@@ -7,13 +7,13 @@
 
 namespace kirireel::deploy {
 
-/// The path with the same ends whose states have the least squared second differences of all
-/// positions and rotations: smoother, and without the jumps of a path that was followed state by
-/// state. Joints stay closed. If they are open on the way, they may open in the same modes, at a
+/// The path with the same ends that minimises the squared second differences of all positions and
+/// rotations. It is smoother and has none of the jumps of a path that was followed state by state.
+/// Joints stay closed. If they are open along the path, they may open in the same modes, at a
 /// price. Bricks that may touch by `contacts` are kept apart. The path keeps its symmetries.
-/// Returns the found path if it cannot be improved, if it has more freedom than the budget pays
-/// for, or if it has more than 250 bricks. The caller compares the two. Charges `budget`; ends
-/// early if it is spent or if `shouldContinue`, which may be empty, returns false.
+/// Returns the found path if it cannot be improved, if it has more freedom than the budget allows,
+/// or if it has more than 250 bricks. The caller compares the two. Charges `budget`. Ends early if
+/// it is spent or if `shouldContinue`, which may be empty, returns false.
 MechanismPath smoothed(const scene::Scene& scene, const GeometricPath& found,
                        scene::ContactFilter contacts, SearchBudget& budget,
                        const PathObserver& shouldContinue = {});

@@ -1,7 +1,7 @@
-// The timeline as it goes on: entries happen in their order, each as soon as it is due. One that
-// waits for a state (rest, a target, an error) is looked at only as the first of a step, since what
-// an entry does may change that state. Times are compared with a small allowance for rounding. A
-// drag is a spring (forces.h) whose anchor moves along its path at even speed; it ends by
+// Execution of the timeline. Entries are executed in their order, each as soon as it is due. An
+// entry that waits for a state (rest, a target, an error) is tested only if it is the first of a
+// step, because other entries may change that state. Times are compared with a small tolerance. A
+// drag is a spring (forces.h) whose anchor moves along its path at constant speed. It ends by
 // itself.
 #include "sim/deploy/timeline_runner.h"
 
@@ -15,10 +15,10 @@
 namespace kirireel::deploy {
 namespace {
 
-// Times are sums of steps: what is due within this of a time is due at it.
+// Times are sums of steps. Entries within this tolerance are due, seconds.
 constexpr double kTimeRounding = 1e-9;
 
-/// The point at a share (0 to 1) of a path's length.
+/// The point at a share ([0, 1]) of a path's length.
 Vector3 pointOnPath(const std::vector<Vector3>& path, double share) {
   double length = 0;
   for (std::size_t k = 1; k < path.size(); ++k) length += (path[k] - path[k - 1]).norm();
@@ -31,15 +31,15 @@ Vector3 pointOnPath(const std::vector<Vector3>& path, double share) {
   return path.back();
 }
 
-// Tiles in a file's numbers; an empty list means all of them.
+// Tiles in a file's numbers. An empty list means all tiles.
 std::string tilesText(std::vector<int> tiles, int countsFrom) {
   for (int& tile : tiles) tile += countsFrom;
   return tiles.empty() ? "all tiles" : fmt::format("tiles {}", fmt::join(tiles, ", "));
 }
 
-/// What an action acts on, for the record.
+/// The objects of an action, for the events.
 struct Describe {
-  int countsFrom;  // of tiles
+  int countsFrom;  // number of the first tile
   std::string operator()(const scene::timeline::Pin& pin) const {
     return tilesText(pin.tiles, countsFrom);
   }
@@ -64,14 +64,14 @@ struct Describe {
   }
 };
 
-/// "pin tiles 3, 4".
+/// For example "pin tiles 3, 4".
 std::string describe(const scene::timeline::Action& action, int countsFrom) {
   const std::string what = std::visit(Describe{countsFrom}, action);
   return what.empty() ? scene::actionName(action)
                       : fmt::format("{} {}", scene::actionName(action), what);
 }
 
-// What an entry waits for, in words for the reason of an end.
+// The condition of an entry, for the reason of an end.
 std::string momentText(const scene::Trigger& moment, const LengthUnit& unit) {
   switch (moment.kind) {
     case scene::Trigger::Kind::AtTime:
@@ -101,15 +101,15 @@ TimelineRunner::TimelineRunner(const scene::Timeline& timeline,
       unit_(unit),
       pinned_(bricks.size(), false) {}
 
-// Drags that are over go first; then entries as far as they are due.
+// Removes finished drags, then executes the due entries.
 bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
                               std::vector<trajectory::Event>& events) {
-  // A drag that ends now must not pull in the coming step.
+  // A drag that ends now must not act in the next step.
   std::erase_if(drags_, [&](const ActiveDrag& active) {
     return view.time >= active.from + dragOf(active).seconds - kTimeRounding;
   });
   const std::size_t before = next_;
-  // Only the first entry may wait for the state at hand: what it does changes that state.
+  // Only the first entry may use the current state, because its action changes it.
   while (next_ < timeline_.size() && isDue(timeline_[next_].when, view)) {
     const scene::TimelineEntry& entry = timeline_[next_];
     const bool ofTime = waitsForTime();
@@ -122,13 +122,13 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
   return next_ > before;
 }
 
-/// When what is due by itself is due, seconds.
+/// The due time of a timed entry, seconds.
 double TimelineRunner::dueTime(const scene::Trigger& moment) const {
   return moment.kind == scene::Trigger::Kind::After ? lastTime_ + moment.value : moment.value;
 }
 
-// Whether an entry's condition holds. Progress is the part of the error at the target's setting
-// that is gone: 1 - error / startError.
+// Whether an entry's condition holds. Progress is 1 - error / startError, with the error at the
+// time when the target was set.
 bool TimelineRunner::isDue(const scene::Trigger& moment, const TimelineView& view) const {
   switch (moment.kind) {
     case scene::Trigger::Kind::AtTime:
@@ -146,7 +146,7 @@ bool TimelineRunner::isDue(const scene::Trigger& moment, const TimelineView& vie
   return false;
 }
 
-// One action; `view` is the state before it.
+// Executes one action. `view` is the state before it.
 void TimelineRunner::carryOut(const scene::timeline::Action& action, const TimelineView& view,
                               TimelineStage& stage) {
   if (const auto* pinning = std::get_if<scene::timeline::Pin>(&action)) {
@@ -165,17 +165,17 @@ void TimelineRunner::carryOut(const scene::timeline::Action& action, const Timel
     reset(stage);
   } else if (std::holds_alternative<scene::timeline::Quit>(action)) {
     stage.quit();
-  }  // snapshots and exports are for those who read the events
+  }  // snapshots and exports are handled by readers of the events
 }
 
-/// No tiles named means all.
+/// An empty list means all tiles.
 void TimelineRunner::pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage) {
   if (tiles.empty()) pinned_.assign(pinned_.size(), pinned);
   for (const int tile : tiles) pinned_[tile] = pinned;
   stage.setPinned(pinned_);
 }
 
-// The path begins where the point is now.
+// The path starts at the point's current position.
 void TimelineRunner::startDrag(const scene::timeline::Drag& drag, const TimelineView& view) {
   const Vector3 point =
       drag.vertex ? bricks_[drag.tile].bottom[*drag.vertex] : Vector3(Vector3::Zero());
@@ -184,8 +184,8 @@ void TimelineRunner::startDrag(const scene::timeline::Drag& drag, const Timeline
   drags_.push_back({next_, point, std::move(path), view.time});
 }
 
-// Drags end, forces act, all tiles are free, and the stage goes back to the start. The timeline
-// itself goes on with its next entry.
+// Ends all drags, switches forces on, frees all tiles and restores the start. The timeline
+// continues with its next entry.
 void TimelineRunner::reset(TimelineStage& stage) {
   drags_.clear();
   forcesOn_ = true;
@@ -193,8 +193,8 @@ void TimelineRunner::reset(TimelineStage& stage) {
   stage.reset();
 }
 
-// The springs of all drags at a time (seconds), their anchors where they are then. The share of the
-// path is that of the time: the speed is even.
+// The springs of all drags at a time (seconds). Anchors move at constant speed: the share of the
+// path equals the share of the time.
 std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
   std::vector<DragSpring> grips;
   for (const ActiveDrag& active : drags_) {
@@ -216,12 +216,11 @@ void TimelineRunner::transfer(StateTape& tape) {
   tape.transfer(next_, lastTime_, pausedUntil_, forcesOn_, pinned_, drags_);
 }
 
-// No entry waits, no drag pulls, no pause holds.
 bool TimelineRunner::isOver(double time) const {
   return next_ == timeline_.size() && drags_.empty() && !isPaused(time);
 }
 
-// Steps end there, so that what is due by itself happens at its own time.
+// Steps end at this time: timed entries are executed exactly when due.
 double TimelineRunner::nextMoment(double time) const {
   double next = std::numeric_limits<double>::infinity();
   const auto consider = [&](double moment) {
@@ -233,14 +232,14 @@ double TimelineRunner::nextMoment(double time) const {
   return next;
 }
 
-// Whether the next entry comes by itself. A run at rest must not end before it.
+// A run at rest must not end before such an entry.
 bool TimelineRunner::waitsForTime() const {
   if (next_ == timeline_.size()) return false;
   const scene::Trigger::Kind kind = timeline_[next_].when.kind;
   return kind == scene::Trigger::Kind::AtTime || kind == scene::Trigger::Kind::After;
 }
 
-// Whether only the bricks can bring the next entry about: at rest the run then waits in vain.
+// A run at rest would wait for such an entry forever.
 bool TimelineRunner::waitsForState() const {
   return next_ < timeline_.size() && !waitsForTime() && drags_.empty();
 }
@@ -253,7 +252,7 @@ std::vector<int> TimelineRunner::pinnedTiles() const {
   return tiles;
 }
 
-// Empty when all entries have happened.
+// Empty if all entries have been executed.
 std::string TimelineRunner::pending() const {
   if (next_ == timeline_.size()) return "";
   const scene::TimelineEntry& entry = timeline_[next_];

@@ -1,4 +1,4 @@
-/// Carries out a scene's timeline while a deployment runs.
+/// Executes a scene's timeline during a deployment.
 #pragma once
 
 #include <cstddef>
@@ -14,84 +14,84 @@
 
 namespace kirireel::deploy {
 
-/// What the timeline looks at.
+/// State of the run that conditions of the timeline use.
 struct TimelineView {
   double time = 0;               ///< simulated seconds
-  bool atRest = false;           ///< nothing moves any more
-  double error = 0;              ///< to the present target, metres
-  double startError = 0;         ///< the same when that target was set
-  bool atTarget = false;         ///< at rest where rigid tiles come no nearer to the present target
-  const Poses* poses = nullptr;  ///< one a brick
+  bool atRest = false;           ///< the run is at rest
+  double error = 0;              ///< target error, metres
+  double startError = 0;         ///< target error when the current target was set, metres
+  bool atTarget = false;         ///< at rest, and no nearer state of rigid tiles is known
+  const Poses* poses = nullptr;  ///< one per brick
 };
 
-/// What the timeline does to a run, beyond pushing its bricks.
+/// Actions of the timeline on a run, other than loads.
 class TimelineStage {
  public:
   virtual ~TimelineStage() = default;
-  /// Fixes these bricks to the world from now on, and frees all others; one entry a brick.
+  /// Fixes these bricks in space and frees all others. One entry per brick.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
-  /// `target`: one tile a brick; null for the model's own.
+  /// `target`: one tile per brick; null for the model's own target.
   virtual void goTo(const std::vector<model::Tile>* target) = 0;
-  /// Brings all bricks back to the start, at rest.
+  /// Restores the start, at rest.
   virtual void reset() = 0;
   /// Ends the run.
   virtual void quit() = 0;
 };
 
-/// A tile that is dragged along, and the spring that it hangs on.
+/// A tile that is dragged, and its spring.
 struct DragSpring {
-  int tile = 0;        ///< its number, from 0
-  PointSpring spring;  ///< between a point of its brick and one of the world
+  int tile = 0;        ///< index >= 0
+  PointSpring spring;  ///< between a point of its brick and a fixed point
 };
 
-/// Watches a run and does what is due. Drags are loads, asked for in each step.
+/// Executes the due entries of a timeline. Drags are loads, evaluated in each step.
 class TimelineRunner {
  public:
-  /// The timeline must outlive the runner. `countsFrom`: the first tile's number in events.
+  /// Keeps a reference to the timeline. `countsFrom`: the first tile's number in events.
   TimelineRunner(const scene::Timeline& timeline, const std::vector<model::Brick>& bricks,
                  int countsFrom = 0, const LengthUnit& unit = {});
 
-  /// Does everything that is due now and appends it to the events. Returns whether anything was.
+  /// Executes all due entries and appends them to the events. Returns whether there were any.
   bool carryOut(const TimelineView& view, TimelineStage& stage,
                 std::vector<trajectory::Event>& events);
 
-  /// Adds what drags pull with at this time.
+  /// Adds the loads of the drags at this time.
   void addDrags(double time, const Poses& poses, std::vector<model::Load>& loads) const;
 
-  /// The drags under way at this time, as the springs that they pull with.
+  /// The springs of the drags that are active at this time.
   std::vector<DragSpring> dragSprings(double time) const;
 
   /// Whether the drive acts.
   bool forcesAreOn() const { return forcesOn_; }
-  /// Whether tiles are held still at this time, seconds.
+  /// Whether tiles are held fixed at this time, seconds.
   bool isPaused(double time) const { return time < pausedUntil_; }
-  /// Whether anything is to come or still under way.
+  /// Whether no entry, drag or pause remains.
   bool isOver(double time) const;
-  /// When, after this time, the next entry comes due by itself, or a drag or a pause ends; infinity
-  /// where nothing does.
+  /// Time of the next timed entry, end of a drag or end of a pause after `time`, seconds. Infinity
+  /// if there is none.
   double nextMoment(double time) const;
-  /// Whether the next entry comes due by itself, even where nothing moves.
+  /// Whether the next entry depends only on time.
   bool waitsForTime() const;
-  /// Whether the next entry waits for rest, a target, an error or a progress, and no drag or pause
-  /// is under way that could bring it.
+  /// Whether the next entry waits for rest, a target, an error or a progress, and no drag is active
+  /// that could cause it.
   bool waitsForState() const;
-  /// Which tiles are pinned, one entry a brick.
+  /// The pinned tiles, one entry per brick.
   const std::vector<bool>& pinned() const { return pinned_; }
   /// The same as a list, ascending.
   std::vector<int> pinnedTiles() const;
-  /// What is waited for: "line 12 of scene.toml waits for ..." ; empty when nothing is to come.
+  /// For example "the timeline still waits for rest to ..."; empty if all entries are done.
   std::string pending() const;
 
-  /// What has been done and what is under way.
+  /// Records or plays back the progress.
   void transfer(StateTape& tape);
 
  private:
-  /// A drag under way: the path with the point that it started from.
+  /// An active drag.
   struct ActiveDrag {
-    std::size_t entry = 0;      // of the timeline
-    Vector3 point;              // tied to the spring, in the brick's axes
-    std::vector<Vector3> path;  // from where the point was
-    double from = 0;            // seconds
+    std::size_t entry = 0;      // index in the timeline
+    Vector3 point;              // end of the spring, in the brick's axes, metres
+    std::vector<Vector3> path;  // starts at the point's first position, metres
+    double from = 0;            // start time, seconds
 
     /// For files; see base/fields.h.
     static constexpr auto fields() {
@@ -115,10 +115,10 @@ class TimelineRunner {
 
   const scene::Timeline& timeline_;
   const std::vector<model::Brick>& bricks_;
-  int countsFrom_;   // the first tile, in events
-  LengthUnit unit_;  // of lengths in words
+  int countsFrom_;   // number of the first tile in events
+  LengthUnit unit_;  // of lengths in texts
   std::size_t next_ = 0;
-  double lastTime_ = 0;  // of the entry before
+  double lastTime_ = 0;  // time of the previous entry
   double pausedUntil_ = 0;
   bool forcesOn_ = true;
   std::vector<bool> pinned_;

@@ -1,14 +1,15 @@
-// Everything is made of places: of a handle at arm r from the centre of mass of brick i,
+// All quantities are built from positions. The position of a handle at arm r from the centre of
+// mass of brick i is
 //   p = d . (x_i + R(phi_i) r),   dp/dphi = d . (z x R r),   d^2p/dphi^2 = -d . R r,
-// or of a turn, p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p = p(start), a grip
-// that moves a row p = p(start) + load * amount for each handle, and a dead load the potential
-// -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in hinge.cpp,
-// other forces between pairs where they are.
+// and that of a rotation is p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p =
+// p(start). A grip that moves is a row p = p(start) + load * amount for each handle. A dead load is
+// the potential -load * amount * p. Springs at hinges are quadratic in the rotations; ligaments are
+// in hinge.cpp, other pair forces in their own files.
 //
-// Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its turn (rad)
-// since the start, d a unit direction, z the vertical. All constraints are sums of positions, so
-// their derivatives are sums of the three formulas above; each place depends on one brick's three
-// coordinates alone, and only its rotation has a second derivative.
+// Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its rotation
+// (rad) since the start, d a unit direction, z the vertical. All constraints are sums of positions,
+// and their derivatives are sums of the three formulas above. Each position depends only on one
+// brick's three coordinates, and only its rotation has a second derivative.
 #include "sim/mechanics/elastic_sheet.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
     for (const Vector3& axis : axes) {
       addRow({{{pivot.brickA, pivot.pointA}, axis}, {{pivot.brickB, pivot.pointB}, axis, -1}}, 0,
              q);
-      rows_.back().offset = 0;  // closed, whatever the start is
+      rows_.back().offset = 0;  // closed, for any start
     }
   }
   for (const int tile : pinned) {
@@ -54,16 +55,16 @@ ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
   }
 }
 
-// A row is sum(factor * place) - offset - load * motion = 0. The offset is what the sum is at the
-// start: the row holds there at the load 0.
+// A row is sum(factor * position) - offset - load * motion = 0. The offset is the sum at the start:
+// the row holds there at load 0.
 void ElasticSheet::addRow(std::vector<Term> terms, double motion, const Vector& start) {
   Row row{std::move(terms), 0, motion};
   for (const Term& term : row.terms) row.offset += term.factor * place(term, start);
   rows_.push_back(std::move(row));
 }
 
-// Three coordinates a brick: x and y of its centre of mass in length scales, and its turn since the
-// start in radians, which is 0 here.
+// Three coordinates per brick: x and y of its centre of mass in length scales, and its rotation
+// since the start in radians, which is 0 here.
 ElasticSheet::Vector ElasticSheet::startCoordinates() const {
   Vector q = Vector::Zero(unknowns());
   for (std::size_t i = 0; i < start_.size(); ++i) {
@@ -82,13 +83,13 @@ Poses ElasticSheet::posesAt(const Vector& q) const {
   return poses;
 }
 
-/// Of a handle from its brick's centre of mass, world axes, length scales.
+/// Arm of a handle from its brick's centre of mass, world axes, length scales.
 Vector3 ElasticSheet::arm(const GripHandle& handle, const Vector& q) const {
   const Vector3 r = start_[handle.brick].rotation * handle.point / scale_;
   return rotationFromVector(Vector3(0, 0, q[3 * handle.brick + 2])) * r;
 }
 
-// A place along the term's direction, in length scales, or the turn of its brick in radians.
+// Position along the term's direction, in length scales, or the rotation of its brick in radians.
 double ElasticSheet::place(const Term& term, const Vector& q) const {
   const auto& [handle, direction, factor] = term;
   if (handle.isTurn) return q[3 * handle.brick + 2];
@@ -96,22 +97,22 @@ double ElasticSheet::place(const Term& term, const Vector& q) const {
   return direction.dot(at + arm(handle, q));
 }
 
-/// The derivative of a place by its brick's three coordinates.
+/// The derivative of a position with respect to its brick's three coordinates.
 Vector3 ElasticSheet::slope(const Term& term, const Vector& q) const {
   if (term.handle.isTurn) return Vector3::UnitZ();
   const Vector3 turning = Vector3::UnitZ().cross(arm(term.handle, q));
   return {term.direction.x(), term.direction.y(), term.direction.dot(turning)};
 }
 
-/// The second derivative of a place by its brick's turn.
+/// The second derivative of a position with respect to its brick's rotation.
 double ElasticSheet::bend(const Term& term, const Vector& q) const {
   return term.handle.isTurn ? 0 : -term.direction.dot(arm(term.handle, q));
 }
 
-// The largest second derivative that one part of the sheet has, joules: springs by turns (N m a
-// rad), ligaments by places (N/m times the length scale squared) and by turns. The shear stiffness
-// of a ligament that is not a pin is a moment per radian: across the ligament it acts as shear /
-// length^2.
+// The largest second derivative of one part of the sheet, joules: springs by rotations (N m per
+// rad), ligaments by positions (N/m times the length scale squared) and by rotations. The shear
+// stiffness of a ligament that is not a pin is a moment per radian: across the ligament it acts as
+// shear / length^2.
 double ElasticSheet::stiffnessScale() const {
   double largest = 0;
   for (const model::HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
@@ -128,7 +129,7 @@ double ElasticSheet::stiffnessScale() const {
   return largest;
 }
 
-/// An energy whose derivatives are by metres, by length scales: each by a place gains their size.
+/// Converts derivatives per metre to derivatives per length scale.
 model::PlanarEnergy ElasticSheet::inLengthScales(model::PlanarEnergy energy) const {
   Vector6 units;
   units << scale_, scale_, 1, scale_, scale_, 1;
@@ -137,7 +138,7 @@ model::PlanarEnergy ElasticSheet::inLengthScales(model::PlanarEnergy energy) con
   return energy;
 }
 
-/// Of a ligament, its derivatives by q.
+/// Energy of a ligament, with derivatives with respect to q.
 model::PlanarEnergy ElasticSheet::energyOf(const model::Ligament& ligament, const Vector& q) const {
   const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
   const Vector3 between(q[b] - q[a], q[b + 1] - q[a + 1], 0);
@@ -147,8 +148,8 @@ model::PlanarEnergy ElasticSheet::energyOf(const model::Ligament& ligament, cons
   return inLengthScales(found);
 }
 
-// Ligaments by their turns, however far those are; other forces by the poses. Springs at hinges are
-// apart.
+// Ligaments use the rotations, which may be large; other forces use the poses. Springs at hinges
+// are handled separately.
 std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) const {
   std::vector<PairPart> parts;
   for (const model::Ligament& ligament : ligaments_) {
@@ -166,14 +167,14 @@ std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) con
   return parts;
 }
 
-// All forces between pairs, joules, without dead loads, which gradient() includes.
+// Energy of all pair forces, joules. Dead loads are only in gradient().
 double ElasticSheet::energy(const Vector& q) const {
   double sum = model::elasticEnergy(springs_, posesAt(q));
   for (const PairPart& part : pairParts(q)) sum += part.energy.energy;
   return sum;
 }
 
-/// The places on which a dead load does work, the factors in joules.
+/// The positions on which a dead load does work, with factors in joules.
 std::vector<ElasticSheet::Term> ElasticSheet::forceTerms(const Grip& grip) const {
   std::vector<Term> terms;
   const double share = grip.amount / static_cast<double>(grip.handles.size());
@@ -183,8 +184,8 @@ std::vector<ElasticSheet::Term> ElasticSheet::forceTerms(const Grip& grip) const
   return terms;
 }
 
-// The dead loads' forces on the coordinates at the load 1, joules. They depend on q, because the
-// point that is pushed turns with its brick.
+// The dead loads' forces on the coordinates at load 1, joules. They depend on q, because the loaded
+// point rotates with its brick.
 ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
   Vector sum = Vector::Zero(unknowns());
   for (const Grip& grip : grips_) {
@@ -196,8 +197,8 @@ ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
   return sum;
 }
 
-// dE/dq - load * pull, joules. hingeMoments() are about the hinge's axis on brick B; energy falls
-// in the direction of the moment. B's entry gets minus and A's entry plus.
+// dE/dq - load * pull, joules. hingeMoments() are about the hinge's axis on brick B. Energy falls
+// in the direction of the moment: B's entry gets minus and A's entry plus.
 ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const {
   Vector sum = -load * pull(q);
   const std::vector<double> moments = model::hingeMoments(springs_, posesAt(q));
@@ -213,7 +214,7 @@ ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const 
   return sum;
 }
 
-// sum(factor * place(q)) - offset - load * motion for each row.
+// sum(factor * position(q)) - offset - load * motion for each row.
 ElasticSheet::Vector ElasticSheet::residual(const Vector& q, double load) const {
   Vector rest(rows());
   for (int k = 0; k < rows(); ++k) {
@@ -239,15 +240,15 @@ ElasticSheet::Matrix ElasticSheet::jacobian(const Vector& q) const {
   return matrix;
 }
 
-// By how much each row's place moves as the load grows by 1, length scales or radians.
+// The change of each row's position as the load grows by 1, length scales or radians.
 ElasticSheet::Vector ElasticSheet::motion() const {
   Vector column(rows());
   for (int k = 0; k < rows(); ++k) column[k] = rows_[static_cast<std::size_t>(k)].motion;
   return column;
 }
 
-// The second derivative of E - load * work + multipliers . rows by q. Places are linear in x and y,
-// and curved only in the rotation: rows and dead loads add only to the diagonal of rotations.
+// The second derivative of E - load * work + multipliers . rows with respect to q. Positions are
+// linear in x and y, and curved only in the rotation: rows and dead loads add only to its diagonal.
 ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
                                            const Vector& multipliers) const {
   std::vector<Eigen::Triplet<double>> entries;
@@ -285,12 +286,12 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   return matrix;
 }
 
-// All handles of a grip are of one kind: check the first.
+// All handles of a grip have the same type: check the first.
 double ElasticSheet::unit(std::size_t grip) const {
   return grips_[grip].handles.front().isTurn ? 1 : scale_;
 }
 
-// The mean over the handles of how far they have moved along the grip's direction, m or rad.
+// The mean displacement of the handles along the grip's direction, m or rad.
 double ElasticSheet::displacement(std::size_t number, const Vector& q) const {
   const Grip& grip = grips_[number];
   const Vector start = startCoordinates();
@@ -313,8 +314,8 @@ double ElasticSheet::displacementSlope(std::size_t number, const Vector& q,
   return sum / static_cast<double>(grip.handles.size());
 }
 
-// Minus the sum of its rows' multipliers. A multiplier is in joules a unit of the row: divided by
-// the scale it is in newtons, and of a turn it is in N m as it is.
+// Minus the sum of its rows' multipliers. A multiplier is in joules per unit of the row. Divided by
+// the scale it is in newtons; for a rotation it is already in N m.
 double ElasticSheet::multiplierForce(std::size_t grip, const Vector& multipliers) const {
   const Grip& found = grips_[grip];
   double sum = 0;

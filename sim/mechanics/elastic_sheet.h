@@ -1,5 +1,5 @@
-/// The energy of a planar sheet of rigid tiles with springs and ligaments between them, and the
-/// constraints on it, as functions of three coordinates a tile.
+/// The energy and the constraints of a planar sheet of rigid tiles with springs and ligaments, as
+/// functions of three coordinates per tile.
 #pragma once
 
 #include <optional>
@@ -12,37 +12,37 @@
 
 namespace kirireel::mechanics {
 
-/// What a grip holds of a brick: a point, or its turn.
+/// The part of a brick that a grip holds: a point or the rotation.
 struct GripHandle {
-  int brick = 0;                    ///< its number, >= 0
+  int brick = 0;                    ///< index >= 0
   Vector3 point = Vector3::Zero();  ///< in the brick's axes
-  bool isTurn = false;              ///< whether its turn is held, and not the point
+  bool isTurn = false;              ///< true: holds the rotation, not the point
 };
 
 /// Moves or forces on parts of the sheet, in proportion to the load (>= 0).
 struct Grip {
-  std::vector<GripHandle> handles;       ///< one or more
-  /// In the plane, of no meaning for turns. Shorter than 1 if it is the part in the plane of an axis
-  /// that leaves it: amounts and forces are then along that axis.
+  std::vector<GripHandle> handles;  ///< one or more
+  /// In the plane; unused for rotations. Shorter than 1 if it is the part in the plane of an axis
+  /// that leaves the plane. Amounts and forces are then along that axis.
   Vector3 direction = Vector3::UnitX();
-  /// At the load 1: by how much each handle is moved along the direction since the start (metres,
-  /// radians), or with how much all of them together are pushed (newtons, N m; a dead load, which
-  /// keeps its direction).
+  /// At load 1. For a move, the displacement of each handle along the direction since the start
+  /// (metres, radians). For a force, the total force on all handles (newtons, N m). It is a dead
+  /// load, which keeps its direction.
   double amount = 0;
-  bool isForce = false;  ///< whether it pushes, or else moves
-  /// Of three grips in a row that move the same handles along three axes of space: the first one's
-  /// number. In the plane one of them is redundant.
+  bool isForce = false;  ///< true: a force, false: a move
+  /// Of three consecutive grips that move the same handles along three axes of space: index of the
+  /// first. In the plane one of them is redundant.
   std::optional<std::size_t> firstOfThree;
   double outOfPlane = 0;  ///< the part of its axis along the normal, in [-1, 1]
 };
 
 /// A sheet in the plane. Its coordinates are x and y of each brick's centre of mass in length
-/// scales and the brick's turn about z since the start in radians.
+/// scales, and the brick's rotation about z since the start in radians.
 class ElasticSheet : public LoadedSheet {
  public:
-  /// `pinned`: the tiles that stay where they are. Pivots must be of joints that are exact: links
-  /// are not known, and ligaments take the place of others.
-  /// The length scale is the mean edge of the first brick. Tiles, bricks and poses have one order.
+  /// `pinned`: the fixed tiles. Pivots must belong to exact joints: links are not supported, and
+  /// ligaments replace the other joints. The length scale is the mean edge of the first brick.
+  /// Tiles, bricks and poses have the same order.
   ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
                const model::PairForces& pairForces, const std::vector<model::Pivot>& pivots,
                const std::vector<int>& pinned, std::vector<Grip> grips);
@@ -69,7 +69,7 @@ class ElasticSheet : public LoadedSheet {
   double force(std::size_t grip, double load, const Vector& multipliers) const override;
 
  private:
-  /// A part of a constraint: the place of a handle along a direction, times a factor.
+  /// A term of a constraint: the position of a handle along a direction, times a factor.
   struct Term {
     GripHandle handle;
     Vector3 direction;
@@ -82,7 +82,7 @@ class ElasticSheet : public LoadedSheet {
     double motion = 0;
   };
 
-  /// What a pair of bricks stores, by their coordinates.
+  /// Energy of a pair of bricks, in their coordinates.
   struct PairPart {
     int brickA = 0;
     int brickB = 0;
@@ -107,7 +107,7 @@ class ElasticSheet : public LoadedSheet {
   model::PairForces others_;  // neither springs nor ligaments
   double scale_;              // metres
   std::vector<Row> rows_;
-  std::vector<std::size_t> firstRow_;  // of each grip, where it moves
+  std::vector<std::size_t> firstRow_;  // of each moving grip
 };
 
 }  // namespace kirireel::mechanics

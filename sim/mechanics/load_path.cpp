@@ -1,19 +1,19 @@
-// Equilibria are where the Lagrangian energy + multipliers . c is stationary in the coordinates q
-// under the constraints c(q, load) = 0. Newton's method solves
+// Equilibria are the stationary points of the Lagrangian energy + multipliers . c in the
+// coordinates q, with constraints c(q, load) = 0. Newton's method solves
 //   | H  J^T | | dq |   | -g - J^T m |
-//   | J   0  | | dm | = | -c         |,   H the exact Hessian, constraints' curvature included,
-// with the factor L D L^T of H + w J^T J, w large, and refinement: redundant rows of J need no
-// care, and the negative entries of D are the directions in which the energy falls within the
-// constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown too,
-// fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981). The path
-// continues at load limits.
+//   | J   0  | | dm | = | -c         |,   H the exact Hessian with the constraints' curvature,
+// with the factor L D L^T of H + w J^T J, w large, and refinement. Redundant rows of J need no
+// special treatment. The negative entries of D are the directions in which the energy falls within
+// the constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown
+// too. The length of the step along the last tangent fixes it (Riks 1979; Crisfield 1981). The path
+// therefore continues at load limits.
 //
-// Newton's method may find a state of another branch. A step is taken if places, forces and energy
-// change over it as the slopes at both of its ends foretell (trapezoidal rule), and if every change
-// of the count of negative entries in it is located; else it is halved. Its length follows from
-// this alone: states that are asked for beyond that are found between its ends, so they do not
-// change the path. Between two states the path is a cubic by their places and tangents, from which
-// Newton's method needs a round or two, also next to bifurcations, where it would stray from
+// Newton's method may find a state of another branch. A step is accepted if positions, forces and
+// energy change as the slopes at both of its ends predict (trapezoidal rule), and if every change
+// in the count of negative entries is located. Otherwise it is halved. The step length depends only
+// on this: additional requested states are computed between its ends and do not change the path.
+// Between two states the path is a cubic through their positions and tangents. From it Newton's
+// method needs one or two rounds, also near bifurcations, where it could reach another branch from
 // farther away. Riks, An incremental approach to the solution of snapping and buckling problems,
 // Int. J. Solids Struct. 15, 1979; Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
 #include "sim/mechanics/load_path.h"
@@ -34,38 +34,39 @@ namespace {
 using Vector = LoadedSheet::Vector;
 using Matrix = LoadedSheet::Matrix;
 
-// Heavier constraints are rounded more; they are taken where constraints are so nearly redundant,
-// as in sheets that are almost shut, that the default weight does not outweigh the forces that the
-// sheet carries.
+// Heavier constraints have larger rounding errors. They are used only for nearly redundant
+// constraints, as in almost shut sheets, if the default weight is too small compared with the
+// forces in the sheet.
 constexpr double kMostPenalty = 1e12;
 constexpr double kHeavier = 1e2;
 constexpr int kRefinements = 20;
 constexpr double kRefined = 1e-13;           // of the right side
 constexpr double kClosedConstraint = 1e-12;  // constraints, length scales
-constexpr double kBalanced = 1e-13;          // forces, parts of the stiffest spring
+constexpr double kBalanced = 1e-13;          // forces, relative to the stiffest spring
 constexpr int kNewtonRounds = 12;
-constexpr int kFewRounds = 4;              // after so many the next step may be longer
-constexpr double kLongestFirstMove = 0.3;  // in one round while the first equilibrium is sought
+constexpr int kFewRounds = 4;              // up to this number, the next step may be longer
+constexpr double kLongestFirstMove = 0.3;  // per round during the search for the first equilibrium
 constexpr int kRelaxations = 500;
-constexpr double kFirstShift = 1e-3;  // of the stiffest spring, where the energy falls
+constexpr double kFirstShift = 1e-3;  // relative to the stiffest spring, if the energy falls
 constexpr double kMostShift = 1e6;
-constexpr double kShortestStep = 1e-7;  // of the longest
-// What a step may miss its prediction by: places as part of the step, energy and forces as parts of
-// their change, and all of them by this part of what the stiffest spring would take.
+constexpr double kShortestStep = 1e-7;  // over the longest
+// Maximum deviation of a step from its prediction: positions relative to the step, energy and
+// forces relative to their change. All of them also have a tolerance relative to the stiffest
+// spring.
 constexpr double kPlacesMissed = 0.01;
 constexpr double kEnergyMissed = 0.05;
 constexpr double kForcesMissed = 0.1;
 constexpr double kNothingMissed = 1e-6;
-// Special states are located to this length of path, and bifurcations are those with an eigenvalue
-// below this part of the largest stiffness.
+// Special states are located to this length of path. Bifurcations have an eigenvalue below this
+// fraction of the largest stiffness.
 constexpr double kLocated = 1e-12;
-constexpr double kOneEvent = 1e-7;  // changes closer than this along the path are one
+constexpr double kOneEvent = 1e-7;  // changes closer than this along the path are one event
 constexpr double kCritical = 1e-6;
 constexpr double kStraight = 0.9;  // cosine between a tangent and that of the cubic
 constexpr int kEigenRounds = 8;
-// Stiffer than the stiffest spring by this factor, a grip is held by joints.
+// A grip that is stiffer than the stiffest spring by this factor is held by joints.
 constexpr double kRigid = 1e6;
-constexpr double kNoSlope = 1e-8;  // of the force along the path, parts of the stiffest spring
+constexpr double kNoSlope = 1e-8;  // of the force along the path, relative to the stiffest spring
 constexpr double kBackwards = -1;  // loads below this end the path
 
 /// A point on the path in its unknowns, and the tangent.
@@ -86,7 +87,7 @@ class Equations {
     factorise(sheet.constraintWeight() * scale_);
   }
 
-  /// Adds as much to all stiffnesses as it takes for the energy to rise in all directions.
+  /// Adds a constant to all stiffnesses, large enough that the energy rises in all directions.
   void makeConvex() {
     Matrix identity(H_.rows(), H_.cols());
     identity.setIdentity();
@@ -97,9 +98,9 @@ class Equations {
     }
   }
 
-  // False where a pivot is 0 to rounding: the tangent does not exist there.
+  // False if a pivot is 0 up to rounding: the tangent does not exist there.
   bool isFactored() const { return factor_.info() == Eigen::Success; }
-  /// Of the directions that constraints leave: exact after solve().
+  /// Count of negative directions within the constraints: exact after solve().
   int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
   /// Whether some motion has almost no resistance.
   bool isLoose() const {
@@ -110,10 +111,10 @@ class Equations {
   struct Change {
     Vector q;
     Vector multipliers;
-    double rest = 0;  ///< what the equations miss by, part of the right side
+    double rest = 0;  ///< residual of the equations, relative to the right side
   };
 
-  /// Solves for the change, with heavier constraints where refinement needs them.
+  /// Solves for the change, with heavier constraints if the refinement needs them.
   Change solve(const Vector& forces, const Vector& gaps) {
     double best = weight_;
     Change found = refine(forces, gaps);
@@ -129,8 +130,8 @@ class Equations {
     return found;
   }
 
-  /// The eigenvalue of H nearest to 0 within the constraints, as part of the largest stiffness.
-  /// Inverse iteration; meant for values near 0.
+  /// The eigenvalue of H nearest to 0 within the constraints, over the largest stiffness. Inverse
+  /// iteration; meant for values near 0.
   double nearestEigenvalue() const {
     Vector mode = Vector::LinSpaced(H_.cols(), 1, 2);
     double value = 0;
@@ -149,12 +150,12 @@ class Equations {
     factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
   }
 
-  // 0 of 0 counts as nothing missing.
+  // 0 / 0 counts as no residual.
   static double shareOf(double part, double whole) { return part > 0 ? part / whole : 0; }
 
-  // Iterative refinement of H dq + J^T dm = forces, J dq = gaps on the factor of H + w J^T J. Each
-  // round solves for what is missing and updates the multipliers by w times what the constraints
-  // still miss by, which is the method of multipliers for the linear equations.
+  // Iterative refinement of H dq + J^T dm = forces, J dq = gaps with the factor of H + w J^T J.
+  // Each round solves for the residual and updates the multipliers by w times the constraints'
+  // residual. This is the method of multipliers for the linear equations.
   Change refine(const Vector& forces, const Vector& gaps) const {
     Change change{Vector::Zero(H_.cols()), Vector::Zero(J_.rows())};
     for (int round = 0; round < kRefinements; ++round) {
@@ -184,9 +185,9 @@ class Follower {
            const EquilibriumObserver& observer)
       : sheet_(sheet), leading_(leading), settings_(settings), observer_(observer) {}
 
-  // The loop of predictor and corrector: a step along the tangent, Newton's method back to the
-  // path, half the step after a failure, a longer one after few rounds. The first step is a tenth
-  // of the longest, because nothing is known yet of how the path bends.
+  // The loop of predictor and corrector: a step along the tangent, then Newton's method back to the
+  // path. Failures halve the step, and a small number of rounds lengthens it. The first step is a
+  // tenth of the longest, because the curvature of the path is unknown.
   LoadPath follow() {
     Point at{relax(), {}, 0};
     at.along = tangentAt(at.at, nullptr);
@@ -223,7 +224,7 @@ class Follower {
     Vector multipliers;
     double load = 0;
     int negatives = 0;
-    double forceSlope = 0;  // of the leading grip, by its displacement's
+    double forceSlope = 0;  // of the leading grip, over that of its displacement
     double displacementSlope = 0;
   };
   struct Point {
@@ -231,14 +232,14 @@ class Follower {
     Tangent along;
     int rounds = 0;
   };
-  /// A state that is no step's end: one that turns, or one that was asked for.
+  /// A state that is not the end of a step: a special or a requested one.
   struct Special {
     Point point;
     Turning turning = Turning::None;
   };
 
-  // The scalar product of arc length. Divided by a third of the unknowns it is the mean over the
-  // tiles, or nodes: a step means the same on sheets of any size.
+  // The scalar product of arc length. It is divided by a third of the unknowns, i.e. the mean over
+  // tiles or nodes: a step has the same meaning for sheets of any size.
   double product(const Vector& a, const Vector& b) const {
     return 3 * a.dot(b) / static_cast<double>(sheet_.unknowns());
   }
@@ -254,8 +255,8 @@ class Follower {
     return sheet_.gradient(at.q, at.load) + sheet_.jacobian(at.q).transpose() * at.multipliers;
   }
 
-  // Forces are scaled by the largest of stiffness and multipliers, both joules: a sheet that
-  // carries large forces cannot be balanced better than these are rounded.
+  // Forces are scaled by the largest of stiffness and multipliers, both joules: the rounding of
+  // large forces limits the accuracy of equilibrium.
   bool isBalanced(const Vector& forces, const Vector& gaps, const PathPoint& at) const {
     const double largest =
         std::max({sheet_.stiffnessScale(),
@@ -264,7 +265,7 @@ class Follower {
            (gaps.size() == 0 || gaps.lpNorm<Eigen::Infinity>() <= kClosedConstraint);
   }
 
-  /// The equilibrium next to the start, by Newton's method downhill in energy.
+  /// The equilibrium near the start, by Newton's method with descent in energy.
   PathPoint relax() const {
     PathPoint at{sheet_.startCoordinates(), Vector::Zero(sheet_.rows()), 0};
     for (int round = 0; round < kRelaxations; ++round) {
@@ -280,7 +281,7 @@ class Follower {
       // Newton's step then lowers the energy, also from a start next to a maximum.
       equations.makeConvex();
       const Equations::Change change = equations.solve(-forcesAt(at), -gaps);
-      // Turns are nonlinear: a round moves no coordinate farther than the formulas hold.
+      // Rotations are nonlinear: a round moves no coordinate beyond the range of the linearisation.
       const double share = std::min(1.0, kLongestFirstMove / change.q.lpNorm<Eigen::Infinity>());
       at.q += share * change.q;
       at.multipliers += share * change.multipliers;
@@ -289,8 +290,8 @@ class Follower {
   }
 
   // The direction (dq, dm, dload) in which the equations stay satisfied: H dq + J^T dm = pull, J dq
-  // = motion for dload = 1, scaled to the length 1. Its sign is that of the previous tangent, so
-  // the path never turns round by itself.
+  // = motion for dload = 1, scaled to length 1. Its sign is that of the previous tangent: the path
+  // never reverses by itself.
   Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
     Equations equations(sheet_, at);
     Equations::Change change = equations.solve(sheet_.pull(at.q), sheet_.motion());
@@ -305,7 +306,7 @@ class Follower {
     return along;
   }
 
-  /// The equilibrium so far along the tangent, where Newton's method finds it.
+  /// The equilibrium at a distance along the tangent, if Newton's method finds it.
   std::optional<Point> stepFrom(const Point& from, double step) const {
     return corrected(
         {from.at.q + step * from.along.q, from.at.multipliers + step * from.along.multipliers,
@@ -313,7 +314,7 @@ class Follower {
         from.along);
   }
 
-  /// The equilibrium in the plane through a point across a direction.
+  /// The equilibrium in the plane through a point, perpendicular to a direction.
   std::optional<Point> corrected(PathPoint at, const Tangent& along) const {
     const Vector place = at.q;
     const double load = at.load;
@@ -338,7 +339,7 @@ class Follower {
     return std::nullopt;
   }
 
-  /// A point on the cubic that has the places and tangents of two points, not corrected, and the
+  /// A point on the cubic through the positions and tangents of two points, not corrected, and the
   /// direction between them.
   PathPoint onCubic(const Point& a, const Point& b, double share, Tangent& along) const {
     const double length = distance(a.at, b.at);
@@ -361,8 +362,8 @@ class Follower {
             blend(a.at.load, b.at.load, a.along.load, b.along.load)};
   }
 
-  /// The equilibrium between two of one step. Where the equations are so nearly singular that the
-  /// tangent leads elsewhere, it gets that of the cubic.
+  /// The equilibrium between the two ends of a step. If the equations are nearly singular and the
+  /// tangent has another direction, the result has the tangent of the cubic.
   std::optional<Point> between(const Point& a, const Point& b, double share) const {
     Tangent along;
     const PathPoint guess = onCubic(a, b, share, along);
@@ -376,13 +377,13 @@ class Follower {
     return found;
   }
 
-  // How the leading grip's force and displacement change along a tangent.
+  // The rates of the leading grip's force and displacement along a tangent.
   void setSlopes(const PathPoint& at, Tangent& along) const {
     along.forceSlope = sheet_.force(leading_, along.load, along.multipliers);
     along.displacementSlope = sheet_.displacementSlope(leading_, at.q, along.q);
   }
 
-  /// Whether places, energy and forces change from one point to the next as their slopes foretell.
+  /// Whether positions, energy and forces change between two points as their slopes predict.
   bool isForetold(const Point& a, const Point& b) const {
     const double length = distance(a.at, b.at);
     if (length == 0) return true;
@@ -417,7 +418,7 @@ class Follower {
   }
 
   /// The equilibrium at a given load, from one nearby.
-  // Newton's method at a fixed load: the load is fixed here.
+  // Newton's method with a fixed load.
   std::optional<PathPoint> balancedAt(PathPoint at, double load) const {
     at.load = load;
     for (int round = 0; round < kNewtonRounds; ++round) {
@@ -431,7 +432,7 @@ class Follower {
     return std::nullopt;
   }
 
-  // Ends a path that loops or reaches negative loads, with the reason.
+  // Ends a path that loops or reaches negative loads, and records the reason.
   bool mayContinue(const Point& point, int steps) {
     if (steps >= settings_.mostSteps) {
       path_.trouble = fmt::format("the path has {} steps at the load {:.6g} and continues",
@@ -442,12 +443,12 @@ class Follower {
     return path_.trouble.empty();
   }
 
-  // Notes why there is no further step. A grip that is moved, and that no spring could hold as
-  // stiffly, is held by joints: they allow it no more.
+  // Records why no further step is possible. If a moving grip is stiffer than any spring could make
+  // it, joints stop it.
   void giveUp(const Point& at) {
     path_.trouble = fmt::format("no equilibrium was found beyond the load {:.6g}", at.at.load);
-    // A start where what grips move is at its limit, as a sheet of squares is at 90 degrees, can
-    // leave it to two sides.
+    // At the start, the motion of the grips may be at its limit, as for a sheet of squares at 90
+    // degrees. Such a start can be left in two directions.
     if (at.at.load == 0) {
       path_.trouble += "; start slightly away from the point where the sheet may turn back";
       return;
@@ -458,7 +459,7 @@ class Follower {
       path_.extent = last.displacements[leading_];
   }
 
-  // The state at the load 1 between two points.
+  // The state at load 1 between two points.
   std::optional<Point> arrivalBetween(const Point& before, const Point& beyond) const {
     double low = 0, high = 1;
     Tangent along;
@@ -472,16 +473,16 @@ class Follower {
     return Point{std::move(*end), std::move(tangent), beyond.rounds};
   }
 
-  // Whether no limit of the load and no change of stability lies between two points, as far as
-  // these show.
+  // Whether these points show no limit of the load and no change of stability between
+  // them.
   static bool areAlike(const Point& a, const Point& b) {
     return a.along.load * b.along.load >= 0 && a.along.negatives == b.along.negatives;
   }
 
-  /// Locates what turns within a step, in order. Returns whether all of it was found.
+  /// Locates the special states within a step, in order. Returns whether all were found.
   bool locate(const Point& from, const Point& to, std::vector<Special>& found) const {
     if (!locateChanges(from, to, found)) return false;
-    // A slope so small is rounding: its sign means nothing.
+    // Smaller slopes are rounding: their sign has no meaning.
     const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
     const bool isClear = std::abs(from.along.forceSlope - to.along.forceSlope) > noise;
     if (!isClear || from.along.forceSlope * to.along.forceSlope >= 0) return true;
@@ -490,7 +491,7 @@ class Follower {
           return middle.along.forceSlope * from.along.forceSlope > 0;
         }))
       return false;
-    // The force of dead loads turns where the load does.
+    // The force of dead loads has its limit at the limit of the load.
     if (low.along.load * high.along.load < 0) return true;
     found.push_back({low, Turning::ForceLimit});
     std::ranges::stable_sort(
@@ -498,8 +499,8 @@ class Follower {
     return true;
   }
 
-  /// Moves two points together, where a property that the first has and the second has not
-  /// changes. Returns false where no equilibrium is found between them.
+  /// Moves two points together to the change of a property that the first has and the second has
+  /// not. Returns false if no equilibrium is found between them.
   template <typename Property>
   bool bisect(Point& low, Point& high, const Property& isLow) const {
     while (distance(low.at, high.at) > kLocated) {
@@ -520,11 +521,11 @@ class Follower {
     return !equations.isFactored() || std::abs(equations.nearestEigenvalue()) < kCritical;
   }
 
-  // Limits of the load and changes of stability. Those that lie together are one.
+  // Limits of the load and changes of stability. Those at the same point are merged.
   bool locateChanges(const Point& from, const Point& to, std::vector<Special>& found) const {
     Point rest = from;
     while (!areAlike(rest, to)) {
-      // The first change: what is alike to the begin is before it.
+      // Brackets the first change: points like the beginning are before it.
       Point low = rest, high = to;
       if (!bisect(low, high, [&](const Point& middle) { return areAlike(rest, middle); }))
         return false;
@@ -541,7 +542,7 @@ class Follower {
     return true;
   }
 
-  /// Notes what turns in a step, and the states that are asked for. Returns whether the path may
+  /// Records the special states of a step and the requested ones. Returns whether the path may
   /// continue.
   bool noteBetween(const Point& from, const Point& to, const std::vector<Special>& turning) {
     std::vector<Special> all = turning;
@@ -573,7 +574,7 @@ class Follower {
       state.forces.push_back(sheet_.force(g, at.load, at.multipliers));
     }
     // d(force) / d(displacement) along the path, N/m or N m/rad. It is infinite where the
-    // displacement turns back (snap-back).
+    // displacement reverses (snap-back).
     state.stiffness = along.forceSlope / along.displacementSlope;
     state.unstableModes = along.negatives;
     state.turning = turning;
@@ -596,11 +597,11 @@ LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPat
 }
 
 // ------------------------------------------------------------------------------------------------
-// The table of a load path as text: one row for each equilibrium, in SI units, with all digits.
+// The table of a load path as text: one row per equilibrium, in SI units, with all digits.
 
 namespace {
 
-/// "grip_1_x" of "grip 1 x".
+/// For example "grip_1_x" for "grip 1 x".
 std::string columnOf(const GripName& grip) {
   std::string column = grip.name;
   std::ranges::replace(column, ' ', '_');
@@ -624,7 +625,7 @@ std::string toString(Turning turning) {
   return "";
 }
 
-// Numbers are written with the fewest digits that give them back exactly.
+// Numbers have the fewest digits that reproduce them exactly.
 std::string loadTable(const LoadCurve& curve) {
   std::string text = "load,energy_J,stiffness,unstable_modes,turning";
   for (const GripName& grip : curve.grips) {

@@ -1,8 +1,8 @@
 // Figures of a state. Kinetic energy of a brick with mass m (kg), inertia I in brick axes (kg m^2),
 // velocity v (m/s) and angular velocity w (rad/s, world axes):
 //   T = m |v|^2 / 2 + s . I s / 2,     s = R^T w
-// with R the brick's rotation: turning w into brick axes is cheaper than turning I into the
-// world's.
+// with R the brick's rotation. Rotating w into brick axes is cheaper than rotating I into world
+// axes.
 #include "sim/trajectory/measures.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace kirireel::trajectory {
 namespace {
 
-/// The larger of two figures. NaN stays: std::max would drop it.
+/// The larger of two figures. Keeps NaN, which std::max would drop.
 double largerOf(double largest, double figure) {
   return std::isnan(largest) || figure <= largest ? largest : figure;
 }
@@ -69,7 +69,7 @@ double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& moti
 }
 
 // ------------------------------------------------------------------------------------------------
-// How deep bricks overlap.
+// Depth of overlaps.
 //
 // Two convex bodies A and B overlap by the depth
 //
@@ -78,49 +78,50 @@ double kineticEnergy(const std::vector<model::Brick>& bricks, const Motion& moti
 // where low and high bound the projections on the axis: the shortest move that separates them. For
 // polyhedra the minimum is on one of finitely many axes: the normals of the faces of both, and the
 // products of an edge of one with an edge of the other (Gottschalk, Lin and Manocha, OBBTree,
-// SIGGRAPH 1996). A prism's faces and edges follow from its bottom and its normal, so its top need
-// not be projected. Any axis gives an upper bound of the depth: the search for a pair stops as soon
-// as that bound is not above what is known already.
+// SIGGRAPH 1996). The faces and edges of a prism follow from its bottom and its normal, and its top
+// need not be projected. Any axis gives an upper bound of the depth. The search for a pair stops
+// when this bound is not above the known depth.
 //
-// Two bricks that fill the same layer, as all do in a planar sheet, can be separated within their
-// plane alone: the axis along their thickness does not count for them.
+// Two bricks in the same layer, as in a planar sheet, can only be separated within their plane: the
+// axis along their thickness does not count.
 //
-// A concave brick is looked at piece by piece (see convex_parts.h); two such bricks overlap by as
-// much as their deepest pair of pieces, which no move that separates them can be shorter than.
+// A concave brick is divided into convex pieces (see convex_parts.h). Two such bricks overlap by as
+// much as their deepest pair of pieces, a lower bound of every move that separates them.
 //
-// Pairs are found by sweep and prune: sorted by the low sides of their boxes along the axis on
-// which the bricks are spread most, a brick can only meet those that begin before it ends.
+// Pairs are found by sweep and prune: bricks are sorted by the low sides of their boxes along the
+// axis of their largest spread. A brick can only meet those that begin before it ends.
 
 namespace {
 
-// Below this sine the product of two directions has no direction of its own.
+// Below this sine the product of two directions has no defined direction.
 constexpr double kParallelSine = 1e-9;
-// Below this sine, that of rounding, two edges give the same separating axis.
+// Below this sine, rounding, two edges give the same separating axis.
 constexpr double kSameAxisSine = 1e-14;
-// Bricks are in one layer where their faces are apart by no more than this part of their thickness.
+// Bricks are in one layer if their faces differ in height by at most this fraction of their
+// thickness.
 constexpr double kSameLayer = 1e-6;
 
-// Of unit vectors, either way round.
+// For unit vectors, parallel or antiparallel.
 bool isParallel(const Vector3& a, const Vector3& b, double sine = kParallelSine) {
   return a.cross(b).squaredNorm() < sine * sine;
 }
 
-/// What of a convex piece of a brick decides its overlaps, in brick axes.
+/// Geometry of a convex piece of a brick for overlap tests, in brick axes.
 struct Prism {
-  int brick = 0;  ///< that it is a piece of
+  int brick = 0;  ///< index of its brick
   std::vector<Vector3> bottom;
-  std::vector<Vector3> directions;  ///< the normal, then those of the edges, parallel ones once
+  std::vector<Vector3> directions;  ///< the normal, then those of the edges, without parallel ones
   double thickness = 0;
 };
 
-// A convex piece as a prism. The sides' normals follow from the edges and the brick's normal, so
-// that they are not kept.
+// A convex piece as a prism. The normals of its sides follow from the edges and the brick's normal
+// and are not stored.
 Prism prismOf(const model::Brick& brick, int number) {
   Prism prism{number, brick.bottom, {brick.normal}, brick.thickness};
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
     const Vector3 edge = (next - brick.bottom[k]).normalized();
-    // A rectangle has two directions of edges and not four: the number of axes falls with their
+    // A rectangle has two directions of edges, not four. The number of axes grows with their
     // product.
     const bool known = std::any_of(prism.directions.begin() + 1, prism.directions.end(),
                                    [&](const Vector3& other) {
@@ -131,8 +132,8 @@ Prism prismOf(const model::Brick& brick, int number) {
   return prism;
 }
 
-// All pieces of all bricks, those of one brick one after the other: PlacedPrisms::of() relies on
-// it.
+// All pieces of all bricks. Pieces of one brick are consecutive: PlacedPrisms::of() relies on
+// this.
 std::vector<Prism> prismsOf(const std::vector<model::Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
@@ -158,7 +159,7 @@ struct PlacedPrism {
   int brick = 0;
   std::vector<Vector3> bottom;
   std::vector<Vector3> directions;
-  Vector3 rise;  ///< from bottom to top
+  Vector3 rise;  ///< from bottom to top, metres
   Eigen::AlignedBox3d box;
 
   const Vector3& normal() const { return directions.front(); }
@@ -185,7 +186,7 @@ struct Projection {
   double high;
 };
 
-// Costs one product for each corner of the bottom.
+// Needs one product per corner of the bottom.
 Projection project(const PlacedPrism& prism, const Vector3& axis) {
   Projection interval{prism.bottom[0].dot(axis), prism.bottom[0].dot(axis)};
   for (const Vector3& point : prism.bottom) {
@@ -193,21 +194,21 @@ Projection project(const PlacedPrism& prism, const Vector3& axis) {
     interval.low = std::min(interval.low, projection);
     interval.high = std::max(interval.high, projection);
   }
-  // The top is the bottom moved by `rise`: its projections are those of the bottom moved by
-  // one number.
+  // The top is the bottom moved by `rise`. Its projections are those of the bottom plus a
+  // constant.
   const double rise = prism.rise.dot(axis);
   return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
 }
 
-/// How far one prism must move along a unit axis, one way or the other, to be clear of the other;
-/// negative when it is clear already. The least over all unit axes is the depth.
+/// The least distance along a unit axis, in either direction, that separates two prisms. Negative
+/// if the axis separates them already. The minimum over all unit axes is the depth.
 double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& axis) {
   const Projection intervalA = project(a, axis);
   const Projection intervalB = project(b, axis);
   return std::min(intervalA.high - intervalB.low, intervalB.high - intervalA.low);
 }
 
-// Parallel, with tops and bottoms at the same heights to rounding.
+// Whether they are parallel, with equal heights of tops and bottoms up to rounding.
 bool areInOneLayer(const PlacedPrism& a, const PlacedPrism& b) {
   if (!isParallel(a.normal(), b.normal())) return false;
   const double thickness = a.rise.dot(a.normal());
@@ -224,16 +225,16 @@ Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
   return box;
 }
 
-/// How far one box must move along each axis, one way or the other, to be clear of the other;
-/// negative when it is clear already. As large as both boxes together allow: a box that reaches
-/// beyond the other on both sides must move by more than they share.
+/// The least distance along each axis, in either direction, that separates two boxes. Negative if
+/// they are separated already. If one box contains the other's interval, the distance exceeds their
+/// common part.
 Vector3 overlapsOf(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
   return (a.max() - b.min()).cwiseMin(b.max() - a.min());
 }
 
-/// Whether two sets of pieces, each of one brick, may overlap deeper than `known`, 0 or more.
-/// False only if they do not: the axes of the boxes are axes too, so the least overlap of the boxes
-/// bounds the depth from above.
+/// Whether two sets of pieces, each of one brick, may overlap deeper than `known` (>= 0). False is
+/// certain: the axes of the boxes are axes too, and the least overlap of the boxes bounds the depth
+/// from above.
 bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
                   const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
   const Vector3 overlaps = overlapsOf(boxA, boxB);
@@ -241,7 +242,7 @@ bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const 
   if (least > known) return true;
   if (least <= 0 || overlaps.maxCoeff() <= known) return false;
   if (!areInOneLayer(a.front(), b.front())) return false;
-  // Of the boxes' axes only those within the layer bound its depth.
+  // For bricks in one layer, only box axes within the layer bound the depth.
   const Vector3& normal = a.front().normal();
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(normal[axis]) < kParallelSine && overlaps[axis] <= known) return false;
@@ -249,13 +250,13 @@ bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const 
   return true;
 }
 
-/// The axes that can separate two prisms, by number: faces of the first, faces of the second,
+/// The axes that can separate two prisms, by index: faces of the first, faces of the second,
 /// products of a direction of each.
 class SeparatingAxes {
  public:
   SeparatingAxes(const PlacedPrism& a, const PlacedPrism& b)
       : a_(a), b_(b), facesA_(a.directions.size()), facesB_(b.directions.size()) {
-    // Products of directions of parallel tiles are the faces' normals again.
+    // Products of directions of parallel tiles repeat the faces' normals.
     const bool parallel = isParallel(a.normal(), b.normal());
     count_ = facesA_ + facesB_ + (parallel ? 0 : facesA_ * facesB_);
     hasNormals_ = !parallel || !areInOneLayer(a, b);
@@ -263,7 +264,7 @@ class SeparatingAxes {
 
   std::size_t count() const { return count_; }
 
-  /// The overlap along an axis; infinite where the number means no axis.
+  /// The overlap along an axis. Infinite if the index has no axis.
   double overlap(std::size_t number) const {
     Vector3 axis;
     if (!hasNormals_ && (number == 0 || number == facesA_)) {
@@ -296,13 +297,13 @@ class SeparatingAxes {
   bool hasNormals_;  // whether the axes along the thickness count
 };
 
-/// The depth of a pair, or something not above `known`. The axis numbered `hint` is tried first;
-/// it becomes the one that decided.
+/// The depth of a pair, or any value <= `known`. The axis with the index `hint` is tried first.
+/// `hint` becomes the deciding axis.
 double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known, std::size_t& hint) {
   const SeparatingAxes axes(a, b);
   if (hint < axes.count()) {
     const double overlap = axes.overlap(hint);
-    // The bound that one axis gives is enough to leave the pair.
+    // One axis with a small overlap is enough to skip the pair.
     if (overlap <= known) return overlap;
   }
   double depth = std::numeric_limits<double>::infinity();
@@ -315,13 +316,13 @@ double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known, std::
   return depth;
 }
 
-// The same without knowledge of an earlier state.
+// The same without a hint.
 double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known) {
   std::size_t hint = std::numeric_limits<std::size_t>::max();
   return pairDepth(a, b, known, hint);
 }
 
-/// All bricks of a state, and the pairs among them that may overlap.
+/// All bricks of a state, and the pairs that may overlap.
 class PlacedPrisms {
  public:
   void place(const std::vector<Prism>& prisms, const Poses& poses) {
@@ -334,7 +335,7 @@ class PlacedPrisms {
     sort();
   }
 
-  /// By the piece's number.
+  /// `piece`: index of the piece.
   const PlacedPrism& operator[](int piece) const {
     return placed_[static_cast<std::size_t>(piece)];
   }
@@ -345,9 +346,9 @@ class PlacedPrisms {
     return std::span(placed_).subspan(first, first_[brick + 1] - first);
   }
 
-  /// Visits the numbers of the pairs of pieces of different bricks whose boxes overlap by more than
-  /// `least()`, mostPairs() of them, the smaller first, in an order that is the same everywhere.
-  /// Returns whether these were all.
+  /// Visits the pairs of pieces of different bricks whose boxes overlap by more than `least()`, at
+  /// most mostPairs() of them. The smaller index comes first, and the order is the same on all
+  /// machines. Returns whether these were all.
   template <typename Least, typename Visit>
   bool visitNearPairs(const Least& least, const Visit& visit) const {
     long left = mostPairs(order_.size());
@@ -356,7 +357,7 @@ class PlacedPrisms {
       const PlacedPrism& first = (*this)[order_[i]];
       for (std::size_t j = i + 1; j < order_.size(); ++j) {
         const PlacedPrism& second = (*this)[order_[j]];
-        // All that follow begin even farther along this axis.
+        // All further boxes begin even farther along this axis.
         if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
         if (first.brick == second.brick) continue;
         if (!mayOverlapBy(least(), {&first, 1}, {&second, 1}, first.box, second.box)) continue;
@@ -373,34 +374,34 @@ class PlacedPrisms {
     Eigen::AlignedBox3d all;
     for (const PlacedPrism& prism : placed_) all.extend(prism.box);
     if (placed_.empty()) return;
-    // Bricks overlap least on the axis along which they are spread most.
+    // Bricks overlap least along the axis of their largest spread.
     all.diagonal().maxCoeff(&axis_);
     order_.resize(placed_.size());
     std::iota(order_.begin(), order_.end(), 0);
-    // The stable sort keeps the result the same everywhere, and survives poses that are no numbers.
+    // The stable sort gives the same result on all machines, and tolerates NaN poses.
     std::ranges::stable_sort(order_, [&](int a, int b) {
       return (*this)[a].box.min()[axis_] < (*this)[b].box.min()[axis_];
     });
   }
 
   std::vector<PlacedPrism> placed_;
-  std::vector<int> first_;  // piece of each brick, and the count of all
+  std::vector<int> first_;  // first piece of each brick, then the count of all
   std::vector<int> order_;  // by the low sides of their boxes
   int axis_ = 0;
 };
 
-/// Two joined bricks without the corners that they share, and what was seen of them before.
+/// Two joined bricks without the corners that they share, and hints from earlier states.
 struct JoinedPair {
-  int a = 0;  ///< the smaller number
+  int a = 0;  ///< the smaller index
   int b = 0;
   std::vector<Prism> cutA;
   std::vector<Prism> cutB;
   double atStart = 0;                 ///< depth of the cut pair, metres
-  std::vector<std::size_t> hints;     ///< axes of the whole pair, one for each pair of pieces
+  std::vector<std::size_t> hints;     ///< axes of the whole pair, one per pair of pieces
   std::vector<std::size_t> hintsCut;  ///< axes of the cut pair
 };
 
-// Pairs that share pivots, cut at their shared corners once: brick axes do not change.
+// Pairs that share pivots. Each is cut once: the shared corners are fixed in brick axes.
 std::vector<JoinedPair> joinedPairs(const std::vector<model::Brick>& bricks,
                                     std::span<const model::Pivot> pivots, double zone) {
   std::vector<JoinedPair> pairs;
@@ -413,21 +414,21 @@ std::vector<JoinedPair> joinedPairs(const std::vector<model::Brick>& bricks,
                                       cutPrismsOf(bricks[b], b, corners.ofB, length)});
     pair.hints.resize(pair.cutA.size() * pair.cutB.size());
     pair.hintsCut = pair.hints;
-    // Nothing of a tile that bends is in the way of the rest of it.
+    // Parts of a bending tile do not collide with each other.
     if (corners.areOneTile) pair.cutA.clear();
   }
   return pairs;
 }
 
-/// Places pieces at the pose of their brick; `placed` is filled again and keeps its memory.
+/// Places pieces at the pose of their brick. Reuses the memory of `placed`.
 void placeAll(const std::vector<Prism>& prisms, const Pose& pose,
               std::vector<PlacedPrism>& placed) {
   placed.resize(prisms.size());
   for (std::size_t k = 0; k < prisms.size(); ++k) placed[k].place(prisms[k], pose);
 }
 
-/// The deepest overlap of any two pieces of two bricks, or something not above `known`. `hints`:
-/// one for each pair of pieces.
+/// The deepest overlap of any two pieces of two bricks, or any value <= `known`. `hints`: one per
+/// pair of pieces.
 double deepestOf(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b, double known,
                  std::vector<std::size_t>& hints) {
   double deepest = -std::numeric_limits<double>::infinity();
@@ -440,7 +441,7 @@ double deepestOf(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
   return deepest;
 }
 
-/// Overlaps in a state, the deepest first, and whether all near pairs were looked at.
+/// Overlaps in a state, the deepest first, and whether all near pairs were checked.
 struct Overlaps {
   std::vector<Penetration> pairs;
   bool areAll = true;
@@ -467,7 +468,7 @@ Overlaps overlapsOutsidePivots(const std::vector<model::Brick>& bricks,
     placeAll(cutPrismsOf(bricks[b], b, corners->second.ofB, length), poses[b], cutB);
     return deepestOf(cutA, cutB, least, hints);
   };
-  // Bricks of several pieces meet in several pairs: the deepest counts.
+  // Bricks of several pieces overlap in several pairs: the deepest counts.
   std::map<std::pair<int, int>, double> depths;
   found.areAll = placed.visitNearPairs(
       [least] { return least; },
@@ -515,10 +516,10 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Bric
 
 struct PenetrationMeter::Internals {
   std::vector<Prism> prisms;
-  std::vector<JoinedPair> joined;                 // by their numbers; none where they do not count
-  std::vector<std::vector<int>> partners;         // of each brick: joined ones with larger numbers
-  std::map<std::pair<int, int>, double> atStart;  // metres, of pairs that are not joined
-  bool seesAllPairs = true;                       // of the start
+  std::vector<JoinedPair> joined;                 // by brick index; empty if they do not count
+  std::vector<std::vector<int>> partners;         // for each brick: joined, with a larger index
+  std::map<std::pair<int, int>, double> atStart;  // metres, of unjoined pairs
+  bool seesAllPairs = true;                       // at the start
   PlacedPrisms placed;
   std::vector<PlacedPrism> cutA;
   std::vector<PlacedPrism> cutB;
@@ -528,7 +529,7 @@ struct PenetrationMeter::Internals {
     return std::ranges::find(others, b) != others.end();
   }
 
-  // What a pair overlapped by at the start, metres; 0 where it did not.
+  // Overlap of a pair at the start, metres. 0 if there was none.
   double keptBy(int a, int b) const {
     const auto found = atStart.find({a, b});
     return found == atStart.end() ? 0 : found->second;
@@ -542,7 +543,7 @@ struct PenetrationMeter::Internals {
     if (mayOverlapBy(depths.whole, a, b, boxA, boxB)) {
       depths.whole = std::max(depths.whole, deepestOf(a, b, depths.whole, pair.hints));
     }
-    // Neither of the two figures can rise unless the cut pair is deeper than this.
+    // The other two figures can rise only if the cut pair is deeper than this.
     const double known = std::min(depths.outsidePivots, depths.grown + pair.atStart);
     if (!mayOverlapBy(known, a, b, boxA, boxB)) return;
     placeAll(pair.cutA, poses[pair.a], cutA);
@@ -555,7 +556,7 @@ struct PenetrationMeter::Internals {
   // Raises the figures by all other pairs whose boxes overlap.
   void measureUnjoined(PenetrationDepths& depths) const {
     const auto known = [&] {
-      // What overlapped at the start may count less, never more.
+      // The start overlap is subtracted, never added.
       const double least = std::min(depths.whole, depths.outsidePivots);
       return std::min(least, depths.grown);
     };
@@ -565,14 +566,14 @@ struct PenetrationMeter::Internals {
       const double depth = pairDepth(placed[pieceA], placed[pieceB], known());
       depths.whole = std::max(depths.whole, depth);
       depths.outsidePivots = std::max(depths.outsidePivots, depth);
-      // What a pair had at the start is not known of those that were not looked at.
+      // For pairs that were not checked at the start, the start overlap is unknown.
       if (!seesAllPairs && !atStart.contains({a, b})) return;
       if (depth > depths.grown) depths.grown = std::max(depths.grown, depth - keptBy(a, b));
     });
   }
 };
 
-// The start is looked at in full once: later states can be compared with it pair by pair.
+// Checks all pairs of the start once: later states are compared pair by pair.
 PenetrationMeter::PenetrationMeter(const std::vector<model::Brick>& bricks,
                                    std::span<const model::Pivot> pivots, double zone,
                                    const Poses& start, double least, bool countsJoined)
@@ -611,37 +612,38 @@ PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, cons
 }
 
 // ------------------------------------------------------------------------------------------------
-// How near a rigid tile can come to its target: the minimax fit, bounded from below.
+// Lower bound of the distance between a rigid tile and its target: the minimax fit.
 //
 // For residuals r_k of the vertices after a rigid motion and any weights w_k >= 0 with sum 1,
 //     min over motions of max r_k  >=  sqrt(min over motions of sum w_k r_k^2),
-// since a weighted mean never exceeds the largest. The right side is the weighted Kabsch fit,
-// whose optimum over proper motions is global: every weighting gives a true bound of the
-// left. Lawson's iteration looks for the best weighting: w_k is multiplied by r_k and the weights
-// are scaled to sum 1 again. Vertices that hold the fit up gain weight, the others lose it, and
-// the two sides meet where the fit is the minimax one. Wherever the iteration ends, the bound is
-// true.
+// since a weighted mean never exceeds the maximum. The right side is the weighted Kabsch fit,
+// whose optimum over proper motions is global. Every weighting therefore gives a valid bound of
+// the left side. Lawson's iteration searches the best weighting: w_k is multiplied by r_k, and
+// the weights are scaled to sum 1 again. Vertices with large residuals gain weight, the others
+// lose it. Both sides become equal at the minimax fit. The bound is valid wherever the iteration
+// ends.
 //
 // C. L. Lawson, "Contributions to the theory of linear least maximum approximation", 1961; C. L.
 // Lawson and R. J. Hanson, "Solving Least Squares Problems", 1974.
 
 namespace {
 
-// The iteration ends once both sides agree to this part.
+// The iteration ends when both sides agree to this relative tolerance.
 constexpr double kAgreement = 1e-12;
 constexpr int kMostIterations = 1000;
-// Of all tiles together: later tiles, which fit better, keep the bound that they have.
+// Maximum number of fits of all tiles together. Later tiles, which fit better, keep their bound.
 constexpr long kMostFits = 200'000;
-// Residuals below this part of the tile's reach from the origin are rounding.
+// Residuals below this fraction of the tile's distance from the origin are rounding.
 constexpr double kResidualRounding = 1e-14;
-// A vertex keeps at least this part of the largest factor: a weight of zero could never grow again.
+// A vertex keeps at least this fraction of the largest factor: a weight of zero could not grow
+// again.
 constexpr double kLeastVertexWeight = 1e-3;
 
-/// A weighted fit of one tile, and what it says of the largest residual of any fit.
+/// A weighted fit of one tile, and its bound of the largest residual of any fit.
 struct TileFit {
-  std::vector<double> residuals;  ///< of the vertices, metres
-  double largest = 0;             ///< of them
-  double bound = 0;               ///< of the largest residual of all fits, from below
+  std::vector<double> residuals;  ///< of each vertex, metres
+  double largest = 0;             ///< largest residual, metres
+  double bound = 0;               ///< lower bound of the largest residual of all fits
 };
 
 TileFit fitWith(const std::vector<double>& weights, const model::Tile& tile,
@@ -668,8 +670,8 @@ double rounding(const model::Tile& target) {
   return kResidualRounding * reach;
 }
 
-/// The best bound of one tile, or of what was known if no bound of this tile exceeds that. `fits`
-/// counts the fits that were made.
+/// The best bound of one tile, or `known` if no bound of this tile exceeds it. `fits` counts the
+/// fits.
 double boundOf(const model::Tile& tile, const model::Tile& target, double known, long& fits) {
   std::vector<double> weights = evenWeights(tile);
   double bound = known;
@@ -680,7 +682,7 @@ double boundOf(const model::Tile& tile, const model::Tile& target, double known,
     ++fits;
     bound = std::max(bound, fit.bound);
     nearest = std::min(nearest, fit.largest);
-    // The best motion found comes as near as the bound: no motion can come nearer.
+    // The best motion reaches the bound: no motion can come nearer.
     if (nearest <= (1 + kAgreement) * bound || nearest <= rounding(target)) break;
     double sum = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -701,7 +703,7 @@ double rigidBound(const std::vector<model::Tile>& tiles, const std::vector<model
     checkInterruption();
     fits.push_back(fitWith(evenWeights(tiles[i]), tiles[i], target[i]));
   }
-  // Tiles that fit worst come first: the others mostly need no iteration.
+  // Tiles that fit worst come first: the others rarely need an iteration.
   std::vector<std::size_t> order(tiles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return fits[i].largest; });

@@ -1,4 +1,4 @@
-/// How accurate a state is: figures that every summary states. Nothing here knows a solver.
+/// Accuracy figures of a state, as in summary.json. They do not depend on a solver.
 #pragma once
 
 #include <algorithm>
@@ -18,46 +18,46 @@ struct JointGap {
   double mean = 0;  ///< over all pivots, metres
 };
 
-/// Gaps of all pivots at the given poses; zeros when there are none.
-/// A pose that is no number makes the largest gap no number.
+/// Gaps of all pivots at the given poses; zeros if there are none. If a pose is not finite, the
+/// largest gap is NaN.
 JointGap jointGap(std::span<const model::Pivot> pivots, const Poses& poses);
 
 /// The largest distance of any bottom vertex from its target, metres; 0 for no tiles.
 double targetError(const std::vector<model::Tile>& target, const std::vector<model::Brick>& bricks,
                    const Poses& poses);
 
-/// A true lower bound of the target error of rigid tiles, metres: the largest of the tiles' own
-/// minimax errors: each tile is moved by itself (never mirrored) to minimise the distance of its
-/// farthest vertex. See measures.cpp. 0 for no tiles.
+/// A lower bound of the target error of rigid tiles, metres: the largest of the tiles' own minimax
+/// errors. Each tile is moved by itself (never mirrored) to minimise the distance of its farthest
+/// vertex. See measures.cpp. 0 for no tiles.
 double rigidBound(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& target);
 
 /// Two bricks that overlap.
 struct Penetration {
-  double depth = 0;  ///< the shortest move that separates them, metres; 0 when nothing overlaps
-  int brickA = -1;   ///< its number; -1: no bricks overlap
-  int brickB = -1;   ///< the other's number
+  double depth = 0;  ///< length of the shortest move that separates them, metres; 0 without overlap
+  int brickA = -1;   ///< index >= 0; -1: no bricks overlap
+  int brickB = -1;   ///< index of the other brick
 };
 
-/// Of the pairs of so many bricks that are near each other, at most so many are looked at in one
-/// state: a sheet has far fewer, heaps of bricks in one place may have more.
+/// Maximum number of near pairs that are checked in one state. Sheets have far fewer; many bricks
+/// in one place may have more.
 constexpr long mostPairs(std::size_t bricks) {
   return std::max(1'000'000L, 20 * static_cast<long>(bricks));
 }
 
 /// The deepest overlap of any pair, by the separating axes of convex prisms (face normals and
-/// products of edges): exact for convex tiles and independent of the contact detection in use. Of
-/// the first mostPairs() near pairs, here and below.
-/// Costs a sort of all bricks and a few dozen axes for each pair of bricks near each other.
+/// products of edges). Exact for convex tiles, and independent of the contact detection. Only the
+/// first mostPairs() near pairs are checked, here and below. Costs a sort of all bricks and a few
+/// dozen axes for each pair of near bricks.
 Penetration deepestPenetration(const std::vector<model::Brick>& bricks, const Poses& poses);
 
-/// The same with joined bricks meeting without the corners that they share, and parts of one tile
-/// not at all: what contacts hold apart. `zone` as in cutLength.
+/// The same for the pairs that contacts keep apart: joined bricks are compared without the corners
+/// that they share, and parts of one tile are not compared. `zone` as in cutLength().
 Penetration deepestPenetrationOutsidePivots(const std::vector<model::Brick>& bricks,
                                             std::span<const model::Pivot> pivots, double zone,
                                             const Poses& poses);
 
-/// All pairs that overlap by more than `least` metres in this sense, the deepest first; the smaller
-/// brick number is brickA.
+/// All such pairs that overlap by more than `least` metres, the deepest first. brickA is the
+/// smaller index.
 std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Brick>& bricks,
                                                    std::span<const model::Pivot> pivots,
                                                    double zone, const Poses& poses, double least);
@@ -65,35 +65,35 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<model::Bric
 /// Depths of overlaps in a state, or the largest of several states. Metres, >= 0.
 struct PenetrationDepths {
   double whole = 0;          ///< of any two bricks
-  double outsidePivots = 0;  ///< the same, joined bricks without the corners that they share
-  double grown = 0;          ///< of that, what any pair has beyond its own depth at the start
+  double outsidePivots = 0;  ///< the same, with joined bricks without the corners that they share
+  double grown = 0;          ///< the same, minus the pair's own depth at the start
 };
 
-/// Overlaps at the start of a run that are no deeper than this part of a tile are rounding: what
-/// comes on top of them counts from zero.
+/// Overlaps at the start up to this fraction of a tile count as rounding: their growth is measured
+/// from zero.
 inline constexpr double kRoundingOverlap = 1e-6;
 
-/// Measures the overlaps of one run's states, one after the other. It remembers which axis
-/// separated each pair best and checks it first: states close to each other cost little. The
-/// figures do not depend on what it remembers.
+/// Measures the overlaps of successive states of one run. It stores the best separating axis of
+/// each pair and checks it first: similar states cost little. The figures do not depend on the
+/// stored axes.
 class PenetrationMeter {
  public:
-  /// Joined bricks as in penetrationsOutsidePivots(); overlaps at the start of `least` metres or
-  /// less count as none there. Bricks must outlive this.
-  /// `zone`: see cutLength(), `pivots`: which bricks are joined, where. `countsJoined`: whether
-  /// joined bricks count. Costs a look at all near pairs of the start.
+  /// Treats joined bricks as penetrationsOutsidePivots() does. Overlaps at the start of up to
+  /// `least` metres count as zero. Keeps a reference to `bricks`. `zone`: see cutLength().
+  /// `pivots`: positions of the joints. `countsJoined`: whether joined bricks count. Checks all
+  /// near pairs of the start.
   PenetrationMeter(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots,
                    double zone, const Poses& start, double least, bool countsJoined = true);
   ~PenetrationMeter();
   PenetrationMeter(const PenetrationMeter&) = delete;
   PenetrationMeter& operator=(const PenetrationMeter&) = delete;
 
-  /// The depths in a state.
+  /// The depths in a state, metres.
   PenetrationDepths at(const Poses& poses) { return atLeast({}, poses); }
-  /// The larger of each: the depth given, and that in a state.
+  /// The maximum of the given depths and those in a state, metres.
   PenetrationDepths atLeast(const PenetrationDepths& known, const Poses& poses);
 
-  /// Whether all near pairs of the start could be looked at, see mostPairs().
+  /// Whether all near pairs of the start could be checked, see mostPairs().
   bool seesAllPairs() const;
 
  private:

@@ -1,11 +1,11 @@
 // Overlaps and shapes of tiles without thickness.
 //
 // Flat neighbours (planes parallel to 1e-6 and at one height) are compared in their plane by
-// separating axes, the directions across the edges of both. Tiles in different planes reach through
-// each other where the line in which their planes meet passes through both: their depth is the
-// least of five lengths, how far each stands out on either side of the other's plane and how much
-// their cuts on that line have in common. Concave tiles are looked at part by part. Pairs come from
-// a sweep along x.
+// separating axes, perpendicular to the edges of both. Tiles in different planes intersect if the
+// line of intersection of their planes passes through both. Their depth is the least of five
+// lengths: how far each tile extends on either side of the other's plane, and the common length of
+// their cuts on that line. Concave tiles are compared part by part. Pairs come from a sweep along
+// x.
 #include "sim/trajectory/sheet.h"
 
 #include <algorithm>
@@ -27,10 +27,10 @@
 namespace kirireel::trajectory {
 namespace {
 
-// Planes whose normals differ by less than this sine are compared as one plane.
+// If the normals of two planes differ by less than this sine, they count as one plane.
 constexpr double kParallelPlanes = 1e-6;
 
-/// A tile, or a convex part of one, with what the tests of a pair need.
+/// A tile, or a convex part of one, with the data for the tests of a pair.
 struct PlacedTile {
   int tile = 0;
   std::vector<Vector3> vertices;
@@ -49,20 +49,20 @@ struct Interval {
   }
 };
 
-/// How far one interval must move to be clear of the other; negative when it is.
+/// The least move that separates two intervals; negative if they are separated.
 double overlap(const Interval& a, const Interval& b) {
   return std::min(a.high - b.low, b.high - a.low);
 }
 
-// Projections of the vertices on an axis from an origin. The origin lies at the tile: far
-// from the world's origin no digits are lost.
+// Projections of the vertices on an axis from an origin. The origin is at the tile: this keeps all
+// digits far from the world's origin.
 Interval project(const PlacedTile& tile, const Vector3& axis, const Vector3& origin) {
   Interval interval;
   for (const Vector3& vertex : tile.vertices) interval.extend(axis.dot(vertex - origin));
   return interval;
 }
 
-/// The least overlap over the directions across the edges of both (separating axes).
+/// The least overlap over the directions perpendicular to the edges of both (separating axes).
 double depthInPlane(const PlacedTile& a, const PlacedTile& b) {
   double depth = std::numeric_limits<double>::infinity();
   for (const PlacedTile* tile : {&a, &b}) {
@@ -77,8 +77,8 @@ double depthInPlane(const PlacedTile& a, const PlacedTile& b) {
   return depth;
 }
 
-/// The part of the line origin + t direction that lies in the tile, where the tile's plane holds
-/// the line.
+/// The part of the line origin + t direction that lies in the tile. The line lies in the tile's
+/// plane.
 Interval cut(const PlacedTile& tile, const Vector3& planeNormal, const Vector3& origin,
              const Vector3& direction) {
   Interval interval;
@@ -96,14 +96,14 @@ Interval cut(const PlacedTile& tile, const Vector3& planeNormal, const Vector3& 
   return interval;
 }
 
-/// How far tiles in different planes reach through each other: the least of how far each stands out
-/// on either side of the other's plane and of the length that their cuts share.
+/// How far tiles in different planes pass through each other: the least of the lengths on either
+/// side of the other's plane and of the length that their cuts share.
 double depthAcross(const PlacedTile& a, const PlacedTile& b) {
   const Vector3 direction = a.normal.cross(b.normal).normalized();
   const Vector3& pointA = a.vertices.front();
   const Vector3& pointB = b.vertices.front();
-  // A point of both planes, nearest to the first tile's.
-  // The direction in A's plane that leads straight to the common line.
+  // A point of both planes, nearest to the first tile's. inA is the direction in A's plane
+  // perpendicular to the common line.
   const Vector3 inA = direction.cross(a.normal);
   const Vector3 origin = pointA + b.normal.dot(pointB - pointA) / b.normal.dot(inA) * inA;
   const Interval aboutB = project(a, b.normal, pointB);
@@ -113,8 +113,8 @@ double depthAcross(const PlacedTile& a, const PlacedTile& b) {
   return std::min({shared, aboutB.high, -aboutB.low, aboutA.high, -aboutA.low});
 }
 
-// The depth of two convex tiles, metres; not above 0 where they are clear of each other.
-// `tolerance`: heights that differ by less count as one.
+// The depth of two convex tiles, metres; <= 0 if they do not overlap. `tolerance`: smaller
+// differences in height do not count.
 double depthOf(const PlacedTile& a, const PlacedTile& b, double tolerance) {
   if (a.normal.cross(b.normal).norm() > kParallelPlanes) return depthAcross(a, b);
   const Vector3& origin = a.vertices.front();
@@ -145,7 +145,7 @@ std::vector<PlacedTile> convexPartsOf(const std::vector<model::Tile>& tiles) {
 // Sweep along x, then each pair's depth.
 std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance) {
   const std::vector<PlacedTile> placed = convexPartsOf(tiles);
-  // In order of their left sides, a tile can only meet those that start before it ends.
+  // In the order of their left sides, a tile can only meet those that start before it ends.
   std::vector<int> order(placed.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -232,36 +232,36 @@ double leastCornerSine(const std::vector<model::Tile>& tiles) {
 // ------------------------------------------------------------------------------------------------
 // First-order mobility from the rank of the joints' Jacobian J (equations x unknowns).
 //
-// Unknown are the velocity v and the angular velocity w of each tile, w times the mean edge s, so
-// that all columns of J are plain numbers. A joint at the points a and b gives, for each direction
-// d that it holds,
+// The unknowns are the velocity v and the angular velocity w of each tile. w is multiplied by the
+// mean edge s, which makes all columns of J plain numbers. A joint at the points a and b gives the
+// equation
 //   d . (v_A + w_A x (a - c_A)) - d . (v_B + w_B x (b - c_B)) = 0
-// with c the centroids. A pivot holds 3 directions (2 in the plane), a link the one along itself, a
-// fixed joint 3 and the relative rotation. Then
+// for each direction d that it holds, with c the centroids. A pivot holds 3 directions (2 in the
+// plane), a link the one along itself, a fixed joint 3 and the relative rotation. Then
 //   freedoms  = unknowns - rank J - 6        (3 in the plane: motions of the whole)
 //   redundant = equations - rank J
 // This is the count of J. C. Maxwell with states of self-stress (C. R. Calladine, Buckminster
 // Fuller's tensegrity structures and Clerk Maxwell's rules for the construction of stiff frames,
-// Int. J. Solids Struct. 14, 1978). It holds to first order: a freedom may be an infinitesimal one
-// that no finite motion follows, as in the closed state of these sheets.
+// Int. J. Solids Struct. 14, 1978). It holds to first order: a freedom may be infinitesimal,
+// without a finite motion, as in the closed state of these sheets.
 //
-// Small sheets: a dense singular value decomposition. Large ones: the number of eigenvalues of J^T
-// J below s^2 is the number of negative pivots of J^T J - s^2 1 = L D L^T (Sylvester's law of
-// inertia), which costs a sparse factorisation for each s and gives the singular values to within a
+// Small sheets use a dense singular value decomposition. For large ones, the number of eigenvalues
+// of J^T J below s^2 is the number of negative pivots of J^T J - s^2 1 = L D L^T (Sylvester's law
+// of inertia). This costs a sparse factorisation per s and gives the singular values to within a
 // power of ten.
 
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-// The part of the largest singular value above which one counts. Zeros met: 1e-15; least others:
+// Singular values above this fraction of the largest count. Observed zeros: 1e-15; smallest others:
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
-// A dense decomposition takes O(n^3).
+// A dense decomposition costs O(n^3).
 constexpr int kMostDenseUnknowns = 900;
 constexpr int kMostUnknowns = 60'000;
 
-/// Writes the equations of joints, one after the other.
+/// Writes the equations of joints one by one.
 class JointJacobian {
  public:
   JointJacobian(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
@@ -291,7 +291,7 @@ class JointJacobian {
   // The rows of one joint, by its kind and face.
   void addJoint(const model::Joint& joint) {
     if (joint.kind == model::JointKind::Link) {
-      // The distance of two points changes along their connection alone.
+      // The distance of two points changes only by motion along their connection.
       const Vector3 along = (place(joint.a, false) - place(joint.b, false)).normalized();
       addDirection(joint, place(joint.a, false), place(joint.b, false), along);
       return;
@@ -299,7 +299,7 @@ class JointJacobian {
     if (joint.kind == model::JointKind::Fixed) return addFixed(joint);
     const bool both = joint.face == model::JointFace::Both;
     if (joint.face != model::JointFace::Top) addPivot(joint, false);
-    // In the plane the upper pivot of a hinge says nothing more.
+    // In the plane the upper pivot of a hinge is redundant.
     if (joint.face == model::JointFace::Top || (both && !planar_)) addPivot(joint, true);
   }
 
@@ -359,14 +359,15 @@ class JointJacobian {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
-/// `floor`: singular values up to it are what rounding leaves of zeros.
+/// `floor`: upper limit of singular values that are zero except for rounding.
 void countDense(const Sparse& jacobian, double floor, Mobility& result) {
   const Eigen::VectorXd values = singularValuesOf(Eigen::MatrixXd(jacobian));
   for (const double value : values) {
     const bool counts = value > std::max(floor, kCounts * values[0]);
     result.rank += counts ? 1 : 0;
     (counts ? result.leastKept : result.largestDropped) = value;
-    // The values fall: the first that does not count is the largest of those.
+    // The values are sorted in falling order: the first that does not count is the largest of
+    // those.
     if (!counts) break;
   }
 }
@@ -377,7 +378,7 @@ class SignCounter {
   explicit SignCounter(const Sparse& square)
       : square_(square), identity_(square.rows(), square.cols()) {
     identity_.setIdentity();
-    // A diagonal that is whole keeps the pattern: one ordering serves all counts.
+    // A complete diagonal keeps the pattern: one ordering is enough for all counts.
     factors_.analyzePattern(Sparse(square_ + identity_));
   }
 
@@ -393,7 +394,7 @@ class SignCounter {
   Eigen::SimplicialLDLT<Sparse> factors_;
 };
 
-// By signs of pivots, which bound singular values by powers of ten.
+// Uses the signs of pivots, which bound singular values by powers of ten.
 void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   const Sparse square = jacobian.transpose() * jacobian;
   // Row sums bound the largest eigenvalue.
@@ -421,14 +422,14 @@ void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
 }  // namespace
 
 double zeroSingularValue(const model::Model& model) {
-  // A row's entries change by about a digit over a tile, and a sheet has more than one row.
+  // A row's entries change by about one digit over a tile, and a sheet has more than one row.
   constexpr double kDigits = 10;
   return model.rounding > 0 ? kDigits * model.rounding / model::tileSize(model) : 0;
 }
 
 Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness) {
-  // In the plane the equations are those of x, y and turns about z in the sheet's own axes.
+  // In the plane the equations are those of x, y and rotations about z in the sheet's own axes.
   const std::optional<model::SheetFrame> frame =
       freedom == Freedom::Plane ? model::sheetFrame(state, model::flatTolerance(model))
                                 : std::nullopt;

@@ -1,4 +1,4 @@
-/// What a sheet of tiles is like in one state or two, before any physics.
+/// Geometry of a sheet in one or two states, without physics.
 #pragma once
 
 #include <vector>
@@ -7,21 +7,21 @@
 
 namespace kirireel::trajectory {
 
-/// Two tiles that lie in each other.
+/// Two overlapping tiles.
 struct TileOverlap {
-  int tileA = 0;     ///< its number, >= 0
-  int tileB = 0;     ///< its number, >= 0
+  int tileA = 0;     ///< index >= 0
+  int tileB = 0;     ///< index >= 0
   double depth = 0;  ///< metres: the shortest move in the plane that separates flat neighbours, or
-                     ///< how far tiles that cross in space reach through each other
+                     ///< the length by which tiles that cross in space pass through each other
 };
 
-/// All pairs that overlap by more than the tolerance in metres, the deepest first; of the first
-/// mostPairs() near pairs where there are more.
-/// Tiles need an area. Costs a sort, and the edges of both for each pair whose boxes meet.
+/// All pairs that overlap by more than the tolerance in metres, the deepest first. At most the
+/// first mostPairs() near pairs are checked. Tiles need an area. Costs a sort, and the edges of
+/// both tiles for each pair whose boxes overlap.
 std::vector<TileOverlap> tileOverlaps(const std::vector<model::Tile>& tiles, double tolerance);
 
-/// The largest distance between the two corners of a pivot, metres; 0 for none.
-/// Of links and fixed joints nothing is said.
+/// The largest distance between the two corners of a pivot, metres; 0 if there are none. Links and
+/// fixed joints do not count.
 double largestJointGap(const std::vector<model::Joint>& joints,
                        const std::vector<model::Tile>& tiles);
 
@@ -33,46 +33,46 @@ double largestShapeChange(const std::vector<model::Tile>& start,
 /// The largest distance of a vertex from its tile's plane, metres.
 double largestUnevenness(const std::vector<model::Tile>& tiles);
 
-/// The least sine of the angle by which any tile turns at a corner: above 0 when all are convex.
+/// The least sine of the exterior angle at any corner of a tile: > 0 if all tiles are convex.
 double leastCornerSine(const std::vector<model::Tile>& tiles);
 
 // ------------------------------------------------------------------------------------------------
-// How many ways a sheet of rigid tiles can move, from the rank of its joints' Jacobian.
+// Degrees of freedom of a sheet of rigid tiles, from the rank of its joints' Jacobian.
 
 /// The first-order mobility of one state.
 struct Mobility {
-  bool isCounted = true;      ///< false: too many unknowns, what follows from the rank is not known
-  int unknowns = 0;           ///< 3 a tile in the plane, 6 in space
-  int equations = 0;          ///< that the joints make
+  bool isCounted = true;      ///< false: too many unknowns; the rank and its results are unknown
+  int unknowns = 0;           ///< 3 per tile in the plane, 6 in space
+  int equations = 0;          ///< number of the joints' equations
   int rank = 0;               ///< of the Jacobian (equations x unknowns)
-  int freedoms = 0;           ///< motions beyond those of the whole as one rigid body
-  int redundant = 0;          ///< equations that follow from others
+  int freedoms = 0;           ///< motions other than those of the whole as one rigid body
+  int redundant = 0;          ///< equations that depend on others
   double leastKept = 0;       ///< the least singular value that counts towards the rank; 0 for none
   double largestDropped = 0;  ///< the largest one that does not; 0 for none. The ratio of the two
-                              ///< says how certain the rank is.
-  /// The least one kept is at least leastKept, the largest one dropped at most largestDropped:
-  /// their values are not known.
+                              ///< shows how certain the rank is.
+  /// leastKept is only a lower bound and largestDropped an upper bound: their exact values are
+  /// unknown.
   bool areBounds = false;
 };
 
-/// Where tiles may move.
+/// The space in which tiles may move.
 enum class Freedom {
-  Plane,  ///< in the plane of a flat sheet, about its normal; of others, along x and y, about z
+  Plane,  ///< in the plane of a flat sheet, about its normal; else along x and y, about z
   Space,  ///< three dimensions
 };
 
-/// The singular value up to which rounding of the model's coordinates explains one that should be
-/// zero: ten times the last digit, in tiles.
+/// Upper limit of singular values that should be zero but are not because of the rounding of the
+/// coordinates: ten times the last digit, in tiles.
 double zeroSingularValue(const model::Model& model);
 
 /// The mobility of the model's joints with its tiles in the given state, for bricks of this
-/// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
-/// that singular values are plain numbers; those above 1e-6 of the largest and above
-/// zeroSingularValue() count. Up to 900 unknowns by a dense singular value decomposition; above, by
-/// counting the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), which
-/// bounds singular values by powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space,
-/// are not counted: that takes minutes. For rank and freedom of links, fixed joints and pivots
-/// alike. Throws Interrupted where a scope asks for it.
+/// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes,
+/// which makes singular values plain numbers. Those above 1e-6 of the largest and above
+/// zeroSingularValue() count. Up to 900 unknowns use a dense singular value decomposition. Above,
+/// it counts the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), which bounds singular
+/// values by powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not
+/// counted: that takes minutes. For rank and freedom of links, fixed joints and pivots alike.
+/// Throws Interrupted if the scope allows interruption.
 Mobility mobility(const model::Model& model, const std::vector<model::Tile>& state, Freedom freedom,
                   double thickness);
 
