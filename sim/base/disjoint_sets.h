@@ -1,4 +1,4 @@
-/// Sets that grow together: which of some elements are connected.
+/// Disjoint sets that are merged: connected components.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,10 @@
 
 namespace kirireel {
 
-/// Disjoint sets of the elements 0 to n - 1, one for each at first. Each element points to one of
-/// its set; the pointers end at the lowest, so sets do not depend on the order in which they were
-/// united. With path halving: R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union
-/// algorithms, J. ACM 31, 1984.
+/// Disjoint sets of the elements 0 to n - 1, initially one per element. Each element points to
+/// another of its set. The chain ends at the lowest element: the result does not depend on the
+/// order of the unions. With path halving: R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set
+/// union algorithms, J. ACM 31, 1984.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : towards_(count) {
@@ -24,7 +24,7 @@ class DisjointSets {
     return element;
   }
 
-  /// Makes the sets of two elements one.
+  /// Merges the sets of two elements.
   void unite(int a, int b) {
     const auto [low, high] = std::minmax({lowestOf(a), lowestOf(b)});
     at(high) = low;

@@ -20,10 +20,11 @@ InputError inputErrorAt(const FileLocation& location, const std::string& message
 }
 
 // ------------------------------------------------------------------------------------------------
-// Edit distance, and texts made fit for a terminal. The distance of two words is found by dynamic
-// programming over their prefixes, d(i, j) = min(d(i-1, j) + 1, d(i, j-1) + 1, d(i-1, j-1) + (0 if
-// the letters are equal, else 1)), in O(a b) time and O(b) memory: V. I. Levenshtein, Binary codes
-// capable of correcting deletions, insertions and reversals, Soviet Physics Doklady 10, 1966.
+// Edit distance, and texts made safe for a terminal. The distance of two words is computed by
+// dynamic programming over their prefixes, d(i, j) = min(d(i-1, j) + 1, d(i, j-1) + 1, d(i-1, j-1)
+// + (0 if the letters are equal, else 1)), in O(a b) time and O(b) memory: V. I. Levenshtein,
+// Binary codes capable of correcting deletions, insertions and reversals, Soviet Physics Doklady
+// 10, 1966.
 
 int editDistance(std::string_view a, std::string_view b) {
   // One row of the distance table at a time: row[j] turns the first i letters of a into j of b.
@@ -42,9 +43,9 @@ int editDistance(std::string_view a, std::string_view b) {
 }
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords) {
-  constexpr std::size_t kLongestWord = 100;  // nothing that long is a slip of the pen
+  constexpr std::size_t kLongestWord = 100;  // longer words are no typing errors
   if (word.size() > kLongestWord) return "";
-  // A third of the letters may be wrong, two in short words.
+  // A third of the letters may be wrong, or two in short words.
   int nearest = std::max<int>(2, static_cast<int>(word.size()) / 3) + 1;
   std::string found;
   for (const std::string& known : knownWords) {

@@ -1,4 +1,4 @@
-/// Errors, and the words in their messages.
+/// Errors and their messages.
 #pragma once
 
 #include <filesystem>
@@ -27,7 +27,7 @@ class InputError : public Error {
   using Error::Error;
 };
 
-/// An output could not be made or written (disk, codec, GL context); exit code 1.
+/// An output could not be written (disk, codec, GL context); exit code 1.
 class OutputError : public Error {
  public:
   /// With the one line that a user reads.
@@ -41,14 +41,14 @@ class RunError : public Error {
   using Error::Error;
 };
 
-/// A place in a text file, as compilers print it.
+/// A position in a text file, in the format of compilers.
 struct FileLocation {
-  std::filesystem::path file;  ///< as it was given
-  int line = 0;                ///< from 1; 0: the whole file
-  int column = 0;              ///< from 1, in characters; 0: the whole line
+  std::filesystem::path file;  ///< as given by the user
+  int line = 0;                ///< counts from 1; 0: the whole file
+  int column = 0;              ///< in characters, counts from 1; 0: the whole line
 };
 
-/// "file:line:column" with the parts that are known.
+/// "file:line:column" with the known parts.
 std::string toString(const FileLocation& location);
 
 /// An InputError whose message is "file:line:column: error: message".
@@ -57,22 +57,22 @@ InputError inputErrorAt(const FileLocation& location, const std::string& message
 // ------------------------------------------------------------------------------------------------
 // Text in messages: suggestions for mistyped words, and safe display of foreign text.
 
-/// Letters to insert, delete or replace to turn one word into the other (Levenshtein 1966).
+/// Number of letters to insert, delete or replace between two words (Levenshtein 1966).
 int editDistance(std::string_view a, std::string_view b);
 
-/// ", did you mean WORD?" for the nearest of the known words, or an empty text when none is within
-/// a third of the word's letters (at least 2).
+/// ", did you mean WORD?" for the nearest known word. Empty if none differs by at most a third of
+/// the word's letters (at least 2).
 std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords);
 
-/// A text with '?' in place of each control character: it takes one line, and no terminal acts on
+/// A text with '?' for each control character. It takes one line, and terminals do not interpret
 /// it.
 std::string oneLine(std::string_view text);
 
-/// A text of unknown origin as a message shows it: at most `most` characters, then "...", with '?'
-/// in place of each byte that is not printable ASCII.
+/// A text of unknown origin for messages: at most `most` characters, then "...", with '?' for each
+/// byte that is not printable ASCII.
 std::string shown(std::string_view text, std::size_t most = 40);
 
-/// The characters of a text in UTF-8; absent when it is not UTF-8.
+/// The characters of a UTF-8 text; absent if it is not UTF-8.
 std::optional<std::u32string> codePoints(std::string_view text);
 
 }  // namespace kirireel

@@ -1,5 +1,5 @@
-/// The fields of structs, each described once: trajectory.h5, checkpoints and JSON are made from
-/// the description, and a struct with a field that it lacks does not compile.
+/// The fields of structs, each described once. trajectory.h5, checkpoints and JSON use the
+/// description. If a field is missing in it, the struct does not compile.
 ///
 ///     struct Event {
 ///       double time = 0;
@@ -23,7 +23,7 @@ namespace kirireel {
 template <typename Owner, typename Value>
 struct Field {
   const char* name = "";           ///< in files and JSON, such as "joint_gap"
-  Value Owner::*member = nullptr;  ///< where it is
+  Value Owner::*member = nullptr;  ///< pointer to the member
   const char* unit = "";           ///< such as "m"; "1" for a count; empty if it is not a number
   const char* meaning = "";        ///< description for files; may be empty
 };
@@ -35,7 +35,7 @@ constexpr Field<Owner, Value> field(const char* name, Value Owner::*member, cons
   return {name, member, unit, meaning};
 }
 
-/// Stands for a value of any type where an expression is never evaluated.
+/// Converts to any type, in expressions that are never evaluated.
 struct Anything {
   /// Not defined.
   template <typename Value>
@@ -50,7 +50,7 @@ constexpr bool takes(std::index_sequence<k...>) {
   };
 }
 
-/// How many fields a struct without constructors has, up to `most`.
+/// The number of fields of a struct without constructors, up to `most`.
 template <typename Struct, std::size_t most = 24>
 constexpr std::size_t fieldCount() {
   if constexpr (takes<Struct>(std::make_index_sequence<most>())) {
@@ -95,7 +95,7 @@ Json fieldsJson(const Struct& of) {
   return json;
 }
 
-/// What files call a field; it must be described.
+/// The name of a field in files; it must be described.
 template <typename Struct, typename Value>
 constexpr const char* nameOfField(Value Struct::*member) {
   const char* name = "";

@@ -1,9 +1,9 @@
-// Files that are read, each noted with its hash. A file that is read whole is hashed from the text
-// that was read: the hash belongs to just these bytes; one that is read piece by piece is
-// hashed first and read again.
+// Input files and their hashes. For a file that is read completely, the hash is computed from the
+// text: it belongs to exactly these bytes. A file that is read piecewise is hashed first and then
+// read again.
 //
 // Records of one thread form a chain through `outer_`, the innermost first. The pointer to it is
-// thread-local: runs on several threads do not note each other's files.
+// thread-local: runs on several threads do not record each other's files.
 #include "sim/base/files.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ thread_local InputRecord* innermost = nullptr;
 std::string digestOf(std::istream& stream) {
   Sha256 hash;
   std::array<char, 1 << 16> bytes{};
-  // The last read fails for lack of bytes, but has some.
+  // The last read fails at the end of the file, but returns some bytes.
   while (stream.read(bytes.data(), bytes.size()), stream.gcount() > 0) {
     hash.add({bytes.data(), static_cast<std::size_t>(stream.gcount())});
   }
@@ -83,7 +83,7 @@ std::string endingOf(const std::filesystem::path& file) {
 
 std::ifstream openInputFile(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
-  // Where nobody asks, nothing is hashed.
+  // Without a record, nothing is hashed.
   if (innermost && stream) {
     noteInput({path, digestOf(stream)});
     stream.clear();
@@ -137,8 +137,8 @@ std::string jsonText(const Json& json, int indent) {
 
 namespace {
 
-/// "deployment.part.mp4", or "deployment.part2.mp4" and so on where something of that name is: it
-/// may be anybody's.
+/// "deployment.part.mp4", or "deployment.part2.mp4" and so on if a file of that name exists: it may
+/// belong to the user.
 std::filesystem::path pendingName(const std::filesystem::path& finalPath) {
   std::string number;
   for (int k = 2;; ++k) {
@@ -169,7 +169,7 @@ PendingFile::PendingFile(std::filesystem::path finalPath)
 PendingFile::~PendingFile() {
   if (committed_) return;
   std::error_code ignored;
-  // A destructor must not throw, and what cannot be removed harms nobody.
+  // A destructor must not throw. A file that cannot be removed is harmless.
   std::filesystem::remove(path_, ignored);
 }
 
@@ -196,7 +196,7 @@ void writeTextFile(const std::filesystem::path& finalPath, const std::string& te
   PendingFile pending(finalPath);
   std::ofstream stream(pending.path(), std::ios::binary);
   stream << text;
-  // Closing writes what is pending: a full disk shows here at the latest.
+  // Closing writes pending data: a full disk is detected here at the latest.
   stream.close();
   if (!stream) {
     throw OutputError(
@@ -207,8 +207,8 @@ void writeTextFile(const std::filesystem::path& finalPath, const std::string& te
 }
 
 // ------------------------------------------------------------------------------------------------
-// SHA-256 by OpenSSL, which uses the processor's instructions for it where there are any. Only this
-// file includes OpenSSL.
+// SHA-256 by OpenSSL, which uses the processor's SHA instructions if available. Only this file
+// includes OpenSSL.
 
 struct Sha256::State {
   EVP_MD_CTX* context = EVP_MD_CTX_new();
@@ -243,8 +243,8 @@ std::string sha256(std::string_view text) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// zlib's checksums and compression, and base64. Only this file includes zlib: another
-// library could take its place.
+// zlib's checksums and compression, and base64. Only this file includes zlib: another library could
+// replace it.
 
 std::uint32_t checksumOf(std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(
@@ -254,12 +254,12 @@ std::uint32_t checksumOf(std::span<const std::byte> bytes) {
 std::string compressed(std::span<const std::byte> bytes, int level) {
   uLongf size = compressBound(bytes.size());
   std::string packed(size, '\0');
-  // With room for the worst case and a valid level, memory is all that can lack.
+  // With room for the worst case and a valid level, only lack of memory can fail.
   if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), level) != Z_OK) {
     throw std::bad_alloc();
   }
-  // The bound was an upper one.
+  // The bound was an upper limit.
   packed.resize(size);
   return packed;
 }
@@ -269,8 +269,8 @@ std::string base64(std::span<const std::byte> bytes) {
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
-  // Three bytes are 24 bits, which are four characters of 6 bits. What lacks at the end is filled
-  // with zeros and shown by '='.
+  // Three bytes are 24 bits, i.e. four characters of 6 bits. Missing bytes at the end are zeros and
+  // marked by '='.
   for (std::size_t k = 0; k < bytes.size(); k += 3) {
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - k);
     std::uint32_t group = 0;

@@ -1,5 +1,5 @@
-/// Files: reading with a record of inputs, atomic writing, SHA-256, compression, and JSON texts. No
-/// header of OpenSSL or zlib is needed to use it.
+/// Files: reading with a record of inputs, atomic writing, SHA-256, compression, and JSON texts. It
+/// needs no header of OpenSSL or zlib.
 #pragma once
 
 #include <cstddef>
@@ -20,19 +20,19 @@
 namespace kirireel {
 
 // ------------------------------------------------------------------------------------------------
-// The one place where files are opened to be read: a run knows all files that it was made from.
+// All input files are opened here: a run knows all files that it was made from.
 
 /// A file that was read.
 struct InputFile {
-  std::filesystem::path path;  ///< as it was opened
+  std::filesystem::path path;  ///< as opened
   std::string sha256;          ///< of all its bytes, 64 hexadecimal digits
 };
 
-/// Notes every file that its thread opens for reading while it lives, in the order of opening; a
-/// file that is opened again is noted again. Of records within each other each notes the file.
+/// Records every file that its thread opens for reading during its lifetime, in order. A file that
+/// is opened again is recorded again. Nested records each record the file.
 class InputRecord {
  public:
-  /// `files` gets the notes and must outlive the record.
+  /// `files` receives the entries and must outlive the record.
   explicit InputRecord(std::vector<InputFile>& files);
   ~InputRecord();
   InputRecord(const InputRecord&) = delete;
@@ -45,24 +45,24 @@ class InputRecord {
   InputRecord* outer_;  // of the same thread; null for the first
 };
 
-/// A name's ending with its dot, in lower case: ".svg" of "SHEET.Svg"; "" where it has none.
+/// A name's ending with its dot, in lower case: ".svg" of "SHEET.Svg"; "" if it has none.
 std::string endingOf(const std::filesystem::path& file);
 
-/// Opens a file that is read piece by piece, and notes it. The stream has failed where the file
+/// Opens a file for piecewise reading, and records it. The stream is in a failed state if the file
 /// cannot be opened.
 std::ifstream openInputFile(const std::filesystem::path& path);
 
-/// Largest text file that is read, bytes: room for 250,000 tiles, and a bound on the memory that a
-/// file can ask for.
+/// Size limit of text files, bytes. It allows 250,000 tiles and bounds the memory that a file can
+/// request.
 inline constexpr std::uintmax_t kMostTextBytes = 64u << 20;
 
 /// All bytes of a text file. `purpose` ends the messages: what to give or to write. Throws
-/// InputError when the file is missing, unreadable, no regular file or larger than `mostBytes`.
+/// InputError if the file is missing, unreadable, not a regular file or larger than `mostBytes`.
 /// Line ends are not changed.
 std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
                          std::uintmax_t mostBytes = kMostTextBytes);
 
-/// Appends formatted text to what will be the text of a file.
+/// Appends formatted text to the future text of a file.
 template <typename... Arguments>
 void appendText(std::string& text, fmt::format_string<Arguments...> format,
                 Arguments&&... arguments) {
@@ -70,7 +70,7 @@ void appendText(std::string& text, fmt::format_string<Arguments...> format,
 }
 
 // ------------------------------------------------------------------------------------------------
-// JSON texts. They are read and written only here: each place that does takes the compiler seconds.
+// JSON texts. Only this file includes the library, because it takes the compiler seconds.
 
 /// Keys keep the order in which they were set: the same values give the same text.
 using Json = nlohmann::ordered_json;
@@ -78,39 +78,39 @@ using Json = nlohmann::ordered_json;
 /// Parses a JSON text. Throws nlohmann::json::parse_error, with the position of the fault.
 Json parseJson(std::string_view text);
 
-/// The same for a file of others. Throws std::length_error if values are nested deeper than that:
-/// the library compares and copies them by recursion, which such a file takes to the end of the
-/// stack.
+/// The same for untrusted files. Throws std::length_error if values are nested deeper than
+/// `mostNested`: the library compares and copies them recursively, and deep nesting would overflow
+/// the stack.
 Json parseJson(std::string_view text, int mostNested);
 
-/// The same, but discarded (Json::is_discarded) where the syntax is wrong.
+/// The same, but discarded (Json::is_discarded) if the syntax is wrong.
 Json parseJsonOrDiscard(std::string_view text);
 
-/// JSON as a text: in one line, or a line an entry, indented by so many spaces. Names of files and
-/// models may hold anything; bytes that are not UTF-8 become U+FFFD.
+/// JSON as text: in one line, or one line per entry, indented by `indent` spaces. Names of files
+/// and models may contain any bytes; those that are not UTF-8 become U+FFFD.
 std::string jsonText(const Json& json, int indent = -1);
 
 // ------------------------------------------------------------------------------------------------
-// A file that appears under its final name only when it is whole.
+// A file that gets its final name only when it is complete.
 
-/// Write to path(), then commit(). Without commit the destructor removes what was written, so an
+/// Write to path(), then call commit(). Without commit() the destructor removes the file: an
 /// interrupted or failed write leaves nothing under the final name. A link under the final name is
-/// replaced, never written through.
+/// replaced, never followed.
 class PendingFile {
  public:
-  /// Throws OutputError when the folder of finalPath does not exist or cannot be written.
+  /// Throws OutputError if the folder of finalPath does not exist or cannot be written.
   explicit PendingFile(std::filesystem::path finalPath);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /// Where to write: next to the final name, same extension, e.g. "deployment.part.mp4". No file of
-  /// this name exists.
+  /// The temporary file: next to the final name, same extension, e.g. "deployment.part.mp4". No
+  /// file of this name existed before.
   const std::filesystem::path& path() const { return path_; }
-  /// Where the file goes in the end.
+  /// The final name.
   const std::filesystem::path& finalPath() const { return finalPath_; }
 
-  /// Renames path() to finalPath(). Throws OutputError when that fails.
+  /// Renames path() to finalPath(). Throws OutputError if that fails.
   void commit();
 
  private:
@@ -119,32 +119,32 @@ class PendingFile {
   bool committed_ = false;
 };
 
-/// Makes a folder and those above it. Throws OutputError with the system's reason.
+/// Creates a folder and its parents. Throws OutputError with the system's reason.
 void makeFolder(const std::filesystem::path& folder);
 
-/// Throws OutputError, with the system's reason, when no files can be made in a folder.
+/// Throws OutputError, with the system's reason, if files cannot be created in a folder.
 void requireWritableFolder(const std::filesystem::path& folder);
 
-/// Writes text whole to finalPath through a PendingFile. Throws OutputError naming the path and the
+/// Writes a text atomically to finalPath by a PendingFile. Throws OutputError with the path and the
 /// system's reason (disk full, no permission).
 void writeTextFile(const std::filesystem::path& finalPath, const std::string& text);
 
 // ------------------------------------------------------------------------------------------------
-// SHA-256 (FIPS 180-4), by which bytes are known again. No OpenSSL header is needed to use it.
+// SHA-256 (FIPS 180-4), to identify contents. It needs no OpenSSL header.
 
-/// The hash of bytes that come piece by piece.
+/// The hash of bytes that are added piecewise.
 class Sha256 {
  public:
-  /// Of no bytes yet.
+  /// Starts without bytes.
   Sha256();
   ~Sha256();
   Sha256(const Sha256&) = delete;
   Sha256& operator=(const Sha256&) = delete;
 
-  /// Appends bytes to what is hashed.
+  /// Adds bytes to the hash.
   void add(std::span<const char> bytes);
 
-  /// 64 hexadecimal digits of all that was added. To be called once.
+  /// 64 hexadecimal digits for all bytes added. Call it once.
   std::string finish();
 
  private:
@@ -156,14 +156,14 @@ class Sha256 {
 std::string sha256(std::string_view text);
 
 // ------------------------------------------------------------------------------------------------
-// Bytes made smaller, and checksums of bytes: zlib.
+// Compression and checksums by zlib.
 
-/// The CRC-32 of bytes, as zlib counts it.
+/// The CRC-32 of bytes, as in zlib.
 std::uint32_t checksumOf(std::span<const std::byte> bytes);
 
-/// The bytes in zlib's format (RFC 1950), which browsers unpack as "deflate". level: 1 (quick) to 9
-/// (small). The same bytes give the same result with the same zlib.
-/// Throws std::bad_alloc where memory is short.
+/// The bytes in zlib's format (RFC 1950), which browsers unpack as "deflate". level: 1 (fast) to 9
+/// (small). The same bytes give the same result with the same zlib version. Throws std::bad_alloc
+/// if memory is short.
 std::string compressed(std::span<const std::byte> bytes, int level = 6);
 
 /// Bytes as text, 64 characters for 6 bits each (RFC 4648, section 4).

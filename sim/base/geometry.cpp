@@ -29,7 +29,7 @@ Eigen::MatrixXd withoutNegativePart(const Eigen::MatrixXd& matrix) {
 
 Eigen::VectorXd singularValuesOf(const Eigen::MatrixXd& matrix) {
   const Eigen::Index rows = matrix.rows(), columns = matrix.cols();
-  // Only the lower half is read.
+  // Only the lower triangle is read.
   Eigen::MatrixXd both = Eigen::MatrixXd::Zero(rows + columns, rows + columns);
   both.bottomLeftCorner(rows, columns) = matrix;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(both, Eigen::EigenvaluesOnly);
@@ -48,7 +48,7 @@ Poses interpolate(const Poses& from, const Poses& to, double share) {
 Vector3 turnRate(const Vector3& turn, const Vector3& angular) {
   const double angle = turn.norm();
   const double half = 0.5 * angle;
-  // (1 - half cot(half)) / angle^2, by its limit where the quotient would lose digits.
+  // (1 - half cot(half)) / angle^2, by its limit if the quotient would lose digits.
   const double part =
       angle < 1e-3 ? 1.0 / 12 : (1 - half * std::cos(half) / std::sin(half)) / (angle * angle);
   return angular - 0.5 * turn.cross(angular) + part * turn.cross(turn.cross(angular));

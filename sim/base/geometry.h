@@ -18,19 +18,19 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 /// Linear and angular part, one after the other.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-/// By the same six.
+/// Matrix in these six coordinates.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-/// Six numbers of each of two bricks, or three of each of four points.
+/// Six numbers for each of two bricks, or three for each of four points.
 using Vector12 = Eigen::Matrix<double, 12, 1>;
-/// By the same twelve.
+/// Matrix in these twelve coordinates.
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
-/// A rotation; unit wherever it is one of a pose.
+/// A rotation; a unit quaternion in poses.
 using Quaternion = Eigen::Quaterniond;
 
 /// One degree in radians.
 inline constexpr double kDegree = std::numbers::pi / 180;
 
-/// How far the length of a direction or quaternion that a file holds may be from 1.
+/// Tolerance of the length of unit directions and quaternions in files.
 inline constexpr double kUnitTolerance = 1e-6;
 
 /// The mean of one or more points.
@@ -51,7 +51,7 @@ struct Pose {
   }
 };
 
-/// How one brick moves, in world axes.
+/// The velocity of one brick, in world axes.
 struct Velocity {
   Vector3 linear = Vector3::Zero();   ///< of the centre of mass, m/s
   Vector3 angular = Vector3::Zero();  ///< rad/s
@@ -78,8 +78,8 @@ struct Motion {
   }
 };
 
-/// The rotations as matrices, brick axes to world axes: cheaper than quaternions where a brick has
-/// several points.
+/// The rotations as matrices, from brick axes to world axes. They are cheaper than quaternions if a
+/// brick has several points.
 inline std::vector<Matrix3> rotationMatrices(const Poses& poses) {
   std::vector<Matrix3> matrices;
   matrices.reserve(poses.size());
@@ -94,66 +94,66 @@ inline Matrix3 crossMatrix(const Vector3& v) {
   return matrix;
 }
 
-/// What a symmetric matrix stretches by, and along which directions.
+/// Eigenvalues and eigenvectors of a symmetric matrix.
 struct SymmetricEigen {
-  Eigen::VectorXd values;   ///< the eigenvalues, rising
-  Eigen::MatrixXd vectors;  ///< a unit column for each, at right angles
+  Eigen::VectorXd values;   ///< ascending
+  Eigen::MatrixXd vectors;  ///< one orthonormal column per eigenvalue
 };
 
-/// The eigenvalues and eigenvectors of a symmetric matrix, of which the lower half is read. By QR
-/// steps on its tridiagonal form, O(n^3). One function for all sizes: the compiler takes seconds
-/// for each size that it knows.
+/// The eigenvalues and eigenvectors of a symmetric matrix. Reads only the lower triangle. Uses QR
+/// steps on the tridiagonal form, O(n^3). One function serves all sizes, because the compiler takes
+/// seconds per fixed size.
 SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix);
 
-/// A symmetric matrix without its negative part: the nearest one that is positive semidefinite, by
+/// A symmetric matrix without its negative part: the nearest positive semidefinite matrix, by
 /// eigenOf().
 Eigen::MatrixXd withoutNegativePart(const Eigen::MatrixXd& matrix);
 
-/// The singular values of a matrix, falling, as many as its shorter side is long. They are the
-/// eigenvalues above zero of the matrix [0 A^T; A 0] (C. Jordan 1874, H. Wielandt). Nothing is
-/// squared: each is right to rounding of the largest. O(n^3), n rows and columns together.
+/// The singular values of a matrix, descending, as many as its shorter side is long. They are the
+/// eigenvalues above zero of the matrix [0 A^T; 0 A] (C. Jordan 1874, H. Wielandt). Nothing is
+/// squared: the error is the rounding of the largest value. O(n^3), n rows and columns together.
 Eigen::VectorXd singularValuesOf(const Eigen::MatrixXd& matrix);
 
-/// The unit quaternion of the rotation vector (axis times angle in radians).
-/// The exponential map: exp(v/2) as a quaternion, (cos(a/2), sin(a/2) v / a) with a = |v|.
+/// The unit quaternion of the rotation vector (axis times angle in radians). The exponential map:
+/// exp(v/2) as a quaternion, (cos(a/2), sin(a/2) v / a) with a = |v|.
 inline Quaternion rotationFromVector(const Vector3& vector) {
   const double angle = vector.norm();
-  // sin(angle / 2) / angle, by its series where the quotient would lose digits.
+  // sin(angle / 2) / angle, by its series if the quotient would lose digits.
   const double scale = angle > 1e-4 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48.0;
   const Vector3 imaginary = scale * vector;
   return Quaternion(std::cos(0.5 * angle), imaginary.x(), imaginary.y(), imaginary.z());
 }
 
-/// The rotation vector of the shortest turn from one rotation to another, radians, world axes.
-/// The logarithm of to * from^-1. At a half turn its direction is one of two.
+/// The rotation vector of the shortest rotation between two rotations, radians, world axes. The
+/// logarithm of to * from^-1. For a half turn its sign is arbitrary.
 inline Vector3 turnBetween(const Quaternion& from, const Quaternion& to) {
   Quaternion turn = to * from.conjugate();
   if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
   const double sine = turn.vec().norm();
-  // 2 atan2(sine, w) / sine, by its limit where the quotient would lose digits.
+  // 2 atan2(sine, w) / sine, by its limit if the quotient would lose digits.
   return sine < 1e-12 ? Vector3(2 * turn.vec())
                       : Vector3(2 * std::atan2(sine, turn.w()) / sine * turn.vec());
 }
 
-/// A pose after a move in metres and a turn by a rotation vector about the pose's position, world
-/// axes.
+/// A pose after a displacement in metres and a rotation by a rotation vector about the pose's
+/// position, world axes.
 inline Pose displaced(const Pose& pose, const Vector3& move, const Vector3& turn) {
   return {pose.position + move, (rotationFromVector(turn) * pose.rotation).normalized()};
 }
 
-/// Poses on the way from one state to another, at a share from 0 to 1: positions go straight,
-/// rotations by the shortest turn.
-/// Both states have the same bricks. Joints that are closed at both ends may open on the way.
+/// Interpolates two states at a share in [0, 1]: positions linearly, rotations by the shortest
+/// rotation. Both states have the same bricks. Joints that are closed at both ends may open in
+/// between.
 Poses interpolate(const Poses& from, const Poses& to, double share);
 
-/// The rate at which the rotation vector of a turn changes while what was turned has an angular
-/// velocity: the inverse of the left Jacobian of SO(3) (Barfoot, State Estimation for Robotics,
-/// 2017, eq. 7.77).
+/// The rate of the rotation vector `turn` of a body with this angular velocity: the
+/// inverse of the left Jacobian of SO(3) (Barfoot, State Estimation for Robotics, 2017,
+/// eq. 7.77).
 Vector3 turnRate(const Vector3& turn, const Vector3& angular);
 
-/// Poses on the way between two motions that are `seconds` apart, at a share from 0 to 1: cubics
-/// that have the places, turns and velocities of both ends.
-/// Hermite's cubics: positions and rotation vectors p(s) = p_0 + (3 s^2 - 2 s^3)(p_1 - p_0) + s (1
+/// Interpolates two motions that are `seconds` apart, at a share in [0, 1], by cubics with the
+/// positions, rotations and velocities of both ends. Hermite's cubics: positions and rotation
+/// vectors p(s) = p_0 + (3 s^2 - 2 s^3)(p_1 - p_0) + s (1
 /// - s)^2 h v_0 - s^2 (1 - s) h v_1, with s the share and h the seconds.
 Poses interpolate(const Motion& from, const Motion& to, double seconds, double share);
 

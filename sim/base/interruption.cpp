@@ -1,7 +1,7 @@
-// Checks for interruption, cheap enough for inner loops. A check asks the kernel's coarse clock,
-// which is a read of shared memory, and calls the scopes only when 10 ms have passed since the last
-// call on this thread. Scopes and their times are thread-local; a thread that works for another
-// gets its checks by presentChecks().
+// Checks for interruption, cheap enough for inner loops. A check reads the kernel's coarse clock
+// in shared memory. It calls the scopes only if 10 ms have passed since the last call on this
+// thread. Scopes and their times are thread-local. A worker thread gets its checks from
+// presentChecks().
 #include "sim/base/interruption.h"
 
 #include <ctime>
@@ -16,8 +16,8 @@ thread_local const InterruptionScope* innermostScope = nullptr;
 thread_local long nextCheck = 0;  // milliseconds
 thread_local int catchers = 0;
 
-/// Milliseconds since some time. Exact to 4 ms, and five times as quick to ask for as the exact
-/// time: innermost loops do.
+/// Milliseconds since an arbitrary time. Exact to 4 ms, and five times faster than the exact time:
+/// innermost loops call it.
 long coarseTime() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -54,7 +54,7 @@ void checkInterruption() {
   if (!innermostScope) return;
   const long now = coarseTime();
   if (now < nextCheck) return;
-  // Before the calls, which may throw.
+  // Set before the calls, which may throw.
   nextCheck = now + kBetweenChecks;
   innermostScope->callAll();
 }

@@ -23,7 +23,7 @@ using InterruptionCheck = std::function<void()>;
 /// around it. Scopes end in the reverse order of their beginning.
 class InterruptionScope {
  public:
-  /// Asks this check on its thread until it ends; scopes may lie within each other.
+  /// Adds a check to its thread for the scope's lifetime. Scopes may be nested.
   explicit InterruptionScope(InterruptionCheck check);
   ~InterruptionScope();
   InterruptionScope(const InterruptionScope&) = delete;
@@ -37,17 +37,17 @@ class InterruptionScope {
   const InterruptionScope* outer_;  // of the same thread; null for the first
 };
 
-/// While it lives, Interrupted is caught around it on this thread, and what was done so far is
-/// kept. A check that throws Interrupted does so only then.
+/// During its lifetime, an enclosing handler on this thread catches Interrupted and keeps the
+/// results so far. Checks throw Interrupted only if such a catcher exists.
 class InterruptionCatcher {
  public:
-  /// Catches SIGINT and SIGTERM from now on, to its end.
+  /// Registers a catcher on this thread.
   InterruptionCatcher();
   ~InterruptionCatcher();
   InterruptionCatcher(const InterruptionCatcher&) = delete;
   InterruptionCatcher& operator=(const InterruptionCatcher&) = delete;
 
-  /// Whether one lives on this thread.
+  /// Whether a catcher exists on this thread.
   static bool isThere();
 };
 
@@ -55,8 +55,8 @@ class InterruptionCatcher {
 /// throws, the caller must discard or restore its results.
 void checkInterruption();
 
-/// What checkInterruption() calls on this thread now, to be a scope of a thread that works for it.
-/// This thread's scopes must outlive that.
+/// The checks that checkInterruption() calls on this thread now, for a scope of a worker thread.
+/// This thread's scopes must outlive that scope.
 InterruptionCheck presentChecks();
 
 // ------------------------------------------------------------------------------------------------
@@ -65,7 +65,7 @@ InterruptionCheck presentChecks();
 /// CPU seconds that the calling thread has used so far.
 double threadCpuSeconds();
 
-/// The same of all threads of this process, those that libraries started too.
+/// The same for all threads of this process, including those of libraries.
 double processCpuSeconds();
 
 }  // namespace kirireel

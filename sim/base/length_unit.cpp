@@ -1,7 +1,7 @@
 // A number in a file, such as 20 (mm), becomes fl(20 * 1e-3) metres. Dividing by 1e-3 can give
-// 19.999999999999996 again. Therefore inUnit() looks for a number with 15 to 17 digits whose
-// product with the unit is exactly the given length. For numbers with at most 15 digits the first
-// attempt succeeds.
+// 19.999999999999996 again. Therefore inUnit() searches a number with 15 to 17 digits whose product
+// with the unit is exactly the given length. For numbers with at most 15 digits the first attempt
+// succeeds.
 #include "sim/base/length_unit.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
-// States as numbers. Everything is a double: whole numbers below 2^53 are exact in it, and a state
-// can be stored as one array. The tape has no names; what is played back must be asked for in the
-// order in which it was recorded, which a single function for both ways guarantees. A tape that
-// runs out, or a length that cannot be, shows that it belongs to another run.
+// States as numbers. Everything is a double: integers below 2^53 are exact, and a state can be
+// stored as one array. The tape has no names. Values must be played back in the order of recording,
+// which a single function for both directions guarantees. If a tape ends early or a length is
+// impossible, it belongs to another run.
 #include "sim/base/state_tape.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ void StateTape::pass(std::vector<bool>& flags) {
 }
 
 void StateTape::pass(std::string& text) {
-  // Playing back, this sets the length that was recorded; recording, it changes nothing.
+  // When playing back, this sets the recorded length. When recording, it changes nothing.
   text.resize(passSize(text.size()));
   for (char& character : text) pass(character);
 }

@@ -16,7 +16,7 @@ namespace kirireel {
 
 class StateTape;
 
-/// Has a state, whose parts it lists in transfer().
+/// A type with a state, whose parts it lists in transfer().
 template <typename Value>
 concept HasState = requires(Value& value, StateTape& tape) {
   value.transfer(tape);
@@ -30,26 +30,26 @@ concept HasState = requires(Value& value, StateTape& tape) {
 /// What is played back is equal to the last bit; whole numbers must stay below 2^53.
 class StateTape {
  public:
-  /// An empty tape, to be recorded on.
+  /// An empty tape for recording.
   StateTape() = default;
-  /// A tape to be played back.
+  /// A tape to play back.
   explicit StateTape(std::vector<double> numbers) : numbers_(std::move(numbers)), plays_(true) {}
 
   /// Whether values come from the tape; otherwise they are recorded.
   bool isPlaying() const { return plays_; }
-  /// Whether all has been played back.
+  /// Whether everything has been played back.
   bool isOver() const { return next_ == numbers_.size(); }
-  /// What has been recorded.
+  /// The recorded numbers.
   const std::vector<double>& numbers() const { return numbers_; }
-  /// Empties the tape, to be recorded on.
+  /// Empties the tape for a new recording.
   void clear() {
     numbers_.clear();
     next_ = 0;
     plays_ = false;
   }
 
-  /// Records these values, or sets them to those that were recorded in this place. Throws
-  /// InputError if the tape holds another state.
+  /// Records these values, or sets them to the values recorded at this position. Throws InputError
+  /// if the tape holds another state.
   template <typename... Values>
   /// Memory: 8 bytes for each number or letter.
   void transfer(Values&... values) {
@@ -118,11 +118,11 @@ class StateTape {
   }
 
   void play(double* numbers, std::size_t count);
-  /// The length of a list, whose entries each take a number at least.
+  /// Records or plays back the length of a list. Each of its entries takes at least one number.
   std::size_t passSize(std::size_t size);
 
   std::vector<double> numbers_;
-  std::size_t next_ = 0;  ///< to be played
+  std::size_t next_ = 0;  ///< next number to play
   bool plays_ = false;
 };
 

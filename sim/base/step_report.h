@@ -10,24 +10,24 @@ namespace kirireel {
 
 /// Figures of one step, or of several together: every one is a sum. See kStepFigures.
 struct StepReport {
-  long steps = 0;   ///< solver steps, the halves of halved ones included
+  long steps = 0;   ///< solver steps, including the halves of halved ones
   long halved = 0;  ///< steps redone as two halves
   /// Steps that missed their tolerances at the shortest length. Bricks in contact moved as rigid
   /// pieces; other steps were accepted.
   long unconverged = 0;
   long factorizations = 0;  ///< of the system matrix
-  long rejected = 0;        ///< steps to a tolerance that were tried and not taken
+  long rejected = 0;        ///< rejected steps to a tolerance
   /// Seconds in which the requested tolerance was not kept, because of many contacts ...
   double touchingTime = 0;
   double singularTime = 0;  ///< ... or because of singular joints
-  /// Energy that dampers took, and that contacts took by impacts and friction, joules.
+  /// Energy removed by dampers, joules.
   double damped = 0;
-  double impacted = 0;  ///< what contacts have taken of the energy, joules
-  /// What the steps cost, in multiplications with an addition: counted from the plan of elimination
-  /// and the pairs examined: the same on every machine.
+  double impacted = 0;  ///< energy removed by contacts, through impacts and friction, joules
+  /// Cost of the steps, in multiplications with an addition. It is counted from the plan of
+  /// elimination and the pairs examined, and is the same on every machine.
   double work = 0;
 
-  /// Adds the counts of further steps, and keeps the larger of figures that are largest ones.
+  /// Adds all figures of further steps.
   StepReport& operator+=(const StepReport& other);
 
   /// Records or plays back all figures.
@@ -38,7 +38,7 @@ struct StepReport {
 struct StepFigure {
   const char* name;      ///< in trajectory.h5, as in "steps/halved_steps"
   const char* unit;      ///< "1" for a count
-  const char* part;      ///< of summary.json that has the sum, "cost" or "accuracy"; null: none
+  const char* part;      ///< section of summary.json with the sum, "cost" or "accuracy"; null: none
   const char* partName;  ///< its name there
   double (*get)(const StepReport&);  ///< reads it
   void (*set)(StepReport&, double);  ///< sets it

@@ -1,8 +1,8 @@
 // The sheet's energy is the sum over bars of k (l - l0)^2 / 2, with
 //   dl/dx = n,   d^2l/dx^2 = (1 - n n^T) / l   at the second end, minus that at the first,
-// and over folds of k (angle - rest)^2 / 2 (bar_hinge_sheet.cpp). Nodes that stay and handles that
-// are moved are linear in the coordinates. Schenk and Guest, Origami folding: a structural
-// engineering approach, Origami 5, 2011; Liu and Paulino 2017 (as in bar_hinge_sheet.cpp).
+// and over folds of k (angle - rest)^2 / 2 (see the end of this file). Fixed nodes and moved
+// handles are linear in the coordinates. Schenk and Guest, Origami folding: a structural
+// engineering approach, Origami 5, 2011; Liu and Paulino 2017 (see the end of this file).
 #include "sim/mechanics/bar_hinge_sheet.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ double meanLength(const std::vector<Bar>& bars) {
   return bars.empty() ? 1 : sum / static_cast<double>(bars.size());
 }
 
-/// The derivative of a handle's place along a direction by the coordinates of its nodes.
+/// The derivative of a handle's position along a direction with respect to its nodes' coordinates.
 template <typename Add>
 void addHandle(const std::vector<int>& nodes, const Vector3& direction, const Add& add) {
   for (const int node : nodes) {
@@ -34,7 +34,7 @@ void addHandle(const std::vector<int>& nodes, const Vector3& direction, const Ad
   }
 }
 
-// Where a handle is along a direction: the mean over its nodes of direction . x, in the units of q.
+// Position of a handle along a direction: the mean over its nodes of direction . x, in units of q.
 double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
                    const Eigen::VectorXd& q) {
   double sum = 0;
@@ -44,8 +44,8 @@ double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
 
 }  // namespace
 
-// The stiffness scale is the largest second derivative of the energy by a scaled coordinate: that
-// of a bar is k scale^2, that of a fold about its own stiffness, both joules.
+// The stiffness scale is the largest second derivative of the energy with respect to a scaled
+// coordinate: k scale^2 for a bar, about its own stiffness for a fold, both joules.
 BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
     : model_(std::move(model)), grips_(std::move(grips)), scale_(meanLength(model_.bars)) {
   for (const Bar& bar : model_.bars) {
@@ -71,7 +71,7 @@ void BarHingeSheet::addRows() {
     for (int k = 0; k < 3; ++k) addRow({node}, Vector3::Unit(k), 0);
   }
   for (const NodeGrip& grip : grips_) {
-    // A dead load has no rows. Its first row is still noted: grips and entries match.
+    // A dead load has no rows. Its first row is still stored: indices of grips and entries match.
     firstRow_.push_back(static_cast<Eigen::Index>(motions.size()));
     if (grip.isForce) continue;
     for (const std::vector<int>& handle : grip.handles) {
@@ -84,7 +84,7 @@ void BarHingeSheet::addRows() {
   offset_ = jacobian_ * startCoordinates();
 }
 
-// Coordinates 3 i to 3 i + 2 are the place of node i over the length scale.
+// Coordinates 3 i to 3 i + 2 are the position of node i over the length scale.
 BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
   Vector q(unknowns());
   for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
@@ -110,7 +110,7 @@ Poses BarHingeSheet::posesAt(const Vector& q) const {
   return poses;
 }
 
-// The places of a fold's four nodes, metres, in the order that bar_hinge_sheet.h asks for.
+// The positions of a fold's four nodes, metres, in the order of FoldPoints.
 FoldPoints BarHingeSheet::pointsOf(const Fold& fold, const Vector& q) const {
   FoldPoints points;
   std::ranges::transform(fold.nodes, points.begin(), [&](int node) { return place(node, q); });
@@ -131,9 +131,9 @@ double BarHingeSheet::energy(const Vector& q) const {
   return sum;
 }
 
-// The dead loads at the load 1, by the coordinates q. A force of `amount` newtons is shared evenly
-// by the handles of a grip; the factor scale turns metres into units of q. Entries are
-// joules. The forces keep their direction: they do not depend on q.
+// The dead loads at load 1, in the coordinates q. The handles of a grip share its force of `amount`
+// newtons equally. The factor scale converts metres to units of q. Entries are joules. The forces
+// keep their direction and do not depend on q.
 BarHingeSheet::Vector BarHingeSheet::pull(const Vector& q) const {
   Vector forces = Vector::Zero(q.size());
   for (const NodeGrip& grip : grips_) {
@@ -182,14 +182,14 @@ BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vect
       for (int j = 0; j < 3; ++j) entries.emplace_back(3 * nodeA + i, 3 * nodeB + j, block(i, j));
     }
   };
-  // Two derivatives by q are scale^2 times those by places.
+  // Two derivatives with respect to q are scale^2 times those with respect to positions.
   const double square = scale_ * scale_;
   for (const Bar& bar : model_.bars) {
     const Vector3 along = place(bar.nodeB, q) - place(bar.nodeA, q);
     const double length = along.norm();
     const Matrix3 line = along * along.transpose() / (length * length);
     // The first part is the bar's elastic stiffness along its line. The second is the geometric
-    // stiffness across it, k (1 - l0/l), which is negative where the bar is pressed.
+    // stiffness across it, k (1 - l0/l), which is negative under compression.
     const Matrix3 block =
         square * bar.stiffness * (line + (1 - bar.rest / length) * (Matrix3::Identity() - line));
     add(bar.nodeA, bar.nodeA, block);
@@ -216,7 +216,7 @@ BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vect
   return matrix;
 }
 
-// A grip's displacement is linear in q: its slope along q - q(start) is the whole of it.
+// A grip's displacement is linear in q: it equals its slope times q - q(start).
 double BarHingeSheet::displacement(std::size_t grip, const Vector& q) const {
   return displacementSlope(grip, q, q - startCoordinates());
 }
@@ -231,8 +231,8 @@ double BarHingeSheet::displacementSlope(std::size_t grip, const Vector&,
   return sum / static_cast<double>(found.handles.size());
 }
 
-// A multiplier is the energy by a row's motion, which is in length scales: divided by the scale it
-// is in newtons. The sign turns the force of the row on the sheet into what the grip pulls with.
+// A multiplier is the energy per motion of a row, which is in length scales. Divided by the scale
+// it is in newtons. The sign converts the force of the row on the sheet to the force of the grip.
 double BarHingeSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
   const NodeGrip& found = grips_[grip];
   if (found.isForce) return load * found.amount;
@@ -241,11 +241,11 @@ double BarHingeSheet::force(std::size_t grip, double load, const Vector& multipl
 }
 
 // ------------------------------------------------------------------------------------------------
-// With the edge e from point 0 to point 1, the normals n = e x (x2 - x0) of the left triangle and
-// m = (x3 - x0) x e of the right one, the angle is atan2(e/|e| . (m x n), n . m), and
-//   d(angle)/dx2 = |e| n / n^2,   d(angle)/dx3 = |e| m / m^2;
-// what points 0 and 1 add is what keeps the angle as all points move or turn together: with s and t
-// the shares of the edge at the feet of points 2 and 3,
+// With the edge e from point 0 to point 1, the normals n = e x (x2 - x0) of the left triangle and m
+// = (x3 - x0) x e of the right one, the angle is atan2(e/|e| . (m x n), n . m), and
+//   d(angle)/dx2 = |e| n / n^2,   d(angle)/dx3 = |e| m / m^2.
+// The derivatives at points 0 and 1 follow because rigid motions do not change the angle. With s
+// and t the shares of the edge at the feet of points 2 and 3,
 //   d/dx0 = -(1 - s) d/dx2 - (1 - t) d/dx3,   d/dx1 = -s d/dx2 - t d/dx3.
 // The second derivative is that of these formulas by forward differentiation. Liu and Paulino,
 // Nonlinear mechanics of non-rigid origami, Proc. R. Soc. A 473, 2017, section 2 and appendix.
@@ -295,8 +295,8 @@ std::array<Point<Scalar>, 4> slopesOf(const std::array<Point<Scalar>, 4>& x) {
 
 }  // namespace
 
-// The angle is in (-pi, pi] and 0 where the two triangles lie flat, on opposite sides of the edge.
-// atan2 is exact near 0 and pi, where the arc cosine of n . m would lose half of the digits.
+// The angle is in (-pi, pi], and 0 if the two triangles are flat, on opposite sides of the edge.
+// atan2 is exact near 0 and pi. The arc cosine of n . m would lose half of the digits.
 double foldAngle(const FoldPoints& points) {
   const Vector3 edge = points[1] - points[0];
   const Vector3 n = edge.cross(points[2] - points[0]);

@@ -1,4 +1,4 @@
-/// Sheets whose tiles stretch and bend, as bars and hinges; the angle of a fold.
+/// Sheets with elastic, bending tiles as bars and hinges; the angle of a fold.
 #pragma once
 
 #include <array>
@@ -14,72 +14,72 @@ namespace kirireel::mechanics {
 // ------------------------------------------------------------------------------------------------
 // The angle between two triangles with a common edge, and its derivatives.
 
-/// The two ends of the edge, then the third corner of the triangle to its left and of that to its
-/// right, seen from above, metres.
+/// The two ends of the edge, then the third corner of the left triangle and that of the right one,
+/// seen from above, metres.
 using FoldPoints = std::array<Vector3, 4>;
 
-/// Radians from -pi to pi, as in FOLD: 0 if the triangles are flat, positive where their upper
-/// sides turn towards each other (a valley).
+/// The fold angle in radians, (-pi, pi], as in FOLD. 0 if the triangles are flat, positive if their
+/// upper sides face each other (a valley).
 double foldAngle(const FoldPoints& points);
 
-/// The derivative of the angle by the points' coordinates, one point after the other.
+/// The derivative of the angle with respect to the points' coordinates, point by point, rad/m.
 Vector12 foldSlope(const FoldPoints& points);
 
-/// The second derivative.
+/// The second derivative, rad/m^2.
 Matrix12 foldBend(const FoldPoints& points);
 
 // ------------------------------------------------------------------------------------------------
-// The energy of a sheet in space whose tiles stretch and bend, by bars and hinges: the edges of
-// triangles are bars, and the sheet folds or a tile bends at their common edges.
+// The energy of a sheet in space with elastic, bending tiles, by bars and hinges. The edges of
+// triangles are bars. The sheet folds, or a tile bends, at their common edges.
 
 /// A bar between two nodes: stiffness (length - rest)^2 / 2.
 struct Bar {
-  int nodeA = 0;         ///< its number, >= 0
-  int nodeB = 0;         ///< its number, >= 0
-  double rest = 0;       ///< its length without force, metres
+  int nodeA = 0;         ///< index >= 0
+  int nodeB = 0;         ///< index >= 0
+  double rest = 0;       ///< length without force, metres
   double stiffness = 0;  ///< N/m
 };
 
 /// A linear torsional spring between two triangles: stiffness (angle - rest)^2 / 2, see
 /// foldAngle().
 struct Fold {
-  std::array<int, 4> nodes{};  ///< as FoldPoints has them
+  std::array<int, 4> nodes{};  ///< in the order of FoldPoints
   double stiffness = 0;        ///< N m/rad
   double rest = 0;             ///< radians
 };
 
-/// What moves or pushes parts of the sheet, see Grip.
+/// A move of, or a force on, parts of the sheet; see Grip.
 struct NodeGrip {
-  /// One or more handles; each is the middle of its nodes.
+  /// One or more handles; each is the mean of its nodes.
   std::vector<std::vector<int>> handles;
   Vector3 direction = Vector3::UnitX();  ///< unit
-  double amount = 0;                     ///< at the load 1, metres or newtons
-  bool isForce = false;                  ///< pushed, or else moved
+  double amount = 0;                     ///< at load 1, metres or newtons
+  bool isForce = false;                  ///< true: a force, false: a move
 };
 
-/// What a sheet of bars and hinges is made of.
+/// The parts of a sheet of bars and hinges.
 struct BarHingeModel {
   std::vector<Vector3> nodes;  ///< at the start, metres
   std::vector<Bar> bars;       ///< between nodes
   std::vector<Fold>
-      folds;  ///< where triangles turn against each other, tiles' own diagonals among them
-  std::vector<int> fixed;               ///< nodes that stay where they are
+      folds;  ///< between triangles that may rotate, including the tiles' own diagonals
+  std::vector<int> fixed;               ///< nodes with a fixed position
   std::vector<std::vector<int>> tiles;  ///< the nodes of each tile whose pose is reported
   Poses start;                          ///< of the tiles
 };
 
-/// A sheet of bars and hinges. Its coordinates are the places of its nodes in length scales.
+/// A sheet of bars and hinges. Its coordinates are the positions of its nodes in length scales.
 class BarHingeSheet : public LoadedSheet {
  public:
-  /// The length scale is the mean length of the bars. Numbers of nodes in bars, folds and grips
-  /// have to exist.
+  /// The length scale is the mean length of the bars. Node indices in bars, folds and grips must be
+  /// valid.
   BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips);
 
   int unknowns() const override { return 3 * static_cast<int>(model_.nodes.size()); }
   int rows() const override { return static_cast<int>(offset_.size()); }
   std::size_t grips() const override { return grips_.size(); }
   Vector startCoordinates() const override;
-  /// Each tile where its nodes are fitted best.
+  /// The pose of each tile that fits its nodes best.
   Poses posesAt(const Vector& q) const override;
   double energy(const Vector& q) const override;
   double stiffnessScale() const override { return stiffness_; }
@@ -107,7 +107,7 @@ class BarHingeSheet : public LoadedSheet {
   double stiffness_ = 0;  // joules
   Matrix jacobian_;
   Vector offset_, motion_;
-  std::vector<Eigen::Index> firstRow_;  // of each grip, where it moves
+  std::vector<Eigen::Index> firstRow_;  // of each moving grip
 };
 
 }  // namespace kirireel::mechanics

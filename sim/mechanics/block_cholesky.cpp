@@ -1,11 +1,11 @@
-// The plan in four steps: an order of columns by approximate minimum degree; the elimination tree,
+// The plan has four steps: an order of columns by approximate minimum degree; the elimination tree,
 // in which the parent of column j is the first row below it that fills in,
 //   rows(j) = neighbours after j, and rows(children) without j;   parent(j) = min rows(j);
-// its postorder, in which each subtree is consecutive; and supernodes, which take in the column
-// before them while the zeros that this puts into the panel stay few. Amestoy, Davis and Duff, "An
-// approximate minimum degree ordering algorithm", 1996; Liu, "The role of elimination trees in
-// sparse factorization", 1990; Ashcraft and Grimes, "The influence of relaxed supernode partitions
-// on the multifrontal method", 1989.
+// its postorder, in which each subtree is consecutive; and supernodes, which absorb the column
+// before them while this adds few zeros to the panel. Amestoy, Davis and Duff, "An approximate
+// minimum degree ordering algorithm", 1996; Liu, "The role of elimination trees in sparse
+// factorization", 1990; Ashcraft and Grimes, "The influence of relaxed supernode partitions on the
+// multifrontal method", 1989.
 #include "sim/mechanics/block_cholesky.h"
 
 #include <algorithm>
@@ -23,8 +23,8 @@ namespace {
 
 using Graph = std::vector<std::vector<int>>;
 
-// A merge may leave this many zero blocks for each block of the merged panel, zeros counted over
-// the whole chain of merges; small fronts may be fuller of zeros, since their overhead dominates.
+// A merge may leave this fraction of zero blocks in the merged panel, counted over the whole chain
+// of merges. Small fronts may have more zeros, because their overhead dominates.
 constexpr double kZeroShare = 0.08;
 constexpr int kSmallFront = 4;
 constexpr double kSmallZeroShare = 0.35;
@@ -46,7 +46,7 @@ std::vector<int> minimumDegreeOrder(int nodeCount, const std::vector<std::pair<i
   return place;
 }
 
-/// For each column the later columns that it is joined to, in permuted numbers.
+/// For each column the later columns that it is joined to, in permuted indices.
 Graph laterNeighbours(const std::vector<int>& place,
                       const std::vector<std::pair<int, int>>& edges) {
   Graph later(place.size());
@@ -100,7 +100,7 @@ std::vector<int> postorder(const std::vector<int>& parent) {
   return newNumber;
 }
 
-/// A supernode while it grows.
+/// A supernode during its growth.
 struct Front {
   int first = 0;
   int columns = 0;
@@ -110,7 +110,7 @@ struct Front {
   double panelBlocks() const { return columns * (0.5 * (columns + 1) + rows.size()); }
 };
 
-/// The front of `child` and `parent` together, child's columns directly before parent's.
+/// The merged front of `child` and `parent`, with child's columns directly before parent's.
 Front mergedFront(const Front& child, const Front& parent) {
   Front merged{child.first, child.columns + parent.columns, {}, 0};
   const int end = merged.first + merged.columns;
@@ -163,7 +163,7 @@ std::vector<int> placesInFront(const std::vector<int>& rows, const Supernode& fr
   return places;
 }
 
-/// Hangs each front below the one that holds its first row.
+/// Links each front to the one that holds its first row.
 std::vector<Supernode> linkFronts(std::vector<Front> fronts, int columnCount) {
   std::vector<int> frontOfColumn(columnCount);
   std::vector<Supernode> supernodes(fronts.size());
@@ -179,7 +179,7 @@ std::vector<Supernode> linkFronts(std::vector<Front> fronts, int columnCount) {
     parent.children.push_back(static_cast<int>(s));
     parent.childPlaces.push_back(placesInFront(supernodes[s].rows, parent));
   }
-  // Updates lie on a stack: the last child's is on top.
+  // Updates are on a stack: the last child's is on top.
   for (Supernode& node : supernodes) {
     std::reverse(node.children.begin(), node.children.end());
     std::reverse(node.childPlaces.begin(), node.childPlaces.end());
@@ -202,18 +202,18 @@ Elimination planElimination(int nodeCount, const std::vector<std::pair<int, int>
 // ------------------------------------------------------------------------------------------------
 // H = L L^T, front by front. A supernode with the columns C and the rows R below them has the dense
 // front
-//   F = [F_CC .; F_RC F_RR] = its own blocks of H + the updates of its children,
-// of which a panel of |C| columns is kept: F_CC = L_CC L_CC^T, L_RC = F_RC L_CC^-T. What is left,
-// F_RR - L_RC L_RC^T, is the update of its parent and waits on a stack, since children come right
-// before their parent. A solve runs up the fronts with L^-1 and down again with L^-T.
+//   F = [F_CC .; F_RC F_RR] = its own blocks of H + the updates of its children.
+// Its panel of |C| columns is kept: F_CC = L_CC L_CC^T, L_RC = F_RC L_CC^-T. The remainder, F_RR -
+// L_RC L_RC^T, is the update of its parent. It waits on a stack, because children come directly
+// before their parent. A solve passes up through the fronts with L^-1 and down again with L^-T.
 // Liu, "The multifrontal method for sparse matrix solution: theory and practice", 1992.
 
 namespace {
 
-// A factor is solved with about so many times: some rounds of multipliers, two passes each.
+// Typical number of solves per factor: some rounds of multipliers, two passes each.
 constexpr double kSolves = 20;
 
-/// Of the dense front with so many columns to eliminate and so many rows below.
+/// Work of a dense front with `columns` columns to eliminate and `rows` rows below.
 double workOf(double columns, double rows) {
   const double factor = columns * columns * columns / 6 + columns * columns * rows / 2;
   return factor + columns * rows * rows / 2 + kSolves * columns * (columns + rows);
@@ -239,8 +239,8 @@ std::vector<int> endsOfRuns(const std::vector<int>& numbers) {
 
 }  // namespace
 
-// Makes the plan and all places in memory, for any number of factorisations to come. The cost is
-// that of the ordering, a hundred times and more that of adding up H.
+// Makes the plan and all memory positions, for any number of later factorisations. It costs as much
+// as the ordering, a hundred times and more the cost of summing H.
 template <int D>
 void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges) {
   plan_ = planElimination(nodeCount, edges);
@@ -277,7 +277,7 @@ void BlockCholesky<D>::placeBlocks(const std::vector<std::pair<int, int>>& edges
     const Supernode& node = plan_.supernodes[s];
     std::fill_n(supernodeAt.begin() + node.firstColumn, node.columnCount, static_cast<int>(s));
   }
-  // A block row of the panel of `column`, which both are numbers of the permuted matrix.
+  // A block row of the panel of `column`. Both are permuted indices.
   const auto placeOf = [&](int column, int row) {
     const int s = supernodeAt[column];
     const Supernode& node = plan_.supernodes[s];
@@ -305,7 +305,7 @@ void BlockCholesky<D>::placeBlocks(const std::vector<std::pair<int, int>>& edges
 }
 
 /// An update waits on one of two stacks while its parent's grows on the other: fronts of even depth
-/// use the first, of odd depth the second. So the memory stays small, and in the cache.
+/// use the first, of odd depth the second. Memory therefore stays small, and in the cache.
 template <int D>
 void BlockCholesky<D>::placeUpdates() {
   const std::vector<Supernode>& nodes = plan_.supernodes;
@@ -356,8 +356,8 @@ bool BlockCholesky<D>::factor() {
   return true;
 }
 
-/// Adds the updates of the children to the front's own blocks. The columns of a child that the
-/// front eliminates go into its panel, the others into its own update.
+/// Adds the updates of the children to the front's own blocks. Columns of a child that the front
+/// eliminates go into its panel, the others into its own update.
 template <int D>
 void BlockCholesky<D>::addChildren(int supernode) {
   const Supernode& node = plan_.supernodes[supernode];
@@ -394,7 +394,8 @@ bool BlockCholesky<D>::eliminate(int supernode) {
                                   updates_.data() + updateStart_[supernode]);
 }
 
-/// Sets front_ to the values of a front's rows; those below its columns are zero on the way up.
+/// Sets front_ to the values of a front's rows. In the upward pass, those below its columns are
+/// zero.
 template <int D>
 void BlockCholesky<D>::gather(const Supernode& node, bool withBelow) const {
   const int columns = D * node.columnCount;
@@ -441,8 +442,8 @@ template class BlockCholesky<3>;
 template class BlockCholesky<6>;
 
 // ------------------------------------------------------------------------------------------------
-// The choice of the dense kernels for the processor at hand, once for the whole program. Asking the
-// processor at run time lets one binary serve old and new machines.
+// Selects the dense kernels for the present processor, once for the whole program. A test at run
+// time lets one binary serve old and new machines.
 
 const DenseKernels& denseKernels() {
 #ifdef KIRIREEL_HAS_AVX2_KERNELS

@@ -1,5 +1,5 @@
-/// Multifrontal Cholesky factorisation of sparse symmetric matrices of small square blocks:
-/// the symbolic half, an order of elimination, and the numerical one.
+/// Multifrontal Cholesky factorisation of sparse symmetric matrices of small square blocks: the
+/// symbolic part, an order of elimination, and the numerical part.
 #pragma once
 
 #include <utility>
@@ -10,18 +10,18 @@
 namespace kirireel::mechanics {
 
 // ------------------------------------------------------------------------------------------------
-// The symbolic half of a sparse Cholesky factorisation: in which order to eliminate the tiles, and
-// which blocks fill in. It depends only on the graph, so it is made once for many factorisations.
+// The symbolic part of a sparse Cholesky factorisation: the order of elimination of the tiles and
+// the blocks that fill in. It depends only on the graph and serves many factorisations.
 
 /// A run of consecutive columns that share the rows below them, eliminated together in one dense
 /// front (Liu 1992, "The multifrontal method for sparse matrix solution").
 struct Supernode {
   /// Its columns in the permuted matrix are firstColumn to firstColumn + columnCount - 1.
   int firstColumn = 0;
-  int columnCount = 0;        ///< how many they are, >= 1
-  std::vector<int> rows;      ///< of the front below its columns, ascending, permuted numbers
-  std::vector<int> children;  ///< supernodes whose updates this front takes in, in stack order
-  /// The places of the rows of child c in this front (0 is firstColumn): one list per child.
+  int columnCount = 0;        ///< number of columns, >= 1
+  std::vector<int> rows;      ///< of the front below its columns, ascending, permuted indices
+  std::vector<int> children;  ///< supernodes whose updates this front receives, in stack order
+  /// Positions of the rows of child c in this front (0 is firstColumn): one list per child.
   std::vector<std::vector<int>> childPlaces;
 };
 
@@ -31,31 +31,31 @@ struct Elimination {
   std::vector<Supernode> supernodes;  ///< children before their parents
 };
 
-/// Plans the factorisation of a symmetric matrix of `nodeCount` blocks with the given off-diagonal
-/// pairs (any order, no duplicates needed to be removed): minimum-degree ordering, postordered
-/// elimination tree, supernodes merged where that adds few zeros.
-/// Nodes may be unconnected: the plan is then a forest. May throw Interrupted. The same graph gives
-/// the same plan on every machine.
+/// Plans the factorisation of a symmetric matrix of `nodeCount` blocks with the given
+/// off-diagonal pairs (any order, duplicates allowed): minimum-degree ordering, postordered
+/// elimination tree, supernodes merged if that adds few zeros. Nodes may be unconnected: the
+/// plan is then a forest. May throw Interrupted. The same graph gives the same plan on every
+/// machine.
 Elimination planElimination(int nodeCount, const std::vector<std::pair<int, int>>& edges);
 
 // ------------------------------------------------------------------------------------------------
 // Multifrontal Cholesky factorisation of a sparse symmetric matrix of small square blocks.
 
-/// Factors H = L L^T, H positive definite with D x D blocks on a graph: one block a node, one a
-/// joined pair. Written for matrices of 25 to 10,000 blocks whose values change every step and
-/// whose graph seldom does. D is 3 or 6.
+/// Factors H = L L^T, H positive definite with D x D blocks on a graph: one block per node and one
+/// per joined pair. Designed for matrices of 25 to 10,000 blocks whose values change every step and
+/// whose graph rarely changes. D is 3 or 6.
 template <int D>
 class BlockCholesky {
  public:
-  /// One of the matrix.
+  /// A block of the matrix.
   using Block = Eigen::Matrix<double, D, D>;
 
-  /// Plans for `nodeCount` nodes and these pairs (first != second); see planElimination. All values
-  /// start at zero.
-  /// Throws nothing but Interrupted; costs O(n log n) for the graphs of sheets.
+  /// Plans for `nodeCount` nodes and these pairs (first != second); see planElimination(). All
+  /// values are initially zero. Throws only Interrupted. Costs O(n log n) for the graphs of
+  /// sheets.
   void analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges);
 
-  /// Sets all values to zero: before H is summed up again, since factor() uses its values up.
+  /// Sets all values to zero. Call it before H is summed again: factor() overwrites the values.
   void setZero();
 
   /// Adds to H(node, node).
@@ -71,20 +71,20 @@ class BlockCholesky {
     }
   }
 
-  /// Factors the values at hand. Returns false when H is not positive definite to rounding.
-  /// May throw Interrupted, after which values are undefined until setZero().
+  /// Factors the current values. Returns false if H is not positive definite up to rounding. May
+  /// throw Interrupted. Values are then undefined until setZero().
   bool factor();
 
-  /// What a factorisation and the solves with it cost: multiplications with an addition, as the
-  /// plan's fronts decide. The same on every machine.
+  /// Cost of a factorisation and its solves, in multiplications with an addition. It follows from
+  /// the plan's fronts and is the same on every machine.
   double work() const { return work_; }
 
-  /// Solves H x = right in place; right has D values a node. Needs a successful factor(). Not for
-  /// several threads at once.
+  /// Solves H x = right in place. `right` has D values per node. Needs a successful factor(). Not
+  /// thread-safe.
   void solveInPlace(Eigen::VectorXd& right) const;
 
  private:
-  /// The place of one block of H in the panels.
+  /// The position of one block of H in the panels.
   struct Place {
     std::size_t start = 0;
     int stride = 0;
@@ -111,13 +111,13 @@ class BlockCholesky {
   double work_ = 0;
   std::vector<Place> diagonalPlaces_, edgePlaces_;
   std::vector<std::size_t> panelStart_;
-  std::vector<double> panels_;  // H, then its factor: one panel a supernode, column-major
+  std::vector<double> panels_;  // H, then its factor: one panel per supernode, column-major
   std::vector<std::size_t> updateStart_;
-  /// For each block row of a supernode's update, where a run that its parent keeps together ends.
+  /// For each block row of a supernode's update, the end of its run of rows in the parent.
   std::vector<std::vector<int>> runEnds_;
   std::vector<double> updates_;  // Schur complements that wait for their parents, on two stacks
-  mutable Eigen::VectorXd permuted_;  // a solve's values, in the order of elimination
-  mutable Eigen::VectorXd front_;     // and those of a front, padded
+  mutable Eigen::VectorXd permuted_;  // values of a solve, in the order of elimination
+  mutable Eigen::VectorXd front_;     // values of a front in a solve, padded
 };
 
 extern template class BlockCholesky<3>;

@@ -1,17 +1,17 @@
-// Compiled once for each instruction set (see CMakeLists.txt), with KIRIREEL_KERNELS naming the set
-// and, for all but the baseline, with Eigen's namespace renamed: else the linker might pick the
-// newer instructions' copy of an Eigen function for the whole program. For the same reason this
-// file uses nothing else that is inline.
+// Compiled once for each instruction set (see CMakeLists.txt), with KIRIREEL_KERNELS as the name of
+// the set. For all sets but the baseline, Eigen's namespace is renamed. Otherwise the linker could
+// pick an Eigen function with newer instructions for the whole program. For the same reason this
+// file uses no other inline functions.
 //
-// A front is worked on three columns at a time, which D divides into, from the left. What the
-// columns before take from them, and from the update behind the panel, is one product,
+// A front is processed three columns at a time, from the left; D is a multiple of three. The
+// earlier columns act on these, and on the update behind the panel, by one product,
 //   to(r, c) -= sum_k left(r, k) left(row + c, k),
-// whose sums stay in registers: eight rows by three columns. Rows are taken by whole registers, the
-// rest of a column being padding: numbers above the diagonal are written too and never
-// read. Wide fronts, of sheets with thousands of tiles, go through Eigen, which splits the product
-// to fit the caches.
+// whose sums stay in registers: eight rows by three columns. Rows are processed in whole registers,
+// and the rest of a column is padding. Entries above the diagonal are written too, but never read.
+// Wide fronts, of sheets with thousands of tiles, use Eigen, which splits the product to fit the
+// caches.
 //
-// The diagonal holds each column's reciprocal square root after factoring: solves multiply and
+// After factoring, the diagonal holds each column's reciprocal square root: solves multiply and
 // never divide.
 #include "sim/mechanics/dense_kernels.h"
 
@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kTogether = 3;           // columns
 constexpr int kLanes = kRowsTogether;  // rows in a register
-// From this many columns on Eigen's blocked product is faster.
+// From this number of columns, Eigen's blocked product is faster.
 constexpr int kWide = 60;
 
 /// The rows of a register.
@@ -40,7 +40,7 @@ inline void store(double* place, const Lanes& lanes) {
   __builtin_memcpy(place, &lanes, sizeof(lanes));
 }
 
-// The row at which the register that holds this row begins: columns begin at whole registers.
+// First row of the register that holds this row: columns begin at whole registers.
 inline int wholeRegisters(int rows) {
   return rows / kLanes * kLanes;
 }
@@ -71,8 +71,8 @@ inline void takeProducts(double* to, int toStride, const double* left, const dou
   if (row < last) takeProduct<1>(to + row, toStride, left + row, right, stride, columns);
 }
 
-/// Factors three columns, of which the triangle begins at `row`; the reciprocals of its diagonal
-/// are left there.
+/// Factors three columns whose triangle begins at `row`. The diagonal stores
+/// reciprocals.
 inline bool factorColumns(double* columns, int stride, int row) {
   double* const a = columns;
   double* const b = columns + stride;
@@ -100,7 +100,7 @@ inline bool factorColumns(double* columns, int stride, int row) {
 }
 
 // The same elimination by Eigen: L11 = chol(A11), L21 = A21 L11^-T, S = A22 - L21 L21^T. Returns
-// false where the pivot block is not positive definite.
+// false if the pivot block is not positive definite.
 bool eliminateWide(double* panel, int stride, int rows, int columns, double* update,
                    int updateStride) {
   using Stride = Eigen::OuterStride<>;
@@ -118,9 +118,9 @@ bool eliminateWide(double* panel, int stride, int rows, int columns, double* upd
 }
 
 // A left-looking Cholesky factorisation of the first `columns` columns of a front of `rows` rows.
-// Adds minus the product of what is below them to the lower triangle of `update`, the Schur
-// complement for the fronts above. `columns` is a multiple of three. Returns false at a pivot that
-// is not positive, with the panel in pieces.
+// Subtracts the product of the rows below from the lower triangle of `update`, the Schur complement
+// for the parent fronts. `columns` is a multiple of three. Returns false at a pivot that is not
+// positive. The panel is then undefined.
 bool eliminate(double* panel, int rows, int columns, double* update) {
   const int stride = paddedRows(rows);
   const int below = rows - columns;
@@ -129,22 +129,22 @@ bool eliminate(double* panel, int rows, int columns, double* update) {
   }
   for (int j = 0; j < columns; j += kTogether) {
     double* const to = panel + j * stride;
-    // All columns on the left are done: what they take from these three is one product.
+    // All columns on the left are factored: one product subtracts them from these three.
     takeProducts(to, stride, panel, panel + j, stride, j, j, stride);
     if (!factorColumns(to, stride, j)) return false;
   }
   const double* const lower = panel + columns;
   const int updateStride = paddedRows(below);
   for (int j = 0; j < below; j += kTogether) {
-    // The columns are done: the same product on the rows behind the panel is the update.
+    // All columns are factored: the same product on the rows behind the panel is the update.
     takeProducts(update + j * updateStride, updateStride, lower, lower + j, stride, columns, j,
                  updateStride);
   }
   return true;
 }
 
-// L y = x for the columns of one front, in place; the rows below the columns get what the columns
-// take from them. Whole registers are taken to the end: x must have room for the padded
+// L y = x for the columns of one front, in place. Subtracts the product of the columns from
+// the rows below. Works on whole registers to the end: x must have room for the padded
 // rows.
 void solveForward(const double* panel, int rows, int columns, double* x) {
   const int stride = paddedRows(rows);
@@ -165,8 +165,8 @@ void solveForward(const double* panel, int rows, int columns, double* x) {
 }
 
 // L^T x = y for the columns of one front, in place, from the last three columns to the first. The
-// rows below are known already. The three sums over them are made together, for each row of x is
-// then read once.
+// rows below are already known. The three sums over them are computed together: each row of x is
+// read only once.
 void solveBackward(const double* panel, int rows, int columns, double* x) {
   const int stride = paddedRows(rows);
   for (int j = columns - kTogether; j >= 0; j -= kTogether) {

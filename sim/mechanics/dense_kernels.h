@@ -11,19 +11,19 @@ inline constexpr int kRowsTogether = 4;
   return (rows + kRowsTogether - 1) / kRowsTogether * kRowsTogether;
 }
 
-/// Works on one front's panel: column-major, `columns` wide, a multiple of three; its first
-/// `columns` rows are the pivot block, the rows below it follow, and zeros pad its columns. Numbers
-/// above the diagonal have no meaning. Behind a panel and an update kRowsTogether more values can
-/// be read.
+/// Operates on one front's panel: column-major, `columns` wide, a multiple of three. The first
+/// `columns` rows are the pivot block. The rows below it follow, and zeros pad its columns. Entries
+/// above the diagonal are undefined. kRowsTogether more values must be readable behind a panel and
+/// an update.
 struct DenseKernels {
-  /// Factors the pivot block in place, divides the rows below by it, and takes their product off
-  /// `update` (lower triangle, square, rows - columns wide, its columns padded). On the diagonal of
-  /// the factor its reciprocals are left. Returns false when the pivot block is not positive
+  /// Factors the pivot block in place, divides the rows below by it, and subtracts their product
+  /// from `update` (lower triangle, square, rows - columns wide, its columns padded). The
+  /// diagonal of the factor stores reciprocals. Returns false if the pivot block is not positive
   /// definite.
   bool (*eliminate)(double* panel, int rows, int columns, double* update);
 
-  /// Of x, with a value a row and zeros for padding: top = L^-1 top, and the rows below lose what
-  /// they have of it, (rows below) * top.
+  /// For x with one value per row and zeros as padding: top = L^-1 top. Subtracts (rows below) *
+  /// top from the rows below.
   void (*solveForward)(const double* panel, int rows, int columns, double* x);
 
   /// top = L^-T (top - (rows below)^T * below).
@@ -32,7 +32,7 @@ struct DenseKernels {
   const char* name;  ///< of the instruction set
 };
 
-/// The fastest kernels that this processor can run: AVX2 with fused multiply-add where it has them.
+/// The fastest kernels that this processor supports: AVX2 with fused multiply-add if available.
 /// Results differ in the last bits between the two sets, never between runs on one machine.
 const DenseKernels& denseKernels();
 

@@ -1,15 +1,15 @@
-// Extrapolation of the linearly implicit Euler method. Row j of the table crosses the step H in
-// n_j = j Euler steps; their error is a power series in H / n_j. By Aitken and Neville
+// Extrapolation of the linearly implicit Euler method. Row j of the table crosses the step H in n_j
+// = j Euler steps; their error is a power series in H / n_j. By Aitken and Neville
 //   T_k = sum_j c_j row_j,   c_j = prod_{i != j} n_j / (n_j - n_i),
 // over the rows 1 to k is of order k, and over the rows 2 to k of order k - 1. The difference of
-// the two estimates the error of the latter; the former is taken. Positions, rotation vectors from
-// the step's start, velocities and the energy lost to dampers are combined; then joints are closed,
-// and velocities made to fit, in the metric of the masses. The whole keeps its momentum to
-// rounding, but for what the loads give; where asked for, its energy to a part of the tolerance:
-// the work of the loads is summed in each row and extrapolated the same, and what the energy
-// differs from it is an error of the step in addition to that of positions. After each row the step
-// is taken, rejected or continued by the rules of SEULEX, and the next one has the length and order
-// that cost least a second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996,
+// the two estimates the error of the latter; the former is used. Positions, rotation vectors from
+// the step's start, velocities and the energy lost to dampers are combined. Then joints are closed
+// and velocities made compatible, in the mass metric. Total momentum is conserved to rounding,
+// except for the impulse of the loads. On request, energy is conserved to a fraction of the
+// tolerance. The work of the loads is summed in each row and extrapolated in the same form. Its
+// difference from the change of energy is an additional error of the step. After each row the step
+// is taken, rejected or continued by the rules of SEULEX. The next step has the length and order of
+// the least cost per second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996,
 // IV.9; constraints: Lubich, Extrapolation integrators for constrained multibody systems, 1991.
 #include "sim/mechanics/extrapolation.h"
 
@@ -20,35 +20,35 @@
 namespace kirireel::mechanics {
 namespace {
 
-// The numbers below are those of the SEULEX code and its description, but for kFirst, kShortest,
+// These constants are those of the SEULEX code and its description, except for kFirst, kShortest,
 // kRejections and kCaught, which were chosen here.
 constexpr int kFewestRows = 2;
-constexpr int kMostRows = 8;  // beyond, rounding shows in the sums
-// A step is this much shorter than its estimate allows, and what it grows or shrinks by.
+constexpr int kMostRows = 8;  // with more rows, rounding errors dominate
+// Safety factors of the step length, and limits of its change.
 constexpr double kSafety = 0.94;
 constexpr double kAim = 0.65;
 constexpr double kLeastStepFactor = 0.02;
 constexpr double kMostFactor = 20;
-// An order is changed for so much less work a second.
+// The order changes if the work per second falls by these factors.
 constexpr double kFewer = 0.8;
 constexpr double kMore = 0.9;
-// The first step, as a part of the longest. Steps below the shortest are not worth it.
+// The first step and the shortest useful step, over the longest step.
 constexpr double kFirst = 1.0 / 64;
 constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
-// The part of the tolerance that the energy may be off by after one of the longest steps.
+// Energy error allowed in one of the longest steps, as a fraction of the tolerance.
 constexpr double kEnergyPart = 0.1;
-constexpr double kCaught = 0.4;  // the part of a step that is tried next where sliding ends in it
+constexpr double kCaught = 0.4;  // length of the next attempt if sliding ends within a step
 constexpr double kSameStepTime = 1e-9;
-// Joints count as closed below this part of a length scale.
+// Joints count as closed below this fraction of a length scale.
 constexpr double kClosedGap = 1e-10;
 
-/// What a step of so many rows costs, in Euler steps: closing costs about one.
+/// Cost of a step with this many rows, in Euler steps. Closing costs about one.
 double costOf(int rows) {
   return 1 + 0.5 * rows * (rows + 1);
 }
 
-/// The weights of the rows first to last of the table, that number counted from 1.
+/// The weights of the rows `first` to `last` of the table. Rows count from 1.
 // With n_j = j these are c_j = prod over i != j of j / (j - i). Their sum is 1; their absolute
 // values add up to some 10 for 4 rows and to more than 1000 for 8, which bounds the useful number
 // of rows.
@@ -82,25 +82,25 @@ Momentum momentumOf(const std::vector<model::Brick>& bricks, const Motion& motio
 
 /// A trial step: its rows and the errors of its orders.
 struct Extrapolation::Trial {
-  /// The step, crossed in so many Euler steps.
+  /// One crossing of the step in several Euler steps.
   struct Crossing {
     Motion end;
     std::vector<Vector3> turns;  // of the bricks from the step's start, rotation vectors
-    LoadGain given;              // by the loads
+    LoadGain given;              // work and impulse of the loads
     double damped = 0;           // energy that dampers took, joules
-    double impacted = 0;         // and contacts
+    double impacted = 0;         // the same for contacts, joules
   };
 
   const Motion& start;
   double length;  // seconds
   double energy;  // at the start, joules
-  double off;     // what places and speeds are off with the rows so far, in tolerances
+  double off;     // error of positions and speeds with the rows so far, in tolerances
   std::vector<Crossing> rows;
-  Motion end;  // extrapolated from all rows; at last its joints closed
-  // Of the orders tried so far, the first two unused.
+  Motion end;  // extrapolated from all rows; finally with closed joints
+  // Indexed by order; the first two entries are unused.
   std::vector<double> errors = {0, 0};   // estimates, in tolerances
-  std::vector<double> lengths = {0, 0};  // that the next step could have, seconds
-  std::vector<double> costs = {0, 0};    // Euler steps a second, with these lengths
+  std::vector<double> lengths = {0, 0};  // possible lengths of the next step, seconds
+  std::vector<double> costs = {0, 0};    // Euler steps per second with these lengths
 
   int order() const { return static_cast<int>(rows.size()); }
 };
@@ -114,7 +114,7 @@ Extrapolation::Extrapolation(const std::vector<model::Brick>& bricks, JointSolve
       order_(std::clamp(static_cast<int>(std::lround(1.5 - 0.6 * std::log10(settings.tolerance))),
                         kFewestRows, kMostRows - 1)) {}
 
-/// Crosses the step once more, with one Euler step more than before.
+/// Crosses the step again, with one more Euler step.
 bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& report) {
   const int count = trial.order() + 1;
   const double step = trial.length / count;
@@ -136,7 +136,7 @@ bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& re
   return true;
 }
 
-/// The sum of the rows first to last, that is the extrapolated end of the step.
+/// The weighted sum of the rows `first` to `last`: the extrapolated end of the step.
 Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
   const std::vector<double> shares = weights(first, last);
   Motion sum = trial.start;
@@ -148,7 +148,7 @@ Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
       const double share = shares[static_cast<std::size_t>(j - first)];
       const Trial::Crossing& row = trial.rows[static_cast<std::size_t>(j - 1)];
       move += share * (row.end.poses[i].position - start.position);
-      // Rotation vectors from a common start can be added up with weights; rotations cannot.
+      // Rotation vectors from a common start can be added with weights; rotations cannot.
       turn += share * row.turns[i];
       velocity.linear += share * row.end.velocities[i].linear;
       velocity.angular += share * row.end.velocities[i].angular;
@@ -159,7 +159,7 @@ Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
   return sum;
 }
 
-/// The farthest that a brick is off at the step's end, and by its speed one step later.
+/// The largest position error of a brick at the step's end, or speed error times one further step.
 double Extrapolation::difference(const Motion& a, const Motion& b, double seconds) const {
   const double scale = settings_.lengthScale;
   double largest = 0;
@@ -169,13 +169,13 @@ double Extrapolation::difference(const Motion& a, const Motion& b, double second
     const double speed = (a.velocities[i].linear - b.velocities[i].linear).norm() +
                          scale * (a.velocities[i].angular - b.velocities[i].angular).norm();
     const double off = place + seconds * speed;
-    if (!(off <= largest)) largest = off;  // also when not a number
+    if (!(off <= largest)) largest = off;  // also if NaN
   }
   return largest;
 }
 
-/// By how much more the energy changed than loads and dampers account for, in what it may in a step
-/// of this length: what steps lose adds up, for the Euler steps of all rows damp alike.
+/// Change of energy that loads and dampers do not explain, over the allowed change in a step of
+/// this length. Losses accumulate, because the Euler steps of all rows dissipate energy.
 double Extrapolation::energyError(const Trial& trial) const {
   if (!settings_.keepsEnergy) return 0;
   const std::vector<double> shares = weights(1, trial.order());
@@ -196,8 +196,8 @@ void Extrapolation::estimate(Trial& trial) const {
   trial.off = difference(trial.end, combine(trial, 2, order), trial.length) /
               (settings_.tolerance * settings_.lengthScale);
   const double error = std::max(trial.off, energyError(trial));
-  // The error of a step goes with H^order: the length whose error is kAim of the tolerance
-  // is H (kAim / error)^(1/order).
+  // The error of a step is proportional to H^order. The length with an error of kAim tolerances is
+  // H (kAim / error)^(1/order).
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
       std::isfinite(error) ? std::clamp(factor, kLeastStepFactor, kMostFactor) : kLeastStepFactor;
@@ -206,7 +206,7 @@ void Extrapolation::estimate(Trial& trial) const {
   trial.costs.push_back(costOf(order) / std::min(trial.lengths.back(), settings_.longestStep));
 }
 
-/// Adds rows until the step keeps the tolerance. Returns false as soon as it is not likely to.
+/// Adds rows until the step keeps the tolerance. Returns false as soon as success is unlikely.
 bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report) {
   for (int order = 1; order <= order_ + 1; ++order) {
     if (!addRow(trial, loads, report)) return false;
@@ -216,23 +216,23 @@ bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport&
     if (!std::isfinite(error)) return false;
     if (order < order_ - 1) continue;
     if (error <= 1) return true;
-    // What the rows that may follow gain at most; of the energy's error it may be far more.
+    // Largest possible reduction by further rows; the energy error may fall much more.
     const double gain = order < order_ ? order_ * (order_ + 1.0) : order_ + 1.0;
     if (trial.off > gain) return false;
   }
   return false;
 }
 
-/// Closes the joints at the step's end, and gives the whole its momentum there. Returns whether the
-/// step may be taken.
+/// Closes the joints at the step's end, and corrects the total momentum. Returns whether the step
+/// may be taken.
 bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
   if (!(solver_.project(trial.end) <= kClosedGap * settings_.lengthScale)) return false;
   if (!isSupported_) keepMomentum(trial, trial.end);
   return !mayTake || mayTake(trial.start, trial.end, trial.length);
 }
 
-/// Moves and turns the whole as one, which joints do not hinder: its momentum is that of
-/// the start and what the loads gave: rows whose joints are open keep it but to their order.
+/// Adds a rigid motion of the whole, which joints allow. Total momentum then equals that of the
+/// start plus the impulse of the loads. Rows with open joints conserve it only to their order.
 void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const std::vector<double> shares = weights(1, trial.order());
   Momentum desired = momentumOf(bricks_, trial.start);
@@ -256,7 +256,7 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const Momentum have = momentumOf(bricks_, motion);
   const Vector3 push = desired.linear - have.linear;
   const Vector3 shift = push / mass;
-  // What is left of the angular momentum, after the push has changed it about the origin, over the
+  // The remaining angular momentum, after the push has changed it about the origin, divided by the
   // inertia of the whole about its centre of mass.
   const Vector3 spin = inertia.llt().solve(desired.angular - have.angular - centre.cross(push));
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -265,7 +265,7 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   }
 }
 
-/// Adds what the step lost to dampers and contacts, extrapolated as its end is.
+/// Adds the step's losses to dampers and contacts, extrapolated like its end.
 void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
   const std::vector<double> shares = weights(1, trial.order());
   for (std::size_t j = 0; j < shares.size(); ++j) {
@@ -274,14 +274,14 @@ void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
   }
 }
 
-/// What is not known of the way to rest of points that slide at the step's start and stick at its
-/// end, in tolerances: rows that are too coarse all stick at once and give no estimate.
+/// Unknown distance to rest of points that slide at the step's start and stick at its end, in
+/// tolerances. If the rows are too coarse, all stick immediately and give no estimate.
 double Extrapolation::caughtError(const Trial& trial) const {
   return 0.5 * trial.length * solver_.stickSlipSpeed(trial.start) /
          (settings_.tolerance * settings_.lengthScale);
 }
 
-/// Sets order and length of the step after one that was taken.
+/// Sets order and length of the step after an accepted step.
 void Extrapolation::chooseNext(const Trial& trial, bool wasRejected) {
   const auto cost = [&](int order) { return trial.costs[static_cast<std::size_t>(order)]; };
   const int taken = trial.order();
@@ -300,7 +300,7 @@ void Extrapolation::chooseNext(const Trial& trial, bool wasRejected) {
   order_ = best;
 }
 
-/// Sets order and length after a step that was not taken.
+/// Sets order and length after a rejected step.
 void Extrapolation::chooseAgain(const Trial& trial) {
   if (trial.errors.size() <= 2) {
     length_ = kLeastStepFactor * trial.length;
@@ -344,12 +344,12 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
 
 namespace {
 
-/// The two known states on both sides of a moment within a step.
+/// The two known states before and after a time within a step.
 struct StatesAround {
   const Motion& before;
   const Motion& after;
   double seconds;  // between them
-  double share;    // of these at the moment
+  double share;    // share of this interval, [0, 1]
 };
 
 StatesAround statesAround(const Motion& from, std::span<const PassedState> passed, const Motion& to,

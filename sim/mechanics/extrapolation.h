@@ -10,54 +10,54 @@
 
 namespace kirireel::mechanics {
 
-/// Writes the load on every brick, so many seconds after the call's start, at the given poses.
+/// Writes the loads on all bricks at these poses, at a time in seconds after the call's start.
 using TimedLoads =
     std::function<void(double seconds, const Poses&, std::vector<model::Load>& loads)>;
 
-/// A state on the way, so many seconds after the call's start.
+/// An intermediate state of a call.
 struct PassedState {
   double seconds = 0;  ///< since the step began
   Motion motion;       ///< of all bricks
 };
 
-/// Whether a step of so many seconds may join two motions: false if bricks would collide between
-/// them.
+/// Whether a step of this length in seconds may join two motions. False if bricks would collide
+/// between them.
 using StepFilter = std::function<bool(const Motion& from, const Motion& to, double seconds)>;
 
-/// How steps are chosen.
+/// Settings of the step control.
 struct ExtrapolationSettings {
-  double tolerance = 1e-4;        ///< error in time that one step may make, length scales, > 0
+  double tolerance = 1e-4;        ///< maximum error in time of one step, length scales, > 0
   double longestStep = 1.0 / 60;  ///< seconds, > 0
   double lengthScale = 1;         ///< a typical tile edge, metres
-  /// Whether steps keep the energy too, but for what loads give (JointSolver::energy): each of the
-  /// longest to a tenth of the tolerance, as a part of the most that there was so far, and others
-  /// in proportion. Stiff ligaments swing faster than positions show.
+  /// Whether steps also conserve energy, except for the work of loads (JointSolver::energy). The
+  /// longest step may change it by a tenth of the tolerance, relative to the maximum so far; others
+  /// in proportion. Stiff ligaments oscillate faster than positions show.
   bool keepsEnergy = false;
 };
 
 /// Advances bricks by steps whose length and order follow from the tolerance. It knows only the
-/// contacts that the solver holds. The error of a step is estimated as the farthest that a brick
-/// may be off at its end and, by its speed, one step later.
+/// contacts that the solver holds. The error estimate of a step is the largest error of a brick's
+/// position at its end, and of its speed times one further step.
 class Extrapolation {
  public:
-  /// Bricks and solver must outlive this.
+  /// Keeps references to bricks and solver.
   Extrapolation(const std::vector<model::Brick>& bricks, JointSolver& solver,
                 const ExtrapolationSettings& settings);
 
-  /// Takes one step of at most `seconds`; steps of its length divide them evenly.
-  /// Joints must be exact, and closed at the start: they are closed to rounding at its end. Returns
-  /// the seconds taken; nothing, with the motion as it was, where `mayTake` (may be empty) refuses
-  /// the step, or no step keeps the tolerance that is long enough to be worth it: at states where
-  /// the joints are singular.
-  /// Costs 1 + 2 + ... + k Euler steps for a step of k rows, each of which factors once, and a
-  /// closing.
+  /// Takes one step of at most `seconds`, whose length divides `seconds` evenly. Joints
+  /// must be exact, and closed at the start. They are closed to rounding at the end.
+  /// Returns the length of the step, seconds. Returns nothing, with an unchanged motion, if
+  /// `mayTake` refuses the step or if no step above the minimum length keeps the tolerance,
+  /// as in states with singular joints. `mayTake` may be empty. Costs 1 + 2 + ... + k Euler
+  /// steps for a step of k rows, each with one factorisation, and one closing of the
+  /// joints.
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
                              const StepFilter& mayTake, StepReport& report);
 
-  /// Whether what does not move pushes some bricks: the momentum of the whole is then not its own.
+  /// Whether fixed objects push some bricks: total momentum is then not conserved.
   void setSupported(bool supported) { isSupported_ = supported; }
 
-  /// The length and order of the next step, and the most energy so far.
+  /// The length and order of the next step, and the maximum energy so far.
   void transfer(StateTape& tape) { tape.transfer(length_, order_, mostEnergy_); }
 
  private:
@@ -81,16 +81,16 @@ class Extrapolation {
   ExtrapolationSettings settings_;
   bool isSupported_ = false;
   double length_;          // of the next step, seconds
-  int order_;              // of the next step: so many rows are expected to do
-  double mostEnergy_ = 0;  // so far, joules
+  int order_;              // of the next step: expected number of rows
+  double mostEnergy_ = 0;  // maximum so far, joules
 };
 
-/// The poses so many seconds after the start of `length` seconds that led from one motion to
-/// another through the states passed: cubics between their poses and velocities, joints open.
+/// The poses at a time in a step of `length` seconds between two motions, through intermediate
+/// states. They are cubics through poses and velocities. Joints are not closed.
 Poses posesBetween(const Motion& from, std::span<const PassedState> passed, const Motion& to,
                    double length, double seconds);
 
-/// The same of the velocities, straight between the states: wrong by the square of the step.
+/// Velocities at this time, interpolated linearly: the error is quadratic in the step.
 std::vector<Velocity> velocitiesBetween(const Motion& from, std::span<const PassedState> passed,
                                         const Motion& to, double length, double seconds);
 

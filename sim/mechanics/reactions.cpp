@@ -2,21 +2,21 @@
 //
 // With exact joints the accelerations a of the bricks and the forces l of the joints satisfy
 //   M a = F + J^T l,   J a = b,
-// F what is applied, w x I w of turning bricks taken off, and b = -(dJ/dt) u. The accelerations are
-// unique: the method of multipliers finds them on the factor of H = M + kappa J^T J. The forces are
-// not where joints are redundant: with l all l + s keep the balance that have J^T s = 0, the states
-// of self-stress. Those of least norm lie in the range of J, l = J w, with
+// with F the applied forces minus w x I w of rotating bricks, and b = -(dJ/dt) u. The accelerations
+// are unique. The method of multipliers computes them with the factor of H = M + kappa J^T J. The
+// forces are not unique if joints are redundant: all l + s with J^T s = 0, the states of
+// self-stress, are in equilibrium too. The forces of least norm lie in the range of J, l = J w,
+// with
 //   J^T J w = r,   r = M a - F.
-// They are what equally stiff joints carry in the limit, each by a gap of J w / stiffness. J^T J is
-// singular where the bricks can move, in directions that J w does not see; iterated Tikhonov
-// regularisation on the same factor,
+// They are the limit of the forces of equally stiff joints, each with a gap of J w / stiffness. J^T
+// J is singular if the bricks can move, in directions that do not change J w. Iterated Tikhonov
+// regularisation with the same factor,
 //   w += kappa H^-1 (r - J^T J w),
-// takes from the error in each round the factor 1 / (1 + kappa s^2) of each singular value s of
-// J M^-1/2.
+// multiplies the error in each round by 1 / (1 + kappa s^2) for each singular value s of J M^-1/2.
 //
-// Which joints take part in a state of self-stress: with J^T J w = J^T z, s = z - J w is the
-// projection of z on all of them. For a random z it is zero, with probability one, just in those
-// rows in which every state of self-stress is: in which the projector I - J J^+ has a zero on its
+// Which joints belong to a state of self-stress: with J^T J w = J^T z, s = z - J w is the
+// projection of z onto all such states. For a random z, a row of s is zero, with probability one,
+// only if it is zero in every state of self-stress. The projector I - J J^+ then has a zero on its
 // diagonal.
 //
 // Pellegrino and Calladine 1986, "Matrix analysis of statically and kinematically indeterminate
@@ -36,19 +36,19 @@ namespace {
 constexpr int kAccelerationRounds = 6;
 constexpr int kForceRounds = 12;
 constexpr double kForceRounding = 1e-14;  // of forces, relative to the largest
-// A round that takes less than this off the rest is the last.
+// A round that reduces the residual by less than this factor is the last.
 constexpr double kWorthwhileRound = 0.5;
-// Random states that are projected: a state that misses a joint by chance does no harm.
+// Number of random states. A second one covers joints that the first misses by chance.
 constexpr int kProbes = 2;
-// Of a random state between -1 and 1, what a joint has in self-stress is above this.
+// Joints in self-stress exceed this in a random state with entries in [-1, 1].
 constexpr double kTakesPart = 1e-6;
 
-/// Rates of the arms' turns that the joints must make up for: w x (w x r).
+/// Centripetal acceleration of an arm's end, which the joints must balance: w x (w x r).
 Vector3 centripetal(const Velocity& velocity, const Vector3& arm) {
   return velocity.angular.cross(velocity.angular.cross(arm));
 }
 
-/// The reactions in D degrees of freedom a brick.
+/// The reactions with D degrees of freedom per brick.
 template <int D>
 class Reactor final : public ReactionSolver {
  public:
@@ -60,9 +60,9 @@ class Reactor final : public ReactionSolver {
     }
   }
 
-  // Forces of joints and pins in one state. With compliant joints they follow from the gaps; with
-  // exact ones from the two solves of the head. The system is factored again, since it belongs to
-  // the state.
+  // Forces of joints and pins in one state. With compliant joints they follow from the gaps, with
+  // exact ones from the two solves above. The system is factored again, because it depends on the
+  // state.
   Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                   const std::vector<bool>& pinned, double jointStiffness) override {
     motion_ = motion;
@@ -87,11 +87,11 @@ class Reactor final : public ReactionSolver {
     return result;
   }
 
-  // Two random states: none is blind by chance.
+  // Two random states: a joint cannot be missed in both by chance.
   std::vector<bool> indeterminateJoints(std::size_t joints) override {
     std::vector<bool> found(joints, false);
     if (solved_.empty()) return found;
-    std::mt19937 numbers;  // the same in each state
+    std::mt19937 numbers;  // same seed in each state
     for (int probe = 0; probe < kProbes; ++probe) {
       const Vector stress = selfStress(numbers);
       std::vector<Vector3> sums(joints, Vector3::Zero());
@@ -112,13 +112,13 @@ class Reactor final : public ReactionSolver {
 
   const model::Pivot& pivot(std::size_t k) const { return pivots_[solved_[k]]; }
 
-  // From the pivot's point of B to that of A, world axes.
+  // From the pivot's point of B to that of A, world axes, metres.
   Vector3 between(const model::Pivot& pivot) const {
     return motion_.poses[pivot.brickA].apply(pivot.pointA) -
            motion_.poses[pivot.brickB].apply(pivot.pointB);
   }
 
-  /// Pivot k's part of values of all joint rows as a vector; a link has one row, along itself.
+  /// The part of pivot k in the values of all joint rows. A link has one row, along itself.
   Vector3 inSpace(const Vector& values, std::size_t k) const {
     if (pivot(k).distance > 0) {
       return values[kRows * static_cast<Eigen::Index>(k)] * between(pivot(k)).normalized();
@@ -136,7 +136,7 @@ class Reactor final : public ReactionSolver {
     const Vector3 armA = poseA.rotation * pivot.pointA, armB = poseB.rotation * pivot.pointB;
     const Vector3 apart = centripetal(velocityB, armB) - centripetal(velocityA, armA);
     if (pivot.distance == 0) return apart;
-    // Of the distance d of two points: d'' = along . p'' + |p' across|^2 / d.
+    // For the distance d of two points: d'' = along . p'' + |p' across|^2 / d.
     const Vector3 along = between(pivot).normalized();
     const Vector3 moves = velocityA.linear + velocityA.angular.cross(armA) - velocityB.linear -
                           velocityB.angular.cross(armB);
@@ -153,7 +153,7 @@ class Reactor final : public ReactionSolver {
     return needed;
   }
 
-  /// F, zero for pinned bricks.
+  /// F, with zeros for pinned bricks.
   Vector appliedForces(std::span<const Vector6> applied) const {
     Vector forces = Vector::Zero(D * static_cast<Eigen::Index>(bricks_.size()));
     for (std::size_t i = 0; i < bricks_.size(); ++i) {
@@ -167,7 +167,7 @@ class Reactor final : public ReactionSolver {
     return forces;
   }
 
-  /// r = M a - F: what the joints push all bricks with together.
+  /// r = M a - F: the joint forces on all bricks.
   Vector jointLoad(const Vector& applied) const {
     const Vector needed = neededAccelerations();
     Vector acceleration = Vector::Zero(applied.size());
@@ -187,7 +187,7 @@ class Reactor final : public ReactionSolver {
     return load;
   }
 
-  /// J w with J^T J w = load, as nearly as can be. `rest`: what is left of the load.
+  /// J w with J^T J w = load, as nearly as possible. `rest` receives the residual of the load.
   Vector leastForces(const Vector& load, Vector& rest) const {
     Vector w = Vector::Zero(load.size());
     Vector forces = Vector::Zero(system_.jointRowCount());
@@ -208,8 +208,8 @@ class Reactor final : public ReactionSolver {
     return forces;
   }
 
-  // The forces of exact joints, one row a joint direction. `imbalance`: the largest force on any
-  // brick that joints and applied forces leave over, newtons; infinity where H could not be
+  // The forces of exact joints, one row per joint direction. `imbalance`: the largest residual
+  // force of joints and applied forces on any brick, newtons. Infinity if H could not be
   // factored.
   Vector exactForces(std::span<const Vector6> applied, double& imbalance) {
     if (!system_.factor({})) {
@@ -232,8 +232,8 @@ class Reactor final : public ReactionSolver {
     Vector stress(system_.jointRowCount());
     for (double& entry : stress) entry = static_cast<double>(numbers()) / 2147483647.5 - 1;
     for (std::size_t k = 0; k < solved_.size(); ++k) {
-      // A link holds one distance: it has one row, along its line, and its others are zero.
-      // The empty rows of a link carry nothing.
+      // A link holds one distance: it has one row, along its line. Its other rows are zero and
+      // carry no force.
       if (pivot(k).distance == 0) continue;
       stress.template segment<kRows - 1>(kRows * static_cast<Eigen::Index>(k) + 1).setZero();
     }
@@ -243,7 +243,7 @@ class Reactor final : public ReactionSolver {
     return stress - leastForces(load, rest);
   }
 
-  /// What is left to the pins of what acts on the bricks that they hold.
+  /// The residual forces on the pinned bricks, which the pins hold.
   std::vector<Vector6> pinForces(std::span<const Vector6> applied,
                                  const std::vector<Vector3>& pivotForces) const {
     std::vector<Vector6> forces(bricks_.size(), Vector6::Zero());
@@ -260,7 +260,7 @@ class Reactor final : public ReactionSolver {
       push(pivots_[p].brickA, pivots_[p].pointA, pivotForces[p]);
       push(pivots_[p].brickB, pivots_[p].pointB, -pivotForces[p]);
     }
-    if constexpr (D == 3) {  // the plane itself holds the rest
+    if constexpr (D == 3) {  // the plane itself supports the residual
       for (Vector6& force : forces)
         force = (Vector6() << force.head<2>(), 0, 0, 0, force[5]).finished();
     }
@@ -269,8 +269,8 @@ class Reactor final : public ReactionSolver {
 
   const std::vector<model::Brick>& bricks_;
   std::span<const model::Pivot> pivots_;
-  std::vector<std::size_t> solved_;  // the pivots that the system has
-  StepSystem<D> system_;             // of the state of the last solve
+  std::vector<std::size_t> solved_;  // pivots of the system
+  StepSystem<D> system_;             // at the state of the last solve
   Motion motion_;
   std::vector<bool> pinned_;
 };

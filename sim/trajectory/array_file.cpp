@@ -1,20 +1,20 @@
-// Arrays in HDF5 files: the same calls write the same bytes, and files are read as if the file came
-// from an enemy.
+// Arrays in HDF5 files. The same calls write the same bytes. Files are read as untrusted input.
 //
 // Writing. Objects carry no times, the library version is fixed to the format of 1.8, and numbers
-// have one byte order. Bytes depend only on the numbers. Series are stored in chunks:
-// bytes of equal significance are put together (shuffle), compressed by zlib at its lowest level,
-// and each chunk has a Fletcher checksum. A row that is appended extends the array and writes the
-// chunks that it touches: memory does not grow with the run.
+// have one byte order. Bytes depend only on the numbers. Series are stored in chunks: bytes of
+// equal significance are grouped (shuffle) and compressed by zlib at its lowest level, and each
+// chunk has a Fletcher checksum. A row that is appended extends the array and writes the chunks
+// that it touches: memory does not grow with the run.
 //
-// Reading. HDF5 1.10 trusts the contents of a file: lengths, links to other files, filters, places
-// of texts of variable length. So each claim is checked before it is used: an array must be in the
-// file itself, be stored contiguously or in chunks with the three known filters, claim no more
-// entries than a file of this size can hold, and have exactly the type that the writer gives it.
-// Texts have a fixed length, that of the longest of their array.
+// Reading. HDF5 1.10 trusts the contents of a file: lengths, links to other files, filters,
+// addresses of texts of variable length. Each claim is therefore checked before it is used. An
+// array must be in the file itself, be stored contiguously or in chunks with the three known
+// filters, claim no more entries than a file of this size can hold, and have exactly the type
+// that the writer gives it. Texts have a fixed length, that of the longest of their array.
 //
-// HDF5 reports failures through return codes; `check` and `requireRead` turn them into exceptions.
-// The library is not thread-safe by default: this file refuses to compile against such a build.
+// HDF5 reports failures through return codes; `check` and `requireRead` turn them into
+// exceptions. The library is not thread-safe by default: this file refuses to compile against
+// such a build.
 #include "sim/trajectory/array_file.h"
 
 #include <algorithm>
@@ -45,13 +45,13 @@ namespace {
 
 // Large enough to compress well, small enough to fit HDF5's cache of 1 MiB for each array.
 constexpr std::size_t kChunkBytes = 256 * 1024;
-// Of zlib; more costs several times as much and saves a few per cent of such numbers.
+// zlib level. Higher levels cost several times as much and save a few per cent.
 constexpr unsigned kCompression = 1;
-// An array that claims to be so many times larger than its file is damaged: what never changes
-// shrinks up to 1000 times, but is stored with times and vertices, which do not.
+// An array that claims to be this many times larger than its file is damaged. Constant data
+// compress up to 1000 times, but are stored with times and vertices, which do not.
 constexpr double kMostShrunk = 200;
 constexpr const char* kChecksum = "crc32";
-// The files that the writer makes begin so: the signature, then the version of what follows.
+// First bytes of the writer's files: the signature, then the version of the superblock.
 constexpr std::string_view kBeginning = "\x89HDF\r\n\x1a\n\x02";
 
 /// An HDF5 identifier, closed at the end of its scope.
@@ -71,7 +71,7 @@ class Handle {
 
   hid_t id() const { return id_; }
   bool valid() const { return id_ >= 0; }
-  /// False when closing failed: what was pending could not be written.
+  /// Returns false if closing failed: pending data could not be written.
   bool close() { return !valid() || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
 
  private:
@@ -79,34 +79,34 @@ class Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-/// Comes before any other call of HDF5: failures are thrown, not printed, and nothing is tried
-/// again as the program ends.
+/// Call this before any other call of HDF5: failures are then thrown, not printed, and nothing is
+/// retried at the end of the program.
 void startLibrary() {
-  // Initialised once, by whichever thread comes first.
+  // Initialised once, by the first thread.
   static const herr_t once = H5dont_atexit();
   static_cast<void>(once);
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
 }
 
-// How files are opened, for writing and for reading alike.
+// Access properties for writing and reading.
 Handle accessProperties() {
   startLibrary();
   Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // Network file systems often refuse locks.
   H5Pset_file_locking(properties.id(), false, true);
-  // The format of HDF5 1.8: what describes the arrays has checksums, and MATLAB still reads it.
+  // The format of HDF5 1.8: metadata have checksums, and MATLAB can read it.
   H5Pset_libver_bounds(properties.id(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   return properties;
 }
 
-/// Properties of something new, which notes no time.
+/// Creation properties without a time stamp.
 Handle untimed(hid_t kind) {
   Handle properties(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(properties.id(), false);
   return properties;
 }
 
-/// UTF-8 in so many bytes, the rest of which are 0.
+/// UTF-8 with a fixed number of bytes, padded with 0.
 Handle textType(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   // HDF5 has no texts of 0 bytes.
@@ -132,7 +132,7 @@ std::vector<hsize_t> withRows(std::size_t count, const Shape& rowShape) {
   return lengths;
 }
 
-/// Selects rows of an array that follow each other.
+/// Selects consecutive rows of an array.
 bool selectRows(hid_t space, std::size_t first, std::size_t rows, const Shape& rowShape) {
   std::vector<hsize_t> start(rowShape.size() + 1, 0);
   start.front() = first;
@@ -146,7 +146,7 @@ double checksum(std::span<const double> entries) {
   return checksumOf(std::as_bytes(entries));
 }
 
-/// "the array model/vertices", "the file itself".
+/// For example "the array model/vertices" or "the file itself".
 std::string shownObject(const std::string& name) {
   return name == "/" ? "the file itself" : name;
 }
@@ -158,7 +158,7 @@ std::size_t entryCount(const Shape& shape) {
 }
 
 struct ArrayWriter::Internals {
-  /// An array that grows.
+  /// An array that can grow.
   struct Series {
     Handle array;
     Shape rowShape;
@@ -184,12 +184,12 @@ struct ArrayWriter::Internals {
     return array;
   }
 
-  // An array that is written once and does not grow. `stored` and `given` are its types in the file
-  // and in memory.
+  // Writes an array that does not grow. `stored` and `given` are its types in the file and in
+  // memory.
   void writeWhole(const std::string& name, hid_t stored, hid_t given, const void* entries,
                   const Shape& shape) {
     arrays.push_back(make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE)));
-    // HDF5 refuses to write no entries at all.
+    // HDF5 cannot write zero entries.
     if (entryCount(shape) == 0) return;
     check(H5Dwrite(arrays.back().id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
   }
@@ -223,7 +223,7 @@ ArrayWriter::ArrayWriter(const std::filesystem::path& path, std::filesystem::pat
 }
 
 ArrayWriter::~ArrayWriter() {
-  // After a failed write (disk full) HDF5 crashes when the file is closed, so it stays open; the
+  // After a failed write (disk full) HDF5 crashes when the file is closed. The file stays open; the
   // list keeps it reachable and is itself never destroyed.
   static auto* const kept = new std::vector<std::unique_ptr<Internals>>;
   if (internals_->failed) kept->push_back(std::move(internals_));
@@ -261,11 +261,11 @@ void ArrayWriter::write(const std::string& name, const std::vector<std::string>&
   internals_->writeWhole(name, type.id(), type.id(), bytes.data(), {texts.size()});
 }
 
-// A chunk holds whole rows, as reading goes row by row.
+// A chunk holds whole rows, because reading is row by row.
 void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
   const std::size_t rowBytes = std::max<std::size_t>(1, entryCount(rowShape)) * sizeof(double);
-  // At least one row a chunk, and no more than 1024 of short rows: the first rows of a run
-  // reach the disk.
+  // At least one row per chunk, and at most 1024 short rows: the first rows of a run reach the
+  // disk.
   const std::size_t chunkRows = std::clamp<std::size_t>(kChunkBytes / rowBytes, 1, 1024);
   std::vector<hsize_t> chunk = withRows(chunkRows, rowShape);
   const std::vector<hsize_t> start = withRows(0, rowShape);
@@ -276,13 +276,13 @@ void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
   H5Pset_chunk(properties.id(), rank, chunk.data());
   H5Pset_shuffle(properties.id());
   H5Pset_deflate(properties.id(), kCompression);
-  H5Pset_fletcher32(properties.id());  // a checksum of each chunk
+  H5Pset_fletcher32(properties.id());  // one checksum per chunk
   const Handle space(H5Screate_simple(rank, start.data(), most.data()), H5Sclose);
   internals_->series[name] = {internals_->make(name, H5T_IEEE_F64LE, space, properties), rowShape,
                               0};
 }
 
-// Extends the array, then writes the new rows into what was added.
+// Extends the array, then writes the new rows.
 void ArrayWriter::append(const std::string& name, std::span<const double> rows) {
   Internals::Series& series = internals_->series.at(name);
   // A row without entries would divide by 0.
@@ -312,7 +312,7 @@ void ArrayWriter::setAttribute(const std::string& object, const std::string& nam
 // Everything is closed explicitly: destructors could not report errors.
 void ArrayWriter::close() {
   errno = 0;
-  // Arrays first: a file that closes while one is open stays open.
+  // Arrays first: a file does not close while an array is open.
   for (Handle& array : internals_->arrays) internals_->check(array.close());
   for (auto& [name, series] : internals_->series) internals_->check(series.array.close());
   internals_->check(internals_->file.close());
@@ -320,7 +320,7 @@ void ArrayWriter::close() {
 
 namespace {
 
-/// Whether a stored type is the one that the writer gives its values; no other is converted.
+/// Whether a stored type is the writer's own type; other types are not converted.
 using TypeCheck = bool (*)(const Handle& type);
 
 bool isDouble(const Handle& type) {
@@ -331,7 +331,7 @@ bool isInt(const Handle& type) {
   return H5Tequal(type.id(), H5T_STD_I32LE) > 0;
 }
 
-/// A text of an array of bytes.
+/// One text of an array of bytes.
 std::string withoutPadding(const std::string& bytes, std::size_t first, std::size_t length) {
   return bytes.substr(first, std::min(length, bytes.find('\0', first) - first));
 }
@@ -349,7 +349,7 @@ struct ArrayReader::Internals {
                     path.string(), found));
   }
 
-  /// Arrays stay open: HDF5 keeps the chunk that neighbouring rows share.
+  /// Arrays stay open: HDF5 caches the chunk that neighbouring rows share.
   const Handle& array(const std::string& name) {
     Handle& array = arrays[name];
     if (array.valid()) return array;
@@ -367,13 +367,13 @@ struct ArrayReader::Internals {
       const std::string part = name.substr(0, end);
       if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
       if (H5Lget_info(file.id(), part.c_str(), &link, H5P_DEFAULT) < 0) return false;
-      // Soft and external links point elsewhere.
+      // Soft and external links may refer to other files.
       if (link.type != H5L_TYPE_HARD) return false;
       if (end == std::string::npos) return true;
     }
   }
 
-  /// Refuses what the writer never makes and HDF5 would follow: other files, filters of any kind,
+  /// Rejects features that the writer never uses and HDF5 would follow: other files, other filters,
   /// chunks of any size.
   void requirePlainStorage(const Handle& array, const std::string& name) const {
     const Handle properties(H5Dget_create_plist(array.id()), H5Pclose);
@@ -411,14 +411,14 @@ struct ArrayReader::Internals {
     return bytes <= kMostShrunk * fileBytes;
   }
 
-  // No conversion is asked of HDF5: only the writer's own types are taken.
+  // HDF5 does not convert: only the writer's own types are accepted.
   void requireType(const Handle& array, const std::string& name, TypeCheck isRequested,
                    const char* shownType) const {
     const Handle type(H5Dget_type(array.id()), H5Tclose);
     if (!isRequested(type)) refuse(fmt::format("the array {} does not hold {}", name, shownType));
   }
 
-  // The lengths that the file claims, once they are possible at all.
+  // The lengths that the file claims, after a check that they are possible.
   Shape shapeOf(const Handle& array) const {
     const Handle space(H5Dget_space(array.id()), H5Sclose);
     std::vector<hsize_t> lengths(
@@ -433,7 +433,7 @@ struct ArrayReader::Internals {
     if (code < 0) refuse(fmt::format("the array {} is damaged", name));
   }
 
-  /// The bytes of each of so many texts of this type, once the file can hold them at all.
+  /// The bytes per text of this type, after a check that the file can hold `count` of them.
   std::size_t textLength(const Handle& type, std::size_t count) const {
     const std::size_t length = H5Tget_size(type.id());
     if (!isClaimable({count, length / sizeof(double)})) {
@@ -442,7 +442,7 @@ struct ArrayReader::Internals {
     return length;
   }
 
-  /// Other versions of the format describe what they hold without checksums.
+  /// Other format versions have no checksums for metadata.
   bool beginsAsOurs() const {
     std::string beginning(kBeginning.size(), '\0');
     openInputFile(path).read(beginning.data(), std::ssize(beginning));

@@ -26,9 +26,9 @@ std::size_t entryCount(const Shape& shape);
 /// any time stamp: the same calls give the same bytes.
 class ArrayWriter {
  public:
-  /// Makes the file. `shownPath` is the name that messages give it.
-  /// Every function throws OutputError when the file cannot be written.
-  /// An existing file is replaced.
+  /// Creates the file. `shownPath` is its name in messages. All functions
+  /// throw OutputError if the file cannot be written. An existing file is
+  /// replaced.
   ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath);
   ~ArrayWriter();
   ArrayWriter(const ArrayWriter&) = delete;
@@ -41,24 +41,24 @@ class ArrayWriter {
   void write(const std::string& name, std::span<const double> entries, const Shape& shape);
   /// The same for whole numbers of 32 bits.
   void write(const std::string& name, std::span<const int> entries, const Shape& shape);
-  /// A list of doubles, at least one, uncompressed and with a checksum: its attribute
-  /// crc32, of the bytes as zlib counts it.
+  /// A list of doubles, at least one, uncompressed and with a checksum: its attribute crc32 is
+  /// computed from the bytes by zlib.
   void writeChecked(const std::string& name, std::span<const double> entries);
   /// A list of texts, UTF-8.
   void write(const std::string& name, const std::vector<std::string>& texts);
 
-  /// Makes an array of doubles that grows along its first dimension, compressed in chunks.
+  /// Creates an array of doubles that grows along its first dimension, compressed in chunks.
   void addSeries(const std::string& name, const Shape& rowShape);
-  /// Adds rows to the end of a series, one after the other.
-  /// Their count follows from the row's shape. The series has to be known.
+  /// Appends rows to a series. Their count follows from the row's shape. The series must
+  /// exist.
   void append(const std::string& name, std::span<const double> rows);
 
-  /// Notes a property of a group or an array ("/" is the file itself).
+  /// Sets an attribute of a group or an array ("/" is the file itself).
   void setAttribute(const std::string& object, const std::string& name, const std::string& text);
   /// The same for a number.
   void setAttribute(const std::string& object, const std::string& name, double number);
 
-  /// Writes what is pending and closes the file.
+  /// Writes pending data and closes the file.
   void close();
 
  private:
@@ -66,24 +66,24 @@ class ArrayWriter {
   std::unique_ptr<Internals> internals_;
 };
 
-/// Reads a file of arrays. Every function throws InputError that names the file and what in it is
-/// missing, of another kind or damaged.
+/// Reads a file of arrays. All functions throw InputError with the file's name and the item that is
+/// missing, of another type or damaged.
 class ArrayReader {
  public:
-  /// Opens the file; refuses one that is missing, cut short or of another format.
+  /// Opens the file. Rejects a file that is missing, truncated or of another format.
   explicit ArrayReader(std::filesystem::path path);
   ~ArrayReader();
   ArrayReader(const ArrayReader&) = delete;
   ArrayReader& operator=(const ArrayReader&) = delete;
 
-  /// Throws an InputError: what was found in the file, and what to do.
+  /// Throws an InputError with the fault and a remedy.
   [[noreturn]] void refuse(const std::string& found) const;
 
   /// Whether the file itself holds an array or a group of this name; links do not count.
   bool has(const std::string& name) const;
-  /// Whether an object (a group or an array) has it.
+  /// Whether a group or an array has this attribute.
   bool hasAttribute(const std::string& object, const std::string& name) const;
-  /// The lengths of an array, at most what a file of this size can hold.
+  /// The lengths of an array, limited to what a file of this size can hold.
   Shape shape(const std::string& name) const;
 
   /// All entries, the last dimension fastest; the whole array is read into memory.
@@ -95,7 +95,7 @@ class ArrayReader {
   /// The texts of an array. Throws InputError.
   std::vector<std::string> texts(const std::string& name) const;
 
-  /// One row of an array of doubles, >= 0.
+  /// One row of an array of doubles, index >= 0.
   std::vector<double> row(const std::string& name, std::size_t index) const;
 
   /// A single text, or a single number, that setAttribute() wrote.

@@ -1,6 +1,6 @@
-// Curves of a run: measures of the shape from the poses of each sample, energies and forces as
-// samples have them. The list of curves is always the same, in the same order, whatever a run has;
-// what it does not have is NaN. Tables of different runs fit each other.
+// Curves of a run. Measures of the shape come from the poses of each sample, energies and forces
+// from the sample itself. The list of curves and its order are the same for all runs; missing
+// values are NaN. Tables of different runs are therefore compatible.
 #include "sim/trajectory/run_curves.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A curve that is measured from poses alone: as it is tabled, and as a channel.
+/// A curve that depends only on poses: its column in tables, and its channel.
 struct ShapeCurve {
   const char* column;
   const char* channel;
@@ -43,7 +43,7 @@ constexpr ShapeCurve kShapeCurves[] = {
     {"opening_largest_deg", "opening_largest", "degree",
      "largest turn of joined tiles since the start"}};
 
-/// The groups with curves that have no values yet: the shape's first, in the order above.
+/// The groups with empty curves: the shape's groups first, in the order above.
 std::vector<CurveGroup> emptyGroups() {
   std::vector<CurveGroup> groups = {
       {"Size", "m", false, {{"width"}, {"height"}, {"depth"}}},
@@ -87,12 +87,12 @@ std::vector<CurveGroup> emptyGroups() {
   return groups;
 }
 
-/// Measures the shape of one sample after the other.
+/// Measures the shape of successive samples.
 class ShapeMeter final : public SampleMeter {
  public:
   explicit ShapeMeter(const Subject& subject)
       : subject_(subject),
-        // Sheets that are not flat at the start are seen along z.
+        // Sheets that are not flat at the start are measured along z.
         frame_(model::sheetFrame(subject.model).value_or(model::SheetFrame{})),
         sidesAtStart_(boxSides(model::toFrame(frame_, subject.model.tiles))) {}
 
@@ -145,7 +145,7 @@ class ShapeMeter final : public SampleMeter {
 
 /// Mean and largest force of the joints, and the largest of those that are indeterminate.
 std::vector<double> jointForceValues(const Mechanics& mechanics) {
-  // Forces that do not balance are absent, all of them.
+  // If forces do not balance, all are absent.
   if (mechanics.jointForces.empty() || mechanics.jointForces.front().hasNaN()) {
     return {kNone, kNone, kNone};
   }
@@ -213,7 +213,7 @@ void appendJoints(std::span<const double> openings, const std::optional<Mechanic
   }
 }
 
-/// Of vertices from those of others, metres.
+/// The mean distance of vertices from corresponding ones, metres.
 double meanDistance(const std::vector<model::Tile>& tiles, const std::vector<model::Tile>& others) {
   double sum = 0;
   int count = 0;
@@ -310,13 +310,13 @@ RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {
 
 namespace {
 
-/// Parts of the box's diagonal by which flat tiles may leave their plane.
+/// Tolerance of flat tiles, as a fraction of the box's diagonal.
 constexpr double kFlatOfBox = 1e-6;
-/// Strains below this say nothing.
+/// Smaller strains give no meaningful ratio.
 constexpr double kLeastStrain = 1e-3;
 
-/// The corners of the convex outline seen along z. (outlineCorners() in model.h keeps every vertex
-/// on it too.)
+/// The corners of the convex outline seen along z. (outlineCorners() in model.h also keeps every
+/// vertex on it.)
 std::vector<Eigen::Vector2d> outlineSeenAlongZ(const std::vector<model::Tile>& tiles) {
   std::vector<Eigen::Vector2d> points;
   for (const model::Tile& tile : tiles) {
@@ -339,7 +339,7 @@ HullSize hullSize(const std::vector<model::Tile>& tiles) {
   const std::vector<Eigen::Vector2d> corners = outlineSeenAlongZ(tiles);
   HullSize size;
   for (std::size_t k = 0; k < corners.size(); ++k) {
-    // From the first corner: a sheet far from the origin loses no digits.
+    // Relative to the first corner: a sheet far from the origin loses no digits.
     const Eigen::Vector2d from = corners[k] - corners[0];
     const Eigen::Vector2d to = corners[(k + 1) % corners.size()] - corners[0];
     size.area += 0.5 * (from.x() * to.y() - from.y() * to.x());
@@ -406,7 +406,7 @@ std::vector<double> brickDisplacements(const Poses& start, const Poses& poses) {
 std::vector<double> brickRotations(const Poses& start, const Poses& poses) {
   std::vector<double> angles;
   for (std::size_t brick = 0; brick < poses.size(); ++brick) {
-    // The angle of the shortest turn: 2 acos |q . q'| for unit quaternions, from 0 to pi.
+    // The angle of the shortest rotation: 2 acos |q . q'| for unit quaternions, [0, pi].
     angles.push_back(start[brick].rotation.angularDistance(poses[brick].rotation));
   }
   return angles;

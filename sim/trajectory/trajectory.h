@@ -1,4 +1,4 @@
-/// A deployment's record: what moved, and the poses of all bricks by time.
+/// Record of a deployment: its subject, and the poses of all bricks over time.
 #pragma once
 
 #include <optional>
@@ -16,13 +16,13 @@
 
 namespace kirireel::trajectory {
 
-/// What was measured at the end of one step of a run, and what the step took. Lengths in metres.
+/// Measures at the end of one step of a run, and the cost of the step. Lengths in metres.
 struct StepRecord {
   double time = 0;          ///< simulated seconds from the start
   double jointGap = 0;      ///< largest
   double jointGapMean = 0;  ///< over all pivots
   double targetError = 0;   ///< largest; 0 without a target
-  StepReport took;          ///< what the solver reports
+  StepReport took;          ///< report of the solver
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
@@ -33,21 +33,21 @@ struct StepRecord {
   }
 };
 
-/// Where the energy of a run with dynamics is at one time, joules. What was put in is what there is
-/// and what was lost:
+/// Energy balance of a run with dynamics at one time, joules. The input equals the stored energy
+/// plus the losses:
 ///   work = kinetic + spring + elastic + damped + impacted + integrated.
 struct Energies {
   double kinetic = 0;  ///< of the bricks, >= 0
-  /// Stored in the springs of the drive and of drags, and in compliant joints; from 0.
+  /// Stored in the springs of the drive and of drags, and in compliant joints, >= 0.
   double spring = 0;
-  double elastic = 0;  ///< stored in forces between pairs of bricks, as springs at hinges; from 0
-  /// What drives have put in since before the start: they tighten and move springs, stiffen them
-  /// and the joints, expand the bricks; and gravity.
+  double elastic = 0;  ///< stored in forces between pairs, such as springs at hinges; >= 0
+  /// Input of the drives since before the start: they tighten, move and stiffen springs, stiffen
+  /// joints, and expand the bricks. Includes gravity.
   double work = 0;
-  double damped = 0;    ///< what dampers have taken, >= 0
-  double impacted = 0;  ///< what contacts have taken, by impacts and friction
+  double damped = 0;    ///< removed by dampers, >= 0
+  double impacted = 0;  ///< removed by contacts, through impacts and friction
 
-  /// What the integrator, and pins that caught moving tiles, have taken: the rest.
+  /// Loss of the integrator, and of pins that stop moving tiles: the remainder.
   double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
 
   /// For files; see base/fields.h.
@@ -64,28 +64,28 @@ struct Energies {
   }
 };
 
-/// What holds a tile from outside the joints.
+/// What holds a tile in addition to joints.
 enum class HoldKind {
-  Pin,      ///< fixed to the world
-  Grip,     ///< dragged along
+  Pin,      ///< fixed in space
+  Grip,     ///< dragged by a spring
   Contact,  ///< pushed by another tile, the ground or an obstacle
 };
 
-/// The resultant of one pin or grip, or of all points in which a tile and another thing touch.
-/// World axes.
+/// The resultant force of one pin, one grip, or all contact points between a tile and another
+/// object. World axes.
 struct Hold {
-  /// What a tile touches when that is no tile; obstacle k is kFirstObstacle - k.
+  /// Values of `other` for objects that are no tile; obstacle k is kFirstObstacle - k.
   static constexpr int kGround = model::kFixed;
   /// Obstacle 0.
   static constexpr int kFirstObstacle = model::kFirstObstacle;
 
-  HoldKind kind = HoldKind::Contact;  ///< what holds
-  int tile = 0;                       ///< its number, >= 0
-  int other = kGround;  ///< the tile (above the first), ground or obstacle of a contact
+  HoldKind kind = HoldKind::Contact;  ///< type of the hold
+  int tile = 0;                       ///< index >= 0
+  int other = kGround;  ///< the tile (index > `tile`), ground or obstacle of a contact
   Vector3 force;        ///< on the tile, newtons
   Vector3 moment;       ///< on the tile about the point, N m
-  Vector3 point;        ///< a pinned tile's centre of mass, where it is gripped, or the middle of
-                        ///< the push, metres
+  Vector3 point;        ///< a pinned tile's centre of mass, the grip's point, or the centre of the
+                        ///< contact force, metres
 
   /// For files; see base/fields.h.
   static constexpr auto fields() {
@@ -96,13 +96,13 @@ struct Hold {
   }
 };
 
-/// What a run with dynamics knows of a state beyond its poses.
+/// Mechanics of a state in a run with dynamics, in addition to its poses.
 struct Mechanics {
   Energies energies;  ///< of the whole run
-  /// For each joint the force on its tile a, N, world axes: of all that balance, of least norm.
-  /// NaN if bricks touch and forces balance worse than 5%; then `holds` lists grips only.
+  /// For each joint the force on its tile a, N, world axes: the equilibrium forces of least norm.
+  /// NaN if bricks touch and the imbalance exceeds 5%; then `holds` lists grips only.
   std::vector<Vector3> jointForces;
-  /// One a joint: whether others keep the balance too, in which its force is another.
+  /// For each joint whether its force is indeterminate: other equilibrium forces exist.
   std::vector<bool> isIndeterminate;
   std::vector<Hold> holds;  ///< pins and grips by tile, then contacts by tiles
 
@@ -122,10 +122,10 @@ struct Sample {
   double jointGap = 0;      ///< largest
   double targetError = 0;   ///< largest; 0 without a target
   double penetration = 0;   ///< deepest
-  std::vector<int> pinned;  ///< tiles fixed to the world at this time, ascending
-  /// The steps since the sample before, this one's included; the start counts as one.
+  std::vector<int> pinned;  ///< tiles fixed in space at this time, ascending
+  /// The steps since the previous sample, including this one's. The start counts as a step.
   std::vector<StepRecord> steps;
-  /// Of runs with dynamics by the direct solver; a path is geometry, and engines do not tell.
+  /// For runs with dynamics by the direct solver; kinematic paths and engines have none.
   std::optional<Mechanics> mechanics;
 
   /// For files; see base/fields.h.
@@ -139,7 +139,7 @@ struct Sample {
   }
 };
 
-/// The state in which a figure of the summary was reached; the figure can be computed again.
+/// The state in which a figure of the summary was reached. The figure can be recomputed from it.
 struct FigureState {
   std::string figure;  ///< its name in summary.json, such as "penetration_max"
   double time = 0;     ///< simulated seconds from the start
@@ -153,7 +153,7 @@ struct FigureState {
   }
 };
 
-/// Something that happened during a run.
+/// An event of a run.
 struct Event {
   double time = 0;   ///< simulated seconds from the start
   std::string text;  ///< one line
@@ -166,31 +166,31 @@ struct Event {
   }
 };
 
-/// What a trajectory shows: all that stays the same from the first sample to the last, and enough
-/// to make pictures and meshes again without the scene.
+/// The subject of a trajectory: everything that does not change between samples. It is enough to
+/// make pictures and meshes without the scene.
 struct Subject {
   model::Model model;                   ///< as it was simulated, aligned to its target
-  model::BrickRule brickRule;           ///< how tiles became bricks
-  std::vector<model::Brick> bricks;     ///< one a tile
-  std::optional<scene::Ground> ground;  ///< absent when the scene had none
-  std::vector<model::Tile> obstacles;   ///< the faces of what stays where it is, world axes
+  model::BrickRule brickRule;           ///< rule that made bricks from tiles
+  std::vector<model::Brick> bricks;     ///< one per tile
+  std::optional<scene::Ground> ground;  ///< absent if the scene has none
+  std::vector<model::Tile> obstacles;   ///< faces of fixed objects, world axes
   model::PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
   std::string settings;                 ///< of the run, as JSON; may be empty
 };
 
-/// What is known once a run is over.
+/// Data that are known at the end of a run.
 struct TrajectoryEnd {
   std::vector<Event> events;              ///< in order of time
-  std::vector<FigureState> figureStates;  ///< one for each figure that a single state decides
-  std::string findings;                   ///< of the run about its scene, as JSON; may be empty
+  std::vector<FigureState> figureStates;  ///< one per figure that a single state determines
+  std::string findings;                   ///< results about the scene, as JSON; may be empty
 };
 
-/// One run: samples equally spaced in time from 0 on, and one at the end.
+/// One run: samples equally spaced in time from 0, and one at the end.
 struct Trajectory : Subject, TrajectoryEnd {
   std::vector<Sample> samples;  ///< at least the start
 };
 
-/// What a trajectory of the scene shows, its settings left empty.
+/// The subject of a scene's trajectory, with empty settings.
 Subject subjectOf(const scene::Scene& scene);
 
 }  // namespace kirireel::trajectory

@@ -1,6 +1,6 @@
-// Samples as long arrays. Angular velocities come from the rotation vector between two samples: the
-// axis times the angle of to * from^-1, divided by the time between them, which is exact for a turn
-// at constant speed about a fixed axis and of second order else.
+// Samples as long arrays. Angular velocities come from the rotation vector between two samples:
+// axis times angle of to * from^-1, divided by the time between them. This is exact for a rotation
+// at constant speed about a fixed axis, and of second order otherwise.
 #include "sim/trajectory/trajectory_file.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 
 namespace kirireel::trajectory {
 
-// Quaternions are kept as w, x, y, z; Eigen's own order is x, y, z, w.
+// Quaternions are stored as w, x, y, z; Eigen's own order is x, y, z, w.
 void SampleTable::append(const Sample& sample) {
   brickCount_ = sample.poses.size();
   times_.push_back(sample.time);
@@ -81,12 +81,12 @@ SampleTable readSamples(const TrajectoryReader& run) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Trajectories written sample by sample. All arrays that grow are made before the first sample, but
-// those of mechanics, as only the first sample shows whether a run has any. The file grows under a
-// temporary name (files.h) and gets its own when it is whole.
+// Trajectories written sample by sample. All arrays that grow are created before the first sample,
+// except those of mechanics: only the first sample shows whether a run has any. The file grows
+// under a temporary name (files.h) and is renamed when it is complete.
 //
-// A file is self-contained: it repeats the model, the bricks, the ground, obstacles and springs, so
-// that pictures need neither the scene nor the program that made it. Names and units stand in
+// A file is self-contained: it includes the model, the bricks, the ground, obstacles and springs.
+// Pictures need neither the scene nor the program that made it. Names and units are in
 // trajectory_file.h, which the reader shares.
 
 using layout::arrayOf;
@@ -97,7 +97,7 @@ void append(std::vector<double>& numbers, const Vector3& vector) {
   numbers.insert(numbers.end(), vector.data(), vector.data() + 3);
 }
 
-// x, y and z of all vertices one after the other, tile by tile.
+// x, y and z of all vertices, tile by tile.
 std::vector<double> flatten(const std::vector<model::Tile>& tiles) {
   std::vector<double> numbers;
   for (const model::Tile& tile : tiles) {
@@ -122,10 +122,10 @@ std::vector<double> flatten(const std::vector<model::Brick>& bricks, double mode
   return numbers;
 }
 
-// Nine numbers a brick, kg m^2, about its centre of mass in its own axes.
+// Nine numbers per brick, kg m^2, about its centre of mass in its own axes.
 std::vector<double> inertias(const std::vector<model::Brick>& bricks) {
   std::vector<double> numbers;
-  // Symmetric: rows and columns are alike.
+  // The matrix is symmetric: rows and columns are equal.
   for (const model::Brick& brick : bricks) {
     numbers.insert(numbers.end(), brick.inertia.data(), brick.inertia.data() + 9);
   }
@@ -177,14 +177,14 @@ void writeJoints(ArrayWriter& file, const std::vector<model::Joint>& joints) {
   file.setAttribute("model/necks", "columns", std::string("width, length, kerf"));
 }
 
-// How many vertices each tile has: what splits the flat list of vertices into tiles again.
+// The vertex count of each tile, which splits the flat list of vertices into tiles.
 std::vector<int> sizesOf(const std::vector<model::Tile>& tiles) {
   std::vector<int> sizes;
   for (const model::Tile& tile : tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
   return sizes;
 }
 
-/// The tiles whose vertices the model's file has the other way round.
+/// The tiles whose vertices are in reversed order in the model's file.
 std::vector<int> reversedTiles(const model::FileOrder& order) {
   std::vector<int> tiles;
   for (std::size_t i = 0; i < order.isReversed.size(); ++i) {
@@ -193,11 +193,11 @@ std::vector<int> reversedTiles(const model::FileOrder& order) {
   return tiles;
 }
 
-// What the reader needs to make the model again, its file's order included.
+// Everything that the reader needs to restore the model, including its file's order.
 void writeModel(ArrayWriter& file, const model::Model& model) {
   file.addGroup("model");
   file.setAttribute("model", "name", model.name);
-  // Of the files that the model came from and that exports are written in; arrays are in metres.
+  // Unit of the model's files and of exports; arrays are in metres.
   file.setAttribute("model", "unit", model.unit.name);
   file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
   writePoints(file, "model/vertices", flatten(model.tiles));
@@ -252,7 +252,7 @@ void writeObstacles(ArrayWriter& file, const std::vector<model::Tile>& faces) {
   writePoints(file, "obstacles/vertices", flatten(faces));
 }
 
-/// Each kind is a group: the bricks of each pair, and the columns that the kind has.
+/// Each type is a group: the bricks of each pair, and the columns of the type.
 void writePairForce(ArrayWriter& file, const model::PairForce& force) {
   const std::string group = force.name().group;
   const std::size_t count = force.size();
@@ -285,7 +285,7 @@ void appendPoses(const Poses& poses, std::vector<double>& positions,
   }
 }
 
-// One time and one line of text an event. A run without any has empty arrays.
+// One time and one line of text per event. A run without events has empty arrays.
 void writeEvents(ArrayWriter& file, const std::vector<Event>& events) {
   std::vector<double> times;
   std::vector<std::string> texts;
@@ -359,7 +359,7 @@ void TrajectoryWriter::Internals::addCurves() {
   }
 }
 
-/// Made with the first sample that has mechanics: whether a run has any shows there.
+/// Created with the first sample that has mechanics.
 void TrajectoryWriter::Internals::addMechanics() {
   file.addGroup("energy");
   for (const auto& energy : layout::kEnergies) {
@@ -386,7 +386,7 @@ void TrajectoryWriter::Internals::addMechanics() {
   for (const auto& vector : layout::kHolds) addSeries(file, arrayOf(vector), {3}, vector.unit);
 }
 
-// One row in each series of energies and forces, and a row for each hold.
+// One row in each series of energies and forces, and one row per hold.
 void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics) {
   for (const auto& energy : layout::kEnergies)
     file.append(arrayOf(energy), {&(mechanics.energies.*energy.member), 1});
@@ -403,8 +403,8 @@ void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics
     kinds.push_back(static_cast<double>(hold.kind));
     tiles.insert(tiles.end(), {static_cast<double>(hold.tile), static_cast<double>(hold.other)});
   }
-  // Holds are rows of their own, with the sample's time, since their number differs from sample to
-  // sample.
+  // Holds are rows of their own, with the sample's time, because their number differs between
+  // samples.
   file.append(layout::kHoldTimes, std::vector<double>(kinds.size(), time));
   file.append(layout::kHoldKinds, kinds);
   file.append(layout::kHoldTiles, tiles);
@@ -492,7 +492,7 @@ void TrajectoryWriter::finish(const TrajectoryEnd& end) {
   writeEvents(file, end.events);
   writeFigureStates(file, end.figureStates, internals_->brickCount);
   file.write("findings", {end.findings});
-  // Before the file gets its name: a full disk shows here.
+  // Before the file is renamed: a full disk is detected here.
   file.close();
   internals_->pending.commit();
 }
@@ -504,12 +504,12 @@ void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& 
 }
 
 // ------------------------------------------------------------------------------------------------
-// Trajectories read with distrust: what pictures, meshes and measures take for granted is checked
-// here. A damaged file ends in one message and not in a picture of nonsense.
+// Trajectories read as untrusted input. All assumptions of pictures, meshes and measures are
+// checked here. A damaged file gives one message, not a wrong picture.
 //
-// Everything that is small is read at once (the model, the bricks, times, measures, steps, holds);
-// poses and joint forces are read sample by sample, as they may not fit in memory. `FileRun` and
-// `MemoryRun` give the same answers for a file and for a run that has not been written.
+// Small data are read at once (the model, the bricks, times, measures, steps, holds). Poses and
+// joint forces are read sample by sample, because they may not fit in memory. `FileRun` and
+// `MemoryRun` give the same results for a file and for a run in memory.
 
 namespace {
 
@@ -517,16 +517,16 @@ using layout::kEnergies;
 using layout::kMeasures;
 using layout::kStepColumns;
 
-/// Farther away no brick is drawn or meshed, metres. Runs end at a thousand model sizes, and models
-/// reach as far as kMaxCoordinate.
+/// No brick farther away is drawn or meshed, metres. Runs end at a thousand model sizes, and models
+/// extend up to kMaxCoordinate.
 constexpr double kFarthest = 1e4 * model::kMaxCoordinate;
 
-/// Reads what a trajectory shows; every claim of the file is checked before it is used.
+/// Reads the subject of a trajectory. Each claim of the file is checked before it is used.
 class SubjectReader {
  public:
   explicit SubjectReader(const ArrayReader& file) : file_(file) {}
 
-  // The order matters: sizes of tiles first, then what refers to them.
+  // The order matters: sizes of tiles first, then the data that refer to them.
   Subject read() {
     requireFormat();
     Subject subject;
@@ -562,7 +562,7 @@ class SubjectReader {
     }
   }
 
-  // Vertices of each polygon, 3 at least.
+  // Vertex count of each polygon, >= 3.
   std::vector<std::size_t> readSizes(const std::string& name) const {
     std::vector<std::size_t> sizes;
     for (const int size : file_.integers(name)) {
@@ -592,7 +592,7 @@ class SubjectReader {
     return entries;
   }
 
-  /// An array of points, dealt out tile by tile.
+  /// An array of points, split into tiles.
   std::vector<std::vector<Vector3>> pointsOfTiles(const std::string& name,
                                                   const std::vector<std::size_t>& sizes) const {
     const std::size_t count = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
@@ -614,7 +614,7 @@ class SubjectReader {
     return tiles;
   }
 
-  // A corner that exists.
+  // A corner, checked to exist.
   model::Corner corner(int tile, int vertex) const {
     const bool exists = tile >= 0 && static_cast<std::size_t>(tile) < sizes_.size() &&
                         vertex >= 0 &&
@@ -626,7 +626,7 @@ class SubjectReader {
     return {tile, vertex};
   }
 
-  /// A column of model/joints that must lie within a range.
+  /// A value of model/joints, checked to be in a range.
   int within(int value, int least, int most, const char* column) const {
     if (value < least || value > most) {
       file_.refuse(fmt::format("model/joints has the {} {} instead of {} to {}", column, value,
@@ -635,7 +635,7 @@ class SubjectReader {
     return value;
   }
 
-  // Rows of six whole numbers, and the vectors of links and fixed joints.
+  // Rows of six integers, and the vectors of links and fixed joints.
   std::vector<model::Joint> readJoints() const {
     const std::vector<int> rows = file_.integers("model/joints");
     const std::size_t count = rows.size() / layout::kJointColumns;
@@ -780,7 +780,7 @@ class SubjectReader {
     return rule;
   }
 
-  // Bricks are stored whole: pictures are those of the run, whatever later rules make of
+  // Bricks are stored completely: pictures show those of the run, independent of later rules for
   // tiles.
   void readBricks(Subject& subject) const {
     const std::size_t count = sizes_.size();
@@ -800,13 +800,14 @@ class SubjectReader {
             fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
       }
       requireSolid(brick, i);
-      // Convex parts follow from the outline: no file needs to store them.
+      // Convex parts follow from the outline and are not stored.
       brick.parts = model::partsOfBottom(brick.bottom, brick.normal);
       subject.bricks.push_back(std::move(brick));
     }
   }
 
-  /// A solid brick has its top above its bottom all over, and its bottom goes round the normal.
+  /// In a solid brick the top is above the bottom everywhere, and the bottom is anticlockwise about
+  /// the normal.
   void requireSolid(const model::Brick& brick, std::size_t number) const {
     for (const auto& [value, name] : {std::pair{brick.thickness, "thickness"},
                                       {brick.volume, "volume"},
@@ -820,7 +821,7 @@ class SubjectReader {
     for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
       const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
       lowest = std::min(lowest, brick.normal.dot(brick.top[k] - brick.bottom[k]));
-      // Newell's vector: along the normal where the bottom runs anticlockwise about it.
+      // Newell's vector: along the normal if the bottom is anticlockwise about it.
       area += brick.bottom[k].cross(next);
     }
     if (lowest > 0 && brick.normal.dot(area) > 0) return;
@@ -836,7 +837,7 @@ class SubjectReader {
 
 }  // namespace
 
-/// What every run has, wherever its samples are.
+/// Data of every run, in a file or in memory.
 struct TrajectoryReader::Internals {
   virtual ~Internals() = default;
   virtual Sample sample(std::size_t index) const = 0;
@@ -866,7 +867,7 @@ struct TrajectoryReader::FileRun final : Internals {
     file.refuse(fmt::format("the array {} does not have an entry for each sample and brick", name));
   }
 
-  // Times, and the shapes that they ask of the poses.
+  // Times, and the shapes that they require of the poses.
   void readTimes() {
     times = file.doubles("time");
     if (times.empty()) file.refuse("there is no sample");
@@ -886,7 +887,7 @@ struct TrajectoryReader::FileRun final : Internals {
     }
   }
 
-  /// Everything but the joints' forces, which are read with each sample.
+  /// Everything except the joints' forces, which are read with each sample.
   void readMechanics() {
     for (std::size_t k = 0; k < kEnergies.size(); ++k) {
       requireShape(arrayOf(kEnergies[k]), {times.size()});
@@ -917,7 +918,7 @@ struct TrajectoryReader::FileRun final : Internals {
     }
   }
 
-  // Kinds and numbers are stored as doubles, as all series are.
+  // Types and indices are stored as doubles, as in all series.
   Hold hold(double kind, double tile, double other) const {
     const auto count = static_cast<double>(subject.bricks.size());
     // Written so that NaN fails.
@@ -948,7 +949,7 @@ struct TrajectoryReader::FileRun final : Internals {
         result.isIndeterminate.push_back(mark != 0);
       }
     }
-    // A hold belongs to the sample with exactly its time, as the writer stores both from one
+    // A hold belongs to the sample with exactly its time: the writer stores both from one
     // number.
     const auto [first, last] = std::equal_range(holdTimes.begin(), holdTimes.end(), times[index]);
     result.holds.assign(holds.begin() + (first - holdTimes.begin()),
@@ -964,7 +965,7 @@ struct TrajectoryReader::FileRun final : Internals {
     for (std::size_t k = 0; k < texts.size(); ++k) end.events.push_back({eventTimes[k], texts[k]});
   }
 
-  /// Of an array with an entry for each step.
+  /// Entries of an array with one entry per step.
   std::vector<double> stepEntries(const std::string& name) const {
     std::vector<double> entries = file.doubles(name);
     if (entries.size() != steps.size()) {
@@ -986,7 +987,7 @@ struct TrajectoryReader::FileRun final : Internals {
       for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
     }
     const auto later = [](const StepRecord& one, const StepRecord& next) {
-      return !(one.time < next.time);  // also where one is no number
+      return !(one.time < next.time);  // also if one is NaN
     };
     if (std::ranges::adjacent_find(steps, later) != steps.end()) {
       file.refuse("the steps' times do not rise");
@@ -1017,7 +1018,7 @@ struct TrajectoryReader::FileRun final : Internals {
     return poses;
   }
 
-  /// The steps after the sample before this one, up to its time.
+  /// The steps after the previous sample, up to the time of this one.
   std::vector<StepRecord> stepsOf(std::size_t sample) const {
     const auto upTo = [&](double time) {
       return std::partition_point(steps.begin(), steps.end(),
@@ -1055,7 +1056,7 @@ struct TrajectoryReader::FileRun final : Internals {
   ArrayReader file;
   std::array<std::vector<double>, kMeasures.size()> measures;
   std::array<std::vector<double>, kEnergies.size()> energies;  // empty without mechanics
-  std::vector<double> holdTimes;                               // one a hold
+  std::vector<double> holdTimes;                               // one per hold
   std::vector<Hold> holds;
 };
 
@@ -1108,7 +1109,7 @@ bool TrajectoryReader::hasMechanics() const {
 }
 
 Sample TrajectoryReader::sample(std::size_t index) const {
-  checkInterruption();  // whoever looks at all samples takes long
+  checkInterruption();  // a loop over all samples takes long
   return internals_->sample(index);
 }
 

@@ -80,33 +80,33 @@
 
 namespace kirireel::trajectory {
 
-/// What is measured of each sample besides its own numbers.
+/// A quantity that is measured for each sample, in addition to its own numbers.
 struct Channel {
   std::string name;         ///< of its array, such as "width"
   std::string unit;         ///< "m", "1", ...
   std::string description;  ///< one short phrase
-  std::size_t width = 0;    ///< values in each sample's row; 0: one value, no row
+  std::size_t width = 0;    ///< values in each sample's row; 0: one value without a row
 };
 
-/// Measures the channels of one sample after the other, which may depend on those before.
+/// Measures the channels of successive samples. Results may depend on earlier samples.
 class SampleMeter {
  public:
   virtual ~SampleMeter() = default;
-  /// Asked once, before the first sample.
+  /// Called once, before the first sample.
   virtual std::vector<Channel> channels() const = 0;
-  /// The values of all channels, one channel after the other.
-  /// A channel without a row has one value, one of width w has w values.
+  /// The values of all channels, channel by channel. A channel without a row has one value; one of
+  /// width w has w values.
   virtual std::vector<double> measure(const Sample& sample) = 0;
 };
 
-/// Writes a trajectory sample by sample; what it keeps in memory does not grow with their number.
-/// The file appears under its final name in finish(), whole after any number of samples; a writer
-/// that goes without it leaves nothing. Doubles are stored exactly, and the same run gives the same
-/// bytes. Throws OutputError when the file cannot be written.
+/// Writes a trajectory sample by sample. Memory does not grow with the number of samples. The file
+/// gets its final name in finish(), complete after any number of samples. Without finish() the
+/// writer leaves no file. Doubles are stored exactly, and the same run gives the same bytes. Throws
+/// OutputError if the file cannot be written.
 class TrajectoryWriter {
  public:
-  /// `meter` may be null; else its channels become curves/NAME.
-  /// Writes all that does not change at once.
+  /// `meter` may be null. Otherwise its channels become curves/NAME. Writes all constant data
+  /// immediately.
   TrajectoryWriter(const std::filesystem::path& path, const Subject& subject,
                    std::unique_ptr<SampleMeter> meter = nullptr);
   ~TrajectoryWriter();
@@ -116,7 +116,7 @@ class TrajectoryWriter {
   /// Adds a sample later than those before, with a pose for each brick.
   void append(const Sample& sample);
 
-  /// Puts the file in place with what is known once the run is over. Call it once.
+  /// Writes the data of the run's end and renames the file to its final name. Call it once.
   void finish(const TrajectoryEnd& end);
 
  private:
@@ -126,12 +126,12 @@ class TrajectoryWriter {
 
 class SampleTable;
 
-/// Reads a trajectory, any sample at any time: from a file, or from memory where it is there
-/// already. Throws InputError that names the file and what in it is missing, damaged or
+/// Reads any sample of a trajectory, from a file or from memory. Throws
+/// InputError with the file's name and the item that is missing, damaged or
 /// contradictory.
 class TrajectoryReader {
  public:
-  /// Reads and checks everything but the poses.
+  /// Reads and checks everything except the poses.
   explicit TrajectoryReader(const std::filesystem::path& path);
   /// A run in memory, with at least one sample.
   TrajectoryReader(Subject subject, TrajectoryEnd end, std::shared_ptr<const SampleTable> samples);
@@ -139,20 +139,20 @@ class TrajectoryReader {
   TrajectoryReader(const TrajectoryReader&) = delete;
   TrajectoryReader& operator=(const TrajectoryReader&) = delete;
 
-  /// What the run shows.
+  /// The constant data of the run.
   const Subject& subject() const;
-  const std::vector<double>& times() const;      ///< of all samples, rising, seconds; at least one
+  const std::vector<double>& times() const;      ///< of samples, ascending, seconds; one or more
   const std::vector<StepRecord>& steps() const;  ///< of the whole run
   const TrajectoryEnd& end() const;              ///< of the whole run
 
   /// Whether samples have mechanics: energies and forces.
   bool hasMechanics() const;
 
-  /// One sample, its index from 0 to times().size() - 1, with its steps. Files do not say which
-  /// tiles were pinned.
-  /// From a file this reads the chunks that hold the row; HDF5 keeps those that neighbours share.
-  /// Throws InputError for a pose that is no rotation, not finite or too far away, and Interrupted
-  /// where a scope asks for it.
+  /// One sample with its steps, index in [0, times().size()). Files do not store
+  /// which tiles were pinned. Reads only the chunks of a file that hold the row; HDF5
+  /// caches those that neighbours share. Throws InputError for a pose that is no
+  /// rotation, not finite or too far away. Throws Interrupted if the scope allows
+  /// interruption.
   Sample sample(std::size_t index) const;
 
  private:
@@ -162,8 +162,8 @@ class TrajectoryReader {
   std::unique_ptr<Internals> internals_;
 };
 
-/// The whole trajectory in memory. Throws InputError.
-/// Memory grows with the number of samples: some 60 bytes a brick and sample.
+/// The whole trajectory in memory. Throws InputError. Memory grows with the number of samples:
+/// about 60 bytes per brick and sample.
 Trajectory readTrajectory(const std::filesystem::path& path);
 
 /// Writes a whole trajectory. Throws OutputError.
@@ -174,43 +174,43 @@ void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& 
 namespace kirireel::trajectory::layout {
 
 // ------------------------------------------------------------------------------------------------
-// The names in trajectory.h5 that its writer and its reader share.
+// Names in trajectory.h5, for its writer and its reader.
 
 /// The attribute "format" of the file itself.
 inline constexpr const char* kFormat = "kirireel trajectory";
-inline constexpr double kFormatVersion = 5;  ///< the only one that is read
+inline constexpr double kFormatVersion = 5;  ///< the only version that can be read
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 
-/// The numbers that each sample has; its time comes first.
+/// The numbers of each sample, beginning with its time.
 inline constexpr auto kSampleNumbers = fieldsOfType<double>(Sample::fields());
 static_assert(kSampleNumbers.front().member == &Sample::time);
 /// The same without the time.
 inline constexpr std::span kMeasures = std::span(kSampleNumbers).subspan<1>();
-/// What each step has, besides the figures of its report.
+/// The numbers of each step, without the figures of its report.
 inline constexpr auto kStepColumns = fieldsOfType<double>(StepRecord::fields());
-/// Energies that each sample of a run with dynamics has.
+/// Energies of each sample in a run with dynamics.
 inline constexpr auto kEnergies = fieldsOfType<double>(Energies::fields());
 /// Vectors of a hold.
 inline constexpr auto kHolds = fieldsOfType<Vector3>(Hold::fields());
 
-/// The array of a figure of the samples.
+/// The array of a figure of samples.
 inline std::string arrayOf(const Field<Sample, double>& figure) {
   return std::string("measures/") + figure.name;
 }
-/// Of the steps.
+/// The array of a figure of steps.
 inline std::string arrayOf(const Field<StepRecord, double>& column) {
   return std::string("steps/") + column.name;
 }
-/// Of an energy.
+/// The array of an energy.
 inline std::string arrayOf(const Field<Energies, double>& energy) {
   return std::string("energy/") + energy.name;
 }
-/// Of a vector of the holds.
+/// The array of a vector of holds.
 inline std::string arrayOf(const Field<Hold, Vector3>& vector) {
   return std::string("holds/") + vector.name;
 }
-/// The array of a figure of the steps' reports. Files of earlier releases do not have all.
+/// The array of a figure of the steps' reports. Files of earlier releases lack some.
 inline std::string arrayOf(const StepFigure& figure) {
   return std::string("steps/") + figure.name;
 }
@@ -219,11 +219,11 @@ inline std::string arrayOf(const StepFigure& figure) {
 inline constexpr const char* kJointForces = "forces/joint";
 /// Whether each is indeterminate.
 inline constexpr const char* kIndeterminate = "forces/joint_indeterminate";
-/// The times of samples at which something holds.
+/// The times of samples with holds.
 inline constexpr const char* kHoldTimes = "holds/time";
-/// What holds, as a number of HoldKind.
+/// Type of the hold, as a number of HoldKind.
 inline constexpr const char* kHoldKinds = "holds/kind";
-/// The tile, and what it touches.
+/// The tile and the object that it touches.
 inline constexpr const char* kHoldTiles = "holds/tiles";
 
 }  // namespace kirireel::trajectory::layout
@@ -231,20 +231,20 @@ inline constexpr const char* kHoldTiles = "holds/tiles";
 namespace kirireel::trajectory {
 
 // ------------------------------------------------------------------------------------------------
-// The samples of a run as arrays, one behind the other: what programs that work on arrays look at
-// without copying.
+// The samples of a run as consecutive arrays, for programs that use arrays without
+// copying.
 
-/// Grows by whole samples. Its arrays stay where they are while it does not grow.
+/// Grows by whole samples. The addresses of its arrays are valid until it grows.
 class SampleTable {
  public:
-  /// Adds a sample later than those before, with as many poses as they have.
+  /// Adds a sample later than the others, with the same number of poses.
   void append(const Sample& sample);
 
   std::size_t size() const { return times_.size(); }  ///< samples
-  /// How many bricks there are.
+  /// The number of bricks.
   std::size_t brickCount() const { return brickCount_; }
 
-  /// The sample of an index from 0 to size() - 1.
+  /// One sample, index in [0, size()).
   Sample sample(std::size_t index) const;
 
   const std::vector<double>& times() const { return times_; }  ///< samples; seconds
@@ -256,9 +256,9 @@ class SampleTable {
   const std::vector<double>& targetErrors() const { return targetErrors_; }  ///< samples; metres
   const std::vector<double>& penetrations() const { return penetrations_; }  ///< samples; metres
 
-  /// samples x bricks x 6: velocity of the centre of mass in m/s, then that of turning in rad/s,
-  /// world axes. Samples store only poses, so these are their central differences, and one-sided
-  /// ones at both ends; zeros if there is one sample. Second order in the samples' interval.
+  /// samples x bricks x 6: velocity of the centre of mass in m/s, then angular velocity in rad/s,
+  /// world axes. Computed from poses by central differences, and one-sided ones at both ends. Zeros
+  /// if there is only one sample. Second order in the samples' interval.
   std::vector<double> velocities() const;
 
  private:
@@ -276,7 +276,7 @@ class SampleTable {
   std::vector<std::optional<Mechanics>> mechanics_;
 };
 
-/// All samples of a trajectory. Throws InputError as the reader does.
+/// All samples of a trajectory. Throws InputError like the reader.
 SampleTable readSamples(const TrajectoryReader& run);
 
 }  // namespace kirireel::trajectory

@@ -79,7 +79,7 @@ bool isNotSeparatedBySides(const Polygon& a, const Polygon& b, double tolerance)
   return true;
 }
 
-/// A polygon, anticlockwise, with what decides whether it overlaps others.
+/// A polygon, anticlockwise, with data for the overlap test.
 struct CoveringPiece {
   explicit CoveringPiece(Polygon given) : polygon(std::move(given)) {
     area = signedArea(polygon);
@@ -108,7 +108,7 @@ struct CoveringPiece {
   Eigen::AlignedBox2d box;
 };
 
-/// The number of the group of each piece: that of its first piece.
+/// The group number of each piece: the index of its first piece.
 std::vector<int> groupsOf(const std::vector<CoveringPiece>& pieces) {
   std::vector<std::size_t> order(pieces.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -173,7 +173,7 @@ std::vector<double> heightsOf(const std::vector<Side>& sides) {
   return heights;
 }
 
-/// The length that is covered along a horizontal line, by the sides that cross it.
+/// The covered length of a horizontal line, from the sides that cross it.
 double coveredLength(std::vector<std::pair<double, int>>& crossings) {
   std::ranges::sort(crossings);
   double length = 0, begin = 0;

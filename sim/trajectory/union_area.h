@@ -1,4 +1,4 @@
-/// The area that polygons cover together.
+/// Area of the union of polygons.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace kirireel::trajectory {
 
-/// The area of the union of simple polygons, square metres: what several of them cover counts once.
-/// The corners of each go round either way.
+/// The area of the union of simple polygons, square metres: overlaps count once. The corners of
+/// each polygon may have either orientation.
 double unionArea(const std::vector<std::vector<Eigen::Vector2d>>& polygons);
 
 }  // namespace kirireel::trajectory
