@@ -1,16 +1,16 @@
-// Measures against the exact motion of rotating squares.
+// Comparison with the exact motion of rotating squares.
 //
-// The sheet of squares has one way to move that keeps all joints closed, and it is known in closed
-// form (lattice.h): from the opening angle between two tiles follows the place of every vertex, up
-// to a rigid motion. So a state is measured at its own angle, after the exact sheet has been moved
-// onto it by the best fit: the rest is an error of shape, independent of the run's error in time
-// may be.
+// The sheet of squares has one motion that keeps all joints closed. It is known in closed form
+// (lattice.h): the opening angle between two tiles determines the position of every vertex, up to a
+// rigid motion. A state is therefore compared at its own angle, after the exact sheet has been
+// moved onto it by the best fit. The remaining difference is an error of shape. It does not depend
+// on the run's error in time.
 //
 // The reference for the error in time is the limit of ever shorter steps. For a method of first
-// order, x(h) = x + c_1 h + c_2 h^2 + O(h^3), and from the steps h, h/2, h/4
-//   x = (8 x(h/4) - 6 x(h/2) + x(h)) / 3 + O(h^3)
-// which is Richardson's extrapolation, twice (E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary
-// Differential Equations I, II.9).
+// order, x(h) = x + c_1 h + c_2 h^2 + O(h^3), and the steps h, h/2, h/4 give
+//   x = (8 x(h/4) - 6 x(h/2) + x(h)) / 3 + O(h^3).
+// This is Richardson's extrapolation, applied twice (E. Hairer, S. P. Norsett, G. Wanner, Solving
+// Ordinary Differential Equations I, II.9).
 #include "sim/study/exact_sheet.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@
 namespace kirireel::study {
 namespace {
 
-// All vertices one after the other, in the order of the tiles: what the best fit takes.
+// All vertices in the order of the tiles, as input of the best fit.
 std::vector<Vector3> verticesOf(const std::vector<model::Tile>& tiles) {
   std::vector<Vector3> vertices;
   for (const model::Tile& tile : tiles) {
@@ -52,11 +52,11 @@ scene::Scene sheetScene(int side, bool planar, model::JointFace face, double sta
   return scene;
 }
 
-// The turn of tile 1 against tile 0, radians from 0 to pi. In space too it is one angle, since the
-// closed motion turns tiles only about the vertical.
+// The rotation of tile 1 relative to tile 0, radians, [0, pi]. It is one angle in space too,
+// because the closed motion rotates tiles only about the vertical.
 double openingAngle(const Poses& poses) {
   const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
-  // The angle of a unit quaternion, from 0 to pi; precise for small angles, where an arc cosine is
+  // The angle of a unit quaternion, [0, pi]. It is precise for small angles; an arc cosine is
   // not.
   return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
@@ -76,8 +76,8 @@ VertexError vertexError(const std::vector<model::Tile>& found,
   return error;
 }
 
-// All three ways must have states at the same times. The vertices are extrapolated one by one:
-// their paths are smooth in the step.
+// All three motions must have states at the same times. Each vertex is extrapolated separately: its
+// path depends smoothly on the step.
 SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine) {
   SheetWay limit = fine;
   for (std::size_t k = 0; k < limit.size(); ++k) {
@@ -91,8 +91,8 @@ SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const Shee
   return limit;
 }
 
-// The largest error of any vertex at any of the times, metres. `desired` must have at least as many
-// states as `found`, which may have ended early.
+// The largest error of any vertex at any time, metres. `desired` must have at least as many states
+// as `found`, which may have ended early.
 double wayError(const SheetWay& found, const SheetWay& desired) {
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -101,8 +101,8 @@ double wayError(const SheetWay& found, const SheetWay& desired) {
   return largest;
 }
 
-// The exact sheet is moved as a whole, which removes the position of the sheet and how it is
-// turned.
+// The exact sheet is moved by a rigid motion, which removes the position and rotation of the
+// sheet.
 VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found) {
   model::TessellationShape shape;
   shape.columns = shape.rows = side;
@@ -118,21 +118,21 @@ VertexError sheetError(int side, double angle, const std::vector<model::Tile>& f
 // The path of a planar mechanism by continuation of its closure equations, independent of all
 // solvers.
 //
-// Unknown are x, y (m) and the turn p (rad) of every tile, q = (x_0, y_0, p_0, x_1, ...). With r a
-// corner's place about the mean of its tile's vertices and R(p) the rotation, a corner is at v =
-// (x, y) + R(p) r. The equations are
+// Unknowns are x, y (m) and the rotation p (rad) of every tile, q = (x_0, y_0, p_0, x_1, ...). With
+// r a corner's position about the mean of its tile's vertices and R(p) the rotation, a corner is at
+// v = (x, y) + R(p) r. The equations are
 //   v_a - v_b = 0                    for each joint, 2 rows
-//   (x_0, y_0, p_0) = where it was   tile 0 is held
-//   p_1 - p_0 = theta                the place on the path
-// There may be more rows than unknowns, because joints round closed loops repeat each other. A
+//   (x_0, y_0, p_0) = start value    tile 0 is fixed
+//   p_1 - p_0 = theta                the progress on the path
+// There may be more rows than unknowns, because joints in closed loops are redundant. A
 // Gauss-Newton step of least norm, from a complete orthogonal decomposition (which finds the rank),
-// converges quadratically where the rows agree. The derivative of v with respect to p is (-(v_y -
-// y), v_x - x). Following the path is natural continuation in theta: steps of a degree or less,
-// each from the last state. It fails at turning points of theta, which these sheets do not have,
-// and near closed states, where the rank drops. E. L. Allgower, K. Georg, Introduction to Numerical
-// Continuation Methods, SIAM, 2003.
+// converges quadratically if the rows are consistent. The derivative of v with respect to p is
+// (-(v_y - y), v_x - x). The path is followed by natural continuation in theta: steps of a degree
+// or less, each from the last state. It fails at turning points of theta, which these sheets do not
+// have, and near closed states, where the rank drops. E. L. Allgower, K. Georg, Introduction to
+// Numerical Continuation Methods, SIAM, 2003.
 //
-// All is dense: O(n^3) for n tiles, suitable for some dozens.
+// All matrices are dense: O(n^3) for n tiles, suitable for some dozens.
 
 namespace {
 
@@ -140,14 +140,14 @@ constexpr double kClosedSheet = 1e-12;  // metres
 // Quadratic convergence needs about 5; near singular states it is linear.
 constexpr int kMostRounds = 50;
 
-// Of the vertices; any fixed point of a tile would do.
+// Mean of the vertices; any fixed point of a tile would be possible.
 Vector3 meanOf(const model::Tile& tile) {
   Vector3 mean = Vector3::Zero();
   for (const Vector3& vertex : tile.vertices) mean += vertex;
   return mean / static_cast<double>(tile.vertices.size());
 }
 
-// In the plane, about the origin.
+// Rotates a point in the plane about the origin.
 Vector3 turned(const Vector3& point, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
@@ -156,8 +156,9 @@ Vector3 turned(const Vector3& point, double angle) {
 
 }  // namespace
 
-// With a and b the places about the two tiles' means, the turn that minimises sum |b - R a|^2 is
-// atan2(sum a x b, sum a . b), radians. Both tiles must have their vertices in the same order.
+// With a and b the positions about the two tiles' means, the rotation that minimises sum |b - R
+// a|^2 is atan2(sum a x b, sum a . b), radians. Both tiles must have their vertices in the same
+// order.
 double planarTurn(const model::Tile& from, const model::Tile& to) {
   const Vector3 meanFrom = meanOf(from);
   const Vector3 meanTo = meanOf(to);
@@ -169,11 +170,11 @@ double planarTurn(const model::Tile& from, const model::Tile& to) {
     along += a.x() * b.x() + a.y() * b.y();
     across += a.x() * b.y() - a.y() * b.x();
   }
-  // The best turn by least squares, as in isometry.cpp.
+  // The best rotation by least squares, as in isometry.cpp.
   return std::atan2(across, along);
 }
 
-// Shapes are kept about their own means: a state's x and y are the position of the mean.
+// Shapes are stored about their own means: x and y of a state are the position of the mean.
 ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
                          const std::vector<model::Joint>& joints)
     : shapes_(tiles), joints_(joints) {
@@ -183,8 +184,8 @@ ClosurePath::ClosurePath(const std::vector<model::Tile>& tiles,
   }
 }
 
-// The rotation is that of the best fit: tiles which are bent by rounding, or by an engine, have a
-// state too.
+// The rotation is that of the best fit: tiles deformed by rounding, or by an engine, also have a
+// state.
 PlanarState ClosurePath::stateOf(const std::vector<model::Tile>& placed) const {
   PlanarState state(3 * static_cast<Eigen::Index>(placed.size()));
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -211,8 +212,8 @@ double ClosurePath::gap(const PlanarState& state) const {
   return largest;
 }
 
-/// All joints closed, tile 0 held where it was and tile 1 at the desired angle, and what a state
-/// misses of that.
+/// Residuals and derivatives: all joints closed, tile 0 fixed and tile 1 at the desired
+/// angle.
 ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, const Vector3& held,
                                                      double desired) const {
   const auto last = 2 * static_cast<Eigen::Index>(joints_.size());
@@ -222,7 +223,7 @@ ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, c
     const auto row = 2 * static_cast<Eigen::Index>(j);
     const model::Joint& joint = joints_[j];
     made.missed.segment<2>(row) = (vertex(state, joint.a) - vertex(state, joint.b)).head<2>();
-    // dv/d(x, y) is the identity and dv/dp is the place about the mean, turned by 90 degrees.
+    // dv/d(x, y) is the identity. dv/dp is the position about the mean, rotated by 90 degrees.
     for (const auto& [corner, sign] : {std::pair(joint.a, 1.0), std::pair(joint.b, -1.0)}) {
       const auto first = 3 * static_cast<Eigen::Index>(corner.tile);
       const Vector3 place = vertex(state, corner);
@@ -232,25 +233,25 @@ ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, c
       made.slopes(row + 1, first + 2) += sign * (place.x() - state[first]);
     }
   }
-  // The three rows that hold tile 0, and the one that asks for the angle of tile 1 against it.
+  // The three rows that fix tile 0, and the row for the angle of tile 1 relative to it.
   made.slopes.block<3, 3>(last, 0).setIdentity();
   made.missed.segment<3>(last) = state.head<3>() - held;
   made.slopes(last + 3, 5) = 1;
   made.slopes(last + 3, 2) = -1;
-  // Angles count up to whole turns.
+  // Angles are compared up to full turns.
   made.missed[last + 3] = std::remainder(angle(state) - desired, 2 * std::numbers::pi);
   return made;
 }
 
 // Gauss-Newton from a nearby state to the closed one with the desired angle (radians). Throws
-// RunError where the joints do not close. One round costs a dense decomposition, O(n^3).
+// RunError if the joints do not close. One round costs a dense decomposition, O(n^3).
 PlanarState ClosurePath::close(PlanarState state, double desired) const {
   const Vector3 held = state.head<3>();
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
     const ClosureEquations here = equations(state, held, desired);
     const double worst = here.missed.lpNorm<Eigen::Infinity>();
-    // On to rounding: a round that no longer halves what is missed is the last.
+    // Iterates to rounding: the first round that does not halve the residual is the last.
     if (worst < kClosedSheet && worst > 0.5 * before) break;
     before = worst;
     state -= here.slopes.completeOrthogonalDecomposition().solve(here.missed);
@@ -260,10 +261,11 @@ PlanarState ClosurePath::close(PlanarState state, double desired) const {
                              desired, gap(state)));
 }
 
-// Closes the state at equal steps of the angle of at most `step` radians, each from the one before.
+// Closes the state at equal steps of the angle of at most `step` radians, each from the previous
+// state.
 PlanarState ClosurePath::follow(PlanarState state, double desired, double step) const {
   const double from = angle(state);
-  // The shorter way round.
+  // The shorter direction.
   const double way = std::remainder(desired - from, 2 * std::numbers::pi);
   const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(way) / step)));
   for (int k = 1; k <= steps; ++k) state = close(std::move(state), from + way * k / steps);

@@ -1,4 +1,4 @@
-/// Motions that are known exactly: in closed form, and by the closure of a mechanism.
+/// Exactly known motions: in closed form, and by the closure of a mechanism.
 #pragma once
 
 #include <vector>
@@ -9,66 +9,66 @@
 namespace kirireel::study {
 
 // ------------------------------------------------------------------------------------------------
-// The sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
+// A sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
 
-/// A square sheet of side x side tiles, without contacts, opened by so many radians at the start.
-/// Joints on both faces are hinges, two point joints each to engines; on the bottom only they are
-/// one.
-/// Tiles are 1 m wide; the target is the sheet opened to 90 degrees.
+/// A square sheet of side x side tiles, without contacts. `startAngle`: opening at the start,
+/// radians. Joints on both faces are hinges, i.e. two point joints each for engines. On the
+/// bottom only they are one. Tiles are 1 m wide; the target is the sheet opened to 90
+/// degrees.
 scene::Scene sheetScene(int side, bool planar, model::JointFace face = model::JointFace::Both,
                         double startAngle = 0);
 
-/// The angle between the first two tiles of a sheet, radians from 0.
+/// The angle between the first two tiles of a sheet, radians, >= 0.
 double openingAngle(const Poses& poses);
 
-/// How far vertices are from where they should be, metres.
+/// Distances of vertices from their exact positions.
 struct VertexError {
   double max = 0;   ///< metres
   double mean = 0;  ///< metres
 };
 
-/// How far corresponding vertices are apart.
+/// Distances of corresponding vertices.
 VertexError vertexError(const std::vector<model::Tile>& found,
                         const std::vector<model::Tile>& desired);
 
-/// The states that a sheet passes through, at equal times.
+/// The states of a sheet over time, at equal intervals.
 using SheetWay = std::vector<std::vector<model::Tile>>;
 
-/// The limit of ever shorter steps of first order: their error is a power series in the step, so
-/// that ways in steps of h, h / 2 and h / 4 give it but for the third order.
-/// All three have the same states at the same times.
+/// The limit of first-order steps for a step length of 0. Their error is a power series in the
+/// step. Results for steps of h, h / 2 and h / 4 give the limit up to the third order. All three
+/// have states at the same times.
 SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine);
 
-/// The farthest that a vertex is on one way from where it is on another at that time, metres.
+/// The largest distance of a vertex between two motions at the same time, metres.
 double wayError(const SheetWay& found, const SheetWay& desired);
 
-/// How far a sheet is from the exact one at the same opening angle, wherever that one is placed.
+/// The distance from the exact sheet at the same opening angle, after the best rigid motion.
 VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found);
 
 // ------------------------------------------------------------------------------------------------
-// The exact path of a planar mechanism with one way to move, by continuation of its closure
-// equations. Knows no forces, no steps and nothing of the joint solver.
+// The exact path of a planar mechanism with one degree of freedom, by continuation of its closure
+// equations. It uses no forces, no steps and no part of the joint solver.
 
-/// The places of the bottoms of planar tiles: x, y and turn of each, about the mean of its
+/// Poses of the bottoms of planar tiles: x, y and rotation of each, about the mean of its
 /// vertices.
 using PlanarState = Eigen::VectorXd;
 
 /// A sheet whose joints all lie in one horizontal plane.
 class ClosurePath {
  public:
-  /// `tiles`: the shape of each tile; `joints`: pivots. Tile 0 is held, and the turn of tile 1
-  /// against it is the progress on the path.
+  /// `tiles`: the shape of each tile; `joints`: pivots. Tile 0 is fixed. The rotation of tile 1
+  /// relative to it is the progress on the path.
   ClosurePath(const std::vector<model::Tile>& tiles, const std::vector<model::Joint>& joints);
 
   /// The state of the given tiles, which are congruent to those of the constructor.
   PlanarState stateOf(const std::vector<model::Tile>& placed) const;
 
-  /// The turn of tile 1 against tile 0 in a state, radians, to whole turns.
+  /// The rotation of tile 1 relative to tile 0 in a state, radians, up to full turns.
   double angle(const PlanarState& state) const { return state[5] - state[2]; }
 
-  /// Closes all joints at the given angle by Gauss-Newton steps from a state nearby. Throws
-  /// RunError when a gap above 1e-12 is left.
-  /// `angle` in radians. Each round factors a dense matrix of (2 joints + 4) x (3 tiles).
+  /// Closes all joints at the given angle by Gauss-Newton steps from a nearby state. Throws
+  /// RunError if a gap above 1e-12 m remains. `angle` in radians. Each round factors a dense matrix
+  /// of (2 joints + 4) x (3 tiles).
   PlanarState close(PlanarState state, double angle) const;
 
   /// Follows the path from a state on it to an angle, in steps of at most `step` radians.
@@ -93,8 +93,8 @@ class ClosurePath {
   std::vector<model::Joint> joints_;
 };
 
-/// The angle by which planar points are turned about their mean from one set to another, radians
-/// from -pi to pi.
+/// The rotation of planar points about their mean from one set to another, radians, [-pi,
+/// pi].
 double planarTurn(const model::Tile& from, const model::Tile& to);
 
 }  // namespace kirireel::study

@@ -1,6 +1,6 @@
-// The hard cases themselves: singular starts, redundant and inconsistent joints, extreme masses,
-// thicknesses, stiffnesses and steps, friction with a known answer, contacts in narrow places, a
-// large sheet; and inputs that must be refused.
+// The hard cases: singular starts, redundant and inconsistent joints, extreme masses, thicknesses,
+// stiffnesses and steps, friction with a known solution, contacts in narrow places, a large sheet;
+// and inputs that must be rejected.
 
 #include <algorithm>
 #include <cmath>
@@ -43,10 +43,10 @@ HardTrial contactTrial(std::string name, std::string tried, const std::string& f
   return trial;
 }
 
-/// The same numbers from every standard library, from -1 to 1.
+/// Identical numbers in all standard libraries, [-1, 1).
 class Noise {
  public:
-  // A whole number from 0 to 2^32 - 1, less its middle, over 2^31.
+  // An integer in [0, 2^32), shifted by its middle, over 2^31.
   double next() { return generator_() / 2147483648.0 - 1; }
   // A random vector in the plane, each component up to `size` metres.
   Vector3 inPlane(double size) {
@@ -58,7 +58,7 @@ class Noise {
   std::mt19937 generator_{1};
 };
 
-// Each hinge's rows three times: the rank stays what it was.
+// The rows of each hinge three times: the rank does not change.
 HardTrial redundantHinges() {
   HardTrial trial = sheetTrial("redundant hinges", "every hinge three times; 20 x 20", 20, false);
   const std::vector<model::Joint> once = trial.scene.model.joints;
@@ -80,7 +80,7 @@ HardTrial inconsistentData() {
   return trial;
 }
 
-/// Shapes that fit each other no longer in any state: the joints must open no more than the noise.
+/// Shapes that fit each other in no state: the joints must not open by more than the noise.
 HardTrial noisyShapes(double size) {
   HardTrial trial{fmt::format("noise {:g}", size),
                   fmt::format("every vertex {:g} off; shapes that fit no more", size),
@@ -94,7 +94,7 @@ HardTrial noisyShapes(double size) {
   return trial;
 }
 
-// Neighbours differ by a million: every joint has one light and one heavy brick.
+// Masses of neighbours differ by a million: every joint has one light and one heavy brick.
 HardTrial massRatio() {
   HardTrial trial =
       sheetTrial("mass ratio 1e6", "every other tile a million times as heavy", 6, false);
@@ -106,8 +106,8 @@ HardTrial massRatio() {
   return trial;
 }
 
-// The pivots of a joint's two faces are a thickness apart: in thin bricks their rows are nearly
-// dependent, in thick ones they lie far from the centres of mass.
+// The pivots of a joint's two faces are a thickness apart. In thin bricks their rows are nearly
+// dependent. In thick bricks they are far from the centres of mass.
 HardTrial thickness(double metres) {
   HardTrial trial = sheetTrial(fmt::format("thickness {:g}", metres),
                                fmt::format("bricks {:g} thick; tiles 1 wide", metres), 6, false);
@@ -115,7 +115,7 @@ HardTrial thickness(double metres) {
   return trial;
 }
 
-// An explicit step of 1/240 s would diverge at far less.
+// An explicit step of 1/240 s would diverge at a far smaller stiffness.
 HardTrial stiffness() {
   HardTrial trial = sheetTrial("stiffness 1e5", "k_f and k_tau 1e5; hardly any damping", 6, false);
   trial.scene.springs.springStiffness = trial.scene.springs.torqueStiffness = 1e5;
@@ -123,7 +123,7 @@ HardTrial stiffness() {
   return trial;
 }
 
-// An implicit step has no limit of stability. It must hold the joints however long it is.
+// An implicit step has no stability limit. It must hold the joints at any length.
 HardTrial longStep(int rate) {
   HardTrial trial =
       sheetTrial(fmt::format("step 1/{} s", rate), fmt::format("a step of 1/{} s", rate), 6, false);
@@ -132,16 +132,16 @@ HardTrial longStep(int rate) {
   return trial;
 }
 
-// A tenth of a second, since it is the size that is tried.
+// A tenth of a second: this case tests only the size.
 HardTrial hugeSheet() {
   HardTrial trial = sheetTrial("10000 tiles", "a sheet of 100 x 100", 100, true);
   trial.seconds = 0.1;
   return trial;
 }
 
-/// A brick on a slope: it starts to slide, and gains what friction leaves.
+/// A brick slides down a slope with the acceleration that friction leaves.
 HardTrial sliding() {
-  // Accelerations, m/s^2: standard gravity down, and a pull along the ground above friction's bound
+  // Accelerations, m/s^2: standard gravity down, and a pull along the ground above friction's limit
   // 0.3 x 9.81. The brick slides from the start.
   constexpr double kDown = 9.81;
   constexpr double kAlong = 5;
@@ -149,8 +149,8 @@ HardTrial sliding() {
   HardTrial trial{"sliding", "a brick slides down a slope with friction 0.3", sheetScene(1, false)};
   trial.scene.model.target.reset();
   scene::Environment& environment = trial.scene.environment;
-  // Tilted gravity in place of a tilted ground: with the acceleration a = kAlong - kFriction kDown
-  // the brick has slid by a t^2 / 2.
+  // Tilted gravity instead of a tilted ground. With the acceleration a = kAlong - kFriction kDown
+  // the brick has moved by a t^2 / 2.
   environment.gravity = {kAlong, 0, -kDown};
   environment.ground = scene::Ground{0, kFriction};
   environment.linearDamping = environment.angularDamping = 0;
@@ -164,8 +164,8 @@ HardTrial sliding() {
 
 }  // namespace
 
-// Noise from below rounding of a file to a thousandth of a tile; a thickness of a ten-thousandth
-// and of two tiles. A quick study omits the largest sheet.
+// Noise from below the rounding of a file to a thousandth of a tile; a thickness of a
+// ten-thousandth and of two tiles. A quick study omits the largest sheet.
 std::vector<HardTrial> hardTrials(bool quick) {
   std::vector<HardTrial> trials;
   trials.push_back(sheetTrial("compact start", "closed; singular; 10 x 10 in space", 10, false));
@@ -185,7 +185,7 @@ std::vector<HardTrial> hardTrials(bool quick) {
   return trials;
 }
 
-// Each must end in an InputError. The scene is valid but for what is spoilt.
+// Each must end in an InputError. The scene is valid except for one modification.
 std::vector<Refusal> refusals() {
   const auto deployed = [](const std::function<void(scene::Scene&)>& spoil) {
     return [spoil] {
@@ -220,21 +220,20 @@ std::vector<Refusal> refusals() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Hard cases, each run with our solver and with Bullet as in PyKirigami, and compared with the same
-// limits: a run holds where it stays finite, its joints do not open by more than a thousandth of a
-// tile, its energy does not grow, and bricks do not overlap by more than a fiftieth of a tile.
-// Inputs that make no sense have to be refused with a message. A case that takes longer than its
-// budget of CPU time is stopped and evaluated as it is.
+// Hard cases, each run with our solver and with Bullet as in PyKirigami, with the same limits. A
+// run passes if it stays finite, its joints do not open by more than a thousandth of a tile, its
+// energy does not grow, and bricks do not overlap by more than a fiftieth of a tile. Invalid inputs
+// must be rejected with a message. A case that exceeds its budget of CPU time is stopped and
+// evaluated at that point.
 
 namespace {
 
-// What a run may do and still count as held. Lengths in tiles.
+// Limits of a run that passes. Lengths in tiles.
 constexpr double kGapAllowed = 1e-3;
 constexpr double kGrowthAllowed = 1e-3;  // of the energy in a step, relative to the start
 constexpr double kOverlapAllowed = 0.02;
 
-/// The deepest overlap outside shared corners, in tiles; 0 where bricks may pass through each
-/// other.
+/// The deepest overlap outside shared corners, in tiles. 0 without contacts.
 double overlapNow(const SteppedScene& run, const scene::Scene& scene) {
   if (scene.environment.contacts == scene::ContactFilter::None) return 0;
   return trajectory::deepestPenetrationOutsidePivots(
@@ -243,18 +242,18 @@ double overlapNow(const SteppedScene& run, const scene::Scene& scene) {
          model::tileSize(scene.model);
 }
 
-// A run that took fewer steps than asked for, though all was finite, ran out of its CPU time.
+// A finite run with fewer steps than requested exceeded its CPU time.
 std::string outcomeOf(const Stability& stability, int steps) {
   if (!stability.finite) return "diverged";
   return stability.steps < steps ? "cut off" : "done";
 }
 
-// One row: what a method did with a hard case.
+// One row: the result of a method on a hard case.
 std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
   method.rate = trial.rate;
   scene::Scene scene = trial.scene;
   scene.solver.timestep = 1.0 / trial.rate;
-  // Cases with bricks of their own (masses) bring them; others get those of the scene.
+  // Cases may have their own bricks (masses). Otherwise the scene makes them.
   SteppedScene run(
       scene,
       trial.bricks.empty() ? model::makeBricks(scene.model.tiles, scene.brick) : trial.bricks,
@@ -274,7 +273,7 @@ std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
            cell(stability.unconverged), cell(1e3 * run.seconds() / time), cell(held)}};
 }
 
-// One row: whether an input was refused, and with which message.
+// One row: whether an input was rejected, and with which message.
 std::vector<Row> expectRefusal(const Refusal& refusal) {
   std::string outcome = "not refused";
   bool held = false;
@@ -287,7 +286,7 @@ std::vector<Row> expectRefusal(const Refusal& refusal) {
   return {{refusal.tried, "direct", cell(outcome), "", "", "", "", "", "", "", "", cell(held)}};
 }
 
-// Each trial once with each solver, then each input that must be refused.
+// Each trial once with each solver, then each input that must be rejected.
 std::vector<StudyCase> hardCasesCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   const double budget = quick ? 3 : 30;
@@ -304,7 +303,7 @@ std::vector<StudyCase> hardCasesCases(Extent extent) {
   return made;
 }
 
-/// How many rows of an engine have this in a column.
+/// The number of an engine's rows with this value in a column.
 double count(const Table& table, const std::string& engine, const std::string& column,
              const std::string& text) {
   double found = 0;
@@ -315,7 +314,7 @@ double count(const Table& table, const std::string& engine, const std::string& c
   return found;
 }
 
-// Only counts: the rows have the cases.
+// Only counts: the rows contain the cases.
 std::vector<Finding> hardCasesFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_diverged", count(table, "direct", "outcome", "diverged"), "runs of ours"},

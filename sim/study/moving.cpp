@@ -1,8 +1,8 @@
-// Work against precision in time, where all of a sheet moves: squares that springs pull open from 5
-// degrees, for half a second. What is measured is the farthest that any vertex is from where it
-// should be at that time. The reference is the limit of fixed steps of first order with closed
-// joints: their error is a power series in the step, of which three runs take away two terms.
-// Steps to a tolerance are another integrator, and should meet it.
+// Work against precision in time for a sheet in motion: springs pull squares open from 5 degrees,
+// for half a second. The error is the largest distance of a vertex from its exact position at that
+// time. The reference is the limit of fixed steps of first order with closed joints. Their error is
+// a power series in the step, and three runs remove two of its terms. Steps to a tolerance are
+// another integrator with the same limit.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,19 +20,19 @@ constexpr double kSeconds = 0.5;
 constexpr double kFirstAngle = 5 * kDegree;
 constexpr int kStatesASecond = 15;     // divides every rate
 constexpr int kReferenceRate = 1920;   // of the coarsest of three runs
-constexpr double kTimedSeconds = 0.5;  // of CPU: short runs are timed again, and the least counts
+constexpr double kTimedSeconds = 0.5;  // of CPU: shorter runs are repeated, the least time counts
 constexpr int kMostTimes = 9;
 
-/// What one run leaves; an engine in which the sheet flies apart has no errors worth a number.
+/// Result of one run. If the sheet flies apart in an engine, the errors are NaN.
 struct MovingRun {
   SheetWay states;
   double cpuSeconds = 0;
   double gap = 0;
 };
 
-// One run of a method over kSeconds, with the tiles at each state's time.
+// One run of a method over kSeconds, with the tiles at the time of each state.
 MovingRun runMoving(const SheetMethod& job) {
-  // Engines get one point joint a hinge in the plane, which is enough and costs them least.
+  // In the plane engines get one point joint per hinge, which is sufficient and cheapest.
   const bool isPoint = job.planar && job.method.engine != kDirect;
   scene::Scene scene =
       sheetScene(job.side, job.planar, isPoint ? model::JointFace::Bottom : model::JointFace::Both,
@@ -52,14 +52,14 @@ MovingRun runMoving(const SheetMethod& job) {
   return result;
 }
 
-// The exact way, to the third order of 1/1920 s.
+// The exact motion, up to the third order of 1/1920 s.
 SheetWay limitOfFixedSteps(int side) {
   const auto statesAt = [&](int rate) { return runMoving({{kDirect, rate}, true, side}).states; };
   return limitOfSteps(statesAt(kReferenceRate), statesAt(2 * kReferenceRate),
                       statesAt(4 * kReferenceRate));
 }
 
-/// Made once for all methods.
+/// Computed once for all methods.
 const SheetWay& movingReference(int side) {
   static std::map<int, SheetWay> made;
   const auto found = made.find(side);
@@ -81,7 +81,7 @@ std::vector<Row> measureMoving(const SheetMethod& job) {
            cell(errorInTime(run, job.side))}};
 }
 
-// Ours with fixed steps from 1/30 s on, and with steps of up to 1/30 s to a tolerance in tiles.
+// Ours with fixed steps from 1/30 s down, and with steps of up to 1/30 s to a tolerance in tiles.
 void addOurs(std::vector<Method>& methods) {
   for (const int rate : {30, 45, 60, 90, 120, 240, 480, 960}) methods.push_back({kDirect, rate});
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
@@ -115,7 +115,7 @@ std::vector<SheetMethod> movingSheets(Extent extent) {
   return sheets;
 }
 
-// Names of cases must differ, since a study is resumed by them.
+// Names of cases must differ, because a resumed study identifies cases by name.
 StudyCase movingCase(const SheetMethod& sheet, Extent /*extent*/) {
   const Method& method = sheet.method;
   const std::string rate = method.engine == kDirect ? "" : fmt::format(" 1/{} s", method.rate);
@@ -124,8 +124,8 @@ StudyCase movingCase(const SheetMethod& sheet, Extent /*extent*/) {
           [sheet] { return measureMoving(sheet); }};
 }
 
-/// Over all settings of an engine, the least ratio of its CPU time to our cheapest setting that
-/// errs no more in time.
+/// The least ratio, over all settings of an engine, of its CPU time to our cheapest setting with no
+/// larger error in time.
 double leastCostAtEqualError(const Table& table, const std::string& engine,
                              const std::string& motion, const std::string& tiles) {
   double least = std::nan("");
@@ -146,7 +146,7 @@ double leastCostAtEqualError(const Table& table, const std::string& engine,
   return least;
 }
 
-// One figure for each engine, motion and size. It is not a number where rows are absent.
+// One figure for each engine, motion and size. NaN if rows are absent.
 std::vector<Finding> movingFindings(const Table& table) {
   std::vector<std::string> inSpace = {"sequential impulse", "nncg", "multibody"};
   std::ranges::copy(otherEngines(table, "space"), std::back_inserter(inSpace));

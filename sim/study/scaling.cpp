@@ -13,7 +13,7 @@
 
 namespace kirireel::study {
 
-// Not a number where all points have the same x, or where a logarithm does not exist.
+// NaN if all points have the same x, or if a logarithm does not exist.
 double fittedExponent(const std::vector<PowerPoint>& points) {
   const double count = static_cast<double>(points.size());
   double meanX = 0;
@@ -33,26 +33,26 @@ double fittedExponent(const std::vector<PowerPoint>& points) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Cost and memory of a step by the number of tiles. The time of a step is an average over up to 240
-// steps from the closed state on; large sheets take fewer, as many as their budget allows.
-// Exponents are fitted from 100 tiles on, as fixed costs hide the law below.
+// Cost and memory of a step against the number of tiles. The time of a step is an average over up
+// to 240 steps from the closed state. Large sheets take fewer steps, as many as their budget
+// allows. Exponents are fitted from 100 tiles, because fixed costs dominate below.
 
 namespace {
 
-// The first steps leave the closed state and take longer; both kinds are counted, as in a run.
+// The first steps leave the closed state and take longer. All steps count, as in a run.
 constexpr int kSteps = 240;
 constexpr int kLeastSteps = 3;
-// From here on costs follow a power law.
+// Above this number costs follow a power law.
 constexpr double kLeastTiles = 100;
 
-/// Bytes that the program holds at present.
+/// Bytes that the program currently holds.
 double heldBytes() {
-  // glibc's own account: blocks in use and mapped blocks, without what the system has set aside.
+  // From glibc's statistics: blocks in use and mapped blocks, without reserved memory.
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-// Memory is what the program holds after the run less what it held before: bricks, joints, plan and
+// Memory is the difference of held memory after and before the run: bricks, joints, plan and
 // factor.
 std::vector<Row> growSheet(const SheetMethod& settings, double budget) {
   const scene::Scene scene = sheetScene(settings.side, settings.planar);
@@ -70,8 +70,8 @@ std::vector<Row> growSheet(const SheetMethod& settings, double budget) {
            cell(1e3 * run.setupSeconds()), cell((heldBytes() - before) / 1e6), cell(gap)}};
 }
 
-// Sides of the sheets: tiles quadruple, and at last grow by 6.25 times. Each engine runs with one
-// setting; the sweeps of 50 iterations are those of the baseline.
+// Sides of the sheets: the number of tiles grows by a factor of 4, finally of 6.25. Each engine
+// runs with one setting; the sweeps of 50 iterations are those of the baseline.
 std::vector<SheetMethod> scalingSheets(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<SheetMethod> sheets;
@@ -91,7 +91,7 @@ StudyCase scalingCase(const SheetMethod& sheet, Extent extent) {
           [sheet, budget] { return growSheet(sheet, budget); }};
 }
 
-// The slope of a column over the tiles, both as logarithms, of one engine and motion.
+// The slope of a column over the tiles, both as logarithms, for one engine and motion.
 double exponent(const Table& table, const std::string& engine, const std::string& motion,
                 const std::string& column) {
   std::vector<PowerPoint> points;
@@ -103,8 +103,8 @@ double exponent(const Table& table, const std::string& engine, const std::string
   return fittedExponent(points);
 }
 
-// For sheets in the plane a sparse direct method can expect about n^1.5 of time and n log n of
-// memory with nested dissection (A. George, SIAM J. Numer. Anal. 10, 1973).
+// In the plane a sparse direct method should need about n^1.5 of time and n log n of memory with
+// nested dissection (A. George, SIAM J. Numer. Anal. 10, 1973).
 std::vector<Finding> scalingFindings(const Table& table) {
   const std::string time = "ms_per_step";
   const std::string memory = "memory_mb";

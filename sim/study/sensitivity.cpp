@@ -1,6 +1,6 @@
-// How the error falls with time for different stiffnesses, dampings and thicknesses, as curves of
-// two models that are hard in different ways: a square to a disk locks on its way where the pull is
-// stiff, and the bricks of a cap collide. Rows come twelve times a second. Curves that exceed their
+// Decrease of the error over time for different stiffnesses, dampings and thicknesses. Two models
+// are difficult for different reasons: a square to a disk locks on its path if the pull is stiff,
+// and the bricks of a cap collide. There are twelve rows per second. Curves that exceed their
 // budget of CPU time end early.
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace kirireel::study {
 namespace {
 
 constexpr int kRowsASecond = 12;
-// As in the square2disk study: what arrives there.
+// As in the square2disk study: a stiffness that reaches the target.
 constexpr double kSpringStiffness = 25;
 
 /// One curve of a panel.
@@ -35,13 +35,13 @@ scene::Scene sceneOf(const SensitivityCurve& curve) {
   if (curve.parameter == "mu_v") scene.springs.forceDamping = curve.value;
   if (curve.parameter == "thickness") {
     scene.brick.thickness = curve.value;
-    // Without contacts a thickness would hardly matter.
+    // Without contacts the thickness has hardly any effect.
     scene.environment.contacts = scene::ContactFilter::All;
   }
   return scene;
 }
 
-// A row for each twelfth of a second.
+// One row for each twelfth of a second.
 std::vector<Row> follow(const SensitivityCurve& curve) {
   const scene::Scene scene = sceneOf(curve);
   SteppedScene run(scene, curve.method);
@@ -73,7 +73,7 @@ std::vector<double> valuesOf(const std::string& parameter, bool quick) {
   return quick ? std::vector{0.005, 0.05} : std::vector{0.001, 0.005, 0.02, 0.05, 0.1};
 }
 
-// Every curve once with ours and once with Bullet; a quick study has two values a panel.
+// Every curve once with ours and once with Bullet; a quick study has two values per panel.
 std::vector<StudyCase> sensitivityCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
@@ -92,7 +92,8 @@ std::vector<StudyCase> sensitivityCases(Extent extent) {
   return made;
 }
 
-// Only panels of thickness have contacts, and are counted separately: contacts change the gaps.
+// Only panels of thickness have contacts. They are counted separately, because contacts change the
+// gaps.
 double largestGap(const Table& table, const std::string& engine, bool contacts) {
   double largest = std::nan("");
   for (const Row& row : table.rows) {

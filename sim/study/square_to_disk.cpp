@@ -1,8 +1,8 @@
 // A square that becomes a disk, against the exact path of its closure equations (exact_sheet.h).
-// The mechanism has one way to move: a state of a run is compared with the state of the
-// path at the same angle between two tiles, moved onto it by the best fit. The path is followed
-// from the middle of the run towards both ends, because it is regular in the middle and singular
-// where the sheet is closed.
+// The mechanism has one degree of freedom. A state of a run is compared with the state of the path
+// at the same angle between two tiles, moved onto it by the best fit. The path is followed from the
+// middle of the run towards both ends, because it is regular in the middle and singular in the
+// closed states.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,22 +19,22 @@
 namespace kirireel::study {
 namespace {
 
-// A stiffer pull along straight lines locks this mechanism on its way.
+// A stiffer pull along straight lines locks this mechanism on its path.
 constexpr double kDiskStiffness = 25;
 constexpr double kRowEvery = 2 * kDegree;
 constexpr double kPathStep = 1 * kDegree;
-// Near both closed states the path is singular: tiles may also move in other ways there.
+// Near both closed states the path is singular: tiles may have other motions there.
 constexpr double kSingular = 5;  // degrees
 
 /// A state of the run, at an angle.
 struct State {
   double time = 0;
-  double angle = 0;  // of tile 1 against tile 0, radians from 0
+  double angle = 0;  // of tile 1 relative to tile 0, radians, >= 0
   double gap = 0;
   std::vector<model::Tile> tiles;
 };
 
-// By how much tile 1 has turned against tile 0 since the start, radians from 0 to pi.
+// The rotation of tile 1 relative to tile 0 since the start, radians, [0, pi].
 double turnBetween(const std::vector<model::Tile>& start, const std::vector<model::Tile>& tiles) {
   const double turn = planarTurn(start[1], tiles[1]) - planarTurn(start[0], tiles[0]);
   return std::abs(std::remainder(turn, 2 * std::numbers::pi));
@@ -49,8 +49,8 @@ std::vector<State> deployed(const scene::Scene& scene, const Method& method, dou
     run.advance();
     State state{step / double(method.rate), 0, run.gap(), run.tiles()};
     state.angle = turnBetween(scene.model.tiles, state.tiles);
-    // Rows at equal steps of the angle and not of time: the run is fast in the middle and slow at
-    // its ends.
+    // Rows at equal steps of the angle, not of time: the run is fast in the middle and slow at its
+    // ends.
     const double next = states.empty() ? 0 : states.back().angle + kRowEvery;
     if (state.angle >= next || step == steps) states.push_back(std::move(state));
   }
@@ -73,7 +73,7 @@ double radiusOf(const std::vector<model::Tile>& tiles) {
   return radius;
 }
 
-/// The tiles moved as one onto others.
+/// Moves the tiles by the rigid motion that fits the others best.
 std::vector<model::Tile> fitted(std::vector<model::Tile> tiles,
                                 const std::vector<model::Tile>& onto) {
   model::Model pair;
@@ -83,8 +83,8 @@ std::vector<model::Tile> fitted(std::vector<model::Tile> tiles,
   return pair.tiles;
 }
 
-/// Follows the exact path from the middle of the run to both of its ends, and gives the tiles at
-/// each state's angle; none where the path could not be closed.
+/// Follows the exact path from the middle of the run to both of its ends. Returns the tiles at each
+/// state's angle, without those for which the path could not be closed.
 std::map<const State*, std::vector<model::Tile>> exactTiles(const scene::Scene& scene,
                                                             const std::vector<State>& states) {
   const ClosurePath path(scene.model.tiles, scene.model.joints);
@@ -94,7 +94,7 @@ std::map<const State*, std::vector<model::Tile>> exactTiles(const scene::Scene& 
   const PlanarState open = path.stateOf(middle->tiles);
   std::map<const State*, std::vector<model::Tile>> exact;
   const auto followTo = [&](PlanarState& state, const State& desired) {
-    // The run's state only gives the angle to which the path is followed.
+    // The run's state only defines the angle up to which the path is followed.
     const PlanarState there = path.stateOf(desired.tiles);
     state = path.follow(std::move(state), path.angle(there), kPathStep);
     exact[&desired] = path.tiles(state);
@@ -124,7 +124,7 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   return rows;
 }
 
-// One case a method. A quick study ends earlier on the way.
+// One case per method. A quick study ends earlier on the path.
 std::vector<StudyCase> squareToDiskCases(Extent extent) {
   const double seconds = extent == Extent::Quick ? 3 : 6;
   std::vector<StudyCase> made;
@@ -134,7 +134,7 @@ std::vector<StudyCase> squareToDiskCases(Extent extent) {
   return made;
 }
 
-/// The largest value of a column in an engine's rows, near the closed states or away from them.
+/// The largest value of a column in an engine's rows, near the closed states or elsewhere.
 double largest(const Table& table, const std::string& engine, const std::string& column,
                bool singular) {
   double found = std::nan("");

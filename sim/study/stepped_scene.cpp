@@ -1,6 +1,6 @@
-// A loop simpler than a run's: springs of constant stiffness, a nudge, no path, no timeline, no
-// stop. It serves studies that look at each step's energy, gap and cost, and its figures are about
-// the solver alone.
+// A simpler loop than that of a run: springs of constant stiffness, a nudge, no path, no timeline,
+// no stop. Studies use it to read each step's energy, gap and cost. Its figures measure only the
+// solver.
 #include "sim/study/stepped_scene.h"
 
 #include <algorithm>
@@ -71,11 +71,11 @@ SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<model::Brick> 
   if (!dynamics_->assemble(motion_.poses))
     dynamics_->setJointStiffness(deploy::misfitStiffness(scene_, bricks_));
   setupSeconds_ = threadCpuSeconds() - before;
-  // Without it a singular closed state, in which all pulls balance, might never be left.
+  // Without a nudge, a run might never leave a singular closed state, which is an equilibrium.
   motion_.velocities = deploy::nudge(bricks_.size(), size_, scene_.solver.seed);
 }
 
-// One step of the scene's length. Only the solver's time is counted, not that of what looks at it.
+// One step of the scene's length. Only the solver's time counts, not that of the measurements.
 void SteppedScene::advance() {
   const double before = threadCpuSeconds();
   const double step = scene_.solver.timestep;
@@ -84,14 +84,14 @@ void SteppedScene::advance() {
   seconds_ += threadCpuSeconds() - before;
 }
 
-// Also false where a place is not a number: no comparison with it is true.
+// Also false if a position is NaN: no comparison with it is true.
 bool SteppedScene::isFinite() const {
   const double bound = kLost * size_;
   return std::all_of(motion_.poses.begin(), motion_.poses.end(),
                      [&](const Pose& pose) { return pose.position.norm() < bound; });
 }
 
-// Motion, springs and weight, joules. Contacts and closed joints store none.
+// Kinetic, spring and potential energy, joules. Contacts and closed joints store none.
 double SteppedScene::energy() const {
   double energy = trajectory::kineticEnergy(bricks_, motion_);
   if (springs_) energy += springs_->energy(motion_.poses, 1);
@@ -102,7 +102,7 @@ double SteppedScene::energy() const {
   return energy;
 }
 
-// The energy at the start must not be 0, since growth is measured against it.
+// The energy at the start must not be 0, because growth is relative to it.
 Stability watchStability(SteppedScene& run, int steps, double cpuSeconds) {
   const double start = run.energy();
   double before = start;
@@ -121,8 +121,8 @@ Stability watchStability(SteppedScene& run, int steps, double cpuSeconds) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// One name for each solver that studies compare, with its settings, and the `Dynamics` that it
-// becomes. Our own solver is made as a run makes it, engines as a BrickWorld within WorldDynamics.
+// Names and settings of the solvers that studies compare, and the `Dynamics` made from them. Our
+// own solver is created as in a run, engines as a BrickWorld within WorldDynamics.
 
 namespace {
 
@@ -148,7 +148,7 @@ std::unique_ptr<engines::BrickWorld> makeMultiBodyWorld(const Method& method,
 
 }  // namespace
 
-// Findings look for these names in the tables' column "engine".
+// Findings search for these names in the tables' column "engine".
 constinit const Engine kDirect{"direct"};
 constinit const Engine kSequentialImpulse{
     "sequential impulse", makeBulletWorld<engines::BulletMethod::SequentialImpulse>};
@@ -176,7 +176,7 @@ std::vector<Method> sweepMethods(const Engine& engine, Extent extent) {
   return methods;
 }
 
-// Engines are told by substeps x iterations; ours by its step, or by its tolerance where it has
+// Engines are named by substeps x iterations; ours by its step, or by its tolerance if it has
 // one.
 std::string toString(const Method& method) {
   if (method.tolerance > 0) return fmt::format("direct to {:.0e} tiles", method.tolerance);
@@ -189,7 +189,7 @@ std::string toString(const Method& method) {
   return text;
 }
 
-// Ours takes the whole step as it is. Engines get their substeps from WorldDynamics.
+// Ours takes the whole step. Engines get their substeps from WorldDynamics.
 DynamicsMaker dynamicsMaker(const Method& method) {
   return [method](const scene::Scene& scene, const std::vector<model::Brick>& bricks,
                   const Poses& start) -> std::unique_ptr<deploy::Dynamics> {
@@ -197,7 +197,7 @@ DynamicsMaker dynamicsMaker(const Method& method) {
       auto direct =
           std::make_unique<deploy::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks, start);
       if (method.tolerance > 0) {
-        // The tolerance in tiles, the step where order drops to one, and the longest step.
+        // The tolerance in tiles, the step below which the order is one, and the longest step.
         direct->setTolerance(
             {method.tolerance, scene::SolverSettings{}.timestep, 1.0 / method.rate});
       }
@@ -232,8 +232,8 @@ std::vector<std::string> otherEngines(const Table& table, const std::string& mot
 }
 
 // ------------------------------------------------------------------------------------------------
-// A family's model with default parameters as a scene, its start moved onto its target by the best
-// rigid motion: springs pull the tiles no farther than the deployment needs.
+// A family's model with default parameters as a scene. The best rigid motion aligns its start to
+// its target: springs pull the tiles no farther than the deployment needs.
 
 scene::Scene familyScene(const std::string& family) {
   scene::Scene scene;

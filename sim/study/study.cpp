@@ -20,7 +20,7 @@
 namespace kirireel::study {
 namespace {
 
-/// The caption's parts under the names that they have in a file.
+/// The caption's parts with their names in files.
 template <typename CaptionType>
 auto captionParts(CaptionType& caption) {
   struct Part {
@@ -47,7 +47,7 @@ Row splitCells(const std::string& line) {
   return cells;
 }
 
-// Lines that begin with '#' and name no part of the caption are skipped.
+// Lines that begin with '#' but name no part of the caption are skipped.
 void readCaptionLine(const std::string& line, Caption& caption) {
   for (const auto& [name, value] : captionParts(caption)) {
     const std::string start = fmt::format("# {}: ", name);
@@ -57,7 +57,7 @@ void readCaptionLine(const std::string& line, Caption& caption) {
 
 }  // namespace
 
-// Throws InputError where the column is absent, as in a file of an earlier version.
+// Throws InputError if the column is absent, as in a file of an earlier version.
 std::size_t Table::columnIndex(const std::string& name) const {
   const auto found = std::find_if(columns.begin(), columns.end(),
                                   [&](const Column& column) { return column.name == name; });
@@ -74,8 +74,8 @@ const std::string& Table::text(const Row& row, const std::string& column) const 
   return row[columnIndex(column)];
 }
 
-// Not a number for empty cells and for text. strtod reads a point as the decimal sign as long as
-// the program sets no other locale.
+// NaN for empty cells and for text. strtod reads a point as the decimal sign as long as the program
+// sets no other locale.
 double Table::number(const Row& row, const std::string& column) const {
   const std::string& digits = text(row, column);
   char* end = nullptr;
@@ -84,7 +84,7 @@ double Table::number(const Row& row, const std::string& column) const {
   return whole ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Five significant digits; empty where there is no number. Times and errors are not known better.
+// Five significant digits, which is the accuracy of times and errors; empty if not finite.
 std::string cell(double number) {
   return std::isfinite(number) ? fmt::format("{:.5g}", number) : "";
 }
@@ -104,7 +104,7 @@ std::string cell(std::string text) {
   return text;
 }
 
-// The inverse of readCsv(), but for the columns' meanings, which the CSV does not hold.
+// The inverse of readCsv(), except for the columns' meanings, which the CSV does not contain.
 std::string csvText(const Table& table) {
   std::string text;
   for (const auto& [name, value] : captionParts(table.caption)) {
@@ -117,8 +117,8 @@ std::string csvText(const Table& table) {
   return text;
 }
 
-// Throws InputError where the file cannot be read or a row has another number of cells than the
-// table has columns.
+// Throws InputError if the file cannot be read or a row has another number of cells than the table
+// has columns.
 Table readCsv(const std::filesystem::path& file) {
   std::ifstream stream = openInputFile(file);
   if (!stream) {
@@ -144,14 +144,14 @@ Table readCsv(const std::filesystem::path& file) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Runs the cases of a study one after the other and keeps what is finished. The rows of a case
-// follow from its name alone: a resumed study takes the rows of an earlier file for every
-// case that has some. The caption says on which machine and with which versions a table was made,
-// since times mean nothing without them.
+// Runs the cases of a study one after the other and stores finished ones. The rows of a case depend
+// only on its name: a resumed study keeps the rows of an earlier file for every case that has some.
+// The caption names the machine and the versions of a table, because times have no meaning without
+// them.
 
 namespace {
 
-// Linux tells it; other systems leave it unknown.
+// Available on Linux; unknown on other systems.
 std::string processorName() {
   std::ifstream file = openInputFile("/proc/cpuinfo");
   std::string line;
@@ -161,7 +161,7 @@ std::string processorName() {
   return "unknown processor";
 }
 
-// What has to be the same for two tables to be comparable, and how to make the table again.
+// The properties that must agree to compare two tables, and the command that reproduces the table.
 Caption makeCaption(const Study& study, const StudySettings& settings) {
   Caption caption;
   caption.study = study.name;
@@ -176,7 +176,7 @@ std::filesystem::path csvPath(const Study& study, const StudySettings& settings)
   return settings.folder / (study.name + ".csv");
 }
 
-/// The rows of an earlier run, which must be one of the same kind.
+/// The rows of an earlier run, which must have the same properties.
 std::vector<Row> finishedRows(const Table& table, const StudySettings& settings,
                               const Study& study) {
   const std::filesystem::path file = csvPath(study, settings);
@@ -203,7 +203,7 @@ std::vector<Row> rowsOf(const StudyCase& studyCase) {
 
 }  // namespace
 
-// Times are of this machine: processor, cores that the system offers, system and architecture.
+// Properties that affect times: processor, available cores, system and architecture.
 std::string machineText() {
   utsname system{};
   uname(&system);
@@ -211,7 +211,7 @@ std::string machineText() {
                      system.sysname, system.machine);
 }
 
-// The file is written after each case: nothing is lost when the study is ended.
+// The file is written after each case: an interruption loses no finished case.
 Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer) {
   makeFolder(settings.folder);
   Table table;
@@ -255,7 +255,7 @@ std::string studyJson(const Study& study, const Table& table) {
   json["findings"] = Json::array();
   for (const Finding& finding : study.findings(table)) {
     Json entry{{"name", finding.name}, {"value", nullptr}, {"meaning", finding.meaning}};
-    // JSON has no number for "not a number": null stands for it.
+    // JSON has no NaN: null replaces it.
     if (std::isfinite(finding.value)) entry["value"] = finding.value;
     json["findings"].push_back(std::move(entry));
   }
@@ -263,9 +263,9 @@ std::string studyJson(const Study& study, const Table& table) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The list of all studies, and finding one by its name.
+// The list of all studies, and the search for one by its name.
 
-// In the order in which "all" runs them. Made at the first call.
+// In the order of "all". Created at the first call.
 const std::vector<Study>& studies() {
   static const std::vector<Study> all{workPrecisionStudy(), movingStudy(),       scalingStudy(),
                                       tessellationStudy(),  squareToDiskStudy(), sensitivityStudy(),
@@ -273,7 +273,7 @@ const std::vector<Study>& studies() {
   return all;
 }
 
-// Throws InputError for a name that no study has, with the nearest one as a suggestion.
+// Throws InputError for an unknown name, with the nearest one as a suggestion.
 const Study& studyNamed(const std::string& name) {
   std::vector<std::string> names;
   for (const Study& study : studies()) {

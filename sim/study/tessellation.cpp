@@ -1,6 +1,6 @@
 // The rotating squares from closed to 90 degrees, against their exact motion at the same opening
-// angle. A row for each degree has the worst of all steps since the row before: no step
-// goes unseen.
+// angle. Each row has the largest errors of all steps since the previous row: no step is
+// skipped.
 #include <cmath>
 #include <numbers>
 
@@ -15,20 +15,20 @@ namespace kirireel::study {
 namespace {
 
 constexpr int kTessellationSide = 4;
-// Up to here a sheet counts as closed: its motion is singular there.
+// Up to this angle a sheet counts as closed: its motion is singular there.
 constexpr double kStartDegrees = 2.3;  // 0.04 radians
-// Weak springs: many steps fall on every degree.
+// Weak springs give many steps per degree.
 constexpr double kStiffness = 10;
 
-// Rows of one run, a degree apart.
+// Rows of one run, one per degree.
 std::vector<Row> openSheet(const SheetMethod& settings, double seconds) {
   scene::Scene scene = sheetScene(kTessellationSide, settings.planar);
   scene.springs.springStiffness = scene.springs.torqueStiffness = kStiffness;
   SteppedScene run(scene, settings.method);
   std::vector<Row> rows;
-  double lastDegrees = -1;  // of the row before
+  double lastDegrees = -1;  // of the previous row
   const int steps = static_cast<int>(seconds * settings.method.rate);
-  VertexError worst;  // since the row before, so that no step is passed over
+  VertexError worst;  // since the previous row, to include all steps
   double gap = 0;
   for (int step = 1; step <= steps; ++step) {
     run.advance();
@@ -68,7 +68,7 @@ double largestError(const Table& table, const std::string& engine, bool atStart)
   return largest;
 }
 
-// How far the sheet came: an error counts only on the way that was made.
+// The largest angle: an error counts only for the motion that was made.
 double largestAngle(const Table& table) {
   double largest = std::nan("");
   for (const Row& row : table.rows) {
@@ -78,8 +78,8 @@ double largestAngle(const Table& table) {
   return largest;
 }
 
-// The start is told apart: near the closed state the motion is singular, and errors are larger
-// there.
+// The start is reported separately: near the closed state the motion is singular, and errors are
+// larger there.
 std::vector<Finding> tessellationFindings(const Table& table) {
   std::vector<Finding> found = {
       {"direct_error_start", largestError(table, "direct", true),

@@ -1,10 +1,10 @@
 // CPU time against error for settings of engines, on a sheet of 100 squares that opens from the
 // closed state.
 //
-// Three errors are measured: the largest joint gap of any step; the error of shape, against the
-// exact sheet at the same angle (beyond 0.04 radians, as the closed state is singular); and the
+// There are three errors: the largest joint gap of any step; the error of shape, against the exact
+// sheet at the same angle (beyond 0.04 radians, because the closed state is singular); and the
 // error in time, against the limit of short steps (exact_sheet.cpp). Findings compare an engine
-// with ours on the plane of cost and gap: how much its tightest setting costs, the least ratio of
+// with ours in the plane of cost and gap: the cost of its tightest setting, the least ratio of
 // costs at no larger gap, the largest ratio of gaps at no larger cost.
 #include <algorithm>
 #include <cmath>
@@ -22,12 +22,12 @@ namespace {
 
 constexpr int kSide = 10;
 constexpr int kSamplesASecond = 15;  // divides every rate
-constexpr int kFineRate = 1920;      // of the coarsest of the three runs that make the reference
+constexpr int kFineRate = 1920;      // of the coarsest of the three reference runs
 constexpr double kStartAngle = 0.04;
-// A run that would take longer is cut off here; its figures are those of the way so far.
+// A longer run is stopped here. Its figures are those of the part done.
 constexpr double kBudget = 20;  // CPU seconds
 constexpr double kQuickBudget = 3;
-// Short runs are timed again, because their times scatter; the least counts.
+// Shorter runs are repeated, because times scatter. The least time counts.
 constexpr double kTimedFor = 0.3;  // CPU seconds
 constexpr int kMostRuns = 5;
 
@@ -39,7 +39,7 @@ struct Job {
   double budget = kBudget;
 };
 
-/// What one run leaves.
+/// Result of one run.
 struct Measured {
   SheetWay way;
   double cpuSeconds = 0;
@@ -48,7 +48,7 @@ struct Measured {
   double shapeError = 0;  // largest beyond kStartAngle
 };
 
-// One run with its gaps and errors; what it costs besides stepping is not counted.
+// One run with its gaps and errors. Only the cost of the steps counts.
 Measured runOnce(const Job& job) {
   SteppedScene run(sheetScene(kSide, job.planar, job.face), job.method);
   Measured measured;
@@ -66,14 +66,14 @@ Measured runOnce(const Job& job) {
     const double error = sheetError(kSide, angle, measured.way.back()).max;
     measured.shapeError = std::max(measured.shapeError, error);
   }
-  // What flew apart has no errors worth a number.
+  // If the sheet flies apart, the errors are NaN.
   if (!run.isFinite()) measured.gap = measured.shapeError = std::nan("");
   measured.cpuSeconds = run.seconds();
   measured.simulated = static_cast<double>(step) / job.method.rate;
   return measured;
 }
 
-/// Where the sheet is by time, as ever shorter fixed steps have it.
+/// The sheet's states over time, as the limit of short fixed steps.
 SheetWay referenceWay(double seconds) {
   const auto wayAt = [&](int rate) {
     return runOnce({{kDirect, rate}, true, model::JointFace::Both, seconds}).way;
@@ -81,7 +81,7 @@ SheetWay referenceWay(double seconds) {
   return limitOfSteps(wayAt(kFineRate), wayAt(2 * kFineRate), wayAt(4 * kFineRate));
 }
 
-/// Made once: all methods are compared with the same.
+/// Computed once for all methods.
 const SheetWay& referenceFor(double seconds) {
   static std::map<double, SheetWay> made;
   const auto found = made.find(seconds);
@@ -103,7 +103,7 @@ std::vector<Row> measure(const Job& job) {
            cell(measured.shapeError), cell(error)}};
 }
 
-// Bullet's correction of 0.8 in place of the default takes gaps back faster, which may add energy.
+// Bullet's correction of 0.8 instead of the default closes gaps faster, which may add energy.
 std::vector<Method> allMethods(Extent extent) {
   std::vector<Method> methods;
   const auto add = [&](const std::vector<Method>& more) {
@@ -118,7 +118,7 @@ std::vector<Method> allMethods(Extent extent) {
   if (extent == Extent::Full) methods.push_back({kSequentialImpulse, 240, 20, 1000, 0.8});
   add(sweepMethods(kNncg, extent));
   add(sweepMethods(kMultiBody, extent));
-  // Where pivoting fails, Bullet sweeps instead.
+  // If pivoting fails, Bullet iterates instead.
   methods.push_back({kDantzig, 240, 1, 50});
   return methods;
 }
@@ -132,8 +132,8 @@ std::vector<SheetMethod> workPrecisionSheets(Extent extent) {
   return sheets;
 }
 
-// A quick study has shorter runs. In the plane, one point joint a hinge will do for engines, and
-// costs them least.
+// A quick study has shorter runs. In the plane, one point joint per hinge is sufficient for
+// engines, and cheapest.
 StudyCase workPrecisionCase(const SheetMethod& sheet, Extent extent) {
   const auto& [method, planar, side] = sheet;
   const bool quick = extent == Extent::Quick;
@@ -145,7 +145,7 @@ StudyCase workPrecisionCase(const SheetMethod& sheet, Extent extent) {
           [job] { return measure(job); }};
 }
 
-/// One row as a point of speed and error.
+/// One row as a point of cost and error.
 struct CostPoint {
   std::string engine;
   double rate = 0;
@@ -160,7 +160,7 @@ std::vector<CostPoint> pointsOf(const Table& table, const std::string& motion) {
     if (table.text(row, "motion") != motion) continue;
     const CostPoint point{table.text(row, "engine"), table.number(row, "rate"),
                           table.number(row, "cpu_ms_per_s"), table.number(row, "gap_m")};
-    // What flew apart has no place on a front.
+    // Runs that fly apart are no points of a front.
     if (std::isfinite(point.cpu) && std::isfinite(point.gap)) points.push_back(point);
   }
   return points;
@@ -184,7 +184,7 @@ double tightestOverOurs(const std::vector<CostPoint>& points, const Belongs& bel
   return std::nan("");
 }
 
-/// Over all settings, the least ratio of CPU time to our cheapest setting that has no larger gap.
+/// The least ratio, over all settings, of CPU time to our cheapest setting with no larger gap.
 double leastOverOurs(const std::vector<CostPoint>& points, const Belongs& belongs) {
   double least = std::nan("");
   for (const CostPoint& point : points) {
@@ -198,7 +198,7 @@ double leastOverOurs(const std::vector<CostPoint>& points, const Belongs& belong
   return least;
 }
 
-/// The largest ratio of our gap to that of a setting which costs no less.
+/// The largest ratio of our gap to that of a setting with at least our cost.
 double gapAtEqualCost(const std::vector<CostPoint>& points, const Belongs& belongs) {
   double largest = std::nan("");
   for (const CostPoint& point : points) {
@@ -212,7 +212,7 @@ double gapAtEqualCost(const std::vector<CostPoint>& points, const Belongs& belon
   return largest;
 }
 
-// Three figures for one engine: what it costs to come near our gap, and what our gap is at its
+// Three figures for one engine: its cost to come near our gap, and our gap at its
 // cost.
 void addComparison(std::vector<Finding>& found, const std::vector<CostPoint>& points,
                    const std::string& motion, const std::string& engine, const Belongs& belongs) {
