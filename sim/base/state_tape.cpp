@@ -40,7 +40,7 @@ std::size_t StateTape::passSize(std::size_t size) {
   auto number = static_cast<double>(size);
   pass(number);
   const auto left = static_cast<double>(numbers_.size() - next_);
-  // Written so that NaN fails.
+  // Comparisons with NaN are false: NaN is rejected.
   if (plays_ && !(number >= 0 && number <= left)) refuseState();
   return static_cast<std::size_t>(number);
 }

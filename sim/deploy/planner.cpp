@@ -90,8 +90,8 @@ std::string describe(const Candidate& candidate) {
 // that it has followed.
 constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
-// The same for a candidate from the target, if exact joints arrive without contacts. Among touching
-// bricks it may need many short moves, while the other candidates cost little.
+// The same for a candidate from the target, if exact joints arrive without contacts. A path that
+// contacts do not block takes many short moves. A blocked path costs little.
 constexpr double kFromTargetShare = 0.75;
 // A final move to the nearest state is at most this fraction of a tile.
 constexpr double kLastMove = 1e-3;

@@ -1,4 +1,4 @@
-/// Scenes as studies step them, with each engine that they compare.
+/// Scenes that studies step with each of the engines they compare.
 #pragma once
 
 #include <algorithm>
@@ -23,13 +23,13 @@ namespace kirireel::study {
 
 struct Method;
 
-/// Makes a physics engine's world of bricks, each at its start pose, with the method's settings.
+/// Creates a physics engine's world of bricks, each at its start pose, with the method's settings.
 using WorldMaker = std::unique_ptr<engines::BrickWorld> (*)(const Method& method,
                                                             const scene::Scene& scene,
                                                             const std::vector<model::Brick>& bricks,
                                                             const Poses& start);
 
-/// What holds the joints.
+/// A solver of the joints.
 struct Engine {
   const char* name = "";           ///< in tables, column "engine"
   WorldMaker makeWorld = nullptr;  ///< null for our direct solver
@@ -45,12 +45,12 @@ extern const Engine kMultiBody;          ///< Bullet's multibodies, as in PyBull
 
 /// An engine with its settings.
 struct Method {
-  Engine engine = kDirect;       ///< whose steps they are
-  int rate = 240;                ///< steps a simulated second
-  int substeps = 1;              ///< of the engine in each step
-  int iterations = 0;            ///< in each substep, of the engines that iterate
+  Engine engine = kDirect;       ///< the engine
+  int rate = 240;                ///< steps per simulated second
+  int substeps = 1;              ///< of the engine per step
+  int iterations = 0;            ///< per substep, for iterative engines
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
-  /// Of ours in time, tiles, where steps are not fixed: then `rate` is that of the longest.
+  /// Of our solver, in time, tiles: `rate` is then that of the longest step. 0: fixed steps.
   double tolerance = 0;
 };
 
@@ -60,49 +60,49 @@ Method bulletBaseline();
 /// E.g. "sequential impulse 20 x 50" (substeps x iterations) or "direct 1/60 s".
 std::string toString(const Method& method);
 
-/// Makes what advances a scene's bricks from their start.
+/// Creates the dynamics that advance a scene's bricks from their start.
 using DynamicsMaker = std::function<std::unique_ptr<deploy::Dynamics>(
     const scene::Scene&, const std::vector<model::Brick>& bricks, const Poses& start)>;
 
-/// An engine at 240 steps a second with various substeps and iterations: they trade against each
+/// An engine at 240 steps per second with various substeps and iterations. One can replace the
 /// other at equal cost.
 std::vector<Method> sweepMethods(const Engine& engine, Extent extent);
 
-/// The maker of a method's dynamics.
-/// The maker may be called often, also from several threads.
+/// The maker of a method's dynamics. It may be called often, also from several
+/// threads.
 DynamicsMaker dynamicsMaker(const Method& method);
 
 // ------------------------------------------------------------------------------------------------
-// A scene stepped by hand: every step's energy, gap and cost can be read.
+// A scene stepped by a study: energy, gap and cost of every step can be read.
 
 /// The scene's bricks under springs of constant stiffness, from an assembled start with a nudge.
 class SteppedScene {
  public:
-  /// With the solver that the scene asks for.
-  /// Throws what makeDynamics() and makeBricks() throw.
+  /// Uses the solver that the scene requests. Throws the errors of makeDynamics() and
+  /// makeBricks().
   explicit SteppedScene(const scene::Scene& scene);
-  /// With another solver; its rate sets the timestep, or the longest of steps to its tolerance.
+  /// Uses another solver. Its rate sets the timestep, or the longest step if it has a tolerance.
   SteppedScene(const scene::Scene& scene, const Method& method);
-  /// With another solver and bricks that are not as the scene's rule makes them.
+  /// Uses another solver and given bricks.
   SteppedScene(const scene::Scene& scene, std::vector<model::Brick> bricks,
                const DynamicsMaker& makeSolver);
   SteppedScene(const SteppedScene&) = delete;
   SteppedScene& operator=(const SteppedScene&) = delete;
 
-  /// One step of the scene's timestep; only its cost is counted in seconds().
+  /// Takes one step of the scene's timestep; only its cost counts in seconds().
   void advance();
 
-  /// One a tile.
+  /// One per tile.
   const std::vector<model::Brick>& bricks() const { return bricks_; }
   /// Of all joints.
   const std::vector<model::Pivot>& pivots() const { return pivots_; }
-  /// As it is now.
+  /// The current motion.
   const Motion& motion() const { return motion_; }
-  /// What the direct solver's steps did so far.
+  /// Report of the direct solver's steps so far.
   const StepReport& report() const { return report_; }
   /// CPU seconds spent in advance().
   double seconds() const { return seconds_; }
-  /// CPU seconds that making the solver and closing the joints took.
+  /// CPU seconds for creating the solver and closing the joints.
   double setupSeconds() const { return setupSeconds_; }
   /// The largest joint gap, metres.
   double gap() const { return trajectory::jointGap(pivots_, motion_.poses).max; }
@@ -112,7 +112,7 @@ class SteppedScene {
   std::vector<model::Tile> tiles() const { return model::bottomTiles(bricks_, motion_.poses); }
   /// Whether every brick is within a thousand model sizes of the origin.
   bool isFinite() const;
-  /// Kinetic energy and that of springs and gravity, joules.
+  /// Energy of motion, springs and gravity, joules.
   double energy() const;
 
  private:
@@ -130,36 +130,36 @@ class SteppedScene {
   double setupSeconds_ = 0;
 };
 
-/// What hard settings do to a run.
+/// Results of a run with hard settings.
 struct Stability {
   bool finite = true;   ///< every brick stayed within a thousand model sizes
-  double growth = -1;   ///< of the energy, the largest in any step, relative to that at the start
+  double growth = -1;   ///< largest growth of energy in a step, relative to that at the start
   double gap = 0;       ///< largest, relative to the model's size
   int unconverged = 0;  ///< steps
   int steps = 0;        ///< taken
 };
 
-/// Steps the scene until `steps` are done, it leaves all bounds or `cpuSeconds` are used, and
-/// watches.
+/// Steps the scene until `steps` are done, a brick leaves all bounds or `cpuSeconds` are used.
+/// Returns the figures.
 Stability watchStability(SteppedScene& run, int steps,
                          double cpuSeconds = std::numeric_limits<double>::infinity());
 
 // ------------------------------------------------------------------------------------------------
 // Scenes of generated models.
 
-/// The model of a family with its usual values, its start turned into the target's axes; no
+/// The model of a family with default values, its start aligned to the target; no
 /// contacts.
 scene::Scene familyScene(const std::string& family);
 
 // ------------------------------------------------------------------------------------------------
-// Studies of methods on square sheets. `kirireel study` gives them ours and Bullet's, a bench
-// program those of other engines.
+// Studies of methods on square sheets. `kirireel study` passes ours and Bullet's methods, a
+// benchmark program those of other engines.
 
 /// A method on a square sheet.
 struct SheetMethod {
-  Method method;       ///< what steps the sheet
-  bool planar = true;  ///< in the plane, else in space
-  int side = 0;        ///< tiles along an edge, in studies of several sizes
+  Method method;       ///< the method that steps the sheet
+  bool planar = true;  ///< in the plane, otherwise in space
+  int side = 0;        ///< tiles per edge, in studies of several sizes
 };
 
 /// The methods of an extent, in the order of the cases.
@@ -184,11 +184,11 @@ std::function<std::vector<StudyCase>(Extent)> sheetCases(const SheetMethods& met
 std::vector<std::string> otherEngines(const Table& table, const std::string& motion);
 
 // ------------------------------------------------------------------------------------------------
-// CPU times that scatter.
+// CPU times with scatter.
 
-/// What a run leaves, with the least CPU time of several: the one that other programs on the
-/// machine disturbed least. Runs are equal but for that, and are made again up to `most` times in
-/// all, until they took `enough` seconds together. `run` returns a struct with the field
+/// The result of a run with the least CPU time of several: other programs on the machine
+/// disturbed it least. Runs are equal except for time. They are repeated up to `most` times in
+/// total, until they took `enough` seconds together. `run` returns a struct with the field
 /// cpuSeconds.
 template <class Run>
 auto leastTimed(const Run& run, int most, double enough) {
@@ -205,13 +205,13 @@ auto leastTimed(const Run& run, int most, double enough) {
 // ------------------------------------------------------------------------------------------------
 // Scenes that are hard on joint solvers.
 
-/// One hard case, as a scene that is stepped and judged.
+/// One hard case: a scene, and how its result is evaluated.
 struct HardTrial {
-  std::string name;                  ///< of the case, as tables have it
-  std::string tried;                 ///< one phrase: what is hard
-  scene::Scene scene;                ///< to be run
-  std::vector<model::Brick> bricks;  ///< empty: as the scene's rule makes them
-  int rate = 240;                    ///< steps a simulated second
+  std::string name;                  ///< of the case, in tables
+  std::string tried;                 ///< one phrase: the difficulty
+  scene::Scene scene;                ///< the scene to run
+  std::vector<model::Brick> bricks;  ///< empty: by the scene's rule
+  int rate = 240;                    ///< steps per simulated second
   double seconds = 1;                ///< simulated
   std::string errorMeaning;          ///< what `error` measures
   std::function<double(const SteppedScene&, double time)> error;  ///< metres
@@ -220,14 +220,14 @@ struct HardTrial {
 /// All trials that are stepped; the largest sheets only in the full study.
 std::vector<HardTrial> hardTrials(bool quick);
 
-/// An input that is to be refused.
+/// An input that must be rejected.
 struct Refusal {
   std::string name;           ///< of the case
   std::string tried;          ///< one phrase
   std::function<void()> run;  ///< throws InputError
 };
 
-/// Inputs that no run can make sense of.
+/// Inputs that no run can use.
 std::vector<Refusal> refusals();
 
 }  // namespace kirireel::study

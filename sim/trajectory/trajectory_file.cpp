@@ -871,7 +871,7 @@ struct TrajectoryReader::FileRun final : Internals {
   void readTimes() {
     times = file.doubles("time");
     if (times.empty()) file.refuse("there is no sample");
-    // Written so that NaN fails.
+    // Comparisons with NaN are false: NaN is rejected.
     const auto follows = [](double before, double after) { return before < after; };
     const bool rising = std::ranges::adjacent_find(times, std::not_fn(follows)) == times.end() &&
                         std::isfinite(times.front()) && std::isfinite(times.back());
@@ -921,7 +921,7 @@ struct TrajectoryReader::FileRun final : Internals {
   // Types and indices are stored as doubles, as in all series.
   Hold hold(double kind, double tile, double other) const {
     const auto count = static_cast<double>(subject.bricks.size());
-    // Written so that NaN fails.
+    // Comparisons with NaN are false: NaN is rejected.
     const bool makesSense = (kind == 0 || kind == 1 || kind == 2) && tile >= 0 && tile < count &&
                             other < count && other > -1e9;
     if (!makesSense) file.refuse("a row of holds has an unknown kind, or a tile that is not there");
@@ -1031,7 +1031,7 @@ struct TrajectoryReader::FileRun final : Internals {
   // A position and a unit quaternion, checked.
   Pose pose(const double* position, const double* turn) const {
     const Pose pose{Vector3(position), Quaternion(turn[0], turn[1], turn[2], turn[3])};
-    // Written so that NaN fails.
+    // Comparisons with NaN are false: NaN is rejected.
     if (!pose.position.allFinite() || !(std::abs(pose.rotation.norm() - 1) <= kUnitTolerance)) {
       file.refuse("a pose in position or rotation is not finite, or no rotation");
     }

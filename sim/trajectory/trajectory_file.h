@@ -1,7 +1,7 @@
-/// trajectory.h5: a run as a file, from which pictures and meshes are made again without
-/// simulating.
+/// trajectory.h5: a run as a file. Pictures and meshes can be made from it without another
+/// simulation.
 ///
-/// HDF5; h5py, MATLAB and h5dump read it. Every array says its unit in the attribute "unit".
+/// HDF5; h5py, MATLAB and h5dump read it. The attribute "unit" of every array is its unit.
 ///
 ///     /                       attributes format = "kirireel trajectory", format_version
 ///     settings                the run's settings, JSON (one text)
@@ -10,7 +10,7 @@
 ///       vertices, target      vertices x 3     m; tile by tile; target only if there is one
 ///       joints                joints x 6       tile, vertex, tile, vertex, face, kind
 ///       joint_apart           joints x 3       m, corner b to a, of links and fixed joints
-///       joints_within_tiles   rows of joints   whose two are parts of one tile that bends; only if
+///       joints_within_tiles   rows of joints   between parts of one bending tile; only if
 ///                                              there are some
 ///       pulled_tiles          (only if given)
 ///     bricks/                 attributes rule_thickness, rule_mass, rule_density
@@ -42,29 +42,29 @@
 ///     measures/NAME           samples          m; joint_gap, target_error, penetration
 ///     steps/NAME              steps            the start and the end of each step: time (s),
 ///                                              joint_gap, joint_gap_mean, target_error (m), and
-///                                              what the step took: solver_steps, halved_steps, ...
+///                                              its cost: solver_steps, halved_steps, ...
 ///                                              (files before 0.3 have none of rejected_steps to
 ///                                              singular_time)
 ///     energy/NAME             samples          J; kinetic, spring, elastic, work, damped,
 ///                                              impacted
 ///     forces/joint            samples x joints x 3   N, on tile a, world axes; NaN: not balanced
-///     forces/joint_indeterminate   samples x joints  1 where other forces keep the balance too
-///     holds/time              holds            s, of the sample; rows of what holds tiles there
+///     forces/joint_indeterminate   samples x joints  1 if other equilibrium forces exist
+///     holds/time              holds            s, of the sample; one row per hold
 ///     holds/kind              holds            0 pin, 1 grip, 2 contact
 ///     holds/tiles             holds x 2        the tile; for a contact what it touches: a tile,
 ///                                              -1 the ground, -2 - k obstacle k
 ///     holds/force, moment     holds x 3        N, N m: on the tile, about the point
 ///     holds/point             holds x 3        m
-///     curves/NAME             samples (x joints)   what a run was asked to measure, with
+///     curves/NAME             samples (x joints)   quantities requested for the run, with
 ///     attributes
 ///                                              unit and description; see curveChannels()
 ///     events/time, text       events           s
 ///     figures/name, time      figures          s; figures of summary.json that one state decides
 ///     figures/position        figures x bricks x 3   m, that state, as above
 ///     figures/rotation        figures x bricks x 4
-///     findings                what the run found out about its scene, JSON (one text)
+///     findings                results about the scene, JSON (one text)
 ///
-/// energy, forces and holds are there only for runs with dynamics by the direct solver.
+/// energy, forces and holds exist only for runs with dynamics by the direct solver.
 #pragma once
 
 #include <array>
