@@ -52,7 +52,7 @@ class DriveForce {
   /// Energy stored in these poses, joules. 0 for drives that store no energy.
   virtual double energy(const Poses& poses) const = 0;
 
-  /// Adds the non-conservative part of the drive to every brick's force, newtons.
+  /// Adds the part of the drive without stored energy to every brick's force, newtons.
   virtual void addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const = 0;
 
   /// Whether the drive never ends by itself: only joints or contacts can stop the bricks.

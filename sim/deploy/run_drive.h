@@ -163,7 +163,7 @@ class RunDrive {
   void addLoads(const Poses& poses, std::vector<model::Load>& loads) const;
   /// Energy stored in these poses, joules.
   double energy(const Poses& poses) const;
-  /// Adds the non-conservative part of the drive to every brick's force, newtons.
+  /// Adds the part of the drive without stored energy to every brick's force, newtons.
   void addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const;
   /// Whether the scene's own drive never ends by itself.
   bool isEndless() const { return drive_ && drive_->isEndless(); }

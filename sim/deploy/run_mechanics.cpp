@@ -53,7 +53,7 @@ double ActingForces::pairEnergy(const Poses& poses) const {
   return bricks_.ties.pairForces.energy(poses);
 }
 
-// Non-conservative forces, newtons: gravity, and the part of a drive that is not a spring.
+// Forces without stored energy, newtons: gravity, and the part of a drive that is no spring.
 std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
   for (const model::Brick& brick : bricks_.bricks)
@@ -119,8 +119,8 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
 //
 // The account. Drives add energy in three forms. 1. Springs that are tightened, moved or stiffened
 // between two steps: their energy jumps while the bricks are fixed. 2. Springs that move within a
-// step. 3. Non-conservative forces, gravity and expansion. Dampers and contacts remove energy, and
-// the solver counts it. The remaining difference in
+// step. 3. Forces without stored energy: gravity and expansion. Dampers and contacts remove energy,
+// and the solver counts it. The remaining difference in
 //   work - damped - impacted = kinetic + spring + elastic
 // is lost in the integrator. Implicit Euler steps of length h damp a spring of frequency w by h w /
 // 2 of its energy per radian. Steps to a tolerance lose what the tolerance allows.

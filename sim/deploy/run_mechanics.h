@@ -44,7 +44,7 @@ class ActingForces {
   /// Adds the force on the first tile of each joint that is replaced by a pair force, newtons. One
   /// entry per joint.
   void addForcesOfReplacedJoints(const Poses& poses, std::vector<Vector3>& jointForces) const;
-  /// Non-conservative forces at the bricks' centres of mass, N: gravity and expansion.
+  /// Forces at the bricks' centres of mass whose energy is not stored: gravity, expansion; N.
   std::vector<Vector3> freeForces(const Poses& poses) const;
   /// All applied forces except contacts, for bricks in this motion: force and torque about the
   /// centre of mass of each, N and N m.

@@ -210,7 +210,7 @@ struct HardTrial {
   std::string name;                  ///< of the case, in tables
   std::string tried;                 ///< one phrase: the difficulty
   scene::Scene scene;                ///< the scene to run
-  std::vector<model::Brick> bricks;  ///< empty: by the scene's rule
+  std::vector<model::Brick> bricks;  ///< empty: made by the scene's own brick rule
   int rate = 240;                    ///< steps per simulated second
   double seconds = 1;                ///< simulated
   std::string errorMeaning;          ///< what `error` measures
