@@ -1,19 +1,19 @@
 // The joint-closed states nearest to a target, computed by long implicit steps.
 //
-// 1. Each brick is fitted to its target independently. Then the joints are closed (Gauss-Newton in
-// the
-//    mass metric).
-// 2. The scene's springs pull, with 16 times their stiffness and exact joints. Each step is one of
-//    implicit Euler from rest with h = 0.25 s. For stiffness K and mass M it minimises
+// 1. Each brick is fitted to its target independently. Then the joints are closed
+//    (Gauss-Newton in the mass metric).
+// 2. The scene's springs pull, with 16 times their stiffness and exact joints. Each step is
+//    one of implicit Euler from rest with h = 0.25 s. For stiffness K and mass M it minimises
 //      |x|_M^2 / (2 h^2) + E(q + x)
-//    over displacements x that joints allow. For h^2 K >> M this is Newton's method on the springs'
-//    energy E. It converges to the equilibrium, a local minimum of the sum of squares.
-// 3. The goal is the smallest maximum distance, not the smallest sum of squares. w_i is multiplied
-//    by e_i / max e, e_i the brick's error (m). All weights are scaled to the mean 1 and bounded on
-//    both sides: every brick is pulled. This is Lawson's iteration (see measures.cpp). Joints make
-//    the problem nonconvex, and its guarantee does not apply.
-// 4. If an error remains, 2 and 3 are repeated from the start, which may lie in another basin of
-//    attraction. The result is the best of all states.
+//    over displacements x that joints allow. For h^2 K >> M this is Newton's method on the
+//    springs' energy E. It converges to the equilibrium, a local minimum of the sum of
+//    squares.
+// 3. The goal is the smallest maximum distance, not the smallest sum of squares. w_i is
+//    multiplied by e_i / max e, e_i the brick's error (m). All weights are scaled to the mean
+//    1 and bounded on both sides: every brick is pulled. This is Lawson's iteration (see
+//    measures.cpp). Joints make the problem nonconvex, and its guarantee does not apply.
+// 4. If an error remains, 2 and 3 are repeated from the start, which may lie in another basin
+//    of attraction. The result is the best of all states.
 #include "sim/deploy/assembled_state.h"
 
 #include <algorithm>

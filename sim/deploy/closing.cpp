@@ -1,16 +1,16 @@
 // The second compact state of a sheet that has one motion once it has left its start.
 //
-// 1. *One motion*: half-way to full extension the joints' equations leave one freedom. 2.
-// *Following*: the next state is predicted by a straight line through the last two. Then its
+// 1. *One motion*: half-way to full extension the joints' equations leave one freedom.
+// 2. *Following*: the next state is predicted by a straight line through the last two. Then its
 //    joints are closed. Steps are short: closing moves it by a small fraction of the step. One
 //    motion has one curve, which passes full extension without a branch.
-// 3. *Meeting*: each hinge at a corner has two gaps, one on either side. A gap is the distance of
-// the
-//    hinge angle from a bound. A step closes a gap by at most half: tiles approach without overlap.
-//    Tiles without a common hinge may overlap before; bisection finds that state.
-// 4. *The end*: a compact state is often singular. Other motions branch off there, and joints close
-//    badly near it. It is therefore extrapolated: poses as polynomials of the first gap (Neville's
-//    rule), through the last states, at gap 0.
+// 3. *Meeting*: each hinge at a corner has two gaps, one on either side. A gap is the distance
+//    of the hinge angle from a bound. A step closes a gap by at most half: tiles approach
+//    without overlap. Tiles without a common hinge may overlap before; bisection finds that
+//    state.
+// 4. *The end*: a compact state is often singular. Other motions branch off there, and joints
+//    close badly near it. It is therefore extrapolated: poses as polynomials of the first gap
+//    (Neville's rule), through the last states, at gap 0.
 #include "sim/deploy/closing.h"
 
 #include <algorithm>

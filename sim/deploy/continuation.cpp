@@ -824,9 +824,9 @@ std::vector<Poses> StateInterpolator::momentsBetween(const Poses& from, const Po
   return momentsThrough(from, closed, to);
 }
 
-// p(s) = open(s) + b(s) (closed(1/3) - open(1/3)) + b(1 - s) (closed(2/3) - open(2/3)) with b(s) =
-// 27/2 s (1 - s) (2/3 - s). Rotations use rotation vectors. Joints open by the fourth power of the
-// rotation.
+// p(s) = open(s) + b(s) (closed(1/3) - open(1/3)) + b(1 - s) (closed(2/3) - open(2/3)) with
+// b(s) = 27/2 s (1 - s) (2/3 - s). Rotations use rotation vectors. Joints open by the fourth power
+// of the rotation.
 void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
                   const std::array<Poses, 2>& closed) {
   const double whole = 13.5 * share * (1 - share);

@@ -2,11 +2,11 @@
 //
 // 1. Open choices (drive, thickness) are taken from the model. Planar sheets are rotated into the
 //    horizontal plane. Invalid scenes are rejected.
-// 2. A scene with grips is followed through its equilibria and ends here (loading.cpp). 3. The
-// target is checked: whether rigid tiles reach it, the nearest states with closed joints, and
-//    the bricks that would overlap there.
-// 4. A kinematic scene takes a path of the mechanism (planner.cpp), which is played back. 5. Any
-// other scene is run by its dynamics (path_choice.cpp).
+// 2. A scene with grips is followed through its equilibria and ends here (loading.cpp).
+// 3. The target is checked: whether rigid tiles reach it, the nearest states with closed joints,
+//    and the bricks that would overlap there.
+// 4. A kinematic scene takes a path of the mechanism (planner.cpp), which is played back.
+// 5. Any other scene is run by its dynamics (path_choice.cpp).
 //
 // The search has one budget of counted work (search_budget.h): all machines select the same path.
 // Checkpoints store the results of the trials of step 5, and the state of the run between its

@@ -526,8 +526,8 @@ std::string tornWarning(const scene::Scene& scene) {
       lengthText(gap, scene.model.unit), gap / tile);
 }
 
-/// Tiles of a folded target face many directions. A sheet is turned over only if all tiles are
-/// reversed.
+/// A folded target is turned over only if all its tiles are reversed: they face many
+/// directions.
 std::string turnedWarning(const scene::Scene& scene) {
   const model::Model& model = scene.model;
   const auto count = static_cast<int>(model.tiles.size());

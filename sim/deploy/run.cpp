@@ -11,13 +11,18 @@
 //     at rest: an action restarts the motion, or the run ends
 //   end: the last sample, and the reason for the end (RunReasons)
 //
-// At rest these actions are tried in order. 1. A nudge, if there is a pull to a target that is not
-// reached, and the run had no nudge or only its symmetric part. An equilibrium after a motion may
-// also be unstable, for example that of a ring that closes symmetrically. 2. Stiffer springs. 3.
-// Long implicit steps from rest, which detect slow bricks. 4. Timeline entries that wait for rest.
-// 5. A nudge, if there is no pull to a target. If none of these moves the bricks, the run ends. It
-// is settled or locked, depending on the remaining error. If only the pull acts, a last step moves
-// bricks near the nearest state with closed joints into that state.
+// At rest these actions are tried in order:
+// 1. A nudge, if there is a pull to a target that is not reached, and the run had no nudge or only
+//    its symmetric part. An equilibrium after a motion may also be unstable, for example that of a
+//    ring that closes symmetrically.
+// 2. Stiffer springs.
+// 3. Long implicit steps from rest, which detect slow bricks.
+// 4. Timeline entries that wait for rest.
+// 5. A nudge, if there is no pull to a target.
+//
+// If none of these moves the bricks, the run ends. It is settled or locked, depending on the
+// remaining error. If only the pull acts, a last step moves bricks near the nearest state with
+// closed joints into that state.
 //
 // If a step loses a brick or is interrupted, the run restores the state, the time and the energy
 // account from before the step.

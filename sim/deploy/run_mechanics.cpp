@@ -117,10 +117,13 @@ std::vector<trajectory::Hold> ActingForces::holds(double time, const Motion& mot
 // ------------------------------------------------------------------------------------------------
 // Energies and forces.
 //
-// The account. Drives add energy in three forms. 1. Springs that are tightened, moved or stiffened
-// between two steps: their energy jumps while the bricks are fixed. 2. Springs that move within a
-// step. 3. Forces without stored energy: gravity and expansion. Dampers and contacts remove energy,
-// and the solver counts it. The remaining difference in
+// The account. Drives add energy in three forms:
+// 1. Springs that are tightened, moved or stiffened between two steps: their energy jumps while the
+//    bricks are fixed.
+// 2. Springs that move within a step.
+// 3. Forces without stored energy: gravity and expansion.
+//
+// Dampers and contacts remove energy, and the solver counts it. The remaining difference in
 //   work - damped - impacted = kinetic + spring + elastic
 // is lost in the integrator. Implicit Euler steps of length h damp a spring of frequency w by h w /
 // 2 of its energy per radian. Steps to a tolerance lose what the tolerance allows.

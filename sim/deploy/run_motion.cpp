@@ -3,8 +3,7 @@
 // from them:
 //
 // - If a tolerance in time was kept: cubics through the intermediate states, with velocities on
-// both
-//   sides. Velocities are interpolated linearly.
+//   both sides. Velocities are interpolated linearly.
 // - Otherwise: linear positions, and rotations by the shortest path, between the ends of the step.
 //
 // A separate solver closes the joints of such states. Sampling therefore does not change the run.

@@ -7,8 +7,8 @@
 // counts by its arc. The second term is the price p of joints that are open on the found path. They
 // may open in its leading modes only: the first singular vectors of its openings over the states.
 //
-// One round: 1. B_i is an orthonormal basis of the moves of state i that keep its joints closed:
-// the null
+// One round:
+// 1. B_i is an orthonormal basis of the moves of state i that keep its joints closed: the null
 //    space of their Jacobian J in the metric |dx|^2 + rho^2 |dphi|^2. It is computed at one state
 //    by QR and projected to its neighbours. Columns that open the joints in the modes follow.
 // 2. With q_i moved by B_i y_i, the energy is quadratic and the gaps are linear in y. This is a
@@ -18,6 +18,7 @@
 //    apart by the same program, each state by itself.
 // 4. The round is accepted if E falls and overlaps stay small. If not, it is tried again with more
 //    damping (Levenberg, Marquardt).
+//
 // The states are then interpolated by cubics at constant speed, closed and pushed apart again.
 //
 // J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, 2006, chapter 18 (sequential
