@@ -1,12 +1,12 @@
-// Ear clipping and merging, as the header describes them, and a test for sides that cross.
+// Ear clipping and merging, as in the header, and a test for crossing sides.
 //
-// All decisions are made from sines of angles, so that they do not depend on the size of the tile.
-// With a, b, c the corners before, at and after one,
-//   sine(b) = (b - a) x (c - b) / (|b - a| |c - b|)      positive where the outline turns left
-// is the sine of the turn at b. A corner that turns left can be an ear; a corner that turns right
-// by more than rounding makes the polygon concave there. The orientation tests use plain doubles,
-// not exact predicates: corners that lie nearly on a line are treated alike whichever sign rounding
-// gives them, because every threshold is far above rounding (1e-12 and more against 1e-16).
+// All decisions use sines of angles, so they do not depend on the size of the tile. With a, b, c
+// the previous, the current and the next corner,
+//   sine(b) = (b - a) x (c - b) / (|b - a| |c - b|)      positive for a left turn
+// is the sine of the turn at b. A left corner can be an ear. A right corner beyond rounding makes
+// the polygon concave there. Orientation tests use plain doubles, not exact predicates. Nearly
+// collinear corners are treated alike for either sign of the rounding error, since every threshold
+// (>= 1e-12) is far above rounding (1e-16).
 #include "sim/model/convex_parts.h"
 
 #include <algorithm>
@@ -26,14 +26,15 @@ namespace {
 
 using Vector2 = Eigen::Vector2d;
 
-// Largest sine by which a corner of a convex tile may turn inwards: corners in the middle of a
-// straight side carry rounding, and optimised designs dent it by a degree. Deepest met: 0.0195
-// (hexagon_shear_w4_h2_i4_f0). In all, twice that, so that many small turns do not hide a bay.
+// Largest sine by which a corner of a convex tile may turn inwards. Corners within a straight side
+// carry rounding, and optimised designs dent it by a degree. Deepest in real designs: 0.0195
+// (hexagon_shear_w4_h2_i4_f0). The limit of the sum is twice that, which detects a bay made of many
+// small turns.
 constexpr double kStraightCorner = 0.03;
 constexpr double kStraightInAll = 0.06;
-// Sine up to which a corner of a part may turn inwards: rounding of straight sides.
+// Largest sine by which a corner of a part may turn inwards: rounding of straight sides.
 constexpr double kPartCorner = 1e-3;
-// Sine above which a corner turns left, so that it can be an ear.
+// A corner with a larger sine turns left and can be an ear.
 constexpr double kEar = 1e-9;
 
 double cross(const Vector2& a, const Vector2& b) {
@@ -47,13 +48,12 @@ double turnSine(const Vector2& a, const Vector2& b, const Vector2& c) {
 }
 
 std::vector<Vector2> flattened(std::span<const Vector3> corners, const Vector3& normal) {
-  // Axes that do not depend on how the tile is turned about its normal matter little: only signs of
-  // areas are looked at.
+  // The direction of the axes about the normal is arbitrary, since only signs of areas matter.
   const Vector3 x = normal.unitOrthogonal();
   const Vector3 y = normal.cross(x);
   std::vector<Vector2> points;
   for (const Vector3& corner : corners) {
-    // Differences from the first corner keep the digits of tiles that are far from the origin.
+    // Differences from the first corner keep the precision of tiles far from the origin.
     const Vector3 from = corner - corners.front();
     points.emplace_back(x.dot(from), y.dot(from));
   }
@@ -62,35 +62,34 @@ std::vector<Vector2> flattened(std::span<const Vector3> corners, const Vector3& 
 
 /// Whether p lies in the triangle or on its boundary.
 bool holds(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& p) {
-  // The tolerance is an area, in parts of the squared side: a corner on a side counts as inside, so
-  // that no ear is cut through a corner that merely touches it.
+  // The tolerance is an area relative to the squared side. A corner on a side counts as inside,
+  // which prevents an ear through a touching corner.
   const auto isLeft = [&](const Vector2& from, const Vector2& to) {
     return cross(to - from, p - from) >= -1e-12 * (to - from).squaredNorm();
   };
   return isLeft(a, b) && isLeft(b, c) && isLeft(c, a);
 }
 
-/// The ring of corners that are left while ears are cut off.
+/// The ring of remaining corners during ear clipping.
 class EarClipper {
  public:
-  // All corners are rated once; later only the neighbours of a cut ear change.
+  // Rates all corners once. Later only the neighbours of a removed ear change.
   explicit EarClipper(std::vector<Vector2> points) : points_(std::move(points)) {
     ring_.resize(points_.size());
     std::iota(ring_.begin(), ring_.end(), 0);
     for (std::size_t k = 0; k < ring_.size(); ++k) qualities_.push_back(quality(triangleAt(k)));
   }
 
-  // The triangles in the order in which they are cut off.
+  // The triangles in the order of their removal.
   std::vector<std::array<int, 3>> triangles() {
     std::vector<std::array<int, 3>> cut;
-    // The sum of the corners of a simple polygon with n corners falls by one with each ear. Three
-    // corners are the last triangle.
+    // Each ear removes one corner of the polygon. The last three corners are the last triangle.
     while (ring_.size() > 3) {
       const std::size_t ear = bestEar();
       cut.push_back(triangleAt(ear));
       ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(ear));
       qualities_.erase(qualities_.begin() + static_cast<std::ptrdiff_t>(ear));
-      // Only the two neighbours of the ear have another triangle now.
+      // Only the two neighbours of the ear have a new triangle now.
       const std::size_t count = ring_.size();
       for (const std::size_t k : {(ear + count - 1) % count, ear % count}) {
         qualities_[k] = quality(triangleAt(k));
@@ -101,13 +100,13 @@ class EarClipper {
   }
 
  private:
-  // Corner k of the ring with the corners before and after it.
+  // Corner k of the ring with the previous and the next corner.
   std::array<int, 3> triangleAt(std::size_t k) const {
     const std::size_t count = ring_.size();
     return {ring_[(k + count - 1) % count], ring_[k], ring_[(k + 1) % count]};
   }
 
-  /// The least sine of a triangle's angles; negative where the corner turns right.
+  /// The smallest sine of a triangle's angles; negative at a right turn.
   double quality(const std::array<int, 3>& t) const {
     const auto [a, b, c] = t;
     return std::min({turnSine(points_[a], points_[b], points_[c]),
@@ -115,7 +114,7 @@ class EarClipper {
                      turnSine(points_[c], points_[a], points_[b])});
   }
 
-  // Whether no other corner of the ring lies in the triangle: the cut would leave it outside.
+  // Whether no other corner of the ring lies in the triangle. The cut would leave it outside.
   bool isEmpty(const std::array<int, 3>& t) const {
     return std::none_of(ring_.begin(), ring_.end(), [&](int k) {
       if (std::find(t.begin(), t.end(), k) != t.end()) return false;
@@ -123,16 +122,16 @@ class EarClipper {
     });
   }
 
-  /// The place in the ring of the best ear. Where rounding leaves none, of the least bad corner.
+  /// Ring position of the best ear. If rounding leaves no ear, of the least bad corner.
   std::size_t bestEar() const {
     std::vector<std::size_t> order(ring_.size());
     std::iota(order.begin(), order.end(), 0);
-    // Rounding does not choose between equal ears: sines count to nine digits.
+    // Rounding must not choose between equal ears: compare sines to nine digits.
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
       return std::round(1e9 * qualities_[a]) > std::round(1e9 * qualities_[b]);
     });
     for (const std::size_t k : order) {
-      // The corners are sorted, so that no ear follows the first that turns right.
+      // The corners are sorted, so no ear follows the first right turn.
       if (!(qualities_[k] > kEar)) break;
       if (isEmpty(triangleAt(k))) return k;
     }
@@ -144,13 +143,13 @@ class EarClipper {
   std::vector<double> qualities_;  ///< of each corner in the ring
 };
 
-/// Two parts as one, without the diagonal from `from` to `to` (as it runs in the first).
+/// Merges two parts across the diagonal from `from` to `to` (direction in the first part).
 PolygonPart joined(const PolygonPart& first, const PolygonPart& second, int from, int to) {
   const auto place = [](const PolygonPart& part, int corner) {
     return static_cast<std::size_t>(std::find(part.begin(), part.end(), corner) - part.begin());
   };
   PolygonPart whole;
-  // Round the first part from `to` to `from`, then on round the second.
+  // Around the first part from `to` to `from`, then around the second.
   for (std::size_t k = 0, at = place(first, to); k < first.size(); ++k) {
     whole.push_back(first[(at + k) % first.size()]);
   }
@@ -171,7 +170,7 @@ bool staysConvex(const PolygonPart& part, const std::vector<Vector2>& points) {
   return true;
 }
 
-/// The part that has the side `from`-`to` in this direction; the end where none has.
+/// The part with the side `from`-`to` in this direction; the end if there is none.
 std::vector<PolygonPart>::iterator partWithSide(std::vector<PolygonPart>& parts, int from, int to) {
   return std::find_if(parts.begin(), parts.end(), [&](const PolygonPart& part) {
     const auto at = std::find(part.begin(), part.end(), from);
@@ -180,9 +179,9 @@ std::vector<PolygonPart>::iterator partWithSide(std::vector<PolygonPart>& parts,
   });
 }
 
-/// Takes away each diagonal in turn that leaves the part round it convex.
+/// Removes each diagonal in turn if the merged part stays convex.
 void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& points) {
-  // The parts change while diagonals go; the triangles that name the diagonals are kept apart.
+  // The parts change as diagonals disappear, so the triangles that name the diagonals are copied.
   const std::vector<PolygonPart> triangles = parts;
   for (const PolygonPart& triangle : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -190,7 +189,7 @@ void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& poi
       if (from > to) continue;  // each diagonal once
       const auto first = partWithSide(parts, from, to);
       const auto second = partWithSide(parts, to, from);
-      // This is a side of the outline and no diagonal, or it went with an earlier merging.
+      // A side of the outline, or a diagonal that an earlier merge removed.
       if (first == parts.end() || second == parts.end()) continue;
       PolygonPart whole = joined(*first, *second, from, to);
       if (!staysConvex(whole, points)) continue;
@@ -200,9 +199,9 @@ void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& poi
   }
 }
 
-/// The distance of two stretches.
+/// The distance of two segments.
 double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
-  // Two stretches cross where the ends of each lie on both sides of the other.
+  // Two segments cross if the ends of each lie on both sides of the other.
   const double ofC = cross(b - a, c - a), ofD = cross(b - a, d - a);
   const double ofA = cross(d - c, a - c), ofB = cross(d - c, b - c);
   if (((ofC > 0) != (ofD > 0)) && ((ofA > 0) != (ofB > 0))) return 0;
@@ -211,13 +210,13 @@ double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vect
     const double share = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
     return (p - from - share * along).norm();
   };
-  // Else the nearest points include an end of one of the two.
+  // Otherwise the nearest points include an end of one segment.
   return std::min({toStretch(a, c, d), toStretch(b, c, d), toStretch(c, a, b), toStretch(d, a, b)});
 }
 
 }  // namespace
 
-// In space, without flattening: it is asked for every tile, and most are convex.
+// In space, without projection: called for every tile, and most are convex.
 bool isConvexPolygon(std::span<const Vector3> corners, const Vector3& normal) {
   double inAll = 0;
   const std::size_t count = corners.size();
@@ -226,13 +225,13 @@ bool isConvexPolygon(std::span<const Vector3> corners, const Vector3& normal) {
     const Vector3 after = (corners[(k + 1) % count] - corners[k]).normalized();
     const double sine = before.cross(after).dot(normal);
     if (sine < -kStraightCorner) return false;
-    // Only inward turns are added up.
+    // Only inward turns count.
     inAll -= std::min(sine, 0.0);
   }
   return inAll <= kStraightInAll;
 }
 
-// The first fault in the order of the sides.
+// The first crossing in the order of the sides.
 std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corners,
                                                  const Vector3& normal, double tolerance) {
   const std::vector<Vector2> points = flattened(corners, normal);
@@ -244,8 +243,7 @@ std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corner
     const bool turnsBack =
         along.dot(next) < 0 && std::abs(cross(along, next)) < 1e-9 * along.norm() * next.norm();
     if (turnsBack) return std::pair{i, (i + 1) % count};
-    // Side i + 1 shares a corner with side i, which is no fault. All pairs are looked at: O(n^2)
-    // with n of 300 at most.
+    // Sides i and i + 1 share a corner, which is allowed. Compares all pairs: O(n^2), n <= 300.
     for (int j = i + 2; j < count; ++j) {
       // The last side shares a corner with the first.
       if ((j + 1) % count == i) continue;
@@ -281,13 +279,14 @@ std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vec
 }
 
 // ------------------------------------------------------------------------------------------------
-// The convex outline: from left to right each new point takes away those before it at which the
-// chain does not turn left, which leaves the lower half; from right to left likewise the upper.
+// Convex hull. The points are processed from left to right. Each new point removes previous points
+// at which the chain does not turn left, which gives the lower half. The upper half is built from
+// right to left in the same manner.
 
 namespace {
 
-/// Appends one half of the outline of points in order of x. The last is left out, it begins the
-/// other half.
+/// Appends one half of the hull of points sorted by x. Omits the last point, which begins the other
+/// half.
 template <typename Iterator>
 void appendHalf(Iterator begin, Iterator end, std::vector<Vector2>& outline) {
   const std::size_t first = outline.size();
@@ -314,23 +313,23 @@ std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points) 
 }
 
 // ------------------------------------------------------------------------------------------------
-// Tiles as triangles that are hinged to each other, so that rigid parts can bend.
+// Splits tiles into triangles with hinges between them. Rigid parts can then model bending.
 //
-// A convex polygon with n corners is cut by the n - 3 diagonals from one corner, the apex: that
-// with the least sum of diagonals, since short diagonals bend more easily in sheets and give
-// triangles that are less thin. Concave tiles are cut into ears (convex_parts.h). Two parts that
-// share a diagonal are joined at both its ends on the bottom face: two point joints on one line are
-// a hinge about it. Joints of the tile move to the first part that has their corner. One part is
-// enough, as the other parts at this corner are joined to it there.
+// A convex polygon with n corners is cut by the n - 3 diagonals from one corner, the apex. The apex
+// has the smallest sum of diagonals: sheets bend more easily along short diagonals, and the
+// triangles are less thin. Concave tiles are cut into ears (convex_parts.h). Two parts with a
+// common diagonal are joined at both its ends on the bottom face: two point joints on one line are
+// a hinge. Joints of the tile move to the first part with their corner. One part is enough, since
+// the other parts at this corner are joined to it.
 
 namespace {
 
-/// Corner numbers of one part within the tile that it was cut from.
+/// Corner numbers of one part within its original tile.
 using Part = std::vector<int>;
 
 double diagonalsFrom(const Tile& tile, std::size_t corner) {
   double sum = 0;
-  // Sides count in this sum too, which hardly moves the choice.
+  // The sum includes sides, which hardly changes the choice.
   for (const Vector3& vertex : tile.vertices) sum += (vertex - tile.vertices[corner]).norm();
   return sum;
 }
@@ -348,20 +347,20 @@ Tile cut(const Tile& tile, const Part& part) {
   return result;
 }
 
-/// Splits one tile after the other.
+/// Splits tiles one by one.
 class Splitter {
  public:
   explicit Splitter(const Model& model) : model_(model) {}
 
-  // Corners first, then the tiles themselves, in both states, then the hinges between the parts.
+  // First the corners, then the tiles in both states, then the hinges between the parts.
   void split(int tile) {
     const std::vector<Part> parts = partsOf(model_.tiles[tile]);
     std::vector<int> numbers = {tile};
     for (std::size_t k = 1; k < parts.size(); ++k) {
-      // The numbers that cutTiles() will give to the parts after the first.
+      // The numbers that cutTiles() will assign to the parts after the first.
       numbers.push_back(static_cast<int>(model_.tiles.size()) + static_cast<int>(k) - 1);
     }
-    // Before the tiles are cut, while corner numbers are still those of the whole tile.
+    // Before cutting, while corner numbers still refer to the whole tile.
     moveCorners(tile, parts, numbers);
     moveFolds(tile, parts, numbers);
     cutTiles(model_.tiles, tile, parts);
@@ -376,7 +375,7 @@ class Splitter {
   Model take() { return std::move(model_); }
 
  private:
-  /// A hinge at both ends of each side that two parts have in common.
+  /// Adds hinges at both ends of each common side of two parts.
   void joinParts(const std::vector<Part>& parts, const std::vector<int>& numbers) {
     for (std::size_t b = 1; b < parts.size(); ++b) {
       for (std::size_t a = 0; a < b; ++a) {
@@ -388,14 +387,14 @@ class Splitter {
           Joint& end = hinge.emplace_back(Joint{{numbers[a], i}, {numbers[b], j}});
           end.isWithinTile = true;
         }
-        // Parts that touch at one corner only are held together through the parts between them.
+        // Parts with only one common corner are connected through the parts between them.
         if (hinge.size() < 2) continue;
         model_.joints.insert(model_.joints.end(), hinge.begin(), hinge.end());
       }
     }
   }
 
-  // A corner goes to the first part that has it: those of joints, of the hull and of mends.
+  // Moves corners of joints, hull and repairs to the first part that has them.
   void moveCorners(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
     const auto move = [&](Corner& corner) {
       if (corner.tile != tile) return;
@@ -414,7 +413,7 @@ class Splitter {
     for (Mend& mend : model_.mends) std::ranges::for_each(mend.corners, move);
   }
 
-  // A fold goes to the part that has its edge: two corners in common with the other tile.
+  // Moves a fold to the part with its edge: two corners in common with the other tile.
   void moveFolds(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
     const std::vector<Tile>& tiles = model_.tiles;
     const auto moved = [&](int own, int other) {
@@ -452,7 +451,7 @@ std::vector<std::array<int, 3>> tileTriangles(const Tile& tile) {
   const int count = static_cast<int>(tile.vertices.size());
   int apex = 0;
   for (int k = 1; k < count; ++k) {
-    // Rounding does not choose between equal corners.
+    // Rounding must not choose between equal corners.
     if (diagonalsFrom(tile, k) < (1 - 1e-9) * diagonalsFrom(tile, apex)) apex = k;
   }
   std::vector<std::array<int, 3>> triangles;
@@ -483,7 +482,7 @@ Model splitTiles(const Model& model, const std::vector<int>& tiles) {
   Model result = splitter.take();
   result.drawing.reset();  // its faces are not the parts
   result.tileNames.clear();
-  // Parts have an order of their own.
+  // Parts have their own order.
   if (!result.fileOrder.isReversed.empty()) result.fileOrder.isReversed.resize(result.tiles.size());
   for (const int tile : wanted) {
     if (result.fileOrder.isReversed.empty() || model.tiles[tile].vertices.size() == 3) continue;

@@ -1,10 +1,10 @@
-// Hinges are found from the points that two bricks share. Their angle is that of the start and the
-// twist since then: of the rotation q from brick A to brick B, identity at the start, the part
+// Finds hinges from the common points of two bricks. A hinge's angle is that of the start plus the
+// twist since then. The rotation q from brick A to brick B, identity at the start, has the twist
 //   turn = 2 atan2(axis . Im q, Re q)
-// about the axis. A quaternion and its negative are the same rotation, but one full turn apart: as
-// rotations of a run never change sign at once, the turn is continuous along it and defined up to
-// 4 pi. The one is taken that is nearest to the middle of the angles that bricks can reach, so
-// bricks may pass through each other by a full turn.
+// about the axis. A quaternion and its negative are the same rotation but differ by one full turn.
+// Quaternions of a run do not change sign abruptly, so the turn is continuous and defined up to 4
+// pi. The value nearest to the middle of the reachable angles is used. Bricks may therefore overlap
+// by up to a full turn.
 #include "sim/model/hinge.h"
 
 #include <algorithm>
@@ -20,19 +20,19 @@ namespace kirireel::model {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-// Points closer than this part of a brick's edge are one.
+// Points closer than this fraction of a brick's edge are one.
 constexpr double kSameHingePoint = 1e-6;
 // Angles closer than this are equal, radians.
 constexpr double kSameAngle = 1e-6;
 
-/// What two bricks share: points in the axes of the first.
+/// The common points of two bricks, in the axes of the first.
 struct PivotPoints {
   const Pivot* first = nullptr;
   std::vector<Vector3> points;
   bool isTied = false;  // fixed, or held by a link too
 };
 
-/// The shared points of all pairs of bricks, in the order of their first pivots.
+/// The common points of all pairs of bricks, in the order of their first pivots.
 std::vector<PivotPoints> sharedPoints(std::span<const Pivot> pivots, bool planar) {
   std::vector<PivotPoints> pairs;
   std::map<std::pair<int, int>, std::size_t> known;
@@ -42,7 +42,7 @@ std::vector<PivotPoints> sharedPoints(std::span<const Pivot> pivots, bool planar
     const auto [place, isNew] = known.try_emplace(key, pairs.size());
     if (isNew) pairs.push_back({&pivot, {}, false});
     PivotPoints& shared = pairs[place->second];
-    // All points of a pair are kept in the axes of one of the two bricks.
+    // All points of a pair are in the axes of its first brick.
     const bool isSwapped = pivot.brickA != shared.first->brickA;
     shared.points.push_back(isSwapped ? pivot.pointB : pivot.pointA);
     shared.isTied = shared.isTied || pivot.cornerA == kNoCorner;
@@ -50,7 +50,7 @@ std::vector<PivotPoints> sharedPoints(std::span<const Pivot> pivots, bool planar
   return pairs;
 }
 
-/// The direction of the line through all points, unit; zero where they are one, or on no line.
+/// The unit direction of the line through all points; zero if they coincide or are not collinear.
 struct CommonLine {
   Vector3 direction = Vector3::Zero();
   bool isPoint = false;
@@ -67,7 +67,7 @@ CommonLine commonLine(const std::vector<Vector3>& points, double same) {
   return {isLine ? along : Vector3::Zero(), false};
 }
 
-/// What a brick takes of the turn about an axis through one of its corners.
+/// Angular range of a brick at a corner on the axis.
 struct Sector {
   double begin = 0;  // radians from a common direction
   double width = 0;
@@ -81,12 +81,12 @@ Sector sectorAt(const Brick& brick, int corner, const Vector3& axis, const Vecto
   };
   double begin = angleOf(brick.bottom[(k + 1) % count] - brick.bottom[k]);
   double end = angleOf(brick.bottom[(k + count - 1) % count] - brick.bottom[k]);
-  // Seen against the normal a tile runs clockwise.
+  // A tile is clockwise if seen against its normal.
   if (brick.normal.dot(axis) < 0) std::swap(begin, end);
   return {begin, end > begin ? end - begin : end - begin + 2 * kPi};
 }
 
-/// Of the angles that differ by multiples of `period`, the one nearest to the middle.
+/// Of the angles that differ by multiples of `period`, the one nearest to `middle`.
 double nearest(double angle, double middle, double period = 2 * kPi) {
   return middle + std::remainder(angle - middle, period);
 }
@@ -98,12 +98,10 @@ Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
   const Vector3 zero = axis.unitOrthogonal();
   const Sector a = sectorAt(brickA, pivot.cornerA, axis, zero);
   const Sector b = sectorAt(brickB, pivot.cornerB, axis, zero);
-  // What both tiles leave of the full turn about the corner is shared by the gaps on their two
-  // sides.
+  // The free part of the full turn about the corner is divided between the gaps on both sides.
   const double free = std::max(0.0, 2 * kPi - a.width - b.width);
   const double left = nearest(b.begin - a.begin - a.width, 0.5 * free);
-  // The gap on the other side is the smaller one: the hinge is counted there, with its axis
-  // reversed.
+  // The gap on the other side is smaller: the angle is measured there, with a reversed axis.
   if (free - left < left - kSameAngle) {
     return {pivot.brickA, pivot.brickB, -axis, free - left, 0, free, pivot.cornerA, pivot.cornerB};
   }
@@ -113,7 +111,7 @@ Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
 /// The direction from an axis through a point into the brick, along its tile.
 Vector3 inward(const Brick& brick, const Vector3& point, const Vector3& axis) {
   Vector3 direction = meanPoint(brick.bottom) - point;
-  // Only the part across the axis and in the tile says on which side of the axis the tile lies.
+  // Only the component across the axis and in the tile shows the tile's side of the axis.
   direction -= brick.normal.dot(direction) * brick.normal;
   direction -= axis.dot(direction) * axis;
   return direction.normalized();
@@ -124,8 +122,7 @@ Hinge foldHinge(const std::vector<Brick>& bricks, const Pivot& pivot, const Vect
   const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   const Vector3 a = inward(brickA, pivot.pointA, line);
   const Vector3 b = inward(brickB, pivot.pointB, line);
-  // The axis has the first tile on its right, so that a positive turn of B lifts it to A's upper
-  // side.
+  // The first tile is on the right of the axis. A positive turn lifts B to A's upper side.
   const Vector3 axis = line.dot(brickA.normal.cross(a)) < 0 ? Vector3(-line) : line;
   const double start = std::atan2(axis.dot(b.cross(a)), -a.dot(b));
   return {pivot.brickA, pivot.brickB, axis, start, -kPi, kPi};
@@ -141,7 +138,7 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
     const Pivot& pivot = *shared.first;
     const Brick& brick = bricks[static_cast<std::size_t>(pivot.brickA)];
     const CommonLine line = commonLine(shared.points, kSameHingePoint * meanEdge(brick));
-    // A line along the thickness is a corner with both faces joined, one in the tile an edge.
+    // A line along the thickness is a corner with both faces joined, a line in the tile an edge.
     const bool isAcross = std::abs(line.direction.dot(brick.normal)) > std::sqrt(0.5);
     if (isAcross || (planar && line.isPoint)) {
       found.hinges.push_back(cornerHinge(bricks, pivot));
@@ -157,8 +154,7 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
 double hingeAngle(const Hinge& hinge, const Poses& poses) {
   const Quaternion& a = poses[static_cast<std::size_t>(hinge.brickA)].rotation;
   const Quaternion& b = poses[static_cast<std::size_t>(hinge.brickB)].rotation;
-  // The twist about the axis, as the header of this file says; Re and Im of the quaternion are w
-  // and vec().
+  // The twist about the axis, as above. Re and Im of the quaternion are w and vec().
   const Quaternion between = a.conjugate() * b;
   const double turn = 2 * std::atan2(hinge.axis.dot(between.vec()), between.w());
   return nearest(hinge.start + turn, 0.5 * (hinge.least + hinge.most), 4 * kPi);
@@ -218,7 +214,7 @@ double HingeSprings::energy(std::size_t pair, const Poses& poses) const {
   return elasticEnergy({&springs_[pair], 1}, poses);
 }
 
-// The angle's derivative by the turns is the axis for brick B and its opposite for brick A.
+// The gradient of the angle by rotations is the axis for brick B and its opposite for brick A.
 PairEnergy HingeSprings::derivatives(std::size_t pair, const Poses& poses) const {
   const HingeSpring& spring = springs_[pair];
   const Hinge& hinge = spring.hinge;
@@ -254,20 +250,22 @@ const std::vector<HingeSpring>& hingeSpringsOf(const PairForces& forces) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// With l the vector from point A to point B, l0 that of the start and phi the turns of the bricks,
-//   E = k_l (|l| - |l0|)^2 / 2 + k_s gamma^2 / 2,   gamma = angle(l0, l) - (phi_A + phi_B) / 2,
-// which is exact for large turns: neither part changes as the whole is turned. Together with a
+// Let l be the vector from point A to point B, l0 its value at the start and phi the turns of the
+// bricks:
+//   E = k_l (|l| - |l0|)^2 / 2 + k_s gamma^2 / 2,   gamma = angle(l0, l) - (phi_A + phi_B) / 2.
+// This is exact for large turns: a rotation of the whole changes neither term. Together with a
 // torsional spring on phi_B - phi_A this is the rigid unit's ligament of Deng, Raney, Tournat and
-// Bertoldi, Elastic vector solitons in soft architected materials, Phys. Rev. Lett. 118, 2017, with
-// the strains of Bordiga, Medina, Jafarzadeh et al., Automated discovery of reprogrammable
-// nonlinear dynamic metamaterials, Nat. Mater. 23, 2024. A beam whose ends turn by a and b against
-// its chord has E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 / 2.
+// Bertoldi, Elastic vector solitons in soft architected materials, Phys. Rev. Lett. 118, 2017. The
+// strains are those of Bordiga, Medina, Jafarzadeh et al., Automated discovery of reprogrammable
+// nonlinear dynamic metamaterials, Nat. Mater. 23, 2024. A beam whose ends turn by a and b relative
+// to its chord has E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 /
+// 2.
 //
-// A pin parts by d from point A to point B. With n and t the directions across and along its slit,
-// turned by the mean m of both bricks' turns since the start, of which dn/dm = t and dt/dm = -n,
+// The points of a pin separate by d from point A to point B. The directions n across and t along
+// its slit turn by the mean m of both bricks' turns since the start: dn/dm = t, dt/dm = -n. Then
 //   E = k_l (n . d)^2 / 2 + k_s (t . d)^2 / 2,
 //   d(n . d) = n . dd + (t . d) dm,   d(t . d) = t . dd - (n . d) dm,
-// and what opening costs beyond a linear spring, b a^3 / 3 + c a^4 / 4 with a = phi_B - phi_A.
+// Opening adds b a^3 / 3 + c a^4 / 4 to the energy of the linear spring, with a = phi_B - phi_A.
 
 namespace {
 
@@ -280,7 +278,7 @@ Row2 slopeOf(const Vector3& armA, const Vector3& armB) {
   return slope;
 }
 
-/// The second derivative of l along a direction, which is by the turns alone.
+/// The second derivative of the component of l along a direction. It depends only on the turns.
 Matrix6 bendOf(const Vector3& armA, const Vector3& armB, const Eigen::Vector2d& direction) {
   Matrix6 bend = Matrix6::Zero();
   bend(2, 2) = direction.dot(armA.head<2>());
@@ -288,14 +286,14 @@ Matrix6 bendOf(const Vector3& armA, const Vector3& armB, const Eigen::Vector2d& 
   return bend;
 }
 
-/// A component of d, its derivatives by the coordinates of both bricks.
+/// A component of d and its derivatives by the coordinates of both bricks.
 struct PinComponent {
   double value = 0;
   Vector6 slope = Vector6::Zero();
   Matrix6 bend = Matrix6::Zero();
 };
 
-/// The component along a direction that turns with the mean; `turned`: its derivative by that.
+/// The component along a direction that turns with m. `turned`: derivative of the direction by m.
 PinComponent componentAlong(const Eigen::Vector2d& d, const Eigen::Vector2d& direction,
                             const Eigen::Vector2d& turned, const Eigen::Vector2d& armA,
                             const Eigen::Vector2d& armB) {
@@ -345,7 +343,7 @@ PlanarEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vector
 
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
                       Ligament& ligament) {
-  // Of a rectangle: S. P. Timoshenko's shear coefficient in its usual approximation.
+  // Of a rectangle: the usual approximation of S. P. Timoshenko's shear coefficient.
   constexpr double kShearFactor = 5.0 / 6;
   const double area = width * thickness;
   const double bending = youngs * thickness * width * width * width / 12;
@@ -359,7 +357,7 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
   if (ligament.isPin()) return pinEnergy(ligament, between, armA, armB, turnA, turnB);
   const Eigen::Vector2d l = (between + armB - armA).head<2>();
   const Eigen::Vector2d l0 = ligament.start.head<2>();
-  // The ligament's length and direction now, and the direction across it.
+  // The ligament's current length and direction, and the direction across it.
   const double length = l.norm();
   const Eigen::Vector2d n = l / length, t(-n.y(), n.x());
   const double stretch = length - l0.norm();
@@ -373,8 +371,8 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
   ofShear[2] -= 0.5;
   ofShear[5] -= 0.5;
   const Vector6 across = slope.transpose() * t;
-  // The second derivative of |l| is t t^T / |l| along l's own changes, and n . d2l; that of the
-  // angle is -(n t^T + t n^T) / |l|^2, and t . d2l / |l|.
+  // The second derivative of |l| is t t^T / |l| by l, plus n . d2l. That of the angle is -(n t^T +
+  // t n^T) / |l|^2, plus t . d2l / |l|.
   const Matrix6 stretchBend = across * across.transpose() / length + bendOf(armA, armB, n);
   const Matrix6 mixed = ofStretch * across.transpose();
   const Matrix6 shearBend =
@@ -389,8 +387,8 @@ PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, co
 
 namespace {
 
-/// The turns of both bricks about the normal since the start. That of B is taken near that of A,
-/// since each is known to whole turns alone.
+/// The turns of both bricks about the normal since the start. Each is known up to full turns. B's
+/// turn is therefore chosen near A's.
 std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
   const auto turnOf = [&](int brick) {
     const Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
@@ -404,7 +402,7 @@ Matrix3 axesOf(const Ligament& ligament) {
   return frameAlong(ligament.normal, Vector3::Zero()).axes();
 }
 
-/// The energy with the points' arms and the way between the centres in world axes.
+/// The energy with the arms and the vector between the centres in world axes.
 PlanarEnergy energyInWorld(Ligament ligament, const Vector3& between, const Vector3& armA,
                            const Vector3& armB, const std::array<double, 2>& turns) {
   const Matrix3 toPlane = axesOf(ligament).transpose();
@@ -444,7 +442,7 @@ constexpr std::array kLigamentFields = {
     PairField<Ligament>{"opening_2", "N m/rad^2", 1, [](Ligament& l) { return &l.opening[0]; }},
     PairField<Ligament>{"opening_3", "N m/rad^3", 1, [](Ligament& l) { return &l.opening[1]; }}};
 
-/// The joint in whose place each ligament stands.
+/// Reads the model's joint that each ligament replaces.
 void readJoints(const PairReader& file, std::vector<Ligament>& ligaments) {
   const std::vector<int> numbers = file.wholeNumbers("joint");
   const bool areThere = std::ranges::all_of(numbers, [&](int number) {
@@ -511,8 +509,8 @@ const std::vector<Ligament>& ligamentsOf(const PairForces& forces) {
 
 namespace {
 
-/// What a ligament turns a brick by about its own end there, N m about its normal: with its ends in the
-/// place of both bricks' centres its energy changes by turns alone.
+/// A ligament's moment on a brick about its own end, N m about its normal. With the ends as
+/// centres, the energy depends on the turns without lever arms.
 double endMoment(const Ligament& ligament, int brick, const Poses& poses) {
   const Vector3 between = poses[static_cast<std::size_t>(ligament.brickB)].apply(ligament.pointB) -
                           poses[static_cast<std::size_t>(ligament.brickA)].apply(ligament.pointA);
@@ -536,7 +534,7 @@ std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> sprin
     std::array<double, 2>& both = moments.emplace_back(std::array{-own, own});
     const auto found = byBricks.find(std::minmax(hinge.brickA, hinge.brickB));
     if (found == byBricks.end()) continue;
-    // In the plane the hinge's axis is the normal or its opposite, whatever the pose.
+    // In the plane the hinge's axis is the normal or its opposite at every pose.
     const double sign = hinge.axis.dot(found->second->normal);
     both[0] += sign * endMoment(*found->second, hinge.brickA, poses);
     both[1] += sign * endMoment(*found->second, hinge.brickB, poses);

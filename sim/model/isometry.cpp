@@ -1,16 +1,16 @@
-// Best rigid fits of one point set to another, by least squares.
+// Least-squares rigid fit of one point set to another.
 //
-// Wanted are the rotation R and the translation t that minimise
+// The fit minimises over rotations R and translations t
 //   E(R, t) = sum over i of w_i |R a_i + t - b_i|^2
-// for points a_i (from) and b_i (to), in metres, and weights w_i without unit. For any R the best t
-// takes the weighted mean of the a_i to that of the b_i. What is left is to maximise trace(R C)
+// for points a_i (from) and b_i (to), in metres, and dimensionless weights w_i. For any R the
+// best t maps the weighted mean of the a_i to that of the b_i. It remains to maximise trace(R C)
 // with
 //   C = sum over i of w_i (a_i - mean a)(b_i - mean b)^T          3 x 3, m^2
-// In space: C = U S V^T (singular values) gives R = V diag(1, 1, d) U^T with d = det(V U^T) = +-1,
-// so that R is a rotation and never a reflection. Points in one plane have a singular value 0,
-// which d can use at no cost; points on one line leave the turn about the line open. In the plane:
-// trace(R C) = cos(p) (C_xx + C_yy) + sin(p) (C_xy - C_yx), so that the angle is p = atan2(C_xy -
-// C_yx, C_xx + C_yy).
+// In space: C = U S V^T (singular values) gives R = V diag(1, 1, d) U^T. d = det(V U^T) = +-1 makes
+// R a rotation, never a reflection. Coplanar points have a singular value 0, so d costs nothing
+// there. Collinear points leave the rotation about their line undetermined.
+// In the plane: trace(R C) = cos(p) (C_xx + C_yy) + sin(p) (C_xy - C_yx), so the angle is p =
+// atan2(C_xy - C_yx, C_xx + C_yy).
 //
 // W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Crystallographica
 // A32, 1976.
@@ -33,7 +33,7 @@
 namespace kirireel::model {
 namespace {
 
-// The weighted mean; the weights add up to something.
+// The weighted mean. The sum of the weights is not zero.
 Vector3 meanOf(std::span<const Vector3> points, std::span<const double> weights) {
   Vector3 sum = Vector3::Zero();
   double total = 0;
@@ -58,7 +58,7 @@ struct Comparison {
     }
   }
 
-  /// The motion with this rotation that brings mean onto mean.
+  /// The motion with this rotation that maps mean to mean.
   RigidMotion withRotation(const Matrix3& rotation) const {
     return {rotation, toMean - rotation * fromMean};
   }
@@ -68,8 +68,8 @@ std::vector<double> evenWeights(std::size_t count) {
   return std::vector<double>(count, 1.0);
 }
 
-/// The best turn about the normal of a sheet: for sets in parallel planes the best motion in space
-/// may flip the sheet over, which no sheet on a table can do.
+/// The best rotation about the normal of a sheet. For sets in parallel planes the best spatial
+/// motion can turn the sheet over, which is impossible in the plane.
 RigidMotion bestPlanarMotion(const SheetFrame& frame, std::span<const Vector3> from,
                              std::span<const Vector3> to) {
   const Comparison sets(from, to, evenWeights(from.size()));
@@ -114,14 +114,13 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
   return bestRigidMotion(from, to, evenWeights(from.size()));
 }
 
-// The fit is made from the vertices of all tiles, or of those that will be held, and moves all
-// tiles.
+// Fits the vertices of all tiles or of the held tiles, and moves all tiles.
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   if (!model.target) return {};
   const std::vector<Vector3> start = allVertices(model.tiles);
   const std::vector<Vector3> target = allVertices(*model.target);
   const double tolerance = flatTolerance(model);
-  // Both states have to lie flat: one that folds up may well start upside down.
+  // Both states must be flat: a folding sheet may start upside down.
   const std::optional<SheetFrame> frame = sheetFrame(model.tiles, tolerance);
   const bool planar = frame && isParallel(*frame, *model.target, tolerance);
   const auto fit = [&](std::span<const Vector3> from, std::span<const Vector3> to) {
@@ -137,37 +136,37 @@ RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The symmetry group of a model by matching its tiles.
+// Finds the symmetry group of a model by matching its tiles.
 //
-// An isometry x -> A x about the common centre is known from where it takes one tile: A = F' F^T,
-// F the axes of tile 0 along an edge and its normal, F' those of an edge of its image, run either
-// way. Each tile, edge and sense is tried, and what survives is checked tile by tile: the image of
-// a tile is the one that stands where A takes it, at the start and at the target. Tiles are sorted
-// by their distance from the centre, which A keeps, so that few are candidates.
+// An isometry x -> A x about the common centre follows from the image of one tile: A = F' F^T. F
+// are the axes of tile 0 along an edge and its normal, F' those of an edge of its image in either
+// direction. Each tile, edge and direction is a candidate. Each candidate is then checked tile by
+// tile: the image of a tile is the tile at the transformed position, at the start and at the
+// target. Tiles are sorted by their distance from the centre, which A preserves, so each tile has
+// few candidates.
 //
-// What one tile says of A is as good as its coordinates. A group knows better: A(g) is replaced by
-// the rotation or reflection nearest to the mean over h in G of A(h)^T A(h g), which is exact to
-// the square of what A was off by. Grove, Karcher, Ruh (1974), "Group actions and curvature",
-// Invent. math. 23.
+// A from one tile is as accurate as its coordinates. Averaging over the group is more accurate:
+// A(g) is replaced by the rotation or reflection nearest to the mean over h in G of A(h)^T A(h g).
+// This squares the error. Grove, Karcher, Ruh (1974), "Group actions and curvature", Invent. math.
+// 23.
 //
-// The mean over a group G of a state's images, q -> sum of g q / |G|, is mapped onto itself by each
-// g, since g only changes the order of the sum. Places are averaged as they are, and rotations as
-// quaternions, whose mean is the rotation nearest to them all to second order: Gramkow (2001), "On
-// averaging rotations", Int. J. Computer Vision 42.
+// The mean over a group G of a state's images, q -> sum of g q / |G|, is invariant under each g,
+// since g only changes the order of the sum. Positions use the arithmetic mean. Rotations use the
+// mean of quaternions, which is the nearest rotation to all of them to second order: Gramkow
+// (2001), "On averaging rotations", Int. J. Computer Vision 42.
 
 namespace {
 
-// Places that agree to this part of a tile are the same. Designs that are solved to 1e-12 have
-// their symmetries with room to spare; coordinates of 9 digits and fewer have none.
+// Positions are equal if they agree to this fraction of a tile. Designs solved to 1e-12 have their
+// symmetries with a wide margin. Coordinates with 9 digits or fewer have none.
 constexpr double kSamePart = 1e-9;  // of a tile
-// Isometries of larger groups stay as one tile says: each is compared with each product of two.
+// Larger groups are not refined, since each isometry is compared with each product of two.
 constexpr std::size_t kLargestPolished = 64;
-// Each round squares what the isometries are off by: 1e-9, 1e-18. The second round is there for the
-// rounding of the first.
+// Each round squares the error: 1e-9, 1e-18. The second round removes the rounding of the first.
 constexpr int kPolishings = 2;
-// Products of two isometries are a third up to this.
+// A product of two isometries equals a third up to this tolerance.
 constexpr double kSameTurn = 1e-3;
-// Vertices that are farther than this part of a tile from their images are moved.
+// Vertices farther than this fraction of a tile from their images are moved.
 constexpr double kSymmetricPart = 1e-13;
 
 /// The tiles of one state about their common centre.
@@ -189,22 +188,21 @@ struct CentredState {
     }
   }
 
-  /// Axes along the edge from a vertex, and the normal. `sense`: 1 to the next vertex, -1 to the
-  /// one before.
+  /// Axes along the edge from a vertex, and the normal. `sense`: 1 towards the next vertex, -1
+  /// towards the previous one.
   Matrix3 axesAt(std::size_t tile, std::size_t vertex, int sense) const {
     const std::vector<Vector3>& points = vertices[tile];
     const std::size_t step = sense > 0 ? 1 : points.size() - 1;
     Matrix3 axes;
     axes.col(0) = (points[(vertex + step) % points.size()] - points[vertex]).normalized();
     axes.col(2) = normals[tile];
-    // With the sense -1 the axes are left-handed, so that the isometry between them is a
-    // reflection.
+    // With sense -1 the axes are left-handed. The isometry between them is then a reflection.
     axes.col(1) = sense * axes.col(2).cross(axes.col(0));
     return axes;
   }
 };
 
-/// Looks for the isometries of one model.
+/// Searches the isometries of one model.
 class SymmetrySearch {
  public:
   explicit SymmetrySearch(const Model& model)
@@ -219,7 +217,7 @@ class SymmetrySearch {
     for (const Joint& joint : model.joints) joints_.insert(keyOf(joint, joint.a, joint.b));
   }
 
-  // Tries every tile as the image of tile 0, by each of its edges and both senses.
+  // Tries every tile as the image of tile 0, with each of its edges and both senses.
   std::vector<Symmetry> find() {
     Symmetry identity;
     for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
@@ -249,19 +247,19 @@ class SymmetrySearch {
     return {joint.kind, joint.face, std::min(first, second), std::max(first, second)};
   }
 
-  /// The isometry that takes tile 0's first edge to that of another, if it maps the model.
+  /// The isometry that maps tile 0's first edge to that of another tile, if it maps the model.
   std::optional<Symmetry> symmetryBy(std::size_t tile, std::size_t vertex, int sense) const {
     Symmetry symmetry;
     const CentredState& start = states_.front();
     symmetry.turn = start.axesAt(tile, vertex, sense) * start.axesAt(0, 0, 1).transpose();
-    // Parallel edges give one isometry: it counts once, with the tile that it does take there.
+    // Parallel edges give the same isometry. It counts once, for the tile at the image position.
     if (!isSame(symmetry.turn * start.vertices[0][0], start.vertices[tile][vertex])) return {};
     std::vector<std::vector<int>> corners;
     for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
-      checkInterruption();  // ten thousand tiles, and as many isometries to try
+      checkInterruption();  // up to ten thousand tiles and as many isometries
       const std::vector<int> images = tilesAt(symmetry.turn, i, true);
-      // None: the isometry does not map the sheet. Several: tiles lie on each other in both states,
-      // and cannot be told apart.
+      // No image: the isometry does not map the sheet. Several: tiles coincide in both states and
+      // are indistinguishable.
       if (images.size() != 1) return {};
       corners.push_back(cornersAt(symmetry.turn, i, static_cast<std::size_t>(images.front())));
       if (corners.back().empty()) return {};
@@ -271,8 +269,8 @@ class SymmetrySearch {
     return symmetry;
   }
 
-  /// The tiles that stand where an isometry takes one, at the start and the target; or, not
-  /// `exactly`, all that are as far from the centre as it.
+  /// The tiles at the image of one tile, at the start and the target. If not `exactly`: all tiles
+  /// at the same distance from the centre.
   std::vector<int> tilesAt(const Matrix3& turn, std::size_t tile, bool exactly) const {
     const double distance = states_.front().centroids[tile].norm();
     std::vector<int> found;
@@ -287,13 +285,13 @@ class SymmetrySearch {
     return found;
   }
 
-  /// The vertex of the image that each vertex of a tile is taken to, at the start and the target;
-  /// empty where the isometry does not take the tile, with its normal, to the image.
+  /// The image vertex of each vertex of a tile, at the start and the target. Empty if the isometry
+  /// does not map the tile and its normal to the image.
   std::vector<int> cornersAt(const Matrix3& turn, std::size_t tile, std::size_t image) const {
     const std::size_t count = model_.tiles[tile].vertices.size();
     if (model_.tiles[image].vertices.size() != count) return {};
     for (const CentredState& state : states_) {
-      // The normals decide on which side bricks grow.
+      // The normals decide on which side the bricks are.
       if ((turn * state.normals[tile]).dot(state.normals[image]) < 0.5) return {};
     }
     std::vector<int> corners;
@@ -335,7 +333,8 @@ class SymmetrySearch {
   const Model& model_;
   double tolerance_;                                // metres
   std::vector<CentredState> states_;                // start, and target if there is one
-  std::vector<std::pair<double, int>> byDistance_;  // of centroids from the centre, with the tile
+  std::vector<std::pair<double, int>> byDistance_;  // distance of the centroid from the centre,
+                                                    // tile
   std::set<JointKey> joints_;
 };
 
@@ -347,8 +346,8 @@ Matrix3 nearestOrthogonal(const Matrix3& matrix) {
   return parts.matrixU() * parts.matrixV().transpose();
 }
 
-/// The number of the member that turns so, and maps the first tile there; none where the members
-/// are no group.
+/// The member with this rotation and this image of the first tile. Absent if the members are not a
+/// group.
 std::optional<std::size_t> memberThat(const std::vector<Symmetry>& group, const Matrix3& turn,
                                       int imageOfFirst) {
   for (std::size_t k = 0; k < group.size(); ++k) {
@@ -358,14 +357,14 @@ std::optional<std::size_t> memberThat(const std::vector<Symmetry>& group, const 
   return {};
 }
 
-/// Makes the isometries of a group exact to the square of what they are off by.
+/// Refines the isometries of a group: squares their error.
 void polish(std::vector<Symmetry>& group) {
   std::vector<Matrix3> means(group.size(), Matrix3::Zero());
   for (std::size_t k = 0; k < group.size(); ++k) {
     for (const Symmetry& first : group) {
       const int image = first.images[static_cast<std::size_t>(group[k].images.front())];
       const auto both = memberThat(group, first.turn * group[k].turn, image);
-      // The isometries found are no group, so that their mean means nothing: they stay as they are.
+      // The isometries are not a group. Their mean has no meaning, so they stay unchanged.
       if (!both) return;
       means[k] += first.turn.transpose() * group[*both].turn;
     }
@@ -373,8 +372,8 @@ void polish(std::vector<Symmetry>& group) {
   for (std::size_t k = 0; k < group.size(); ++k) group[k].turn = nearestOrthogonal(means[k]);
 }
 
-/// The means of the tiles' images under a group of symmetries about their common centre. A vertex
-/// is mapped to the one of the image tile that is nearest.
+/// The means of the tiles' images under a symmetry group about their common centre. A vertex is
+/// mapped to the nearest vertex of the image tile.
 std::vector<Tile> symmetricMean(const std::vector<Tile>& tiles, std::span<const Symmetry> group) {
   std::vector<Vector3> centroids;
   for (const Tile& tile : tiles) centroids.push_back(tileCentroid(tile));
@@ -399,7 +398,7 @@ std::vector<Tile> symmetricMean(const std::vector<Tile>& tiles, std::span<const 
   return mean;
 }
 
-/// The farthest move of a vertex, metres.
+/// The largest displacement of a vertex, metres.
 double farthestMove(const std::vector<Tile>& from, const std::vector<Tile>& to) {
   double farthest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -410,7 +409,7 @@ double farthestMove(const std::vector<Tile>& from, const std::vector<Tile>& to) 
   return farthest;
 }
 
-/// Flat sheets stay in their plane exactly.
+/// Flat sheets stay exactly in their plane.
 void keepHeights(const std::vector<Tile>& from, std::vector<Tile>& to) {
   const double height = from.front().vertices.front().z();
   for (const Tile& tile : from) {
@@ -422,10 +421,11 @@ void keepHeights(const std::vector<Tile>& from, std::vector<Tile>& to) {
   }
 }
 
-// Replaces the tiles by the mean of their images where that moves any vertex by more than rounding.
+// Replaces the tiles by the mean of their images if this moves any vertex by more than rounding.
 void symmetriseTiles(std::vector<Tile>& tiles, std::span<const Symmetry> group, double least) {
   std::vector<Tile> mean = symmetricMean(tiles, group);
-  // What is symmetric to rounding keeps its bits, so that such a model's run does not change.
+  // Tiles that are symmetric to rounding stay bitwise equal. The run of such a model does not
+  // change.
   if (!(farthestMove(tiles, mean) > least)) return;
   keepHeights(tiles, mean);
   tiles = std::move(mean);
@@ -437,8 +437,8 @@ Vector3 centreOf(const Poses& poses) {
   return sum / static_cast<double>(poses.size());
 }
 
-/// Where a symmetry takes a pose. Its turn acts on rotations by conjugation, which takes a
-/// reflection out again: brick axes are parallel to the world's at the start.
+/// The image of a pose under a symmetry. Conjugation transforms the rotation, which also removes a
+/// reflection: brick axes are parallel to the world axes at the start.
 Pose imageOf(const Pose& pose, const Vector3& centre, const Symmetry& symmetry) {
   const Matrix3 rotation =
       symmetry.turn * pose.rotation.toRotationMatrix() * symmetry.turn.transpose();

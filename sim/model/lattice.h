@@ -9,13 +9,13 @@
 namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
-// The lattice of quads that most kirigami sheets are: tiles in columns and rows, joined at corners
-// so that neighbours turn against each other.
+// The lattice of quadrilaterals of most kirigami sheets: tiles in columns and rows. Neighbours are
+// joined at corners and turn against each other.
 
-/// Where a tile stands in a lattice; also one step outside it.
+/// Position of a tile in a lattice, including one cell outside it.
 struct Cell {
-  int column = 0;  ///< along x, from 0
-  int row = 0;     ///< along y, from 0
+  int column = 0;  ///< along x, zero-based
+  int row = 0;     ///< along y, zero-based
 };
 
 /// Even and odd cells turn in opposite senses.
@@ -27,40 +27,40 @@ inline bool isEven(const Cell& cell) {
 /// given cell's tile. Every corner belongs to exactly one neighbour, be it in the sheet or outside.
 Cell cornerNeighbour(const Cell& cell, int corner);
 
-/// How many tiles stand where.
+/// Size of a lattice.
 struct Lattice {
-  int columns = 0;  ///< at least 1
-  int rows = 0;     ///< at least 1
+  int columns = 0;  ///< >= 1
+  int rows = 0;     ///< >= 1
 
-  /// How many tiles there are.
+  /// Number of tiles.
   int tileCount() const { return columns * rows; }
-  /// Tiles are numbered up the columns, one column after the other.
+  /// The number of a cell's tile: column by column, upwards within each.
   int tileAt(const Cell& cell) const { return cell.column * rows + cell.row; }
-  /// Tiles are counted column by column.
+  /// The cell of a tile number.
   Cell cellOf(int tile) const { return {tile / rows, tile % rows}; }
-  /// Whether a tile stands there.
+  /// Whether a cell is inside the lattice.
   bool contains(const Cell& cell) const {
     return cell.column >= 0 && cell.column < columns && cell.row >= 0 && cell.row < rows;
   }
 };
 
-/// The joints of the lattice on the given face: each tile to its right, then upwards.
-/// There are (columns - 1) rows + columns (rows - 1) of them.
+/// The joints of the lattice on the given face: for each tile first to the right, then upwards.
+/// There are (columns - 1) rows + columns (rows - 1) joints.
 std::vector<Joint> latticeJoints(const Lattice& lattice, JointFace face);
 
 // ------------------------------------------------------------------------------------------------
 // The exact motion of every planar lattice of quads whose voids are parallelograms.
 
-/// A place or a turn in the plane.
+/// A position or a rotation in the plane.
 using Complex = std::complex<double>;
 
-/// One complex constant F for each tile of a lattice and each place just outside its sides. The
-/// corner that an odd and an even tile share stands, when neighbours have turned by theta against
-/// each other, at
+/// One complex constant F for each tile of a lattice and each position just outside its sides. If
+/// neighbours have turned by theta against each other, the common corner of an odd and an even tile
+/// is at
 ///   v(theta) = F_odd e^(-i theta / 2) + F_even e^(i theta / 2)   (complex coordinates).
-/// Tiles keep their shape and joints stay closed at every theta whatever the constants are; the
-/// voids, one for each 2 x 2 block of places, are closed at theta = 0 and at pi when for the
-/// block's constants (lower left 00, right 10, above 01, opposite 11)
+/// Tiles keep their shape and joints stay closed at every theta and for any constants. Each 2 x 2
+/// block of positions is a void. It is closed at theta = 0 and at pi if the block's constants
+/// (lower left 00, right 10, above 01, opposite 11) fulfil
 ///   F11 - F00 = s lambda (F10 - F01),   s = 1 if place 00 is even, else -1,   lambda > 0 real.
 class TurningField {
  public:
@@ -70,18 +70,18 @@ class TurningField {
 
   /// Its columns and rows.
   const Lattice& lattice() const { return lattice_; }
-  /// Tiles and places just outside, corners included.
+  /// Number of tiles and outside positions, corners included.
   int placeCount() const { return (lattice_.columns + 2) * (lattice_.rows + 2); }
-  /// The number of a cell's place, from 0.
+  /// The zero-based number of a cell's position.
   int placeAt(const Cell& cell) const {
     return (cell.column + 1) * (lattice_.rows + 2) + cell.row + 1;
   }
-  /// The constant at a cell, to be set.
+  /// The constant at a cell, for assignment.
   Complex& at(const Cell& cell) { return constants_[std::size_t(placeAt(cell))]; }
   /// The constant at a cell.
   const Complex& at(const Cell& cell) const { return constants_[std::size_t(placeAt(cell))]; }
 
-  /// Where a tile's corner 0-3 stands at the angle theta, radians.
+  /// Position of a tile's corner 0-3 at the angle theta, radians.
   Complex corner(const Cell& cell, int corner, double angle) const;
 
   /// All tiles at the angle theta, in the plane z = 0.
@@ -92,33 +92,33 @@ class TurningField {
   std::vector<Complex> constants_;
 };
 
-/// The field of equal parallelograms with the given sides, counted from the sheet's middle.
-/// `along` and `up` are the sides as complex numbers x + i y, metres, not parallel to each other.
+/// The field of equal parallelograms with the given sides, centred on the sheet's middle.
+/// `along` and `up` are the sides as complex numbers x + i y, metres, not parallel.
 TurningField regularField(const Lattice& lattice, Complex along, Complex up);
 
 // ------------------------------------------------------------------------------------------------
-// The rotating rectangles and parallelograms: m x n tiles joined at corners, one degree of freedom
-// in the plane.
+// Rotating rectangles and parallelograms: m x n tiles joined at corners, one planar degree of
+// freedom.
 
-/// What to generate. Lengths in metres, angles in radians; at most 250,000 tiles.
+/// Parameters of a tessellation. Lengths in metres, angles in radians; at most 250,000 tiles.
 struct TessellationShape {
-  int columns = 4;                          ///< tiles along x, at least 1
-  int rows = 4;                             ///< tiles along y, at least 1
-  double length = 1;                        ///< of a tile along x when closed, positive
-  double width = 1;                         ///< of a tile's other side, positive
-  double skew = 0;                          ///< of that side from the y axis, clockwise, below pi/2
+  int columns = 4;                          ///< tiles along x, >= 1
+  int rows = 4;                             ///< tiles along y, >= 1
+  double length = 1;                        ///< of a tile along x when closed, > 0
+  double width = 1;                         ///< of a tile's other side, > 0
+  double skew = 0;                          ///< of that side from the y axis, clockwise, < pi/2
   double startAngle = 0;                    ///< between neighbouring tiles, 0 (closed) to pi
   double targetAngle = 1.5707963267948966;  ///< of the target, 0 to pi
-  JointFace face = JointFace::Both;         ///< where neighbours are joined
+  JointFace face = JointFace::Both;         ///< face of all joints
 };
 
-/// The tessellation with its target and its joints. Tile column * rows + row stands in the given
-/// column and row; its vertices start bottom left and run anticlockwise.
+/// The tessellation with its target and its joints. The tile in a column and row has the number
+/// column * rows + row. Its vertices are anticlockwise from the bottom left.
 /// Throws InputError for counts, lengths or angles out of range.
 Model makeTessellation(const TessellationShape& shape);
 
-/// Its tiles at one opening angle theta, in the axes in which even tiles (column + row even) are
-/// turned by -theta/2 and odd ones by +theta/2, centred on the origin: the mechanism's exact motion
+/// Its tiles at one opening angle theta, centred on the origin. Even tiles (column + row even) are
+/// rotated by -theta/2 and odd ones by +theta/2. This is the exact motion of the mechanism:
 ///   v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2)   (complex coordinates),
 /// closed and rigid for every theta.
 std::vector<Tile> tessellationTiles(const TessellationShape& shape, double angle);

@@ -1,12 +1,12 @@
-// Pairs of OBJ files as inverse design programs leave them: one file for the contracted and one for
+// Pairs of OBJ files from inverse design programs: one file for the contracted sheet and one for
 // the deployed sheet, with the same faces.
 //
-// OBJ knows vertices, faces and comments. Joints are vertex numbers that faces share, on the
-// bottom. What that cannot say (the face of a joint, joints whose corners differ by rounding,
-// pulled tiles) stands in comments that other programs pass over: "# joint A a B b FACE" and "#
-// pull TILE", numbered from 0. A file with such comments is read by them alone, so that writing and
-// reading give the same model. G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming shape using
-// kirigami tessellations, Nature Materials 18, 2019, is where such pairs come from.
+// OBJ has vertices, faces and comments. Vertex numbers that faces share become joints on the bottom
+// face. Other information (the face of a joint, joints whose corners differ by rounding, pulled
+// tiles) is in comments that other programs ignore: "# joint A a B b FACE" and "# pull TILE",
+// zero-based. If a file has such comments, they replace the shared numbers, and writing and reading
+// give the same model. Such pairs come from G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming
+// shape using kirigami tessellations, Nature Materials 18, 2019.
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -34,8 +34,8 @@ namespace fs = std::filesystem;
 
 const std::string kPurpose = "give a Wavefront OBJ file with one face a tile";
 
-/// A face of a mesh without padding: entries that name no vertex (-1), repeated vertices, and
-/// corners in the place of their neighbour. Returns which entries are left.
+/// Removes padding from a face of a mesh: entries without a vertex (-1), repeated vertices, and
+/// corners that coincide with their neighbour. Returns the remaining entries.
 std::vector<int> unpaddedCorners(const std::vector<int>& numbers,
                                  const std::vector<Vector3>& points) {
   std::vector<int> entries;
@@ -49,14 +49,14 @@ std::vector<int> unpaddedCorners(const std::vector<int>& numbers,
     };
     if (kept.empty() || !isSame(kept.back())) kept.push_back(k);
   }
-  // The last corner may close the polygon.
+  // The last corner can repeat the first to close the polygon.
   while (kept.size() > 1 && points[numbers[kept.back()]] == points[numbers[kept.front()]]) {
     kept.pop_back();
   }
   return kept;
 }
 
-/// One state of a mesh: of each tile the first corner with each number gives its place.
+/// One state of a mesh. In each tile the first corner with a number defines its position.
 std::vector<Tile> tilesBy(const CornerNumbers& outlines, const CornerNumbers& numbers,
                           const std::vector<Tile>& faces) {
   std::map<int, Vector3> places;
@@ -73,9 +73,9 @@ std::vector<Tile> tilesBy(const CornerNumbers& outlines, const CornerNumbers& nu
   return tiles;
 }
 
-/// Tiles and joints of a mesh whose states are in the model: faces as they are, or those of one
-/// plane joined. Returns the tile of each face. Suggests joining if the faces look like triangles
-/// of larger tiles.
+/// Completes the tiles and joints of a mesh whose states are in the model. Faces are kept, or
+/// coplanar faces are joined. Returns the tile of each face. Suggests joining if the faces appear
+/// to be triangles of larger tiles.
 std::vector<int> completeMesh(const CornerNumbers& ownNumbers, TileTable& table, Model& model,
                               const ReadSettings& settings, std::vector<std::string>& warnings) {
   std::vector<const std::vector<Tile>*> states = {&model.tiles};
@@ -117,10 +117,10 @@ std::vector<int> completeMesh(const CornerNumbers& ownNumbers, TileTable& table,
 struct ObjSheet {
   TileTable tiles;
   CornerNumbers numbers;
-  JointTable joints;                   ///< of the comments
-  std::vector<int> pulled;             ///< of the comments
+  JointTable joints;                   ///< from the comments
+  std::vector<int> pulled;             ///< from the comments
   std::vector<std::string> names;      ///< of each face, by its group and material
-  std::map<std::string, int> ignored;  ///< statements that are not read, by their words
+  std::map<std::string, int> ignored;  ///< counts of statements that are not read, by keyword
 };
 
 /// Reads one file statement by statement.
@@ -160,14 +160,14 @@ class ObjReader {
     return text_.at(line, line.fields[field]);
   }
 
-  /// Statements that describe looks.
+  /// Statements about appearance.
   static constexpr std::string_view kLooks[] = {
       "vt",    "vn",  "s",        "mtllib",   "mg",         "usemap",   "maplib",
       "bevel", "lod", "c_interp", "d_interp", "shadow_obj", "trace_obj"};
 
-  // The first three numbers, metres. NaN is padding, which no tile may need.
+  // The first three numbers, metres. NaN is padding, which no tile may use.
   void readVertex(const TextLine& line) {
-    // Numbers beyond the third (a weight, colours) are passed over.
+    // Further numbers (a weight, colours) are ignored.
     if (line.fields.size() < 4) {
       throw inputErrorAt({text_.file(), line.number},
                          fmt::format("a vertex has x, y and z, not {} numbers; complete it",
@@ -184,7 +184,7 @@ class ObjReader {
     }
   }
 
-  /// The vertex number of "7", "7/1", "7//" or, counted from the end, "-1"; from 0. -1 for padding.
+  /// The zero-based vertex number of "7", "7/1", "7//" or, counted from the end, "-1". -1: padding.
   int vertexNumber(const TextLine& line, std::size_t field) const {
     TextField number = line.fields[field];
     number.text = number.text.substr(0, number.text.find('/'));
@@ -200,7 +200,7 @@ class ObjReader {
                                               : "correct this number"));
   }
 
-  // A face takes vertices that stand before it, as OBJ has it.
+  // As in OBJ, a face can only use vertices before it in the file.
   void readFace(const TextLine& line) {
     const std::size_t tile = sheet_.tiles.tiles.size();
     std::vector<int> entries;
@@ -226,7 +226,7 @@ class ObjReader {
     }
   }
 
-  /// The words after the first, as they are written: "" if there are none.
+  /// The text after the first word; "" if there is none.
   static std::string wordsOf(const TextLine& line) {
     std::string text;
     for (std::size_t k = 1; k < line.fields.size(); ++k) {
@@ -236,7 +236,7 @@ class ObjReader {
     return text;
   }
 
-  // The two comments that this program writes; all others are passed over.
+  // Reads the two kinds of comments that this program writes; ignores others.
   void readComment(const TextLine& line) {
     const bool isJoint = line.fields.size() == 7 && line.fields[1].text == "joint";
     if (isJoint) {
@@ -254,7 +254,7 @@ class ObjReader {
     }
   }
 
-  /// Comments may stand before the faces that they name.
+  /// Checks this last because comments may precede the faces that they name.
   void requirePulledTiles() const {
     const int count = static_cast<int>(sheet_.tiles.tiles.size());
     for (std::size_t k = 0; k < sheet_.pulled.size(); ++k) {
@@ -274,8 +274,8 @@ class ObjReader {
 };
 
 void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
-  // Where each face has vertices of its own, their numbers say nothing about joints, and the
-  // programs that write such files number them as they like.
+  // If each face has its own vertices, their numbers contain no joints. Programs that write such
+  // files number them arbitrarily.
   if (!sharesNumbers(start.numbers)) return;
   const std::size_t common = std::min(start.numbers.size(), target.numbers.size());
   for (std::size_t i = 0; i < common; ++i) {
@@ -304,7 +304,7 @@ std::string modelName(const fs::path& file) {
   return stem.ends_with(ending) ? stem.substr(0, stem.size() - ending.size()) : stem;
 }
 
-/// With an ending such as ".obj".
+/// `ending` is for example ".obj".
 fs::path deployedName(const fs::path& contracted, const fs::path& ending) {
   return contracted.parent_path() / (modelName(contracted) + "_deployed" + ending.string());
 }
@@ -334,7 +334,7 @@ std::string objText(const std::vector<Tile>& tiles, const CornerNumbers& numbers
 }  // namespace
 
 std::optional<fs::path> deployedSibling(const fs::path& contracted) {
-  // In the letters of the contracted one first.
+  // Tries the contracted file's own spelling of the ending first.
   for (const fs::path& ending : {contracted.extension(), fs::path(".obj"), fs::path(".OBJ")}) {
     const fs::path sibling = deployedName(contracted, ending);
     if (sibling != contracted && fs::exists(sibling)) return sibling;
@@ -355,7 +355,7 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
   warnOfIgnored(sheet.ignored, start, warnings);
   if (target) {
     const ObjSheet deployed = ObjReader(*target).read();
-    // Shapes are compared before numbers: a target of other tiles is the likelier mistake.
+    // Compares shapes before numbers, since a target with other tiles is the more likely mistake.
     checkTarget(deployed.tiles, model, sheet.tiles, warnings);
     requireSameFaces(sheet, deployed);
     model.target = deployed.tiles.tiles;
@@ -408,15 +408,15 @@ void writeObjPair(const Model& inOrder, const fs::path& file) {
 // ------------------------------------------------------------------------------------------------
 // PLY meshes, in the three encodings of the format.
 //
-// A file is a header of lines, which lists elements (how many there are, and the properties of
-// each), and the elements' values one after the other: as words (ASCII) or as bytes of the widths
-// that the header gives. Only vertices (x, y, z) and faces (vertex_indices or vertex_index) are
-// kept. Everything else has to be read too, as nothing but its width says where the next value
+// A file has a text header and data. The header lists elements (their count and the properties
+// of each). The data are the elements' values in sequence, as words (ASCII) or as bytes with
+// the widths in the header. Only vertices (x, y, z) and faces (vertex_indices or vertex_index)
+// are kept. Everything else is also read, because only its width shows where the next value
 // begins.
 //
-// The bytes are put together by shifts, so that the order of bytes of the machine does not matter.
-// Counts of the header are not trusted: nothing is reserved by them, a list may not be longer than
-// the file, and reading past the end is an error. G. Turk, The PLY polygon file format, 1994.
+// Shifts combine the bytes, so the machine's byte order does not matter. Counts in the header are
+// not trusted: no memory is reserved for them, a list may not be longer than the file, and reading
+// past the end is an error. G. Turk, The PLY polygon file format, 1994.
 
 namespace {
 
@@ -424,7 +424,7 @@ namespace fs = std::filesystem;
 
 const std::string kPlyPurpose = "give a PLY mesh with one face a tile";
 
-/// A number's type: its width in bytes, and what the bytes mean.
+/// A number's type: its width in bytes and their interpretation.
 struct PlyType {
   int width = 4;
   enum class NumberKind { Signed, Unsigned, Real } kind = NumberKind::Real;
@@ -523,7 +523,8 @@ class PlyReader {
     throw fault(fmt::format("there is no type '{}'", shown(name, 24)));
   }
 
-  // Keys in any order; what is none of ours (comment, obj_info) is passed over with its line.
+  // Keys come in any order. Unknown keys (comment, obj_info) are ignored up to the end of their
+  // line.
   void readHeader() {
     if (word() != "ply") throw fault("the file does not begin with \"ply\"");
     bool hasFormat = false;
@@ -552,7 +553,7 @@ class PlyReader {
           throw fault(fmt::format("an element cannot be there '{}' times", shown(count, 24)));
         }
       } else if (key == "property") {
-        // A list has more words than a plain property; readProperty() takes exactly what it needs,
+        // A list has more words than a plain property. readProperty() reads exactly what it needs,
         // and the next key follows.
         readProperty();
         continue;
@@ -600,8 +601,7 @@ class PlyReader {
       return width == 8 ? std::bit_cast<double>(bits)
                         : std::bit_cast<float>(static_cast<std::uint32_t>(bits));
     }
-    // Shifting up and arithmetically down again copies the sign bit of a narrow number into the
-    // upper bits.
+    // Shifting up and arithmetically down copies the sign bit of a narrow number to the upper bits.
     const int unused = 64 - 8 * type.width;
     return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
   }
@@ -615,7 +615,7 @@ class PlyReader {
     throw fault(fmt::format("{:g} is no {}", value, what));
   }
 
-  // A length and as many entries, which are vertex numbers where they are whole.
+  // A length and as many entries. Whole numbers are vertex numbers.
   std::vector<int> list(const PlyProperty& property) {
     const int count = wholeNumber(property.count, "length of a list");
     if (count < 0 || count > std::ssize(text_)) {
@@ -623,7 +623,7 @@ class PlyReader {
     }
     std::vector<int> numbers;
     for (int k = 0; k < count; ++k) {
-      // Entries that are real numbers are read over: a vertex number is whole.
+      // Skip real numbers, since a vertex number is whole.
       numbers.push_back(property.type.kind == PlyType::NumberKind::Real
                             ? (static_cast<void>(number(property.type)), 0)
                             : wholeNumber(property.type, "vertex number"));
@@ -631,10 +631,10 @@ class PlyReader {
     return numbers;
   }
 
-  // Every property of every entry is read, since nothing else tells where the next one begins.
+  // Reads every property of every entry, because only this shows where the next one begins.
   void readElement(const PlyElement& element) {
     const bool areVertices = element.name == "vertex", areFaces = element.name == "face";
-    // What has no properties takes no bytes, however many there are.
+    // An element without properties takes no bytes for any count.
     const long count = element.properties.empty() ? 0 : element.count;
     for (long k = 0; k < count; ++k) {
       Vector3 point = Vector3::Zero();

@@ -1,4 +1,4 @@
-/// The model: what a kirigami sheet is, before any physics.
+/// The geometric model of a kirigami sheet, without any physics.
 #pragma once
 
 #include <map>
@@ -28,8 +28,8 @@ enum class JointFace { Bottom = 1, Top = 2, Both = 3 };
 
 /// One corner of one tile.
 struct Corner {
-  int tile = 0;    ///< from 0
-  int vertex = 0;  ///< from 0, within the tile
+  int tile = 0;    ///< zero-based
+  int vertex = 0;  ///< zero-based, within the tile
 
   bool operator==(const Corner&) const = default;
 
@@ -42,11 +42,11 @@ struct Corner {
 /// What a joint holds.
 enum class JointKind {
   Pivot,  ///< the two corners coincide
-  Link,   ///< the two corners keep the distance that they start with, on the bottom faces
-  Fixed,  ///< the two tiles keep the placement to each other that they start with
+  Link,   ///< the distance between the two corners stays as at the start, on the bottom faces
+  Fixed,  ///< the relative position and rotation of the two tiles stay as at the start
 };
 
-/// The material that stays at a joint of a sheet that is cut: a neck beside the end of a cut.
+/// The material at a joint of a cut sheet: a neck next to the end of a cut.
 struct Neck {
   double width = 0;   ///< from the end of the cut to the joint, metres, > kerf / 2; 0: unknown
   double length = 0;  ///< from tile to tile across the cut, metres, >= kerf
@@ -65,15 +65,15 @@ struct Neck {
   }
 };
 
-/// Two corners that stay together: one row of constraints.txt; or two tiles tied in another way.
+/// A connection of two corners or two tiles. A pivot is one row of constraints.txt.
 struct Joint {
-  Corner a;                            ///< of the one tile
-  Corner b;                            ///< of the other
-  JointFace face = JointFace::Bottom;  ///< of a pivot
-  JointKind kind = JointKind::Pivot;   ///< what it keeps
-  Vector3 apart = Vector3::Zero();  ///< from corner b to corner a at the start, of links and fixed
-                                    ///< joints, metres; a link's has a length
-  /// Whether the two are parts of one tile that bends between them: they never touch.
+  Corner a;                            ///< corner of the first tile
+  Corner b;                            ///< corner of the second tile
+  JointFace face = JointFace::Bottom;  ///< face of a pivot
+  JointKind kind = JointKind::Pivot;   ///< which constraint the joint imposes
+  Vector3 apart = Vector3::Zero();  ///< from corner b to corner a at the start, metres, only for
+                                    ///< links and fixed joints; not zero for links
+  /// Whether both are parts of one tile that bends between them. Such parts never collide.
   bool isWithinTile = false;
   Neck neck;  ///< of a pivot; unknown unless a drawing or a file has it
 
@@ -86,26 +86,26 @@ struct Joint {
   }
 };
 
-/// Something that a reader put right in a file, so that the model is what was meant.
+/// A repair that a reader made to a file with one obvious meaning.
 struct Mend {
   std::string place;            ///< "file:line" of the first case
-  std::string found;            ///< what and how many
-  std::string done;             ///< what became of them
-  std::string advice;           ///< how to put the file right by hand
-  std::vector<Corner> corners;  ///< where, in the model's numbers
+  std::string found;            ///< what the reader found and how often
+  std::string done;             ///< what the reader did with it
+  std::string advice;           ///< how the user can correct the file
+  std::vector<Corner> corners;  ///< affected corners, with the model's numbers
 };
 
-/// How the file that a model comes from counts and orders what the model has in its own order.
+/// How the model's file numbers and orders its tiles and vertices.
 struct FileOrder {
-  int countsFrom = 0;            ///< its first tile and first vertex
-  std::vector<bool> isReversed;  ///< of each tile, whether the file has its vertices the other way
-                                 ///< round, last first; none where empty
+  int countsFrom = 0;            ///< the number of its first tile and first vertex
+  std::vector<bool> isReversed;  ///< per tile, whether the file lists its vertices in the opposite
+                                 ///< order; empty: no tile
 
-  /// A corner of the model as the file numbers it but from 0, and back: `tile` has that many
-  /// vertices.
-  /// Both have to be corners that exist.
+  /// Converts a corner of the model to the file's vertex order, or back; zero-based in both. Uses
+  /// the vertex count of the corner's tile in `tiles`.
+  /// The corner must exist.
   Corner across(const Corner& corner, const std::vector<Tile>& tiles) const;
-  /// The corner of the model that the file numbers so.
+  /// The model's corner for a corner with the file's numbers.
   Corner toModel(const Corner& numbered, const std::vector<Tile>& tiles) const;
 };
 
@@ -114,117 +114,117 @@ struct Crease {
   int from = 0;                     ///< vertex number
   int to = 0;                       ///< vertex number
   char assignment = 'U';            ///< one of B M V F U C J
-  std::optional<double> foldAngle;  ///< degrees, -180 to 180; none if the file has none
+  std::optional<double> foldAngle;  ///< degrees, [-180, 180]; absent if the file has none
 };
 
-/// The vertices, edges and faces that a FOLD file has, in its own numbers. Tiles are its faces
-/// without slits, and faces that J edges join are one tile.
+/// The vertices, edges and faces of a FOLD file, with the file's numbers. Tiles are its faces
+/// without slits. Faces with a common J edge form one tile.
 struct FoldSheet {
   std::vector<Vector3> vertices;           ///< at the start, metres
-  std::vector<Crease> creases;             ///< none if the file lists no edges
+  std::vector<Crease> creases;             ///< empty if the file lists no edges
   bool hasLetters = false;                 ///< the file has edges_assignment
   bool hasAngles = false;                  ///< the file has edges_foldAngle
-  bool isFolded = false;                   ///< its frame_classes have foldedForm
-  bool givesTarget = false;                ///< the target is the sheet folded by letters only
-  std::vector<std::vector<int>> faces;     ///< vertex numbers round each face
-  std::vector<int> tileOf;                 ///< of each face
-  std::vector<std::vector<int>> outlines;  ///< vertex numbers round each tile, in the file's order
+  bool isFolded = false;                   ///< its frame_classes contain foldedForm
+  bool givesTarget = false;                ///< only letters define the target, by folding the sheet
+  std::vector<std::vector<int>> faces;     ///< vertex numbers around each face
+  std::vector<int> tileOf;                 ///< tile of each face
+  std::vector<std::vector<int>> outlines;  ///< vertex numbers around each tile, in the file's order
 };
 
-/// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
+/// A kirigami sheet: its tiles in the compact state, its joints and its target.
 struct Model {
-  std::string name;                             ///< of the folder or the generator's family
+  std::string name;                             ///< name of the folder or the generator's family
   std::vector<Tile> tiles;                      ///< at the start
   std::vector<Joint> joints;                    ///< in file order
-  std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
+  std::optional<std::vector<Tile>> target;      ///< target positions, vertex by vertex as in tiles
   std::vector<std::vector<Tile>> waypoints;     ///< states to reach before the target, in order
-  std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
-  /// By how much its file folds the edge that two tiles share, radians from -pi to pi, 0 flat:
-  /// above 0 where they turn towards the upper side of the first of the two, a valley. Springs of
-  /// folds rest there. Each fold is in it both ways round; those that the file says nothing of are
-  /// not.
+  std::optional<std::vector<int>> pulledTiles;  ///< tiles with target forces; absent: all tiles
+  /// Fold angles in the file, per pair of tiles with a common edge, radians, [-pi, pi], 0 is flat.
+  /// A positive angle is a valley: the tiles turn towards the upper side of the first tile. Fold
+  /// springs have this rest angle. The map stores each fold for both orders of the pair. Folds
+  /// without an angle in the file are absent.
   std::map<std::pair<int, int>, double> foldAngles;
-  std::vector<std::string> tileNames;       ///< of each tile; empty if its file has no names
+  std::vector<std::string> tileNames;       ///< one per tile; empty if the file has no names
   std::optional<FoldSheet> drawing;         ///< of its FOLD file
-  bool areCoplanarJoined = false;           ///< its reader joined faces of one plane
-  std::optional<std::vector<Corner>> hull;  ///< the corners round the outside, in order
-  std::string hullFault;                    ///< why a hull that is there was left out, if so
-  FileOrder fileOrder;                      ///< how its file counts and orders
-  double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
-  std::vector<Mend> mends;  ///< what its reader put right
-  /// Unit of the lengths in its file: given by the user, declared by the file, or metres. Lengths
-  /// above are metres in any case. Files for other programs are written in this unit.
+  bool areCoplanarJoined = false;           ///< the reader joined coplanar faces
+  std::optional<std::vector<Corner>> hull;  ///< corners around the outline, in order
+  std::string hullFault;                    ///< why the reader ignored a hull; empty if it did not
+  FileOrder fileOrder;                      ///< numbering and order in the file
+  double rounding = 0;      ///< last decimal place of rounded coordinates, metres; 0: not rounded
+  std::vector<Mend> mends;  ///< repairs by the reader
+  /// Unit of the lengths in the file: the user's unit, the file's declared unit, or metres. All
+  /// lengths above are in metres. Files for other programs use this unit.
   LengthUnit unit;
-  std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if it does
+  std::optional<LengthUnit> declaredUnit;  ///< the unit that the file declares, if any
 };
 
 /// Multiplies all lengths of the model by a factor > 0.
 void scaleLengths(Model& model, double factor);
 
-/// The tiles in a unit, for files.
+/// The tiles with lengths in a unit, for files.
 std::vector<Tile> inUnit(std::vector<Tile> tiles, const LengthUnit& unit);
 
-/// The model with its lengths in a unit, which becomes its unit, for files.
+/// The model with lengths in a unit, for files. The unit becomes the model's unit.
 Model inUnit(Model model, const LengthUnit& unit);
 
-/// The model, or tiles of it in any state, with the vertices of each tile in its file's order.
+/// The model with the vertices of each tile in its file's order.
 Model inFileOrder(Model model);
 /// The same for tiles in any state.
 std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order);
 
-/// A rigid connection of two different tiles as they stand.
-/// Its corners are the first of both tiles, and `apart` is the vector between them as they stand.
+/// A rigid connection of two different tiles at their current positions.
+/// Its corners are the first corner of each tile. `apart` is the current vector between them.
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB);
 
-/// A link between two corners of different tiles that stand apart.
-/// Corners that coincide would give a link without a length, which holds no direction: the caller
-/// excludes them.
+/// A link between two different corners of different tiles. Two corners at the same
+/// point would give a link of zero length without a direction. The caller excludes
+/// them.
 Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b);
 
-/// The unit normal of a tile by Newell's method: the direction in which its brick is thickened.
-/// Not defined for a tile without area. Works for concave tiles, and for tiles that are not quite
-/// flat.
+/// The unit normal of a tile by Newell's method. A brick is its tile thickened along this
+/// normal. Undefined for a tile without area. Works for concave tiles and for slightly
+/// non-planar tiles.
 Vector3 tileNormal(const Tile& tile);
 
-/// Area of a tile, square metres.
-/// Of concave tiles too; never negative.
+/// Area of a tile, square metres, >= 0.
+/// Works for concave tiles.
 double tileArea(const Tile& tile);
 
-/// The centroid of a tile's area.
-/// Also of a concave tile, which may not hold it. Not defined for a tile without area.
+/// The centroid of a tile's area. It can lie outside a concave tile.
+/// Undefined for a tile without area.
 Vector3 tileCentroid(const Tile& tile);
 
-/// Diagonal of the bounding box of the start state, metres: the length that relative tolerances
-/// refer to.
-/// 0 for a model without tiles. Costs a look at every vertex.
+/// Diagonal of the bounding box of the start state, metres. Relative tolerances refer to
+/// this length. 0 for a model without tiles. The cost is linear in the number of
+/// vertices.
 double modelSize(const Model& model);
 
-/// Mean edge length over all tiles, metres: the length that "tile size" means.
+/// Mean edge length over all tiles, metres. Messages call this length the tile size.
 /// 0 for a model without tiles.
 double tileSize(const Model& model);
 
-/// "0.0121 mm (0.012 tiles)": a length in metres for messages, in the unit of the model with this
-/// many significant digits, and in tiles.
+/// Text of a length such as "0.0121 mm (0.012 tiles)", for messages. The first number is in the
+/// model's unit with `digits` significant digits.
 std::string lengthInTiles(double metres, const Model& model, int digits = 2);
 
-/// The number of each tile's piece, from 0 in the order of the first tiles. A piece is a set of
-/// tiles that joints connect, of any kind. Costs about O(tiles + joints).
+/// The zero-based piece number of each tile, in the order of the first tiles. A piece is a set of
+/// tiles that joints of any kind connect. Costs about O(tiles + joints).
 std::vector<int> piecesOf(const Model& model);
 
-/// How many tiles face the other way in a second state: their normals are more than 90 degrees
-/// apart. Both states have the same tiles.
+/// Number of tiles that are turned over in a second state: their normals differ by more than 90
+/// degrees. Both states have the same tiles.
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target);
 
-/// Whether all vertices lie at one height, to the tolerance in metres.
-/// The height of the first vertex is the reference. At least one tile.
+/// Whether all vertices have the same height, to the tolerance in metres.
+/// The height of the first vertex is the reference. Requires at least one tile.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
 
 // ------------------------------------------------------------------------------------------------
-// The outside of a sheet.
+// The outline of a sheet.
 
-/// One corner for each vertex on the convex outline of all vertices, seen along z: anticlockwise
-/// from the leftmost (the lowest of these). Of corners at one point the first counts.
-/// Heights do not matter. At least one tile; costs O(n log n) for n vertices.
+/// One corner per vertex of the convex hull of all vertices in the xy plane, anticlockwise from the
+/// leftmost (the lowest of several). The first of several corners at one point counts. Requires at
+/// least one tile. Costs O(n log n) for n vertices.
 std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles);
 
 }  // namespace kirireel::model

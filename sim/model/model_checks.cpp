@@ -1,10 +1,10 @@
-// What a polygon needs to become a brick: vertices that differ, an area, a plane, sides that do not
-// cross; and what a target needs to be a target of these tiles.
+// Checks that a polygon can become a brick: distinct vertices, an area, a plane, and sides that do
+// not cross. Also checks that a target fits these tiles.
 //
-// Every threshold is a part of the tile's diameter (its largest distance between vertices) or of
-// the model's size, and the largest or smallest value that real designs have stands beside it. The
-// checks run from the cheap and basic to those that build on them: the plane of a tile without
-// area, for one, is not defined.
+// Every threshold is a fraction of the tile's diameter (its largest distance between
+// vertices) or of the model's size. A comment gives the most extreme value in real
+// designs. Later checks rely on earlier ones. For example, a tile without area has no
+// plane.
 #include "sim/model/model_checks.h"
 
 #include <algorithm>
@@ -31,19 +31,19 @@
 namespace kirireel::model {
 namespace {
 
-// Vertices nearer than this part of a tile's diameter are one vertex typed twice.
-// Smallest met in the models at hand: 4e-3 (mobius).
+// Vertices nearer than this fraction of a tile's diameter are one vertex written twice. Smallest
+// distance in the available models: 4e-3 (mobius).
 constexpr double kSameVertex = 1e-9;
-// Least area as a part of the squared diameter. Smallest met: 0.13 (stampfli24).
+// Minimum area as a fraction of the squared diameter. Smallest in real designs: 0.13 (stampfli24).
 constexpr double kLeastArea = 1e-6;
-// Largest distance of a vertex from its tile's plane as a part of the diameter, so that optimised
-// designs pass. Largest met: 1.4e-5 (sphere-to-saddle).
+// Largest distance of a vertex from its tile's plane as a fraction of the diameter. It admits
+// optimised designs. Largest in real designs: 1.4e-5 (sphere-to-saddle).
 constexpr double kFlatness = 1e-2;
-// A change of shape below this part of the model's size is rounding of the file. Largest met among
+// A change of shape below this fraction of the model's size is rounding in the file. Largest among
 // exact designs: 3e-7 (square2disk, written with 9 digits).
 constexpr double kSameShape = 1e-6;
-// A change of shape above this part of a tile is another model's target. Largest met: 7e-4
-// (sphere-to-saddle).
+// A change of shape above this fraction of a tile means that the target is of another model.
+// Largest in real designs: 7e-4 (sphere-to-saddle).
 constexpr double kOtherShape = 0.2;
 
 // All pairs: O(n^2) with at most 300 vertices.
@@ -57,7 +57,7 @@ double diameter(const Tile& tile) {
   return std::sqrt(largest);
 }
 
-/// What follows compares all pairs of a tile's vertices.
+/// Limits the cost of the later checks, which compare all pairs of a tile's vertices.
 void checkVertexCount(const TileTable& table, int tile) {
   const std::size_t count = table.tiles[tile].vertices.size();
   if (count <= kMostTileVertices) return;
@@ -67,7 +67,8 @@ void checkVertexCount(const TileTable& table, int tile) {
                                  table.countsFrom + tile, count, kMostTileVertices));
 }
 
-/// Whether a tile's outline goes to a hole and back along one line at two vertices in one place.
+/// Whether the outline goes to a hole and back along one line, at two vertices with equal
+/// positions.
 bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_t b,
                  double tolerance) {
   const std::size_t count = vertices.size();
@@ -80,15 +81,15 @@ bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_
          isSame((a + 1) % count, (b + count - 1) % count);
 }
 
-// All pairs: two vertices at one place need not follow each other.
+// Compares all pairs: two coinciding vertices need not be consecutive.
 void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const double tolerance = kSameVertex * extent;
   for (size_t b = 0; b < vertices.size(); ++b) {
     for (size_t a = 0; a < b; ++a) {
       if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
-      // Drawing programs cut a polygon with a hole open along a line, which gives two vertices at
-      // each end of it.
+      // Drawing programs open a polygon with a hole along a line. Each end of the line then has two
+      // vertices.
       if (leadsToHole(vertices, a, b, tolerance)) {
         throw inputErrorAt(
             table.at(tile, static_cast<int>(b)),
@@ -107,7 +108,7 @@ void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   }
 }
 
-// Against the square of the diameter, so that needles are refused whatever their size.
+// Relative to the square of the diameter. This rejects needles of any size.
 void checkArea(const TileTable& table, int tile, double extent) {
   if (tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
   throw inputErrorAt(table.at(tile),
@@ -116,12 +117,12 @@ void checkArea(const TileTable& table, int tile, double extent) {
                                  table.countsFrom + tile));
 }
 
-// Against the plane of Newell's normal through the mean of the vertices.
+// Relative to the plane of Newell's normal through the mean of the vertices.
 void checkFlatness(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = tileNormal(table.tiles[tile]);
-  // The plane goes through the mean of the vertices, so that one bad vertex does not put all others
-  // off.
+  // The plane goes through the mean of the vertices. One bad vertex then has little effect on the
+  // others.
   Vector3 middle = Vector3::Zero();
   for (const Vector3& vertex : vertices) middle += vertex / static_cast<double>(vertices.size());
   const double allowed = kFlatness * extent;
@@ -135,7 +136,7 @@ void checkFlatness(const TileTable& table, int tile, double extent) {
   }
 }
 
-/// Whether all corners turn left and the whole turns once: what most tiles do, and quick to see.
+/// Fast sufficient test: all corners turn left and the outline turns once. True for most tiles.
 bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal) {
   double turned = 0;
   const std::size_t count = vertices.size();
@@ -144,14 +145,14 @@ bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal)
     const Vector3 after = vertices[(k + 1) % count] - vertices[k];
     const double area = before.cross(after).dot(normal);
     if (area <= 0) return false;
-    // The exterior angles of a simple polygon add up to 2 pi; a star that winds twice gives 4 pi.
-    // Between them lies the limit.
+    // The exterior angles of a simple polygon add up to 2 pi, those of a star with two turns to 4
+    // pi. The limit lies between them.
     turned += std::atan2(area, before.dot(after));
   }
   return turned < 3 * std::numbers::pi;
 }
 
-/// The point of the stretch a-b that is nearest to the line through c and d.
+/// The point of the segment a-b nearest to the line through c and d.
 Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
   const Vector3 along = (d - c).normalized();
   const Vector3 side = b - a, towards = a - c;
@@ -162,11 +163,11 @@ Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const
   return a + share * side;
 }
 
-/// Sides meet nowhere but at their common corner, so that the tile has one inside in one piece.
+/// Sides may only meet at common corners. The tile then has one connected interior.
 void checkSimple(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = tileNormal(table.tiles[tile]);
-  // This takes O(n), the comparison of all sides O(n^2).
+  // This test is O(n), the comparison of all sides O(n^2).
   if (isSurelySimple(vertices, normal)) return;
   const auto crossing = crossingSides(vertices, normal, kSameVertex * extent);
   if (!crossing) return;
@@ -206,7 +207,7 @@ void checkSameCounts(const TileTable& target, const TileTable& start) {
                   target.tiles.size(), start.file.filename().string(), start.tiles.size()));
 }
 
-/// How much a tile's edges and diagonals change from start to target, the worst of them.
+/// The largest change of a tile's edges and diagonals from start to target.
 struct ShapeChange {
   int tile = 0;
   int vertexA = 0;
@@ -217,7 +218,7 @@ struct ShapeChange {
   double size() const { return std::abs(targetDistance - startDistance); }
 };
 
-// Over all pairs of vertices: a rigid tile keeps all their distances.
+// Over all pairs of vertices, since a rigid tile keeps all their distances.
 ShapeChange shapeChange(const Tile& start, const Tile& target, int tile) {
   ShapeChange worst;
   worst.tile = tile;
@@ -282,41 +283,41 @@ void checkTarget(const TileTable& target, const Model& start, const TileTable& t
 }
 
 // ------------------------------------------------------------------------------------------------
-// How many digits a file was written with, as the header explains.
+// The number of written digits, as explained in the header.
 //
-// std::to_chars gives the shortest decimal digits that read back as the same double (F. Loitsch,
-// Printing floating-point numbers quickly and accurately with integers, PLDI 2010, describes such
-// an algorithm). A coordinate that was written as 0.866 comes out as 866e-3 again: 3 digits, the
-// last at 10^-3. The finest last place of all coordinates is the place that the file was rounded
-// to, as zeros at the end hide it in some numbers but not in all.
+// std::to_chars gives the shortest decimal digits that read back as the same double (for such an
+// algorithm see F. Loitsch, Printing floating-point numbers quickly and accurately with integers,
+// PLDI 2010). A coordinate written as 0.866 becomes 866e-3 again: 3 digits, the last at 10^-3.
+// Trailing zeros hide the last place of some numbers. The finest last place of all coordinates is
+// therefore the decimal place of the file's rounding.
 
 namespace {
 
-// Significant digits from which on a number was not rounded for writing: doubles have 15 to 17.
+// A number with this many significant digits was not rounded for writing: doubles have 15 to 17.
 constexpr int kAllDigits = 15;
-// Two roundings of one point differ by a unit along each axis at most: sqrt(3), and a bit for what
-// doubles cannot hold.
+// Two roundings of one point differ by at most one unit along each axis: sqrt(3), plus a margin for
+// the precision of doubles.
 constexpr double kAcrossDigits = 1.75;
-// Corners further apart than this part of an edge are two, however coarse the digits are.
+// Corners further apart than this fraction of an edge are different, even if digits are coarse.
 constexpr double kVisible = 0.05;
-// Finer places, metres, need no look at whether all numbers are multiples of something.
+// Finer places, metres, need no check for multiples of a coarser step.
 constexpr double kFine = 1e-9;
-// Digits coarser than this part of an edge would change a tile's shape beyond use: the numbers are
-// those that were meant.
+// Digits coarser than this fraction of an edge would distort tiles beyond use. Such numbers are
+// exact.
 constexpr double kCoarse = 0.01;
-// Numbers that are all multiples of so many last places, and at most so many of these steps, were
-// meant so. Others are by chance: 0.866 and 0.5 are even, 0.866025 is a multiple of 0.000025.
+// Numbers are exact if all are multiples of several last places, with at most this many such steps.
+// Otherwise a common step is chance: 0.866 and 0.5 are even, 0.866025 is a multiple of 0.000025.
 constexpr std::int64_t kMeantStep = 5;
 constexpr std::int64_t kMeantSteps = 10'000;
 
-/// A number as its shortest text in scientific notation has it.
+/// A number's shortest text in scientific notation.
 struct Digits {
-  int count = 0;     ///< significant ones
-  int exponent = 0;  ///< of the first
+  int count = 0;     ///< significant digits
+  int exponent = 0;  ///< of the first digit
   int last() const { return exponent - count + 1; }
 };
 
-/// None for 0, which every rounding leaves as it is.
+/// Empty for 0, which does not change by rounding.
 Digits digitsOf(double value) {
   Digits digits;
   if (value == 0) return digits;
@@ -341,8 +342,8 @@ void forEachCoordinate(const std::vector<Tile>& tiles, const Visit& visit) {
   }
 }
 
-/// Whether the numbers below the largest decade use as many significant digits as those in it,
-/// most of the time: decimals would be fewer there.
+/// Whether most numbers below the largest decade have as many significant digits as those in it.
+/// With fixed decimals they would have fewer.
 bool countsSignificant(const std::vector<Digits>& all, int most, int highest) {
   int lower = 0, full = 0;
   for (const Digits& digits : all) {
@@ -350,7 +351,7 @@ bool countsSignificant(const std::vector<Digits>& all, int most, int highest) {
     ++lower;
     full += digits.count == most ? 1 : 0;
   }
-  // Fewer numbers would let chance decide.
+  // Fewer numbers could agree by chance.
   constexpr int kEnough = 8;
   return lower >= kEnough && 2 * full > lower;
 }
@@ -372,7 +373,7 @@ double lastPlace(const std::vector<Tile>& tiles) {
       for (const double value : vertex) {
         const Digits digits = digitsOf(value);
         if (digits.count == 0) continue;
-        // One number with all its digits shows that none was rounded.
+        // One number with all its digits shows that the file was not rounded.
         if (digits.count >= kAllDigits) return 0;
         finest = all.empty() ? digits.last() : std::min(finest, digits.last());
         highest = all.empty() ? digits.exponent : std::max(highest, digits.exponent);
@@ -382,8 +383,8 @@ double lastPlace(const std::vector<Tile>& tiles) {
     }
   }
   if (all.empty()) return 0;
-  // With so many significant digits everywhere, the largest numbers have the coarsest last place,
-  // which bounds the error of all.
+  // With a fixed number of significant digits, the largest numbers have the coarsest last place. It
+  // bounds the error of all numbers.
   const int place = countsSignificant(all, most, highest) ? highest + 1 - most : finest;
   return std::pow(10.0, place);
 }
@@ -392,7 +393,7 @@ double roundingOf(const std::vector<Tile>& tiles) {
   return roundingOf(tiles, lastPlace(tiles));
 }
 
-// Whether that power of ten came from rounding, or is what was meant.
+// Decides whether this last place comes from rounding. 0 if the numbers are exact.
 double roundingOf(const std::vector<Tile>& tiles, double place) {
   if (place == 0 || place > kCoarse * tileSize(modelOf(tiles))) return 0;
   if (place < kFine) return place;
@@ -412,15 +413,15 @@ double samePlaceTolerance(const std::vector<Tile>& tiles) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Repairs of input that is odd but has one meaning only.
+// Repairs of unusual but unambiguous input.
 //
-// The rule for each repair: it is made only where no other reading of the file makes sense, it is
-// noted with its place, and `--strict` refuses it. A repair is a `Mend` of the model and one line
-// among the warnings.
+// A repair requires that no other reading of the file makes sense. The program reports its
+// place, and `--strict` refuses it. A repair is a `Mend` of the model and one line among the
+// warnings.
 
 namespace {
 
-// A sheet whose vertices leave a plane by less than this part of its size is flat.
+// A sheet is flat if its vertices deviate from a plane by less than this fraction of its size.
 constexpr double kLevelStart = 1e-9;
 
 /// "1 joint is", "3 joints are".
@@ -428,10 +429,9 @@ std::string countOf(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? " is" : "s are");
 }
 
-/// How far vertices of a flat sheet may be from its plane, metres.
+/// Maximum distance of vertices of a flat sheet from its plane, metres.
 double flatToleranceAsRead(const std::vector<Tile>& tiles, double size) {
-  // Numbers that were rounded may differ by their last digit; the factor leaves room for what a
-  // double cannot hold of it.
+  // Rounded numbers may differ by their last digit. The factor allows for the precision of doubles.
   return std::max(kLevelStart * size, 1.01 * roundingOf(tiles));
 }
 
@@ -478,9 +478,9 @@ void noteNoJoints(const std::filesystem::path& file, Model& model,
 RoundedCorners::RoundedCorners(const Model& model)
     : lastPlace_(lastPlace(model.tiles)), least_(0.5 * lastPlace_) {}
 
-// Only the first place is told; the others are counted.
+// Reports only the first place and counts the others.
 void RoundedCorners::add(const Joint& joint, double gap, const std::string& place) {
-  // Gaps below half a last digit cannot come from writing the digits down.
+  // Gaps below half a last digit do not come from rounding in the file.
   if (lastPlace_ == 0 || gap < least_) return;
   if (mend_.corners.empty()) mend_.place = place;
   mend_.corners.push_back(joint.a);
@@ -508,12 +508,12 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
   for (JointRow& row : table.rows) {
     CornerNumbers a{row.values[0], row.values[1]};
     CornerNumbers b{row.values[2], row.values[3]};
-    // The order of the two ends does not change what a joint holds.
+    // The order of the two ends has no effect.
     if (b < a) std::swap(a, b);
     const bool hasFaces = row.kind == JointKind::Pivot && row.values[4] >= 1 && row.values[4] <= 3;
     int newFaces = 0, line = 0;
-    // Faces are bits: 1 bottom, 2 top, 3 both. So rows "bottom" and "top" at one corner add up to
-    // "both", and a later "both" repeats them.
+    // Faces are bits: 1 bottom, 2 top, 3 both. Rows "bottom" and "top" at one corner therefore add
+    // up to "both", and a later "both" repeats them.
     for (const int face : {1, 2}) {
       if (!hasFaces || (row.values[4] & face) == 0) continue;
       const auto [entry, isNew] = firstLine.try_emplace({a, b, face}, row.line);
@@ -526,7 +526,7 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
       firstRepeated = line;
     }
     if (repeats) mend.corners.push_back({row.values[0], row.values[1]});
-    // Nothing of the row is new. Where a part of it is new, only that part stays.
+    // Skip rows without new faces. Rows with some new faces keep only those.
     if (repeats && newFaces == 0) continue;
     if (repeats) row.values[4] = newFaces;
     kept.push_back(row);
@@ -541,14 +541,14 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
   noteMend(std::move(mend), model, warnings);
 }
 
-// The shift applies to all four numbers of every row alike.
+// The shift applies to all four numbers of every row.
 void mendBase(JointTable& table, const TileTable& tiles, Model& model,
               std::vector<std::string>& warnings) {
-  // The rows hold numbers that count from 0, made with the base that the format has by default.
-  // Counted from the other base they are one lower, or one higher.
+  // The rows have zero-based numbers, computed with the format's default base. With the other base
+  // they are one lower or one higher.
   const int other = 1 - table.countsFrom;
   const int shift = table.countsFrom - other;
-  // A file that fits the usual base is never changed, even where it would fit the other one too.
+  // A file that fits the default base is never changed, even if it also fits the other one.
   if (namesWhatIsThere(table, tiles.tiles, 0) || !namesWhatIsThere(table, tiles.tiles, shift)) {
     return;
   }
@@ -567,7 +567,7 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
   noteMend(std::move(mend), model, warnings);
 }
 
-// Decided for the start alone: a tile keeps its vertices' order in every state.
+// Only the start decides: a tile has the same vertex order in every state.
 void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
   const double size = modelSize(model);
   const std::optional<SheetFrame> frame =
@@ -578,8 +578,8 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
                  [&](const Tile& tile) { return tileNormal(tile).dot(frame->normal) < 0; });
   const auto count = std::count(clockwise.begin(), clockwise.end(), true);
   if (count == 0) return;
-  // In a sheet that leaves the plane, the side on which bricks grow decides which face a joint lies
-  // on. To turn all tiles round would swap top and bottom.
+  // In a spatial sheet the orientation of tiles decides which side is the top face. Reversing all
+  // tiles would swap the top and bottom joints.
   const bool isFolded =
       model.target && !isParallel(*frame, *model.target, flatToleranceAsRead(*model.target, size));
   if (isFolded && count == std::ssize(model.tiles)) {
@@ -602,7 +602,7 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
     if (clockwise[tile]) mend.corners.push_back({tile, 0});
   }
   noteMend(std::move(mend), model, warnings);
-  // To reverse the vertices is its own inverse.
+  // Reversing the vertices is its own inverse.
   const int countsFrom = model.fileOrder.countsFrom;
   model.fileOrder.isReversed = clockwise;
   model = inFileOrder(std::move(model));
@@ -610,21 +610,21 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
 }
 
 // ------------------------------------------------------------------------------------------------
-// Checks of a list of joints, in the order in which a reader runs them: numbers that exist, then
-// faces, then a joint of two tiles, and, once the joints are made, the distance of their corners.
-// Each message names the file's own line, column and numbers, which count from 0 or from 1.
+// Checks of a list of joints, in the order of reading: existing numbers, valid faces, two different
+// tiles, and finally the distance of their corners. Each message has the file's own line, column
+// and numbers, which count from 0 or from 1.
 
 namespace {
 
-// Corners further apart than this part of a tile are a wrong index. Largest met: 3.5e-4
-// (cube2sphere_w3_h3).
+// Corners further apart than this fraction of a tile come from a wrong index. Largest in real
+// designs: 3.5e-4 (cube2sphere_w3_h3).
 constexpr double kTooFar = 0.05;
 
 FileLocation locationOf(const JointTable& table, const JointRow& row, int entry) {
   return {table.file, row.line, row.columns[entry]};
 }
 
-// Entry 0 or 2 of the row.
+// `entry` is 0 or 2.
 void checkTileNumber(const JointTable& table, const TileTable& tiles, const JointRow& row,
                      int entry) {
   const int count = static_cast<int>(tiles.tiles.size());
@@ -636,7 +636,7 @@ void checkTileNumber(const JointTable& table, const TileTable& tiles, const Join
                   table.countsFrom, table.countsFrom + count - 1, table.countsFrom + tile));
 }
 
-// Entry 1 or 3, of the tile in the entry before it.
+// `entry` is 1 or 3, a vertex of the tile in the previous entry.
 void checkVertexNumber(const JointTable& table, const TileTable& tiles, const JointRow& row,
                        int entry) {
   const int tile = row.values[entry - 1];
@@ -688,8 +688,8 @@ double startGap(const Model& model, const Joint& joint) {
 
 bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift) {
   return std::all_of(table.rows.begin(), table.rows.end(), [&](const JointRow& row) {
-    // Entries 0 and 2 are tiles, the ones after them vertices. Everything is shifted alike, since a
-    // file counts both from 0 or both from 1.
+    // Entries 0 and 2 are tiles, the following ones vertices. All are shifted by the same amount,
+    // since a file counts both from 0 or both from 1.
     for (const int entry : {0, 2}) {
       const int tile = row.values[entry] + shift;
       const int vertex = row.values[entry + 1] + shift;
@@ -706,7 +706,7 @@ void setNeck(int joint, const Neck& neck, const FileLocation& location, JointTab
                                              "correct the number",
                                              joint, std::ssize(table.rows) - 1));
   }
-  // Neither numbers that are none nor those beyond any sheet.
+  // Rejects NaN and impossible sizes.
   const bool isPossible = neck.width > neck.kerf / 2 && neck.kerf >= 0 && neck.length >= neck.kerf &&
                           neck.width <= kMaxCoordinate && neck.length <= kMaxCoordinate;
   if (!isPossible) {
@@ -727,7 +727,7 @@ std::vector<Joint> checkedJoints(const JointTable& table, const TileTable& tiles
   joints.reserve(table.rows.size());
   for (const JointRow& row : table.rows) {
     for (const int entry : {0, 2}) {
-      // The tile goes first: without it there is no count of vertices to compare with.
+      // Check the tile first, since it gives the number of vertices.
       checkTileNumber(table, tiles, row, entry);
       checkVertexNumber(table, tiles, row, entry + 1);
     }
@@ -749,7 +749,7 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
   for (size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
     const double gap = startGap(model, joint);
-    // A wrong number joins corners that are nowhere near each other.
+    // A wrong number joins corners that are far apart.
     if (gap > allowed) {
       throw inputErrorAt(
           {table.file, table.rows[i].line},
@@ -760,12 +760,12 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
                       table.countsFrom + joint.b.vertex, table.countsFrom + joint.b.tile, gap,
                       allowed, tiles.shortName(joint.a.tile), tiles.shortName(joint.b.tile)));
     }
-    // The digits of the file explain the gap: the corners are one.
+    // Rounding explains the gap: the corners are one point.
     if (gap <= samePlace) {
       rounded.add(joint, gap, kirireel::toString({table.file, table.rows[i].line}));
       continue;
     }
-    // Everything between is an opening that the first steps of a run close.
+    // The first steps of a run close larger gaps.
     ++open;
     if (gap <= worst) continue;
     worst = gap;
@@ -780,19 +780,19 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Corners that are one, found by their numbers or by their places.
+// Corners at the same point, by vertex number or by position.
 //
-// By place: corners coincide where they are within the tolerance of each other in every state. A
-// grid of cubic cells, as wide as the tolerance, holds one corner for each distinct place; a new
-// corner is compared with those in its own cell and the 26 around it, which hold everything within
-// the tolerance. So n corners cost O(n), not O(n^2). Corners that coincide are merged in a forest
-// of disjoint sets. Coincidence within a tolerance is not transitive: a chain of close places
-// merges into one vertex. Where that would make two corners of one tile the same, the file is
-// refused.
+// By position: corners coincide if their distance is within the tolerance in every state. A grid
+// of cubic cells has the tolerance as cell width and stores one corner for each distinct position.
+// A new corner is compared with the corners in its own cell and the 26 cells around it, which
+// contain all corners within the tolerance. n corners therefore cost O(n), not O(n^2). Coinciding
+// corners are merged in a disjoint-set forest. Coincidence within a tolerance is not transitive: a
+// chain of close positions becomes one vertex. The file is refused if this merges two corners of
+// one tile.
 
 namespace {
 
-// Corners at so many places within one tolerance cannot be told apart.
+// Corners at more positions within one tolerance are refused as ambiguous.
 constexpr std::size_t kMostInACell = 100;
 
 const Vector3& placeOf(const std::vector<Tile>& tiles, const Corner& corner) {
@@ -812,7 +812,7 @@ std::vector<Corner> allCorners(const std::vector<Tile>& tiles) {
 /// Corners merged pair by pair into groups.
 class CornerGroups {
  public:
-  // Every corner is a group of its own at first.
+  // Initially each corner is its own group.
   explicit CornerGroups(const std::vector<Tile>& tiles) : corners_(allCorners(tiles)) {
     first_.push_back(0);
     for (const Tile& tile : tiles) {
@@ -826,11 +826,11 @@ class CornerGroups {
 
   void merge(const Corner& a, const Corner& b) {
     const int rootA = root(indexOf(a)), rootB = root(indexOf(b));
-    // The lower number leads, so that groups do not depend on the order of merging.
+    // The lower number becomes the root. Groups then do not depend on the order of merging.
     parents_[std::max(rootA, rootB)] = std::min(rootA, rootB);
   }
 
-  /// Numbers of the groups, from 0 in the order of their first corners.
+  /// Zero-based numbers of the groups, in the order of their first corners.
   CornerNumbers numbers() {
     CornerNumbers result(first_.size() - 1);
     std::map<int, int> known;
@@ -859,8 +859,8 @@ class CornerGroups {
   std::vector<int> parents_;
 };
 
-/// Finds corners that coincide in every state, in time that does not grow with the square of their
-/// number: a grid of cells as wide as the tolerance, in the first state.
+/// Finds corners that coincide in every state in less than quadratic time, by a grid in the first
+/// state. The cell width is the tolerance.
 class NearCorners {
  public:
   NearCorners(const std::vector<const std::vector<Tile>*>& states, std::filesystem::path file)
@@ -870,7 +870,7 @@ class NearCorners {
     }
   }
 
-  /// Takes a corner up. Gives one corner taken up before for each place that coincides with it.
+  /// Adds a corner. Returns one earlier corner for each position that coincides with it.
   std::vector<Corner> add(const Corner& corner) {
     const Cell home = cellOf(corner);
     std::vector<Corner> found;
@@ -881,8 +881,8 @@ class NearCorners {
       for (const Corner& other : residents->second) {
         const double apart = largestDistance(corner, other);
         if (apart <= tolerance_) found.push_back(other);
-        // Most corners that are one agree to the last bit. They need no entry of their own, so that
-        // a cell stays small.
+        // Most coinciding corners are bitwise equal. They need no entry of their own, which keeps
+        // cells small.
         if (apart == 0) isNewPlace = false;
       }
     }
@@ -900,8 +900,8 @@ class NearCorners {
   }
 
  private:
-  // Cell numbers are whole numbers held as doubles: a coordinate over a tolerance may be larger
-  // than an int.
+  // Cell numbers are whole numbers stored as doubles: coordinate / tolerance can exceed the range
+  // of int.
   using Cell = std::array<double, 3>;
   struct CellHash {
     std::size_t operator()(const Cell& cell) const {
@@ -917,7 +917,7 @@ class NearCorners {
             std::floor(place.z() / tolerance_)};
   }
 
-  /// A cell and the 26 that touch it.
+  /// A cell and its 26 neighbours.
   static std::vector<Cell> cellsAround(const Cell& home) {
     std::vector<Cell> cells;
     for (const int x : {-1, 0, 1}) {
@@ -937,7 +937,7 @@ class NearCorners {
     return largest;
   }
 
-  // Too many places within one tolerance cannot be told apart, and would take long.
+  // Too many positions within one tolerance are ambiguous and slow.
   void settle(const Corner& corner, std::vector<Corner>& residents) const {
     residents.push_back(corner);
     if (residents.size() > kMostInACell) refuse(static_cast<std::size_t>(corner.tile));
@@ -953,7 +953,7 @@ class NearCorners {
   const std::vector<const std::vector<Tile>*>& states_;
   std::filesystem::path file_;
   double tolerance_ = 0;                                           ///< metres
-  std::unordered_map<Cell, std::vector<Corner>, CellHash> cells_;  ///< one corner a place
+  std::unordered_map<Cell, std::vector<Corner>, CellHash> cells_;  ///< one corner per position
 };
 
 }  // namespace
@@ -1017,7 +1017,7 @@ std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
   return jointsOfSharedNumbers(meshNumbers(numbers, states, file));
 }
 
-// Exact equality, so that nothing is lost when a mesh is written and read.
+// Requires exact equality. Writing and reading a mesh then loses nothing.
 CornerNumbers sharedNumbers(const Model& model, bool withTopJoints) {
   CornerGroups groups(model.tiles);
   for (const Joint& joint : model.joints) {
@@ -1035,28 +1035,27 @@ CornerNumbers sharedNumbers(const Model& model, bool withTopJoints) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Faces of joints from the shape of the deployed sheet.
+// Selects the faces of joints from the deployed shape.
 //
-// A brick is a tile thickened along its normal, so that two bricks that fold towards each other on
-// the side of their normals collide there, unless they are joined on that side. With normals n_a
-// and n_b and the unit direction e of the shared edge, the first tile on its left,
+// A brick is a tile thickened along its normal. Two bricks that fold towards each other on the side
+// of their normals collide there unless the joint is on that side. With normals n_a and n_b and the
+// unit direction e of the common edge, the first tile on its left,
 //   s = (n_a x n_b) . e          the sine of the fold: s > 0 a mountain, s < 0 a valley
-// decides between top and bottom. Tiles that meet at one vertex only have no edge. There the
-// direction between the centroids stands for the normal of the edge: normals that converge along it
-// are a valley. PyKirigami takes the edge from its lower to its higher vertex number in place of
-// anticlockwise, so that its sign depends on the numbering: that rule is kept for files that were
-// made for it.
+// decides between top and bottom. Tiles with only a common vertex have no common edge. There the
+// direction between the centroids replaces the normal of the edge, and normals that converge along
+// it are a valley. PyKirigami points the edge from its lower to its higher vertex number, not
+// anticlockwise. Its sign therefore depends on the numbering. This rule is kept for files made for
+// it.
 
 namespace {
 
-// Below this sine between normals a fold is flat, and its sign is rounding.
+// Below this sine between normals a fold is flat, and its sign comes from rounding.
 constexpr double kFlatFold = 1e-6;
 
-/// The edge of the first tile along which a joint's tiles lie side by side: two of its vertices,
-/// the joint's own first.
+/// The common edge of a joint's tiles: two vertices of the first tile, the joint's own first.
 using SharedEdge = std::pair<int, int>;
 
-// The vertex before (-1) or after (+1) one, round the tile.
+// The previous (-1) or next (+1) vertex around the tile.
 int neighbour(const Tile& tile, int vertex, int step) {
   const int count = static_cast<int>(tile.vertices.size());
   return (vertex + step + count) % count;
@@ -1064,7 +1063,7 @@ int neighbour(const Tile& tile, int vertex, int step) {
 
 std::optional<SharedEdge> sharedEdge(const Joint& joint, const Tile& a, const Tile& b,
                                      double tolerance) {
-  // The neighbours on either side of both corners: four pairs of edges can coincide.
+  // Four pairs of edges can coincide: the neighbours on either side of both corners.
   for (const int stepA : {1, -1}) {
     for (const int stepB : {1, -1}) {
       const int endA = neighbour(a, joint.a.vertex, stepA);
@@ -1076,7 +1075,7 @@ std::optional<SharedEdge> sharedEdge(const Joint& joint, const Tile& a, const Ti
   return std::nullopt;
 }
 
-/// The edge's direction, anticlockwise round the tile or from the lower to the higher number.
+/// Direction of the edge: anticlockwise around the tile, or from the lower to the higher number.
 Vector3 edgeDirection(const Tile& tile, const SharedEdge& edge, FaceRule rule) {
   const Vector3 away = tile.vertices[edge.second] - tile.vertices[edge.first];
   const bool forward = rule == FaceRule::PyKirigami ? edge.first < edge.second
@@ -1084,7 +1083,7 @@ Vector3 edgeDirection(const Tile& tile, const SharedEdge& edge, FaceRule rule) {
   return (forward ? away : Vector3(-away)).normalized();
 }
 
-// The face of one joint, from the fold about its edge or from how the normals converge.
+// The face of one joint, from the fold about the common edge or from converging normals.
 JointFace faceOf(const Joint& joint, const std::vector<Tile>& tiles, FaceRule rule,
                  double tolerance) {
   const Tile& a = tiles[joint.a.tile];

@@ -1,12 +1,12 @@
-// Which files beside each other make one planar model.
+// Selects the files in one folder that belong to one planar model.
 //
-// Programs leave many files in one folder, told apart by their names alone. What a file holds is
-// said by the last of the words "vertices", "constraints" and "hull" in its name, because a model
-// may be called "hull" itself. The part of a name before "vertices" is the prefix of a model; every
-// other file belongs to the model with the longest prefix that begins its name. Of several lists of
-// joints the one is chosen that the user named, directly or by the hull that goes with it; else the
-// one that is called as the vertices are; else the only one. Nothing is guessed beyond that:
-// several lists without a usual name are refused with their names.
+// Programs leave many files in one folder and distinguish them by name. The last of the words
+// "vertices", "constraints" and "hull" in a name gives the content, because the model itself can be
+// called "hull". The name before "vertices" is the prefix of a model. Every other file belongs to
+// the model with the longest matching prefix. Of several lists of joints, the program takes the one
+// that the user named directly or by its hull. Otherwise it takes the list with the name of the
+// vertices, and otherwise the only list. It does not guess further: several lists without a default
+// name are an error that lists them.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -39,8 +39,8 @@ constexpr const char* kVertices = "vertices";
 constexpr const char* kConstraints = "constraints";
 constexpr const char* kHull = "hull";
 
-/// The word that says what a file holds; "" for another file. The words before it are of the
-/// model's name, or name a variant.
+/// The word for the content of a file; "" for other files. Words before it belong to the name of
+/// the model or of a variant.
 std::string wordOf(const fs::path& file) {
   if (endingOf(file) != ".txt") return "";
   const std::string stem = file.stem().string();
@@ -57,13 +57,13 @@ std::string wordOf(const fs::path& file) {
   return listsTiles ? "" : word;
 }
 
-/// The part of a name before one of the three words: "penrose_" of penrose_vertices.txt.
+/// The part of a name before one of the three words, such as "penrose_" of penrose_vertices.txt.
 std::string prefixOf(const fs::path& vertices) {
   const std::string stem = vertices.stem().string();
   return stem.substr(0, stem.rfind(kVertices));
 }
 
-// All text files in the folder of this one, by name.
+// All text files in the folder of this file, by name.
 std::vector<fs::path> textFilesBeside(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::vector<fs::path> files;
@@ -73,12 +73,12 @@ std::vector<fs::path> textFilesBeside(const fs::path& file) {
     if (endingOf(entry.path()) != ".txt" || !entry.is_regular_file(ignored)) continue;
     files.push_back(file.parent_path() / entry.path().filename());
   }
-  // The system lists files in any order.
+  // The system lists files in arbitrary order.
   std::sort(files.begin(), files.end());
   return files;
 }
 
-/// Of the files of vertices the one whose prefix begins the name, the longest of them.
+/// The file of vertices whose prefix matches the name; the longest prefix of several.
 std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path>& beside) {
   std::optional<fs::path> owner;
   for (const fs::path& vertices : beside) {
@@ -89,7 +89,7 @@ std::optional<fs::path> ownerOf(const fs::path& file, const std::vector<fs::path
   return owner;
 }
 
-/// The files of a model that hold what the word says.
+/// The files of a model with this content.
 std::vector<fs::path> partsOfModel(const fs::path& vertices, const std::string& word) {
   const std::vector<fs::path> beside = textFilesBeside(vertices);
   std::vector<fs::path> parts;
@@ -99,7 +99,7 @@ std::vector<fs::path> partsOfModel(const fs::path& vertices, const std::string& 
   return parts;
 }
 
-/// The same name with another word in place of one of the three.
+/// The same name with one of the three words replaced.
 fs::path withWord(const fs::path& file, const std::string& word, const std::string& other) {
   std::string name = file.filename().string();
   const std::size_t at = name.rfind(word);
@@ -111,13 +111,13 @@ bool contains(const std::vector<fs::path>& files, const fs::path& file) {
   return std::find(files.begin(), files.end(), file) != files.end();
 }
 
-/// The list that the user named: a path, or the name of one beside the vertices.
+/// The list that the user named: a path, or a file name in the folder of the vertices.
 fs::path namedList(const fs::path& jointsFile, const fs::path& vertices) {
   const fs::path beside = vertices.parent_path() / jointsFile;
   return fs::exists(jointsFile) || !fs::exists(beside) ? jointsFile : beside;
 }
 
-// What the user named, else what goes with it, else the usual name, else the only one.
+// The user's choice, else the matching list, else the default name, else the only list.
 fs::path chosenList(const fs::path& named, const fs::path& vertices,
                     const std::vector<fs::path>& lists) {
   if (wordOf(named) == kConstraints) return named;
@@ -195,13 +195,13 @@ PlanarPlace planarPlace(const fs::path& named, const fs::path& jointsFile) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The planar text files of the quasicrystal kirigami simulator: vertices, constraints, hull.
+// Planar text files of the quasicrystal kirigami simulator: vertices, constraints, hull.
 //
-// Two conventions of that program matter here. Tiles and vertices count from 1 in the lists of
-// joints and from 0 in the hulls. And a joint holds its two vertices at the distance that they have
-// at the start: 0 makes a pivot, anything else a rod (a link here). A model in the plane has no
-// faces, so that pivots are on both faces of the bricks, which makes them hinges about the
-// vertical.
+// That program has two conventions. Tiles and vertices count from 1 in lists of joints
+// and from 0 in hulls. A joint keeps its two vertices at their start distance: 0 is a
+// pivot, any other value a rod (here a link). Planar models have no faces, so pivots
+// are on both faces of the bricks. Such a pair of pivots is a hinge with a vertical
+// axis.
 //
 // L. Liu, G. P. T. Choi, L. Mahadevan, Quasicrystal kirigami, Physical Review Research 4, 2022.
 
@@ -246,12 +246,12 @@ TileTable readPlanarTiles(const fs::path& file) {
   return table;
 }
 
-/// The number in a field, less 1, as far as an int holds that.
+/// The number minus 1, without overflow of int.
 int fromOne(int number) {
   return std::max(number, std::numeric_limits<int>::min() + 2) - 1;
 }
 
-// Rows with numbers from 0, whatever the file counts from.
+// Zero-based rows for either base of the file.
 JointTable readPlanarJoints(const fs::path& file, Model& model,
                             std::vector<std::string>& warnings) {
   TextTable text(file, kPlanarJointPurpose);
@@ -277,8 +277,8 @@ JointTable readPlanarJoints(const fs::path& file, Model& model,
   return table;
 }
 
-/// Corners of the outline: "tile vertex" a line. They count from 0, or from 1 where they name
-/// corners that are not there else.
+/// Corners of the outline, one "tile vertex" per line. They are zero-based, or one-based if some
+/// would otherwise not exist.
 std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>& tiles) {
   TextTable text(file, kPlanarHullPurpose);
   JointTable table;  // rows of two equal corners, for the same checks
@@ -294,8 +294,7 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
       row.values[k] = parseWholeNumber(field, text.at(line, field), "a tile or vertex number");
     }
   }
-  // The hull's own base is 0; a row with a vertex number equal to the count of vertices shows the
-  // other.
+  // The default base of a hull is 0. A vertex number equal to the number of vertices shows base 1.
   const int shift = namesWhatIsThere(table, tiles, 0) ? 0 : -1;
   if (!namesWhatIsThere(table, tiles, shift) || table.rows.size() < 3) {
     throw inputErrorAt({file}, fmt::format("its {} rows name corners that are not there, or too "
@@ -309,8 +308,8 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
   return hull;
 }
 
-/// A hull that lies beside the model was not asked for: what is wrong with it refuses nothing but
-/// the runs that need it.
+/// Reads a hull next to the model. An error in it affects only runs that need the hull, because the
+/// user did not request it.
 std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, Model& model,
                                               std::vector<std::string>& warnings) {
   if (!place.hull) {
@@ -331,7 +330,7 @@ std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, Model& m
   }
 }
 
-/// The file of another part of the model.
+/// The file of another part of the same model.
 fs::path beside(const fs::path& vertices, const std::string& part) {
   const std::string word = "vertices";
   std::string name = vertices.filename().string();
@@ -339,7 +338,7 @@ fs::path beside(const fs::path& vertices, const std::string& part) {
   return vertices.parent_path() / name;
 }
 
-/// "penrose" of penrose_vertices.txt, the folder's name of vertices.txt.
+/// "penrose" for penrose_vertices.txt, the folder's name for vertices.txt.
 std::string planarModelName(const fs::path& vertices) {
   const std::string stem = vertices.stem().string();
   const std::string before = stem.substr(0, stem.rfind("vertices"));
@@ -348,29 +347,29 @@ std::string planarModelName(const fs::path& vertices) {
   return before.ends_with('_') ? before.substr(0, before.size() - 1) : before;
 }
 
-/// Only joints of model folders have a fifth number, their face.
+/// Whether joints have a fifth number, the face, as only in model folders.
 bool namesFaces(const fs::path& constraints) {
   TextTable text(constraints, kPlanarJointPurpose);
   TextLine line;
   return text.next(line) && line.fields.size() == 5;
 }
 
-/// Numbers on a line: whether they can be pairs alone, or triples too.
+/// Whether the numbers on each line can be pairs, and not also triples.
 bool holdsPairs(const fs::path& vertices) {
   TextTable text(vertices, kPlanarTilePurpose);
   TextLine line;
   bool onlyTriples = true;
   while (text.next(line)) {
     const std::size_t count = line.fields.size();
-    // A triangle is the least tile: six numbers in the plane.
+    // A triangle is the smallest tile: six planar coordinates.
     if (count % 2 != 0 || count < 6) return false;
-    // Six numbers are three vertices in the plane: two in space would not make a tile.
+    // Six numbers are three planar vertices. Two spatial vertices would not be a tile.
     onlyTriples = onlyTriples && count % 3 == 0 && count != 6;
   }
   return !onlyTriples;
 }
 
-/// Joints that hold corners apart become rods; those that rounding holds apart are noted.
+/// Joints whose corners are apart become rods. Gaps from rounding are noted as repairs.
 void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& warnings) {
   const double samePlace = samePlaceTolerance(model.tiles);
   RoundedCorners rounded(model);
@@ -379,7 +378,7 @@ void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& wa
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     Joint& joint = model.joints[i];
     const double gap = startGap(model, joint);
-    // The corners are one, as far as the digits of the file can tell: a pivot.
+    // The corners are one point within the precision of the file's digits: a pivot.
     if (gap <= samePlace) {
       rounded.add(joint, gap, kirireel::toString({rows.file, rows.rows[i].line}));
       continue;
@@ -424,8 +423,7 @@ std::string planarJointText(const std::vector<Joint>& joints) {
   return text;
 }
 
-/// Planar files have no place for heights, nor for tiles that move as one. Returns the sheet's
-/// plane.
+/// Planar files cannot hold heights or tiles that move as one. Returns the sheet's plane.
 SheetFrame requirePlanar(const Model& model, const fs::path& file) {
   const int first = model.fileOrder.countsFrom;
   const std::optional<SheetFrame> frame = sheetFrame(model);
