@@ -9,16 +9,16 @@
 
 namespace kirireel::model {
 
-/// How a brick gets its mass.
+/// Rule for the mass of a brick.
 enum class MassRule {
-  Unit,   ///< mass 1 whatever the size, as the paper's models have
+  Unit,   ///< mass 1 for any size, as in the paper's models
   Prism,  ///< density times volume
 };
 
-/// The thickness that suits a model, as a part of its mean edge: the paper's for tiles of 1 m.
+/// Default thickness as a fraction of a model's mean edge: the paper's value for tiles of 1 m.
 inline constexpr double kDefaultThickness = 0.02;
 
-/// How tiles become bricks.
+/// Rule for making bricks from tiles.
 struct BrickRule {
   double thickness = 0.02;         ///< metres, positive; the paper's default
   MassRule mass = MassRule::Unit;  ///< the inertia is always the true prism's, scaled to the mass
@@ -42,8 +42,8 @@ struct Brick {
   double volume = 0;                  ///< cubic metres
   double mass = 0;                    ///< kg
   Matrix3 inertia = Matrix3::Zero();  ///< about the centre of mass, kg m^2
-  /// The convex parts of a concave brick, as corner numbers of its bottom (see convex_parts.h);
-  /// none: the brick is convex.
+  /// Convex parts of a concave brick, as corner numbers of its bottom (see convex_parts.h). Empty
+  /// if the brick is convex.
   std::vector<PolygonPart> parts;
 
   /// For files; see base/fields.h.
@@ -59,30 +59,30 @@ struct Brick {
 /// The convex parts of a bottom for Brick::parts.
 std::vector<PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom, const Vector3& normal);
 
-/// A convex piece of a brick as a brick of its own shape: axes, normal and thickness are the whole
-/// brick's, mass and inertia too, which no piece has alone.
+/// A convex piece of a brick, as a brick of its own shape. Its axes, normal, thickness, mass and
+/// inertia are those of the whole brick.
 struct BrickPiece {
-  Brick shape;          ///< the piece alone, in the brick's own axes
-  int brick = 0;        ///< that it belongs to
+  Brick shape;          ///< only the piece, in the brick's own axes
+  int brick = 0;        ///< the brick that it belongs to
   int part = 0;         ///< which of that brick's parts
   PolygonPart corners;  ///< its corners' numbers in the whole brick
 };
 
-/// The convex pieces of all bricks, brick by brick: as many as bricks where all are convex.
+/// The convex pieces of all bricks, brick by brick. One piece for each convex brick.
 /// Shapes are copied.
 std::vector<BrickPiece> convexPieces(const std::vector<Brick>& bricks);
 
-/// The same of one brick.
+/// The pieces of one brick.
 std::vector<BrickPiece> convexPieces(const Brick& brick, int number = 0);
 
-/// Thickens a tile: its bottom is the tile, its top lies on the normal's side.
-/// The tile has an area and is simple. Costs the search for convex parts where it is concave.
+/// Thickens a tile: its bottom is the tile, its top lies on the side of the normal.
+/// The tile must be simple and have an area. A concave tile also costs the search for convex parts.
 Brick makeBrick(const Tile& tile, const BrickRule& rule);
 
 /// The bricks of all tiles, in order.
 std::vector<Brick> makeBricks(const std::vector<Tile>& tiles, const BrickRule& rule);
 
-/// The poses at which the bricks' bottoms are the tiles they were made from: rotations identity.
+/// The poses at which the bricks' bottoms are their original tiles; rotations are identity.
 Poses startPoses(const std::vector<Tile>& tiles, const std::vector<Brick>& bricks);
 
 /// The faces of a brick as outward polygons in brick axes: bottom, top, then side k between
@@ -92,30 +92,30 @@ std::vector<std::vector<Vector3>> brickFaces(const Brick& brick);
 /// The bottom tiles of all bricks at the given poses, in world axes.
 std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& poses);
 
-/// The corner of a pivot where bricks are linked or fixed, not pivoted at a corner of each.
+/// Corner number of a pivot that does not connect two corners, for links and fixed joints.
 inline constexpr int kNoCorner = -1;
 
-/// A point that two bricks share. A joint on both faces has two pivots, hence a hinge; a fixed
-/// joint has three.
+/// A common point of two bricks. A joint on both faces has two pivots, which form a hinge. A fixed
+/// joint has three pivots.
 struct Pivot {
-  int brickA = 0;        ///< its number, from 0
-  int brickB = 0;        ///< its number, from 0, or kFixed
-  Vector3 pointA;        ///< in the axes of brick A
-  Vector3 pointB;        ///< in the axes of brick B
-  int joint = 0;         ///< index into the model's joints
-  double distance = 0;   ///< that the two points keep, metres; above 0 for links alone
-  bool isUpper = false;  ///< the second pivot of a hinge, which says nothing new in a planar scene
-  int cornerA = kNoCorner;    ///< vertex of brick A's tile, where pivoted bricks share a corner
-  int cornerB = kNoCorner;    ///< vertex of brick B's tile, likewise
+  int brickA = 0;             ///< number, zero-based
+  int brickB = 0;             ///< number, zero-based, or kFixed
+  Vector3 pointA;             ///< in the axes of brick A
+  Vector3 pointB;             ///< in the axes of brick B
+  int joint = 0;              ///< index into the model's joints
+  double distance = 0;        ///< constraint of the points' distance, metres; > 0 only for links
+  bool isUpper = false;       ///< second pivot of a hinge, redundant in a planar scene
+  int cornerA = kNoCorner;    ///< vertex of brick A's tile if the bricks share a corner
+  int cornerB = kNoCorner;    ///< the same for brick B's tile
   bool isWithinTile = false;  ///< see Joint
 };
 
-/// By how much a pivot's two points miss what it asks of them, metres, from 0.
+/// Violation of a pivot's distance constraint, metres, >= 0.
 double pivotGap(const Pivot& pivot, const Poses& poses);
 
-/// The pivots of all joints: in joint order, bottom before top.
-/// Corners of the joints have to exist. A pivot joint has one or two, a link one, a fixed joint
-/// three.
+/// The pivots of all joints, in joint order, bottom before top.
+/// A pivot joint has one or two pivots, a link one, a fixed joint three. The joints' corners must
+/// exist.
 std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks);
 
 /// The mean edge of a brick's tile, metres.

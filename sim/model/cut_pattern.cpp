@@ -1,17 +1,18 @@
-// From a drawing to tiles and joints.
+// Converts a drawing to tiles and joints.
 //
-// 1. *Groups*: lines of one colour, layer and dash. Marks of hinges continue open ends of the
-//    others; engraved lines touch no others, and their ends stop short of none. Both are left out.
+// 1. *Groups*: lines of one colour, layer and dash. Two kinds are ignored: hinge marks, which
+//    continue open ends of other lines, and engraved lines, which touch nothing.
 // 2. *Slots* become centre lines (slot_lines.cpp).
-// 3. *Rays*: each open end of a cut is extended straight on. All rays grow at one speed. A ray
-//    stops at the first line or earlier ray that it meets; two that grow towards one vertex both
-//    stop there; ends that face each other meet midway. This is the motorcycle graph (D. Eppstein,
-//    J. Erickson 1999), but that the first at a crossing waits there for the second.
-// 4. *Necks* are the rays up to a width. Sorted by length, the number of tiles is constant from one
-//    to the next: the longest such interval below half a tile is taken.
-// 5. *Tiles* are the faces between lines and necks. A face without a neck is no tile: it falls out,
-//    or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
-// 6. *Joints* are at the far ends of the necks, where the design's vertices are.
+// 3. *Rays*: each open end of a cut is extended straight. All rays grow at the same speed. A
+//    ray stops at the first line or earlier ray. Two rays towards one vertex both stop
+//    there. Ends that face each other meet midway. This is the motorcycle graph (D.
+//    Eppstein, J. Erickson 1999), except that the first ray at a crossing waits there for
+//    the second.
+// 4. *Necks* are the rays up to a maximum width. The number of tiles changes only at ray lengths.
+//    The maximum lies in the longest interval without a change below half a tile.
+// 5. *Tiles* are the faces between lines and necks. A face without a neck is not a tile: it falls
+//    out, or is a hole, a frame or a mark. Two tiles with two necks between them must bend.
+// 6. *Joints* are at the far ends of the necks, the vertices of the design.
 #include "sim/model/cut_pattern.h"
 
 #include <algorithm>
@@ -38,9 +39,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// How far off its direction a cut's aim may be, of the distance to it.
+// Maximum deviation of a cut's direction from its aim, as a fraction of the distance.
 constexpr double kAim = 0.03;
-// The end of a cut beyond a line is a slip up to this part of a tile.
+// An end of a cut beyond a line is inaccurate drawing up to this fraction of a tile.
 constexpr double kStub = 0.25;
 
 double lengthOf(const DrawnPath& path) {
@@ -64,20 +65,20 @@ void appendSegments(const DrawnPath& path, std::vector<PlaneSegment>& segments) 
 struct CutRay {
   int node = 0;
   Vector2 from = Vector2::Zero();
-  Vector2 along = Vector2::Zero();  // a unit vector
-  double straight = 0;              // how far the cut runs straight up to its end
-  double hit = kNever;              // the first line, metres from the end
+  Vector2 along = Vector2::Zero();  // unit vector
+  double straight = 0;              // straight length of the cut up to its end
+  double hit = kNever;              // distance of the first line from the end, metres
   Vector2 hitPlace = Vector2::Zero();
-  int partner = -1;  // the ray of the end that it runs into, which comes the other way
+  int partner = -1;  // the ray of the end that it runs into, in opposite direction
   double stop = kNever;
   Vector2 stopPlace = Vector2::Zero();
   bool isRunning = true;
-  double tip = 0;         // where removed material ends and the neck begins
-  bool isJoined = false;  // no material on the way: the cuts meet
-  bool isFacing = false;  // it met its partner midway, where the vertex of the neck is
+  double tip = 0;         // end of the removed material, begin of the neck
+  bool isJoined = false;  // no material in between: the cuts meet
+  bool isFacing = false;  // met its partner midway, where the vertex of the neck is
 
   double width() const { return stop - tip; }
-  /// How far a point at this distance may be off, so that the cut aims at it.
+  /// Maximum deviation of a point at this distance from the cut's aim.
   double slack(double distance, double tolerance) const {
     return tolerance * (1 + distance / std::max(straight, tolerance)) + kAim * distance;
   }
@@ -86,7 +87,7 @@ struct CutRay {
 /// Steps 3 and 4.
 class RayTracer {
  public:
-  /// `curveError`: how far straight pieces of a curve may be off it, metres; 0 without curves.
+  /// `curveError`: deviation of straight pieces from their curve, metres; 0 without curves.
   RayTracer(const Arrangement& lines, double curveError, double tolerance)
       : lines_(lines), curveError_(curveError), tolerance_(tolerance) {
     for (int node = 0; node < std::ssize(lines.nodes()); ++node) {
@@ -97,7 +98,7 @@ class RayTracer {
     for (CutRay& ray : rays_) findHit(ray, rayOf);
   }
 
-  /// Where all rays stop.
+  /// Finds the stop of every ray.
   std::vector<CutRay> run() {
     struct RayEvent {
       double time;
@@ -108,7 +109,7 @@ class RayTracer {
     for (int i = 0; i < std::ssize(rays_); ++i) {
       const CutRay& ray = rays_[i];
       if (ray.hit == kNever) continue;
-      // Ends that face each other wait for those that aim between them.
+      // Ends that face each other wait for rays that aim between them.
       events.push_back({ray.partner >= 0 ? 3 * ray.hit : ray.hit, i, -1, ray.hit, 0});
     }
     for (int i = 0; i < std::ssize(rays_); ++i) {
@@ -143,7 +144,7 @@ class RayTracer {
       if (one.isRunning && other.isRunning) {
         place = settled(place, event.time);
       } else {
-        // On the trail of the one that stopped, or where it stopped.
+        // On the path of the stopped ray, or at its stop.
         const CutRay& trail = one.isRunning ? other : one;
         const double near = tolerance_ + kAim * event.time;
         if ((trail.stopPlace - place).norm() <= near) place = trail.stopPlace;
@@ -163,7 +164,7 @@ class RayTracer {
     int last = lines_.to(lines_.leaving(node)[0]);
     const Vector2 piece = ray.from - lines_.at(last);
     ray.along = piece.normalized();
-    // Back along the straight line, whose direction is known the better the longer it is.
+    // Backwards along the straight line. A longer line gives a more accurate direction.
     for (int before = node; before >= 0;) {
       int further = -1;
       for (const int half : lines_.leaving(last)) {
@@ -179,8 +180,8 @@ class RayTracer {
       ray.along = (ray.from - lines_.at(last)).normalized();
     }
     ray.straight = (ray.from - lines_.at(last)).norm();
-    // The tangent at the end of a curve is half a turn further than its last piece. A piece of
-    // length L that turns by a is off its curve by L a / 8.
+    // The tangent at a curve's end is half a turn angle beyond its last piece. A piece of length L
+    // that turns by a deviates from its curve by L a / 8.
     if (curveError_ > 0 && lines_.leaving(last).size() == 2) {
       for (const int half : lines_.leaving(last)) {
         const Vector2 before = lines_.at(last) - lines_.at(lines_.to(half));
@@ -198,7 +199,7 @@ class RayTracer {
   void findHit(CutRay& ray, const std::vector<int>& rayOf) const {
     for (const auto& [first, second] : lines_.edges()) {
       if (first == ray.node || second == ray.node) continue;
-      // Ends of the line that the cut aims at.
+      // Whether there are ends of the line that the cut aims at.
       bool hasEnd = false;
       for (const int node : {first, second}) {
         const Vector2 rest = lines_.at(node) - ray.from;
@@ -246,7 +247,7 @@ class RayTracer {
     ray.isFacing = partner.isFacing = true;
   }
 
-  /// One vertex for all rays that meet there but for rounding.
+  /// One vertex for all rays that meet there within rounding.
   Vector2 settled(const Vector2& place, double distance) const {
     for (const Vector2& known : stops_) {
       if ((known - place).norm() <= tolerance_ + kAim * distance) return known;
@@ -261,7 +262,7 @@ class RayTracer {
   std::vector<Vector2> stops_;
 };
 
-/// Where the neck begins: at the end of the removed material round the cut's end.
+/// Finds the begin of each neck: the end of the removed material around the cut's end.
 void findTips(std::vector<CutRay>& rays, const CutLines& cuts, double tolerance) {
   for (CutRay& ray : rays) {
     if (ray.stop == kNever || cuts.border.empty()) continue;
@@ -274,16 +275,16 @@ void findTips(std::vector<CutRay>& rays, const CutLines& cuts, double tolerance)
       const double share = crossOf(a - ray.from, ray.along) / area;
       if (share < 0 || share > 1 || ahead < -tolerance || ahead > ray.stop - tolerance) continue;
       first = std::min(first, std::max(ahead, 0.0));
-      // Of a relieved slit the far side of its own relief.
+      // For a relieved slit, the far side of its own relief.
       if (ahead <= 0.5 * ray.stop) last = std::max(last, ahead);
     }
-    // Thinner than half the kerf nothing stays: the cut runs along the border.
+    // A neck thinner than half the kerf does not exist: the cut runs along the border.
     ray.isJoined = cuts.kerf > 0 && (first == kNever || ray.stop - first < 0.5 * cuts.kerf);
     ray.tip = ray.isJoined ? 0 : cuts.kerf > 0 ? first : last;
   }
 }
 
-/// The number of faces and their mean size where all rays are necks: metres.
+/// The number of faces and their mean size if all rays are necks: metres.
 double tileScale(const std::vector<PlaneSegment>& lines, const std::vector<CutRay>& rays,
                  double tolerance) {
   std::vector<PlaneSegment> all = lines;
@@ -313,7 +314,7 @@ double widestNeck(const std::vector<CutRay>& rays, double scale) {
   widths.push_back(cap);
   std::size_t best = 0;
   for (std::size_t k = 0; k + 1 < widths.size(); ++k) {
-    // Of equal intervals the wider necks.
+    // Of equal intervals, take the one with wider necks.
     if (widths[k + 1] - widths[k] >= widths[best + 1] - widths[best]) best = k;
   }
   return 0.5 * (widths[best] + widths[best + 1]);
@@ -335,7 +336,7 @@ class SheetMaker {
 
   Model make() {
     const Arrangement lines(cuts_.lines, tolerance_);
-    // Pieces of a curve that an editor straightened are off it by less than half a slot.
+    // Pieces of a curve that an editor straightened deviate by less than half a slot.
     const double curveError = std::max(2 * drawing_.flattening, 0.5 * cuts_.kerf);
     rays_ = RayTracer(lines, curveError, tolerance_).run();
     findTips(rays_, cuts_, tolerance_);
@@ -354,7 +355,7 @@ class SheetMaker {
     return made;
   }
 
-  /// What was found, for one line.
+  /// Summary of the result, one line.
   std::string found(const Model& model) const {
     std::string text = fmt::format("{} tile{} and {} hinge{}", model.tiles.size(),
                                    model.tiles.size() == 1 ? "" : "s", model.joints.size(),
@@ -385,9 +386,9 @@ class SheetMaker {
     return {fault(what), drawing_.paths, std::move(places)};
   }
 
-  /// The end of a cut back to where other lines meet it.
+  /// The end of a cut beyond the last line that meets it.
   struct Stub {
-    int node = 0, before = -1;  // where they meet it, and the node next to that
+    int node = 0, before = -1;  // where lines meet it, and the next node
     double length = 0;
   };
 
@@ -407,7 +408,7 @@ class SheetMaker {
     return stub;
   }
 
-  /// A cut that crosses a line and ends a little beyond it leaves no neck there.
+  /// Refuses a cut that crosses a line and ends a little beyond it: no neck remains there.
   void requireNoCrossing(const Arrangement& lines, const CutRay& ray, double scale) const {
     const auto [node, before, length] = stubOf(lines, ray.node);
     if (lines.leaving(node).size() < 4 || length > kStub * scale || length < 2 * cuts_.kerf) return;
@@ -422,7 +423,7 @@ class SheetMaker {
                               drawing_.place(lines.at(node)), length * 1e3));
   }
 
-  /// Short pieces of cuts that run over the border of their sheet.
+  /// Removes short pieces of cuts beyond the border of their sheet.
   void dropBeyondBorder(const Arrangement& lines, double scale) {
     const std::vector<int> parts = lines.parts();
     std::vector<std::vector<Vector2>> rings;
@@ -443,7 +444,7 @@ class SheetMaker {
       return isOfSheet;
     };
     const auto count = std::erase_if(rays_, isBeyond);
-    // Of slots, whose mouths may be bent, that says nothing.
+    // Not meaningful for slots, whose mouths may be bent.
     if (count > 0 && cuts_.kerf == 0) {
       leftOut_["end of a cut beyond the border"] += static_cast<int>(count);
     }
@@ -499,7 +500,7 @@ class SheetMaker {
     return Arrangement(all, tolerance_);
   }
 
-  /// An end outside all faces is of an open outline; others end within a tile.
+  /// An end outside all faces belongs to an open outline. Other ends lie within a tile.
   void requireInside(const Arrangement& lines, const Arrangement& whole, double scale) {
     const std::vector<int> parts = whole.parts();
     std::set<int> closed;
@@ -531,7 +532,7 @@ class SheetMaker {
     hasNeck_.assign(faces_.size(), false);
   }
 
-  /// The half edge by which the neck comes to its joint.
+  /// The half edge of the neck that arrives at its joint.
   std::optional<int> arriving(const Arrangement& whole, const CutNeck& neck) const {
     const std::optional<int> node = whole.nodeAt(neck.joint);
     if (!node) return std::nullopt;
@@ -551,7 +552,7 @@ class SheetMaker {
   void addJoints(const Arrangement& whole) {
     struct Between {
       int node;
-      std::size_t joint;  // of joints_
+      std::size_t joint;  // index into joints_
     };
     std::map<std::pair<int, int>, std::vector<Between>> known;
     for (const CutNeck& neck : necks_) {
@@ -591,7 +592,7 @@ class SheetMaker {
     }
   }
 
-  /// A point by which a face is known: the mean of its corners.
+  /// A point that identifies a face: the mean of its corners.
   Vector2 inner(const Arrangement& whole, int cycle) const {
     Vector2 sum(0, 0);
     for (const int half : whole.cycles()[cycle]) sum += whole.at(whole.from(half));
@@ -656,13 +657,13 @@ class SheetMaker {
     }
   }
 
-  /// Step 6, and tiles without the corners that no longer are any.
+  /// Step 6, and tiles without the vertices that are no longer corners.
   Model model(const Arrangement& whole) const {
     std::set<int> cutEnds;
     for (const int k : isExtended_) {
       if (const auto node = whole.nodeAt(rays_[k].from)) cutEnds.insert(*node);
     }
-    // Half edges at whose start a tile has a joint.
+    // Half edges that start at a joint of their tile.
     std::set<int> corners;
     const auto next = [&](int half) {
       const std::vector<int>& cycle = whole.cycles()[whole.cycleOf(half)];
@@ -701,8 +702,8 @@ class SheetMaker {
     double width;  // of the neck, metres
   };
 
-  /// Half edges whose starts stay corners: joints, and what a straight line is off from by more
-  /// than the tolerance.
+  /// Half edges whose starts stay corners: joints, and points that deviate from a straight line by
+  /// more than the tolerance.
   std::vector<int> keptCorners(const Arrangement& whole, const std::vector<int>& cycle,
                                const std::set<int>& joints, const std::set<int>& cutEnds) const {
     std::vector<int> halves;
@@ -711,7 +712,7 @@ class SheetMaker {
           cutEnds.contains(whole.from(half)) && whole.leaving(whole.from(half)).size() <= 2;
       if (!isEnd || joints.contains(half)) halves.push_back(half);
     }
-    // Begun at the lowest of the leftmost, which is a corner.
+    // Starts at the lowest of the leftmost points, which is always a corner.
     const auto first = std::ranges::min_element(halves, {}, [&](int half) {
       const Vector2& at = whole.at(whole.from(half));
       return std::pair(at.x(), at.y());
@@ -726,7 +727,7 @@ class SheetMaker {
         if (isKept[k]) kept.push_back(chainHalves[k]);
       }
     };
-    // From one sure corner to the next: the first, the farthest from it, and joints.
+    // Between known corners: the first, the farthest from it, and joints.
     const Vector2 start = whole.at(whole.from(halves[0]));
     const auto farthest = std::ranges::max_element(
         halves, {}, [&](int half) { return (whole.at(whole.from(half)) - start).norm(); });
@@ -753,7 +754,7 @@ class SheetMaker {
   std::vector<CutRay> rays_;
   std::set<int> isExtended_;
   std::vector<CutNeck> necks_;
-  std::vector<int> faces_;     // cycles that run anticlockwise
+  std::vector<int> faces_;     // anticlockwise cycles
   std::vector<int> faceOf_;    // by cycles
   std::vector<bool> hasNeck_;  // of faces
   std::vector<FaceJoint> joints_;
@@ -776,9 +777,9 @@ struct LineGroup {
   }
 };
 
-/// Whether rigid tiles can move in their plane, to first order: the rank of the joints' equations
-/// w x (p - c) + v, equal for both tiles, against three unknowns a tile. Rotations count in tiles.
-/// Of large sheets the unknowns are only counted (J. C. Maxwell).
+/// Whether rigid tiles can move in their plane, to first order. Computes the rank of the joint
+/// equations: w x (p - c) + v is equal for both tiles, three unknowns per tile, rotations scaled by
+/// tile size. For large sheets it only counts unknowns (J. C. Maxwell).
 bool movesInPlane(const Model& model, double tolerance) {
   constexpr std::size_t kMostTiles = 300;  // for a dense factorisation
   const auto tiles = static_cast<Eigen::Index>(model.tiles.size());
@@ -814,14 +815,14 @@ class CutPatternReader {
       : drawing_(drawing),
         settings_(settings),
         file_(file),
-        // Ends on a curve are off its straight pieces.
+        // Ends on a curve deviate from its straight pieces.
         tolerance_(std::clamp(std::max(1.5 * drawing.rounding, 1.2 * drawing.flattening),
                               1e-7 * drawing.size(), 1e-4 * drawing.size())) {
     collectGroups();
     takeDoubledLines();
   }
 
-  /// Lines of groups that are not cut, after read().
+  /// Lines of ignored groups, after read().
   std::vector<DrawnPath> ignoredLines() const {
     std::vector<DrawnPath> lines = notChosen_;
     for (const DrawnPath* path :
@@ -931,7 +932,7 @@ class CutPatternReader {
     return segments;
   }
 
-  /// Lines drawn twice may be off each other by more than the tolerance: raises it to that. Slots
+  /// Lines drawn twice may differ by more than the tolerance. Raises the tolerance to that. Slots
   /// are wider than kTwice of their drawing.
   void takeDoubledLines() {
     constexpr double kTwice = 1e-5;  // of the drawing's size
@@ -952,7 +953,7 @@ class CutPatternReader {
     tolerance_ = std::max(tolerance_, 1.5 * apart);
   }
 
-  /// Short straight continuations of open ends of the other lines, and dashed lines.
+  /// Finds hinge marks: short straight continuations of open ends of other lines, and dashed lines.
   void findMarks() {
     std::vector<LineGroup*> byLength;
     for (LineGroup& group : groups_) byLength.push_back(&group);
@@ -977,7 +978,7 @@ class CutPatternReader {
           const std::optional<int> node = lines.nodeAt(from);
           if (!node || lines.leaving(*node).size() != 1) continue;
           const Vector2 mark = to - from;
-          // The straight cut before it, whatever crosses it.
+          // The straight cut before it, regardless of crossing lines.
           int last = *node;
           double length = 0;
           for (bool goesOn = true; goesOn && length <= 4 * mark.norm();) {
@@ -1000,8 +1001,8 @@ class CutPatternReader {
     }
   }
 
-  /// Lines that touch no others, without which the rest still is a sheet, and whose ends stop short
-  /// of none.
+  /// Finds engraving: lines that touch nothing and are not the aim of a neck. Without them the
+  /// remaining lines must still form a sheet.
   void findEngraving() {
     if (groups_.size() < 2 || groups_.size() > 12) return;
     std::vector<PlaneSegment> segments;
@@ -1028,7 +1029,7 @@ class CutPatternReader {
         if (reading.model.joints.empty() || stopsShort(groups_[g], rest, reading.model)) continue;
         groups_[g].role = "engraved";
       } catch (const InputError&) {
-        continue;  // the rest is no sheet without it
+        continue;  // without it the remaining lines are not a sheet
       }
     }
   }
@@ -1051,7 +1052,7 @@ class CutPatternReader {
     return side(a, b.first) != side(a, b.second) && side(b, a.first) != side(b, a.second);
   }
 
-  /// Whether half of a group's open ends would be necks of the rest.
+  /// Whether half of a group's open ends would be necks to the other lines.
   bool stopsShort(const LineGroup& group, const std::vector<const DrawnPath*>& rest,
                   const Model& model) const {
     const std::vector<PlaneSegment> lines = segmentsOf(rest);
@@ -1083,7 +1084,7 @@ class CutPatternReader {
       cuts.lines = segmentsOf(paths);
     }
     for (const auto& [what, count] : leftOut) cuts.leftOut[what] += count;
-    // Centre lines are known to a small part of their slots' width.
+    // Centre lines are accurate to a small fraction of their slots' width.
     const double tolerance = std::max(tolerance_, 0.03 * cuts.kerf);
     SheetMaker maker(cuts, drawing_, settings_, tolerance, file_);
     SheetReading reading;
@@ -1093,8 +1094,8 @@ class CutPatternReader {
     return reading;
   }
 
-  /// Outlines of sheets and slots do not cross themselves. Of lines that meet more than two at a
-  /// place it is not known which ones make an outline.
+  /// Outlines of sheets and slots must not cross themselves. If more than two lines meet at a
+  /// point, the outline is ambiguous.
   void requireSimple(const std::vector<std::vector<Vector2>>& rings) const {
     PointNumbers numbers(tolerance_, rings.front().front());
     std::vector<int> uses;
@@ -1133,7 +1134,7 @@ class CutPatternReader {
     }
   }
 
-  /// Crosses and the like beside the sheet.
+  /// Removes crosses and similar marks outside the sheet.
   void dropMarksOutside(std::vector<const DrawnPath*>& paths,
                         std::map<std::string, int>& leftOut) const {
     const Arrangement lines(segmentsOf(paths), tolerance_);
@@ -1158,7 +1159,7 @@ class CutPatternReader {
     if (count > 0) leftOut["line beside the sheet"] += static_cast<int>(count);
   }
 
-  /// Circles at the ends of slits: taken out, and the slit ends on their far side.
+  /// Removes relief circles at the ends of slits. The slit then ends on their far side.
   void takeReliefs(std::vector<const DrawnPath*>& paths,
                    const std::vector<std::vector<Vector2>>& rings, CutLines& cuts) const {
     std::vector<Vector2> firsts, lasts;
@@ -1243,7 +1244,7 @@ class CutPatternReader {
 
 namespace {
 
-/// Makes one unit of a drawing that names no length this long.
+/// Scales a drawing without a length unit: one of its units becomes this long.
 void rescale(Drawing& drawing, const LengthUnit& unit) {
   const double factor = unit.metres / drawing.unit;
   for (DrawnPath& path : drawing.paths) {
@@ -1256,7 +1257,7 @@ void rescale(Drawing& drawing, const LengthUnit& unit) {
   drawing.unitName = unit.name;
 }
 
-/// `ignored` becomes the lines that are not cut.
+/// `ignored` receives the lines that are not cut.
 Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSettings& settings,
                      std::vector<std::string>& warnings, std::vector<DrawnPath>& ignored) {
   const auto readAs = [&](const ReadSettings& used) {
@@ -1265,7 +1266,7 @@ Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSet
     ignored = reader.ignoredLines();
     return model;
   };
-  // Smaller ones are points, and have no tolerance that a double can tell.
+  // Smaller drawings are points. Their tolerance is below the precision of doubles.
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
     throw inputErrorAt({file},
@@ -1280,7 +1281,7 @@ Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSet
       warnings.insert(warnings.end(), own.begin(), own.end());
       return model;
     } catch (const InputError& error) {
-      // Editors join, split and round lines. What can be read as any other drawing is.
+      // Editors join, split and round lines. If so, read it as any other drawing.
       ReadSettings others = settings;
       const bool hasHinges = std::ranges::any_of(drawing.paths, [](const DrawnPath& path) {
         return std::ranges::find(path.names, "hinges") != path.names.end();
@@ -1308,7 +1309,7 @@ DrawnSheet readDrawnSheet(const fs::path& file, const ReadSettings& settings,
   Drawing drawing = readDrawing(file);
   const std::optional<LengthUnit> declared = findLengthUnit(drawing.unitName);
   if (!declared && settings.unit) rescale(drawing, *settings.unit);
-  // A name that is no unit of ours, such as px, leaves millimetres, which drawings are exported in.
+  // An unknown unit such as px means millimetres, the usual unit of exported drawings.
   const LengthUnit unit = settings.unit.value_or(declared.value_or(millimetre()));
   ReadSettings inMetres = settings;
   inMetres.neckWidth *= unit.metres;

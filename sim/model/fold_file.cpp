@@ -1,6 +1,6 @@
-// FOLD (1.0 to 1.2) as origami programs write it, and Kirireel's own keys in it.
+// Reads and writes FOLD files (1.0 to 1.2), including Kirireel's own keys.
 //
-// Reading goes through the file in five steps.
+// Reading has five steps.
 // 1. Frames: the file's own keys are frame 0, file_frames are the others. A frame has its own keys
 //    and, if it inherits, those of its parent. The model is the first frame with coordinates and
 //    faces or edges. Later frames with the same faces or edges and coordinates of their own are
@@ -16,14 +16,14 @@
 //    foldedForm is folded already, and its angles describe it.
 // 5. Springs at folds rest at these angles.
 //
-// A model keeps the vertices, edges and faces of its file (FoldSheet), so that writing gives the
-// same. Without them, writing merges corners into one vertex only if they agree to the last bit in
-// all states, so that reading gives the same doubles. Joints of corners that differ by rounding
-// survive through kirireel:joints. nlohmann's ordered_json keeps the order of keys, so that the
-// same model gives the same bytes.
+// A model keeps the vertices, edges and faces of its file (FoldSheet), and writing gives them
+// again. Without them, writing merges corners into one vertex only if they are bitwise equal in all
+// states. Reading then gives the same doubles. kirireel:joints preserves joints of corners that
+// differ by rounding. nlohmann's ordered_json keeps the order of keys, so the same model gives the
+// same bytes.
 //
-// The library throws where types do not fit; every access below is checked first, so that messages
-// speak of faces and edges.
+// The library throws if types do not fit. Every access below is checked first, so messages can name
+// faces and edges.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -56,7 +56,7 @@ constexpr const char* kNecks = "kirireel:necks";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
 constexpr const char* kTarget = "kirireel:target";
 
-// Values of FOLD are nested five deep; keys of other programs may hold more.
+// FOLD has values nested five deep. Keys of other programs may have more.
 constexpr int kMostNested = 64;
 
 // The whole file as JSON; its syntax errors as ours.
@@ -68,7 +68,7 @@ Json parsedFile(const fs::path& file) {
                                            "FOLD 5 deep; give a FOLD file",
                                            kMostNested));
   } catch (const Json::exception& error) {
-    // The library's texts begin with "[json.exception.parse_error.101] ", which helps nobody.
+    // The library's texts begin with "[json.exception.parse_error.101] ", which is not useful.
     const std::string_view text = error.what();
     const std::string_view reason = text.substr(text.find("] ") + 2);  // after its number
     throw inputErrorAt({file},
@@ -76,7 +76,7 @@ Json parsedFile(const fs::path& file) {
   }
 }
 
-// Numbers such as 1e99 or 2^40 are valid JSON; a cast would wrap them to a vertex that exists.
+// Numbers such as 1e99 or 2^40 are valid JSON. A cast would wrap them to an existing vertex.
 bool fitsInt(const Json& value) {
   if (!value.is_number_integer()) return false;
   if (value.is_number_unsigned()) {
@@ -85,7 +85,7 @@ bool fitsInt(const Json& value) {
   return value.get<std::int64_t>() >= std::numeric_limits<int>::min();
 }
 
-/// One value of the file, with the words for what is wrong with it.
+/// One frame of the file, with readers that describe faults in it.
 class FoldReader {
  public:
   FoldReader(const fs::path& file, const ReadSettings& settings)
@@ -95,21 +95,20 @@ class FoldReader {
     chooseFrame(settings);
   }
 
-  /// What frame_unit says; absent if there is none, or it is no unit of length.
+  /// The unit in frame_unit; absent if there is none or it is not a unit of length.
   std::optional<LengthUnit> unit() const {
     const Json* value = find("frame_unit");
     return value && value->is_string() ? findLengthUnit(value->get<std::string>()) : std::nullopt;
   }
 
-  /// The coordinates of the start, and after them those of all states of the same sheet.
+  /// The coordinates of the start, followed by those of all states of the same sheet.
   std::vector<std::vector<Vector3>> states() const {
     std::vector<std::vector<Vector3>> states;
     for (const int frame : states_) states.push_back(points(*find(frame, "vertices_coords")));
     return states;
   }
 
-  /// The edges, sound: their ends are vertices, and they have as many letters and angles as there
-  /// are edges.
+  /// The checked edges: their ends are vertices, and there are as many letters and angles as edges.
   FoldSheet drawing(const std::vector<Vector3>& points) const {
     FoldSheet drawing;
     drawing.vertices = points;
@@ -125,7 +124,7 @@ class FoldReader {
       }
       drawing.creases.push_back({ends[0], ends[1]});
     }
-    // Without a list of edges, nothing says which edges letters and angles are of.
+    // Without a list of edges, letters and angles have no meaning.
     if (find("edges_vertices") != nullptr) {
       addLetters(drawing);
       addAngles(drawing);
@@ -135,7 +134,7 @@ class FoldReader {
     return drawing;
   }
 
-  /// The faces' vertices, each with a place.
+  /// Requires that every vertex of the faces has coordinates.
   void requireVertices(const CornerNumbers& faces, std::size_t count) const {
     for (std::size_t face = 0; face < faces.size(); ++face) {
       for (const int number : faces[face]) {
@@ -148,17 +147,17 @@ class FoldReader {
     }
   }
 
-  /// Whether the frame shows a folded state, whose letters do not say how to fold it.
+  /// Whether the frame is a folded state. Its letters then do not define how to fold it.
   bool isFoldedForm() const {
     const Json* classes = find("frame_classes");
     return classes != nullptr && classes->is_array() &&
            std::ranges::find(*classes, Json("foldedForm")) != classes->end();
   }
 
-  /// Kirireel's own list of joints; null when there is none.
+  /// Kirireel's own list of joints; null if there is none.
   const Json* ownJoints() const { return find(kJoints); }
 
-  /// Gives the rows of Kirireel's own list of joints their necks.
+  /// Adds necks to the rows of Kirireel's own list of joints.
   void addNecks(JointTable& table) const {
     const Json* list = find(kNecks);
     if (list == nullptr) return;
@@ -177,11 +176,11 @@ class FoldReader {
     }
   }
 
-  /// The target of a deployment's file, whose frames are samples of a run; null in other files,
-  /// empty without a target.
+  /// The target of a deployment's file, whose frames are samples of a run. Null in other files,
+  /// empty if the run has no target.
   const Json* ownTarget() const { return find(kTarget); }
 
-  /// Kirireel's own list of pulled tiles, of so many; none when all are.
+  /// Kirireel's own list of pulled tiles for this tile count; absent if all are pulled.
   std::optional<std::vector<int>> pulledTiles(std::size_t tileCount) const {
     const Json* list = find(kPulled);
     if (list == nullptr) return std::nullopt;
@@ -235,13 +234,13 @@ class FoldReader {
     for (const Json& value : list) {
       if (fitsInt(value)) numbers.push_back(value.get<int>());
     }
-    // A value that is no whole number makes the counts differ.
+    // A value that is not a whole number makes the counts differ.
     if (list.is_array() && numbers.size() == list.size()) return numbers;
     throw fault(
         fmt::format("entry {} is no list of whole numbers; write vertex numbers, from 0", index));
   }
 
-  // Coordinates of all vertices, metres; z is 0 where it is not given.
+  // Coordinates of all vertices, metres. The default of z is 0.
   std::vector<Vector3> points(const Json& coordinates) const {
     std::vector<Vector3> points;
     for (const Json& entry : coordinates) {
@@ -249,7 +248,7 @@ class FoldReader {
       // Two coordinates are a planar pattern at z = 0.
       const bool isPoint = entry.is_array() && (entry.size() == 2 || entry.size() == 3);
       for (std::size_t axis = 0; isPoint && axis < entry.size(); ++axis) {
-        // NaN for what is no number, so that one test below refuses it.
+        // NaN for a value that is not a number. The test below refuses it.
         point[static_cast<int>(axis)] = entry[axis].is_number() ? entry[axis].get<double>() : NAN;
       }
       if (isPoint && point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate) continue;
@@ -314,8 +313,8 @@ class FoldReader {
                     k, shown(parent->dump(), 24), frames_.size() - 1));
   }
 
-  /// Some programs write a state without frame_inherit: as many coordinates as the key frame has,
-  /// and nothing else that makes a mesh.
+  /// Some programs write a state without frame_inherit: it has as many coordinates as the key
+  /// frame, and no other mesh data.
   bool isBareState(const Json& frame) const {
     for (const char* key : kStructure) {
       if (own(frame, key) != nullptr) return false;
@@ -423,7 +422,7 @@ class FoldReader {
 
   void addAngles(FoldSheet& drawing) const {
     const Json* angles = find("edges_foldAngle");
-    // The name of FOLD 1.0.
+    // The key in FOLD 1.0.
     const char* name = angles != nullptr ? "edges_foldAngle" : "edges_foldAngles";
     if (angles == nullptr) angles = find(name);
     if (angles == nullptr) return;
@@ -449,7 +448,7 @@ class FoldReader {
     }
   }
 
-  /// The letter of an assignment as a capital; 0 where it is none.
+  /// The letter of an assignment as a capital; 0 if it is invalid.
   static char letterOf(const Json& value) {
     if (!value.is_string() || value.get_ref<const std::string&>().size() != 1) return 0;
     const char letter =
@@ -473,7 +472,7 @@ class FoldReader {
     requireVertices(drawing.faces, drawing.vertices.size());
   }
 
-  /// The vertices that each edge round a face has in common with the one before it.
+  /// The common vertex of each edge around a face and the previous edge.
   std::vector<int> cornersBetween(const std::vector<int>& edges, const FoldSheet& drawing) const {
     const std::vector<Crease>& all = drawing.creases;
     const std::size_t face = drawing.faces.size();
@@ -482,7 +481,7 @@ class FoldReader {
       const int last = edges[(k + edges.size() - 1) % edges.size()], next = edges[k];
       const bool areThere = std::min(last, next) >= 0 && std::max(last, next) < std::ssize(all);
       const auto joins = [&](int end) { return all[next].from == end || all[next].to == end; };
-      // Two edges of a face with two edges have both ends in common; such a face is refused later.
+      // Two edges of a face with two edges share both ends. Such a face is refused later.
       if (!areThere || (!joins(all[last].from) && !joins(all[last].to))) {
         throw fault(
             fmt::format("face {} has the edges {} and {} one after the other, which do not "
@@ -499,12 +498,12 @@ class FoldReader {
   fs::path file_;
   Json whole_;
   std::vector<const Json*> frames_;  ///< 0 is the key frame
-  std::vector<int> parents_;         ///< that a frame inherits from; -1 for none
+  std::vector<int> parents_;         ///< parent frame of each; -1 for none
   int frame_ = 0;                    ///< of the model
-  std::vector<int> states_;          ///< its frame and those of its other states
+  std::vector<int> states_;          ///< its frame and the frames of its other states
 };
 
-/// Tiles with the places that checks name: a FOLD file has no lines, faces are counted instead.
+/// Tiles with the positions that checks report: faces are counted, since a FOLD file has no lines.
 TileTable tableOf(const fs::path& file, const CornerNumbers& outlines,
                   const std::vector<Vector3>& points) {
   TileTable table;
@@ -546,13 +545,13 @@ void findTiles(const FoldReader& reader, const std::vector<std::vector<Vector3>>
     std::iota(drawing.tileOf.begin(), drawing.tileOf.end(), 0);
     return;
   }
-  // Faces on both sides of a J edge, if nothing turns there in any state.
+  // Faces on both sides of a J edge, if they stay coplanar in all states.
   JoinedFaces pieces = joinFaces(outlines, coplanarFaces(outlines, all, &joined));
   drawing.outlines = std::move(pieces.tiles);
   drawing.tileOf = std::move(pieces.tileOf);
 }
 
-/// Says how many edges no face has as a side: they tell nothing of the tiles.
+/// Warns of the number of edges without a face. They contain no information about tiles.
 void warnOfLooseEdges(const FoldSheet& drawing, const fs::path& file,
                       std::vector<std::string>& warnings) {
   std::set<std::pair<int, int>> sides;
@@ -573,10 +572,10 @@ void warnOfLooseEdges(const FoldSheet& drawing, const fs::path& file,
                   file.string(), count, first));
 }
 
-/// A joint of another kind than the pivot that it was read as.
+/// Replaces a pivot as read by a joint of another kind.
 Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
              const std::vector<Tile>& tiles) {
-  // The corners of a fixed joint carry no meaning; makeFixedJoint() names those of the model.
+  // The corners of a fixed joint have no meaning; makeFixedJoint() gives the model's own.
   if (kind == JointKind::Fixed) return makeFixedJoint(tiles, joint.a.tile, joint.b.tile);
   if (kind != JointKind::Link) return joint;
   const Joint link = makeLink(tiles, joint.a, joint.b);
@@ -622,8 +621,8 @@ bool isWithoutAngle(const Crease& crease) {
   return (crease.assignment == 'M' || crease.assignment == 'V') && !crease.foldAngle;
 }
 
-/// Gives M and V edges of a flat sheet without an angle one by their letter, and says so. Angles
-/// that an option chose become those of the drawing. Returns whether there are such edges.
+/// Gives M and V edges of a flat sheet without an angle the angle of their letter, with a warning.
+/// Angles set by an option become those of the drawing. Returns whether there are such edges.
 bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector<Crease>& creases,
                    const fs::path& file, std::vector<std::string>& warnings) {
   const double angle = 180 * settings.fold.value_or(1);
@@ -659,8 +658,8 @@ bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector
   return count > 0;
 }
 
-/// Gives M and V edges without an angle the one by which the target folds them. At 180 degrees only
-/// the letter has the sign.
+/// Gives M and V edges without an angle the angle in the target. At 180 degrees only the letter
+/// defines the sign.
 void takeAnglesOfTarget(const CornerNumbers& faces, const std::vector<Tile>& target,
                         std::vector<Crease>& creases) {
   if (std::ranges::none_of(creases, isWithoutAngle)) return;
@@ -676,12 +675,12 @@ void takeAnglesOfTarget(const CornerNumbers& faces, const std::vector<Tile>& tar
   }
 }
 
-/// A flat sheet whose creases have angles goes where they fold it.
+/// Sets the target of a flat sheet whose creases have angles: the folded sheet.
 void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
                const Vector3& normal, Model& model, const fs::path& file,
                std::vector<std::string>& warnings) {
-  // The largest opening between joints that a target may have: the same part of a tile as kTooFar
-  // in model_checks.cpp. More means that the angles do not close round a loop.
+  // Largest gap of joints in a valid target, the same fraction of a tile as kTooFar in
+  // model_checks.cpp. A larger gap means that angles around a loop are inconsistent.
   constexpr double kTornFold = 0.05;  // of a tile
   std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles, normal);
   if (!folded) return;
@@ -702,13 +701,13 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
   model.target = std::move(folded);
 }
 
-// Coordinates by vertex number, each from its first corner.
+// Coordinates by vertex number, each from the first corner with that number.
 Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
   Json list = Json::array();
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t k = 0; k < numbers[i].size(); ++k) {
-      // Numbers rise in the order of their first corners, so that a corner with the next number is
-      // the first one of its vertex.
+      // Numbers rise in the order of first corners. A corner with the next number is therefore the
+      // first one of its vertex.
       if (numbers[i][k] != std::ssize(list)) continue;
       const Vector3& vertex = tiles[i].vertices[k];
       list.push_back({vertex.x(), vertex.y(), vertex.z()});
@@ -717,7 +716,7 @@ Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers)
   return list;
 }
 
-/// The axes of a tile: its first corner and first edge, which is not short of a millionth of it.
+/// The axes of a tile: its first corner and first edge, longer than a millionth of the tile.
 Eigen::Isometry3d axesOf(const Tile& tile) {
   const Vector3 z = tileNormal(tile);
   const Vector3 x = (tile.vertices[1] - tile.vertices[0]).normalized();
@@ -727,8 +726,8 @@ Eigen::Isometry3d axesOf(const Tile& tile) {
   return axes;
 }
 
-/// Coordinates by the drawing's own vertex numbers: of a tile's corners as they are, of ends of
-/// slits within a tile where the tile takes them, of other vertices where they are drawn.
+/// Coordinates by the drawing's own vertex numbers. Corners of tiles have their own coordinates,
+/// ends of slits within a tile move with the tile, other vertices stay as drawn.
 Json coordinatesOf(const std::vector<Tile>& tiles, const FoldSheet& drawing) {
   std::vector<std::optional<Vector3>> places(drawing.vertices.size());
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -759,7 +758,7 @@ Json coordinatesOf(const std::vector<Tile>& tiles, const FoldSheet& drawing) {
   return list;
 }
 
-// Three lists of one length: ends, letters, angles in degrees.
+// Three lists of equal length: ends, letters, angles in degrees.
 void addCreases(const std::vector<Crease>& creases, bool letters, bool angles, Json& json) {
   Json edges = Json::array(), assignment = Json::array(), degrees = Json::array();
   for (const Crease& crease : creases) {
@@ -772,12 +771,12 @@ void addCreases(const std::vector<Crease>& creases, bool letters, bool angles, J
   if (angles) json["edges_foldAngle"] = std::move(degrees);
 }
 
-/// The file's own vertices and faces if they are still those of the tiles, else corners that are
-/// one to the last bit.
+/// The file's own vertices and faces if they still match the tiles. Otherwise corners that are
+/// bitwise equal are merged.
 class FoldMesh {
  public:
-  /// `model` is in the order of its file. `moves`: samples of a run are written, in which joints of
-  /// the top faces part the bottoms.
+  /// `model` is in the order of its file. `moves`: samples of a run are written. The bottom corners
+  /// of joints on the top faces then separate.
   FoldMesh(const Model& model, bool moves) {
     const auto isTop = [](const Joint& joint) { return joint.face == JointFace::Top; };
     const auto isAlike = [](const std::vector<int>& outline, const Tile& tile) {
@@ -804,7 +803,7 @@ class FoldMesh {
     const std::vector<Crease> found =
         creasesOf(drawing_ ? drawing_->outlines : numbers_, inOrder, normal);
     if (!drawing_ || drawing_->creases.empty()) return addCreases(found, true, true, json);
-    // Angles that the target gives to edges of the file.
+    // Angles in the target of edges in the file.
     std::map<std::pair<int, int>, std::optional<double>> angles;
     for (const Crease& crease : found) angles[{crease.from, crease.to}] = crease.foldAngle;
     std::vector<Crease> creases = drawing_->creases;
@@ -815,7 +814,7 @@ class FoldMesh {
     addCreases(creases, drawing_->hasLetters, normal && inOrder.target, json);
   }
 
-  /// Whether the file's letters say where the target is.
+  /// Whether the file's letters define the target.
   bool givesTarget() const { return drawing_ && drawing_->givesTarget; }
 
  private:
@@ -834,7 +833,7 @@ Json jointRows(const std::vector<Joint>& joints) {
   return rows;
 }
 
-/// Of joints that have one.
+/// Rows of all joints with a neck.
 Json neckRows(const std::vector<Joint>& joints) {
   Json rows = Json::array();
   for (std::size_t k = 0; k < joints.size(); ++k) {
@@ -844,7 +843,7 @@ Json neckRows(const std::vector<Joint>& joints) {
   return rows;
 }
 
-/// A frame that has all of the key frame but its coordinates.
+/// A frame that differs from the key frame only in its coordinates.
 Json stateFrame(const std::string& title, Json coordinates) {
   Json frame;
   frame["frame_title"] = title;
@@ -855,7 +854,7 @@ Json stateFrame(const std::string& title, Json coordinates) {
   return frame;
 }
 
-/// Reads the targets: those of a deployment's file, else the states after the first.
+/// Reads the targets: those of a deployment's file, or else the states after the first.
 void addTargets(const FoldReader& reader, const std::vector<std::vector<Vector3>>& states,
                 const TileTable& start, Model& model, std::vector<std::string>& warnings) {
   std::vector<std::vector<Vector3>> targets(states.begin() + 1, states.end());
@@ -878,7 +877,7 @@ void addTargets(const FoldReader& reader, const std::vector<std::vector<Vector3>
   model.waypoints.pop_back();
 }
 
-/// The normal of a crease pattern; none for a folded sheet.
+/// The normal of a crease pattern; absent for a folded sheet.
 std::optional<Vector3> patternNormal(const Model& model) {
   if (model.drawing && model.drawing->isFolded) return std::nullopt;
   return sheetNormal(model);
@@ -937,8 +936,8 @@ std::string foldText(const Model& inOrder, const std::vector<FoldState>& samples
   const bool hasFrames = (model.target && !mesh.givesTarget()) || !samples.empty();
   json["file_classes"] = {hasFrames ? "animation" : "singleModel"};
   json["frame_title"] = samples.empty() ? "start" : samples.front().title;
-  // A flat start is a crease pattern, and its edges carry the angles of the target. Otherwise they
-  // carry those of the start itself.
+  // Edges of a flat start, a crease pattern, have the angles of the target. Otherwise they have
+  // those of the start.
   const std::optional<Vector3> normal = patternNormal(model);
   json["frame_classes"] = {normal ? "creasePattern" : "foldedForm"};
   json["frame_unit"] = model.unit.name;
@@ -968,42 +967,48 @@ void writeFold(const Model& model, const fs::path& file) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Joints from edges, and edges from joints.
+// Converts edges to joints, and joints to edges.
 //
-// 1. *Joints.* All corners at one vertex are one, unless a cut edge ends there. Then the corners
-//    are parted into groups that the vertex's other edges hold together (two faces with a common
-//    uncut edge are in one group), and each group is a chain of joints of its own.
-// 2. *Folding.* A face is placed by an isometry T of the flat sheet. Across an edge with the fold
-//    angle a (radians) its neighbour is placed by
-//   T' = T P R(-a, e) P^-1
-// where P moves the origin to a point of the edge, and R(-a, e) turns by -a about the edge's
-// direction e, with the first face on its left seen from the upper side of the sheet. A positive
-// angle so lifts the neighbour, on the right of e, to the upper side: a valley. The faces are
-// walked outwards from one face of each piece. Loops of edges are not checked here: where angles do
-// not fit each other, the joints of the last edge in a loop stand open, and the caller measures
-// that.
-// 3. *Angles* of a folded state: a = -atan2((n x n') . e, n . n'), n and n' the unit normals of
-//    both faces; atan2 keeps its digits near 0 and near 180 degrees, where an arc cosine would lose
-//    half of them.
+// 1. *Joints.* All corners at one vertex are joined, unless a cut edge ends there. In that
+//    case the corners are divided into groups with common uncut edges at the vertex. Two
+//    faces with a common uncut edge are in the same group. Each group is a chain of
+//    joints.
+// 2. *Folding.* An isometry T of the flat sheet places a face. Across an edge with the
+//    fold angle a (radians) it places the neighbour by
+//      T' = T P R(-a, e) P^-1
+//    P moves the origin to a point of the edge. R(-a, e)
+// turns by -a about the edge's direction
+//    e, with the first face on its left seen from the
+//    upper side of the sheet. A positive angle therefore
+//    lifts the neighbour, on the right of e, to the upper
+//    side: a valley. Folding starts at one face of each
+//    piece and proceeds outwards. Loops of edges are not
+//    checked here. Inconsistent angles leave open joints
+//    at the last edge of a loop, and the caller measures
+//    these.
+// 3. *Angles* of a folded state: a = -atan2((n x n') . e,
+//    n . n'), with the unit normals n and n' of both
+//    faces. atan2 is accurate near 0 and near 180 degrees,
+//    unlike an arc cosine, which loses half of the digits.
 //
-// The format: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded
+// Source: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded
 // structures, Fall Workshop on Computational Geometry, 2016.
 
 namespace {
 
 using Ends = std::pair<int, int>;  // vertex numbers, the smaller first
 
-// Below this angle, degrees, an edge is flat.
+// An edge with a smaller angle is flat, degrees.
 constexpr double kFlatEdge = 1e-6;
 
-/// A side of a face: corner k and the next.
+/// A side of a face: from corner k to the next.
 struct FaceSide {
   int face = 0;
   int corner = 0;
 };
 
-// A std::map keeps the edges in the order of their vertex numbers, so that results do not depend on
-// addresses or hashes.
+// A std::map orders the edges by their vertex numbers. Results then do not depend on addresses or
+// hashes.
 std::map<Ends, std::vector<FaceSide>> sidesByEnds(const CornerNumbers& faces) {
   std::map<Ends, std::vector<FaceSide>> sides;
   for (int face = 0; face < std::ssize(faces); ++face) {
@@ -1024,19 +1029,19 @@ const Vector3& endOf(const std::vector<Tile>& tiles, const FaceSide& side) {
   return vertices[(side.corner + 1) % vertices.size()];
 }
 
-/// Which faces uncut edges hold together.
+/// Pairs of faces that uncut edges connect.
 struct HeldFaces {
-  std::map<int, FacePairs> atVertex;    ///< hinged at this vertex, by an edge that ends there
-  std::set<std::pair<int, int>> fixed;  ///< joined to one piece, the smaller number first
+  std::map<int, FacePairs> atVertex;    ///< hinged faces at a vertex, by an edge that ends there
+  std::set<std::pair<int, int>> fixed;  ///< parts of one rigid piece, the smaller number first
 };
 
-// Goes through all edges that two faces or more share and no cut parts.
+// Visits all uncut edges of two or more faces.
 HeldFaces heldFaces(const CornerNumbers& faces, const std::map<Ends, char>& assignments) {
   HeldFaces held;
   for (const auto& [ends, sides] : sidesByEnds(faces)) {
     const auto found = assignments.find(ends);
     const char assignment = found == assignments.end() ? 'U' : found->second;
-    // An edge of three faces or more holds each with the next.
+    // An edge of three or more faces connects each face with the next.
     for (std::size_t k = 1; k < sides.size() && assignment != 'C'; ++k) {
       const std::pair<int, int> two = std::minmax(sides[k - 1].face, sides[k].face);
       held.atVertex[ends.first].push_back(two);
@@ -1047,7 +1052,7 @@ HeldFaces heldFaces(const CornerNumbers& faces, const std::map<Ends, char>& assi
   return held;
 }
 
-// Corners of the faces at each vertex, by rising face.
+// Corners of the faces at each vertex, by ascending face.
 std::map<int, std::vector<Corner>> cornersByVertex(const CornerNumbers& faces) {
   std::map<int, std::vector<Corner>> corners;
   for (int face = 0; face < std::ssize(faces); ++face) {
@@ -1056,7 +1061,7 @@ std::map<int, std::vector<Corner>> cornersByVertex(const CornerNumbers& faces) {
   return corners;
 }
 
-/// Corners at one vertex in groups that its uncut edges hold together, by their faces.
+/// Groups of corners at one vertex that its uncut edges connect.
 std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
                                           const FacePairs& held) {
   std::vector<std::size_t> group(corners.size());
@@ -1069,7 +1074,7 @@ std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
   };
   for (const auto& [a, b] : held) {
     const std::size_t kept = group[placeOf(a)], lost = group[placeOf(b)];
-    // A vertex has few corners, so that renaming a group is cheaper than a tree of sets.
+    // A vertex has few corners, so renaming a group is cheaper than a tree of sets.
     std::replace(group.begin(), group.end(), lost, kept);
   }
   std::map<std::size_t, std::vector<Corner>> groups;
@@ -1081,7 +1086,7 @@ std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
 
 }  // namespace
 
-// Joints come by rising vertex number, and fixed joints after them.
+// Joints are ordered by vertex number, with fixed joints last.
 std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector<Crease>& creases,
                                    const std::vector<Tile>& tiles) {
   std::map<Ends, char> assignments;
@@ -1101,8 +1106,8 @@ std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector
     for (const std::vector<Corner>& group : groups) {
       for (std::size_t k = 1; k < group.size(); ++k) {
         const std::pair<int, int> two = std::minmax(group[k - 1].tile, group[k].tile);
-        // A joint within one tile says nothing, and one within a rigid piece is held by the fixed
-        // joint.
+        // A joint within one tile has no effect, and one within a rigid piece is redundant to the
+        // fixed joint.
         if (two.first == two.second || held.fixed.contains(two)) continue;
         joints.push_back({group[k - 1], group[k], JointFace::Bottom});
       }
@@ -1118,9 +1123,9 @@ std::optional<Vector3> sheetNormal(const Model& model) {
   const Vector3 origin = tiles.front().vertices.front();
   const bool isLevel = liesFlat(tiles, flat);
   Vector3 normal = meanNormal(tiles, isLevel ? Vector3::UnitZ() : tileNormal(tiles.front()));
-  // A level sheet keeps all digits.
+  // Keeps all digits of a level sheet.
   if (isLevel) normal = Vector3(0, 0, normal.z() < 0 ? -1 : 1);
-  // Both the coordinates and the normal that comes of them are rounded.
+  // The coordinates are rounded, and so is the normal computed from them.
   const double tolerance = std::max(flat, 2 * roundingOf(tiles));
   for (const Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) {
@@ -1130,7 +1135,7 @@ std::optional<Vector3> sheetNormal(const Model& model) {
   return normal;
 }
 
-// Depth first from the lowest face of each piece; a face is placed by the first edge that reaches
+// Depth-first search from the lowest face of each piece. The first edge that reaches a face places
 // it.
 std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
                                              const std::vector<Crease>& creases,
@@ -1139,7 +1144,7 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
   std::map<Ends, double> angles;
   bool folds = false;
   for (const Crease& crease : creases) {
-    // These have one face at each side, so that nothing turns about them.
+    // Cuts and boundaries have one face on each side, so nothing turns about them.
     if (crease.assignment == 'C' || crease.assignment == 'B') continue;
     const double angle = crease.foldAngle.value_or(0);
     angles[std::minmax(crease.from, crease.to)] = angle;
@@ -1161,7 +1166,7 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
         const auto angle = angles.find(ends);
         if (angle == angles.end()) continue;
         for (const FaceSide& other : sides.at(ends)) {
-          // Each face is placed once, by the first path that reaches it.
+          // Only the first path to a face places it.
           if (placed[other.face]) continue;
           const FaceSide own{face, k};
           // Along the edge with this face on the left, seen from the upper side.
@@ -1187,7 +1192,7 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
 
 namespace {
 
-/// 1 if a file's angle counts seen from the upper side of a tile as the model has it, else -1.
+/// 1 if a file's angle counts from the upper side of a tile in the model, else -1.
 double fileSign(const Model& model, const std::optional<Vector3>& normal, int tile) {
   if (normal) return tileNormal(model.tiles[tile]).dot(*normal) < 0 ? -1 : 1;
   const std::vector<bool>& isReversed = model.fileOrder.isReversed;
@@ -1224,7 +1229,7 @@ std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
                               "line; correct one of the two",
                               known->second / kDegree, angle / kDegree, first.face, second.face));
     }
-    // Faces of one sense run along their edge in opposite directions.
+    // Faces with the same orientation traverse their common edge in opposite directions.
     const bool isAlike =
         normal || faces[first.face][first.corner] != faces[second.face][second.corner];
     angles.try_emplace({second.face, first.face},
@@ -1242,7 +1247,7 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile
     const FaceSide &first = both[0], &second = both[1];
     const Vector3 along = (endOf(state, first) - startOf(state, first)).normalized();
     const Vector3 normal = tileNormal(state[first.face]);
-    // Faces of one sense run along their common edge in opposite directions.
+    // Faces with the same orientation traverse their common edge in opposite directions.
     const bool isAlike = faces[first.face][first.corner] != faces[second.face][second.corner];
     const Vector3 other = (isAlike ? 1 : -1) * tileNormal(state[second.face]);
     const double angle = -std::atan2(normal.cross(other).dot(along), normal.dot(other)) / kDegree;
@@ -1251,8 +1256,8 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile
   return creases;
 }
 
-// The edges come in the order of sidesByEnds(), as there. Tiles that were turned round have the
-// angles of the sheet as it lies now.
+// Edges have the order of sidesByEnds(). Reversed tiles have the angles of the sheet in its current
+// orientation.
 std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& inOrder,
                               const std::optional<Vector3>& normal) {
   const Model model = inFileOrder(inOrder);

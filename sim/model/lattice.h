@@ -23,8 +23,8 @@ inline bool isEven(const Cell& cell) {
   return (cell.column + cell.row) % 2 == 0;
 }
 
-/// The cell whose tile shares corner 0-3 (bottom left, bottom right, top right, top left) of the
-/// given cell's tile. Every corner belongs to exactly one neighbour, be it in the sheet or outside.
+/// The neighbour that shares a corner with the cell's tile. Corners 0-3: bottom left, bottom right,
+/// top right, top left. Each corner has exactly one neighbour, possibly outside the sheet.
 Cell cornerNeighbour(const Cell& cell, int corner);
 
 /// Size of a lattice.

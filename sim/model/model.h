@@ -71,8 +71,8 @@ struct Joint {
   Corner b;                            ///< corner of the second tile
   JointFace face = JointFace::Bottom;  ///< face of a pivot
   JointKind kind = JointKind::Pivot;   ///< which constraint the joint imposes
-  Vector3 apart = Vector3::Zero();  ///< from corner b to corner a at the start, metres, only for
-                                    ///< links and fixed joints; not zero for links
+  Vector3 apart = Vector3::Zero();     ///< from corner b to corner a at the start, metres, only for
+                                       ///< links and fixed joints; not zero for links
   /// Whether both are parts of one tile that bends between them. Such parts never collide.
   bool isWithinTile = false;
   Neck neck;  ///< of a pivot; unknown unless a drawing or a file has it

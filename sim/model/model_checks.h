@@ -107,9 +107,9 @@ inline constexpr double kSamePlace = 1e-6;
 
 /// One row of constraints.txt.
 struct JointRow {
-  int line = 0;                  ///< line number, >= 1; 0 if the file has no lines
-  std::array<int, 5> values{};   ///< tile A, vertex A, tile B, vertex B, zero-based; face
-  std::array<int, 5> columns{};  ///< column of each, >= 1; 0 for a face that is not written
+  int line = 0;                       ///< line number, >= 1; 0 if the file has no lines
+  std::array<int, 5> values{};        ///< tile A, vertex A, tile B, vertex B, zero-based; face
+  std::array<int, 5> columns{};       ///< column of each, >= 1; 0 for a face that is not written
   JointKind kind = JointKind::Pivot;  ///< what it keeps
   Neck neck;                          ///< in the file's unit; unknown if the file has none
 };
@@ -153,8 +153,8 @@ double startGap(const Model& model, const Joint& joint);
 struct ReadSettings {
   std::filesystem::path jointsFile;  ///< replaces the model's own list of joints, if not empty
   bool strict = false;               ///< refuse input that needs a repair
-  bool joinCoplanar = false;   ///< in meshes: coplanar faces with a common edge form one tile
-  std::optional<int> frame;    ///< of a FOLD file: read only this frame, 0 is the key frame
+  bool joinCoplanar = false;         ///< in meshes: coplanar faces with a common edge form one tile
+  std::optional<int> frame;          ///< of a FOLD file: read only this frame, 0 is the key frame
   std::optional<double> fold;  ///< of a FOLD file: fold of letters without an angle, as a fraction
                                ///< of 180 degrees, (0, 1]; absent: 1
 

@@ -1,24 +1,24 @@
-// Our own cut patterns, from lines back to tiles.
+// Converts Kirireel's own cut patterns from lines to tiles.
 //
-// A cut pattern draws each side of a tile as a line in the sense in which the tile runs (its inside
-// on the left), sides that two tiles share once, as slits. Beside each joint at m a neck of
-// material stays: the two sides round the narrower gap end before m. A line on the layer of hinges
-// leads from m to the middle between their ends, h; where the gap is open, a cut joins these ends.
+// A cut pattern draws each side of a tile as a line in the tile's orientation (its inside on the
+// left). Sides shared by two tiles are drawn once, as slits. At each joint m a neck of material
+// remains: the two sides around the narrower gap end before m. A line on the layer of hinges goes
+// from m to h, the middle between their ends. If the gap is open, a cut connects these ends.
 //
-// 1. *Necks* are taken out: cuts whose middle is the h of a hinge.
-// 2. *Ends* that a hinge shortened go back to its m: those at its h, at the ends of its neck, or
-//    ends of a single line that points at an m (where several hinges shortened one side).
-// 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the one that is met
-//    first when turning clockwise from the way back: what lies between is the tile's own corner.
-// 4. *Joints*: the corners at m whose sides bound the gap that the hinge's line lies in.
+// 1. *Necks* are removed: cuts whose middle is the h of a hinge.
+// 2. *Ends* that a hinge shortened are moved back to its m: ends at its h, ends of its neck, and
+//    ends of a single line that points at an m (if several hinges shortened one side).
+// 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the first one clockwise
+//    from the reverse of the incoming side. The tile's own corner lies between them.
+// 4. *Joints* connect the corners at m whose sides bound the gap with the hinge's line.
 //
-// Step 3 walks the faces of a planar straight-line graph, as in a doubly connected edge list (M. de
-// Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts have a
-// tile on one side only, so that they are walked in one direction; slits have one on both.
+// Step 3 traces the faces of a planar straight-line graph, as in a doubly connected edge list (M.
+// de Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts have a
+// tile on one side and are traced in one direction. Slits have a tile on both sides.
 //
-// All tolerances are parts of the pattern's size: 1e-7 for points, ten times that where an end was
-// computed from a neck, a hundred times that for directions that were written with few digits. In a
-// drawing of fewer digits they are 2, 4 and 6 times the last one.
+// All tolerances are fractions of the pattern's size: 1e-7 for points, ten times that for ends
+// computed from a neck, a hundred times that for directions written with few digits. In a drawing
+// with fewer digits they are 2, 4 and 6 units of the last digit.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -37,15 +37,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPatternPurpose = "give a cut pattern that `kirireel export` left";
-// Points nearer than this part of the pattern's size are one.
+// Points nearer than this fraction of the pattern's size are one.
 constexpr double kSamePatternPoint = 1e-7;
-// Sides that differ by less than this angle, radians, leave in one direction.
+// Sides whose directions differ by less than this, radians, are parallel.
 constexpr double kSamePatternDirection = 1e-6;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 enum class LineLayer { Cuts, Slits, Hinges, Other };
 
-/// By the first of its names that is a layer's. Others are of layers that editors have added.
+/// The layer from the first name that is a layer of ours. Editors may have added other layers.
 LineLayer layerOf(const DrawnPath& path) {
   for (const std::string& name : path.names) {
     if (name == "cuts") return LineLayer::Cuts;
@@ -87,13 +87,13 @@ struct DrawnNeck {
   Vector2 middle;  ///< h
 };
 
-/// A side of a tile from point to point, its tile on the left.
+/// A directed side of a tile, with the tile on its left.
 struct DirectedSide {
   int from = 0;
   int to = 0;
-  int twin = -1;  ///< the same slit the other way; -1 of cuts
+  int twin = -1;  ///< the same slit in the opposite direction; -1 for cuts
   int tile = -1;
-  int vertex = -1;         ///< where it starts within its tile
+  int vertex = -1;         ///< index of its start within its tile
   bool isReverse = false;  ///< the second side of a slit
 };
 
@@ -122,7 +122,7 @@ class PatternReader {
     sameDirection_ = std::min(sameDirection_, 0.02);
     for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
     for (int k = 0; k < std::ssize(sides_); ++k) {
-      // The other sides of slits come last, so that tiles begin with lines of their own.
+      // The reverse sides of slits come last, so tiles begin with their own lines.
       if (!sides_[k].isReverse && sides_[k].tile < 0) traceTile(k);
     }
     for (int k = 0; k < std::ssize(sides_); ++k) {
@@ -130,7 +130,7 @@ class PatternReader {
     }
   }
 
-  // One tile for each cycle, in the order in which they were traced.
+  // One tile for each cycle, in tracing order.
   std::vector<Tile> tiles() const {
     std::vector<Tile> tiles;
     for (const std::vector<int>& cycle : cycles_) {
@@ -143,7 +143,7 @@ class PatternReader {
     return tiles;
   }
 
-  // One joint for each hinge that was drawn.
+  // One joint for each drawn hinge.
   std::vector<Joint> joints() {
     std::vector<Joint> joints;
     for (const DrawnNeck& neck : necks_) joints.push_back(jointAt(neck));
@@ -154,14 +154,14 @@ class PatternReader {
   double endTolerance() const { return (isRounded_ ? 2 : 10) * tolerance_; }
   double directionTolerance() const { return (isRounded_ ? 3 : 100) * tolerance_; }
 
-  // The diagonal of the box round all lines, metres.
+  // Diagonal of the bounding box of all lines, metres.
   static double sizeOf(const std::vector<DrawnLine>& lines) {
     Eigen::AlignedBox2d box;
     for (const DrawnLine& line : lines) box.extend(line.from).extend(line.to);
     return box.isEmpty() ? 0 : box.diagonal().norm();
   }
 
-  /// Steps 1: hinges, their necks, and which ends they shortened.
+  /// Step 1: hinges, their necks, and the ends that they shortened.
   void takeNecks() {
     PointNumbers middles(endTolerance(), origin_);
     for (const DrawnLine& line : lines_) {
@@ -188,13 +188,13 @@ class PatternReader {
     });
   }
 
-  // Notes that the hinge has shortened a side to this point. The first hinge there counts.
+  // Records that the hinge has shortened a side to this point. The first hinge counts.
   void addShortened(const Vector2& point, int neck) {
     const int number = shortened_.add(point);
     if (number == std::ssize(shortenedBy_)) shortenedBy_.push_back(neck);
   }
 
-  /// Whether a line from `other` through `end` leads on to the joint.
+  /// Whether the extension of a line from `other` to `end` reaches the joint.
   bool pointsAt(const Vector2& joint, const Vector2& other, const Vector2& end) const {
     const Vector2 along = (end - other).normalized();
     const Vector2 rest = joint - end;
@@ -226,7 +226,7 @@ class PatternReader {
     }
   }
 
-  // The nearest joint in the direction in which a line ends.
+  // The nearest joint in the direction of a line's end.
   Vector2 jointAhead(const Vector2& end, const Vector2& other) const {
     const DrawnNeck* nearest = nullptr;
     for (const DrawnNeck& neck : necks_) {
@@ -238,7 +238,7 @@ class PatternReader {
                        fmt::format("the line that ends at {} leads nowhere", drawing_.place(end)));
   }
 
-  // A slit becomes two sides, one for each of its tiles; a cut has a tile on its left alone.
+  // A slit becomes two sides, one for each tile. A cut has a tile only on its left.
   void addSide(int from, int to, bool isSlit) {
     if (from == to) throw patternFault(file_, "a line has no length");
     const int number = static_cast<int>(sides_.size());
@@ -248,7 +248,7 @@ class PatternReader {
     sides_.push_back({to, from, number, -1, -1, true});
   }
 
-  /// An angle from just below 0, which rounding makes of 0, to less than a full turn.
+  /// The angle in a range of one full turn, which begins just below 0 because of rounding.
   double turnedBy(double angle) const {
     double turn = std::fmod(angle, kTurn);
     if (turn < -sameDirection_) turn += kTurn;
@@ -265,11 +265,10 @@ class PatternReader {
     const auto found = leaving_.find(incoming.to);
     if (found == leaving_.end()) return -1;
     for (const int candidate : found->second) {
-      // The way back along the same slit would turn round at its end.
+      // The reverse of the incoming slit would turn back at its end.
       if (candidate == incoming.twin) continue;
       double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
-      // A side that leaves along the way back closes a corner of a full turn: it is the last
-      // choice.
+      // A side along the reverse direction closes a corner of a full turn: the last choice.
       if (corner <= sameDirection_) corner += kTurn;
       if (corner >= least) continue;
       least = corner;
@@ -278,7 +277,7 @@ class PatternReader {
     return best;
   }
 
-  // Walks from side to side until the first one comes again.
+  // Follows sides until the first one comes again.
   void traceTile(int first) {
     std::vector<int> cycle;
     int side = first;
@@ -287,8 +286,7 @@ class PatternReader {
       sides_[side].vertex = static_cast<int>(cycle.size());
       cycle.push_back(side);
       side = nextSide(side);
-      // Either the line ends, or another tile has taken this side, or the walk has grown beyond any
-      // tile.
+      // The line ends, another tile has this side, or the cycle is longer than any tile.
       const bool isStray =
           side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > kMostTileVertices;
       if (isStray) {
@@ -311,7 +309,7 @@ class PatternReader {
       const Corner corner{leaving.tile, leaving.vertex};
       // The angle from the hinge's line to this side, anticlockwise; the tile is on its left.
       const double gapAfter = turnedBy(angleOf(points_[leaving.to] - points_[place]) - towards);
-      // The side that arrives here in the same tile bounds its corner on the other side.
+      // The incoming side of the same tile bounds its corner on the other side.
       const std::vector<int>& cycle = cycles_[leaving.tile];
       const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
       const double gapBefore =
@@ -347,7 +345,7 @@ class PatternReader {
   std::vector<int> shortenedBy_;
   PointNumbers points_;  // of the sheet
   std::vector<DirectedSide> sides_;
-  std::unordered_map<int, std::vector<int>> leaving_;  // sides by the point that they start at
+  std::unordered_map<int, std::vector<int>> leaving_;  // sides by their start point
   std::vector<std::vector<int>> cycles_;
 };
 
@@ -357,7 +355,7 @@ std::vector<Vector2> ringOf(const Tile& tile) {
   return ring;
 }
 
-/// In a flat sheet, lines that close within a tile are the outline of a hole.
+/// In a flat sheet, closed lines within a tile are the outline of a hole.
 void refuseHoles(const std::vector<Tile>& tiles, double tolerance, const Drawing& drawing,
                  const fs::path& file) {
   struct ViewPlace {

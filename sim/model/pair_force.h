@@ -1,5 +1,5 @@
-/// Forces between pairs of bricks, such as springs at hinges and elastic ligaments: what a run, its
-/// account of energies, its file and its figures ask of them, whatever they are.
+/// Interface of forces between pairs of bricks, such as springs at hinges and elastic ligaments.
+/// Runs, energy balances, files and figures use it for every kind of force.
 #pragma once
 
 #include <algorithm>
@@ -20,18 +20,18 @@ struct HingeSpring;
 struct Ligament;
 
 // ------------------------------------------------------------------------------------------------
-// What one pair of bricks feels.
+// The force of one pair of bricks.
 
-/// The energy that a pair's force stores, with its derivatives by six coordinates of each brick,
-/// brick A first: how its centre of mass moves (metres) and how it turns (rotation vector,
-/// radians), in world axes, from the poses at hand.
+/// The stored energy of a pair and its derivatives by six coordinates of each brick, brick A first:
+/// displacement of its centre of mass (metres) and rotation vector (radians), in world axes,
+/// relative to the current poses.
 struct PairEnergy {
   double energy = 0;                     ///< joules
-  Vector12 gradient = Vector12::Zero();  ///< N and N m: minus what the bricks are pushed with
-  Matrix12 hessian = Matrix12::Zero();   ///< symmetric; it may be indefinite
+  Vector12 gradient = Vector12::Zero();  ///< N and N m: the negative of the forces on the bricks
+  Matrix12 hessian = Matrix12::Zero();   ///< symmetric, possibly indefinite
 };
 
-/// The same in the plane: the derivatives are by x, y and turn of brick A, then of brick B.
+/// The same in the plane: derivatives by x, y and rotation of brick A, then of brick B.
 struct PlanarEnergy {
   double energy = 0;                   ///< joules
   Vector6 gradient = Vector6::Zero();  ///< N and N m
@@ -48,11 +48,11 @@ PairEnergy inSpace(const PlanarEnergy& energy);
 
 /// A number, or several, that each pair has.
 struct PairColumn {
-  std::string name;             ///< of the array in the kind's group
-  std::string unit;             ///< empty for whole numbers, which have none
-  std::size_t width = 1;        ///< how many numbers a pair has
+  std::string name;             ///< of the array in the group of its kind
+  std::string unit;             ///< empty for whole numbers
+  std::size_t width = 1;        ///< numbers per pair
   std::vector<double> numbers;  ///< pair by pair
-  bool isWhole = false;         ///< whether they are whole, and kept as such
+  bool isWhole = false;         ///< whether the numbers are stored as integers
 };
 
 /// The columns of one kind of force in a file.
@@ -60,33 +60,33 @@ class PairReader {
  public:
   virtual ~PairReader() = default;
 
-  /// The bricks of each pair, of which the file has as many as numbers say. Throws InputError for
-  /// bricks that are not there, as all functions here do for what a file cannot hold.
+  /// The two bricks of each pair. Throws InputError for bricks that do not exist. All functions
+  /// here throw InputError for contents that are not valid in a file.
   virtual std::vector<std::pair<int, int>> bricks() const = 0;
-  /// The numbers of a column for so many pairs, finite, pair by pair.
+  /// The finite numbers of a column for this many pairs, pair by pair.
   virtual std::vector<double> numbers(const std::string& column, std::size_t pairs,
                                       std::size_t width) const = 0;
-  /// The same for a column of whole numbers, however many there are.
+  /// The same for a column of whole numbers of any length.
   virtual std::vector<int> wholeNumbers(const std::string& column) const = 0;
-  /// How many joints the model has.
+  /// Number of joints of the model.
   virtual std::size_t joints() const = 0;
-  /// The unit normal of the model's start if that is flat, else z.
+  /// The unit normal of the model's start if the start is flat, else z.
   virtual Vector3 normal() const = 0;
-  /// Throws InputError: what is wrong with the file.
+  /// Throws InputError with this description of the file's fault.
   [[noreturn]] virtual void refuse(const std::string& what) const = 0;
 };
 
-/// Where a column's numbers are in a pair.
+/// Position of a column's numbers in a pair.
 template <class Pair>
 struct PairField {
   const char* name;             ///< of the column
-  const char* unit;             ///< as "N m/rad"
-  std::size_t width;            ///< how many numbers there are from `at` on
-  double* (*at)(Pair& fields);  ///< the first of them
+  const char* unit;             ///< such as "N m/rad"
+  std::size_t width;            ///< count of numbers, starting at `at`
+  double* (*at)(Pair& fields);  ///< the first number
 };
 
-/// The columns of pairs, by what fields they have.
-// By value, since fields are reached through references that are not const.
+/// The columns of pairs, one per field.
+// By value, since `at` needs references that are not const.
 template <class Pair, std::size_t kFields>
 std::vector<PairColumn> columnsOf(std::vector<Pair> pairs,
                                   const std::array<PairField<Pair>, kFields>& fields) {
@@ -100,7 +100,7 @@ std::vector<PairColumn> columnsOf(std::vector<Pair> pairs,
   return columns;
 }
 
-/// Sets these fields of all pairs to what a file has. Throws InputError.
+/// Sets these fields of all pairs from a file. Throws InputError.
 template <class Pair, std::size_t kFields>
 void readFields(const PairReader& file, const std::array<PairField<Pair>, kFields>& fields,
                 std::vector<Pair>& pairs) {
@@ -117,65 +117,65 @@ void readFields(const PairReader& file, const std::array<PairField<Pair>, kField
 // ------------------------------------------------------------------------------------------------
 // The forces of a scene.
 
-/// What a kind of force is called.
+/// Names of a kind of force.
 struct PairForceName {
-  const char* group;    ///< in trajectory.h5, as "hinges"
-  const char* counted;  ///< in the summary's elasticity, as "springs"
-  const char* words;    ///< in a report, with {} for how many, as "springs at {} hinges"
+  const char* group;    ///< in trajectory.h5, such as "hinges"
+  const char* counted;  ///< in the summary's elasticity, such as "springs"
+  const char* words;    ///< in a report, {} is the count, such as "springs at {} hinges"
 };
 
-/// One kind of force between pairs of bricks, and all its pairs, counted from 0. It stores energy;
-/// dashpots may be beside that.
+/// One kind of force between pairs of bricks, with all its pairs, numbered from 0. It stores energy
+/// and may also have dashpots.
 class PairForce {
  public:
   virtual ~PairForce() = default;
 
-  /// The same for all objects of the kind.
+  /// The same for all objects of one kind.
   virtual const PairForceName& name() const = 0;
-  /// How many pairs there are.
+  /// Number of pairs.
   virtual std::size_t size() const = 0;
   /// The numbers of a pair's bricks, A and B.
   virtual std::pair<int, int> bricks(std::size_t pair) const = 0;
-  /// What a pair stores at these poses, joules; one pose a brick.
+  /// Stored energy of a pair at these poses, joules; one pose per brick.
   virtual double energy(std::size_t pair, const Poses& poses) const = 0;
   /// The same with its derivatives.
   virtual PairEnergy derivatives(std::size_t pair, const Poses& poses) const = 0;
-  /// The joint of the model in whose place the pair stands; kNoJoint: in that of none.
+  /// The joint that the pair replaces; kNoJoint if it replaces none.
   virtual int joint(std::size_t /*pair*/) const { return kNoJoint; }
-  /// Adds to each brick's force and torque about its centre of mass (N, N m) what all pairs push
-  /// with while the bricks move so, dashpots included. Without those it follows from the
+  /// Adds the force and torque of all pairs on each brick about its centre of mass (N, N m) at
+  /// this motion of the bricks, dashpots included. Without dashpots it follows from the
   /// derivatives.
   virtual void addForces(const Motion& motion, std::vector<Vector6>& forces) const;
-  /// Everything that a pair has besides its bricks.
+  /// All fields of the pairs except the bricks.
   virtual std::vector<PairColumn> columns() const = 0;
-  /// The pairs of a kind whose energy is that of one angle; null for other kinds.
+  /// The pairs, if their energy depends on one angle; otherwise null.
   virtual const std::vector<HingeSpring>* hingeSprings() const { return nullptr; }
-  /// The pairs of a kind that replaces joints; null for other kinds.
+  /// The pairs, if they replace joints; otherwise null.
   virtual const std::vector<Ligament>* ligaments() const { return nullptr; }
 
-  /// What all pairs store at these poses, joules.
+  /// Stored energy of all pairs at these poses, joules.
   double energy(const Poses& poses) const;
 
-  /// No joint: the pair stands beside all of them.
+  /// Value of joint() for a pair that replaces no joint.
   static constexpr int kNoJoint = -1;
 };
 
-/// All forces between pairs of bricks of a scene, one object a kind. Copies share them.
+/// All forces between pairs of bricks of a scene, one object per kind. Copies share the objects.
 class PairForces {
  public:
-  /// Adds a kind; one without pairs, or null, is left out.
+  /// Adds a kind of force. Null, or a kind without pairs, is ignored.
   void add(std::shared_ptr<const PairForce> force);
 
-  /// Whether there are none.
+  /// Whether there are no forces.
   bool empty() const { return forces_.empty(); }
-  /// The first kind, in the order in which they were added.
+  /// The first kind, in order of addition.
   auto begin() const { return forces_.begin(); }
-  /// Behind the last.
+  /// End of the kinds.
   auto end() const { return forces_.end(); }
 
-  /// What all of them store at these poses, joules.
+  /// Stored energy of all forces at these poses, joules.
   double energy(const Poses& poses) const;
-  /// Whether some of them stand in the place of joints, which are compliant then.
+  /// Whether some forces replace joints, which are compliant then.
   bool replaceJoints() const;
 
  private:

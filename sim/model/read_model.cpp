@@ -1,10 +1,10 @@
-// The choice of a reader by what stands at a path, and the end that all readers share.
+// Selects a reader for a path, and completes the model in the same manner for all readers.
 //
-// A name's ending decides, in any case of its letters. Two things need a look into files: whether a
-// vertices.txt holds points in the plane or in space, which both use the same names, and whether a
-// path is a folder of one or the other. After reading, the last digit of the coordinates is found
-// for later tolerances, strict reading refuses repairs, and the target of another model replaces
-// the model's own.
+// The ending of a name decides, in upper or lower case. Two cases need the contents:
+// vertices.txt can hold planar or spatial points, and a path can be a folder of either
+// kind. After reading, the last digit of the coordinates is found for later tolerances,
+// strict reading refuses repairs, and the target of another model replaces the model's
+// own.
 #include "sim/model/read_model.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ const std::string kFormats =
     "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
     "pattern (.svg, .dxf)";
 
-/// Another list of joints can only stand for one that is a file of its own.
+/// Another list of joints requires a format that has the list in its own file.
 void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return;
   throw inputErrorAt(
@@ -56,18 +56,18 @@ void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
   require(settings.areJointsInNecks, isDrawing(path), "`joint_at`", kDrawings);
 }
 
-// A file by its ending.
+// Selects the reader of a file by its ending.
 Model readFile(const fs::path& path, const std::optional<fs::path>& target,
                const ReadSettings& settings, std::vector<std::string>& warnings) {
   const std::string ending = endingOf(path);
   if (ending == ".txt" && isPlanarName(path)) {
     const fs::path vertices = planarVertices(path);
-    // The files of a folder in space have such names too.
+    // The files of a spatial folder have such names too.
     const bool isFolder = vertices.filename() == "vertices.txt" && !holdsPlanarModel(vertices);
     if (!isFolder) return readPlanarFiles(path, settings, warnings);
     const fs::path folder = vertices.has_parent_path() ? vertices.parent_path() : ".";
     ReadSettings own = settings;
-    // A list that was named itself is the one to take: its own folder gives all else.
+    // If the user named a list of joints, use it with the other files of its folder.
     if (own.jointsFile.empty() && isJointList(path)) own.jointsFile = path;
     return readModelFolder(folder, own, warnings);
   }
@@ -76,8 +76,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
   if (ending == ".ply") return readPly(path, warnings, settings);
   if (isDrawing(path)) return readCutPattern(path, settings, warnings);
   if (ending == ".obj") {
-    // A target that was asked for makes the sibling superfluous, and what is wrong with it
-    // harmless.
+    // A requested target replaces the sibling, so faults in the sibling do not matter.
     return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings, settings);
   }
   throw inputErrorAt({path}, fmt::format("'{}' is no model's ending; give {}", ending, kFormats));
@@ -88,7 +87,7 @@ bool isPlanarFolder(const fs::path& folder) {
   return fs::is_regular_file(vertices) && holdsPlanarModel(vertices);
 }
 
-// As many tiles, each with as many vertices, in the same order.
+// Requires the same number of tiles and the same number of vertices in each.
 void requireSameTiles(const Model& model, const Model& other, const fs::path& path) {
   const auto same = [](const Tile& a, const Tile& b) {
     return a.vertices.size() == b.vertices.size();
@@ -102,7 +101,7 @@ void requireSameTiles(const Model& model, const Model& other, const fs::path& pa
                                          other.tiles.size(), model.tiles.size()));
 }
 
-/// The start of another model in any format, vertex by vertex as the model has them.
+/// The start of another model in any format, with the model's order of vertices.
 std::vector<Tile> startOf(const fs::path& path, const Model& model, bool joinCoplanar) {
   // The warnings about another model's start are not about this model.
   std::vector<std::string> ignored;
@@ -112,16 +111,15 @@ std::vector<Tile> startOf(const fs::path& path, const Model& model, bool joinCop
   settings.undeclaredUnit = model.unit;
   const Model other = readModel(path, std::nullopt, ignored, settings);
   requireSameTiles(model, other, path);
-  // Back to the order of the other model's file, which both models share, then to this model's
+  // First to the order of the other model's file, which both models share, then to this model's
   // order.
   return inFileOrder(inFileOrder(other.tiles, other.fileOrder), model.fileOrder);
 }
 
-/// Readers return coordinates as the file has them, and the unit that it declares. Converts them to
-/// metres.
+/// Readers return coordinates in the file's unit and the declared unit. Converts them to metres.
 void applyUnit(Model& model, const fs::path& path, const ReadSettings& settings,
                std::vector<std::string>& warnings) {
-  if (isDrawing(path)) return;  // a drawing has its size, see readCutPattern()
+  if (isDrawing(path)) return;  // a drawing has its own scale, see readCutPattern()
   const std::optional<LengthUnit> declared = model.declaredUnit;
   if (settings.unit && declared && *settings.unit != *declared) {
     warnings.push_back(fmt::format("{}: the file's unit is {}; it is read in {} (`unit`)",
@@ -157,7 +155,7 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
 std::vector<Tile> readTarget(const fs::path& path, const Model& model,
                              std::vector<std::string>& warnings) {
   if (endingOf(path) == ".txt") {
-    // Compared with the start as its file has it, so in the file's unit.
+    // Compared with the start in the file's unit.
     Model inFile = model;
     scaleLengths(inFile, 1 / model.unit.metres);
     inFile.target = readTargetFile(path, inFile, warnings);
@@ -181,16 +179,16 @@ void writeModel(const Model& inMetres, const fs::path& path) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// PyKirigami's folders, read and written.
+// Reads and writes PyKirigami's folders.
 //
-// A folder is read in the order in which later files depend on earlier ones: tiles, joints, target,
-// hull, pulled tiles. Each file is checked as soon as it is read, so that the first message is
-// about the file that is wrong and not about what follows from it. Repairs (model_checks.h) come
-// before the checks that they would otherwise fail, and the turning of clockwise tiles last, as it
-// renumbers the corners of everything.
+// Files are read in the order of their dependence: tiles, joints, target, hull, pulled
+// tiles. Each file is checked at once, so the first message names the file with the fault
+// and not a consequence. Repairs (model_checks.h) come before the checks that would
+// otherwise fail. The reversal of clockwise tiles comes last, because it renumbers all
+// corners.
 //
-// Numbers are written with the shortest digits that read back as the same double, so that a folder
-// that is read and written again is the same model to the last bit.
+// Numbers have the shortest digits that read back as the same double. Reading and writing a folder
+// therefore keeps the model to the last bit.
 
 namespace {
 
@@ -221,7 +219,7 @@ void requireFolder(const fs::path& folder) {
   }
 }
 
-/// Also right for "data/heart/" and ".", which have no filename of their own.
+/// Also correct for "data/heart/" and ".", whose own filename is empty.
 std::string folderName(const fs::path& folder) {
   const fs::path whole = fs::absolute(folder).lexically_normal();
   return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
@@ -229,7 +227,7 @@ std::string folderName(const fs::path& folder) {
 
 // A line holds three numbers for each of at least three vertices.
 void requireWholeVertices(const TextTable& text, const TextLine& line, size_t tile, size_t count) {
-  // The message points at the first number of the vertex that is not whole.
+  // The message points at the first number of the incomplete vertex.
   const size_t left = count % 3;
   if (left != 0) {
     throw inputErrorAt(text.at(line, line.fields[count - left]),
@@ -245,8 +243,8 @@ void requireWholeVertices(const TextTable& text, const TextLine& line, size_t ti
   }
 }
 
-/// How many numbers are left without the vertices at the end that matrices are padded with: NaN,
-/// or again the last or the first vertex. Joints number vertices, so none is removed elsewhere.
+/// Number of values without padding at the end: NaN, or repetitions of the last or first vertex.
+/// Only the end is trimmed, because joints refer to vertex numbers.
 std::size_t countWithoutPadding(const TextLine& line) {
   const auto at = [&](std::size_t k) { return line.fields[k].text; };
   const auto isSame = [&](std::size_t a, std::size_t b) {
@@ -266,7 +264,7 @@ std::size_t countWithoutPadding(const TextLine& line) {
   return count;
 }
 
-// Tiles with the places of their vertices in the file, for messages.
+// Tiles with the positions of their vertices in the file, for messages.
 TileTable readTiles(const fs::path& file) {
   TextTable text(file, kTilePurpose);
   TileTable table;
@@ -275,7 +273,7 @@ TileTable readTiles(const fs::path& file) {
   while (text.next(line)) {
     requireWholeVertices(text, line, table.tiles.size(), line.fields.size());
     const std::size_t count = countWithoutPadding(line);
-    // A word that is no number is the likelier mistake where few vertices are left.
+    // If few vertices remain, a word that is not a number is the more likely mistake.
     for (std::size_t k = 0; count < line.fields.size() && k < count; ++k) {
       parseCoordinate(line.fields[k], text.at(line, line.fields[k]));
     }
@@ -300,7 +298,7 @@ TileTable readTiles(const fs::path& file) {
   return table;
 }
 
-// Four or five whole numbers; whether they exist is checked later, once the base is known.
+// Four or five whole numbers. Later checks test whether they exist, when the base is known.
 JointRow readJointRow(const TextTable& text, const TextLine& line) {
   const size_t count = line.fields.size();
   if (count != 4 && count != 5) {
@@ -348,7 +346,7 @@ void readNecks(const fs::path& file, JointTable& joints) {
   }
 }
 
-// Numbers from 0, as many on a line as the user likes.
+// Zero-based numbers, any number per line.
 std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   TextTable text(file, kPullPurpose);
   std::vector<int> pulled;
@@ -370,7 +368,7 @@ std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   return pulled;
 }
 
-/// "tile vertex" pairs; the messages are those of a joint's columns.
+/// "tile vertex" pairs. The messages are those of joints.
 std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tiles) {
   TextTable text(file, kHullPurpose);
   std::vector<Corner> hull;
@@ -409,11 +407,11 @@ std::string tilesText(const std::vector<Tile>& tiles) {
   return text;
 }
 
-/// A model may have been drawn by hand: it is never overwritten, nor mixed with another.
+/// Requires a free path: models may be drawn by hand, so files are never overwritten or mixed.
 void requireFree(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   if (!fs::exists(fs::symlink_status(file, ignored))) return;
-  // A file that says the same already is no loss. So the same model can be written twice.
+  // A file with the same contents is allowed. The same model can thus be written twice.
   if (fs::is_regular_file(file, ignored) && !text.empty() && readTextFile(file, "") == text) return;
   throw InputError(
       fmt::format("{}: error: this file of another model is in the way; move it away, or choose "
@@ -432,7 +430,7 @@ void requirePivots(const Model& model, const fs::path& folder) {
   }
 }
 
-// A comment stands for no joints, as an empty file would look like a mistake.
+// Writes a comment if there are no joints, because an empty file would look like a mistake.
 std::string jointText(const std::vector<Joint>& joints) {
   if (joints.empty()) return "# no joints\n";
   std::string text;
@@ -459,7 +457,7 @@ std::string hullText(const std::vector<Corner>& hull) {
   return text;
 }
 
-// A name that exists as it stands goes before one within the folder.
+// An existing path as given has priority over one within the folder.
 fs::path jointsFileOf(const fs::path& folder, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return folder / "constraints.txt";
   const fs::path inside = folder / settings.jointsFile;
@@ -523,7 +521,7 @@ std::vector<Tile> readTileFile(const fs::path& file) {
 void writeModelFolder(const Model& inOrder, const fs::path& folder) {
   const Model model = inFileOrder(inOrder);
   requirePivots(model, folder);
-  // An empty text stands for a file that must not be there.
+  // An empty text means that the file must not exist.
   const std::vector<std::pair<const char*, std::string>> files = {
       {"vertices.txt", tilesText(model.tiles)},
       {"constraints.txt", jointText(model.joints)},
@@ -532,8 +530,7 @@ void writeModelFolder(const Model& inOrder, const fs::path& folder) {
       {"pull.txt",
        model.pulledTiles ? fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")) : ""},
       {"hull.txt", model.hull ? hullText(*model.hull) : ""}};
-  // All files are looked at before the first one is written, so that a refusal leaves nothing
-  // behind.
+  // Checks all files before writing the first one. A refusal then leaves nothing behind.
   for (const auto& [name, text] : files) requireFree(folder / name, text);
   makeFolder(folder);
   for (const auto& [name, text] : files) {

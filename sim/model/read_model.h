@@ -1,4 +1,4 @@
-/// Models in any format.
+/// Reads and writes models in any format.
 #pragma once
 
 #include <filesystem>
@@ -11,66 +11,66 @@
 
 namespace kirireel::model {
 
-/// Reads the model at a path, in the format that stands there: a folder (vertices.txt and
-/// constraints.txt, with "x y z" or planar "x y" vertices), a .fold file, a contracted .obj whose
-/// NAME_deployed.obj sibling is the target, a .ply mesh, a cut pattern (.svg, .dxf), or any file of
-/// a planar model. `target` names another model whose start becomes the target, in any format.
+/// Reads the model at a path. The path is a folder (vertices.txt and constraints.txt, with "x y z"
+/// or planar "x y" vertices), a .fold file, a .ply mesh, a cut pattern (.svg, .dxf), a contracted
+/// .obj with its NAME_deployed.obj sibling as target, or any file of a planar model. `target` is
+/// another model in any format. Its start becomes the target.
 ///
-/// What is odd but clear is mended (see model_checks.h): the model lists it, and warnings have a
-/// line of each, unless the settings are strict. What a run can live with is appended to warnings
-/// too; everything else that is wrong throws InputError.
+/// Unusual but unambiguous input is repaired (see model_checks.h) unless the settings are strict.
+/// The model lists each repair, and warnings get a line for it. Other harmless faults also become
+/// warnings. All other faults throw InputError.
 Model readModel(const std::filesystem::path& path,
                 const std::optional<std::filesystem::path>& target,
                 std::vector<std::string>& warnings, const ReadSettings& settings = {});
 
-/// Reads another target for a model: a .txt file in the format of target.txt (a run's
-/// final_vertices.txt is one), or the start of another model in any format. Throws InputError when
-/// its tiles are not the model's.
+/// Reads another target for a model: a .txt file in the format of target.txt (such as a run's
+/// final_vertices.txt), or the start of another model in any format. Throws InputError if its tiles
+/// are not those of the model.
 std::vector<Tile> readTarget(const std::filesystem::path& path, const Model& model,
                              std::vector<std::string>& warnings);
 
 /// Writes the model in the format of the path's ending: .fold, .obj (a target goes to its
-/// NAME_deployed.obj sibling), NAME_vertices.txt for planar files (which have no target), or none
-/// for a folder. Each tile's vertices are written in the order of the model's own file. Throws
-/// InputError for another ending, OutputError when writing fails.
+/// NAME_deployed.obj sibling), NAME_vertices.txt for planar files (without target), or no ending
+/// for a folder. Vertices are in the order of the model's own file. Throws InputError for another
+/// ending, OutputError if writing fails.
 void writeModel(const Model& model, const std::filesystem::path& path);
 
 // ------------------------------------------------------------------------------------------------
 // PyKirigami's model folders: vertices.txt, constraints.txt, and optionally target.txt, pull.txt,
-// hull.txt. necks.txt is Kirireel's own.
+// hull.txt. necks.txt is an addition by Kirireel.
 
 /// Reads a model folder and checks it.
 ///
-/// vertices.txt and target.txt hold one tile a line, "x y z" for each vertex; constraints.txt holds
-/// "tileA vertexA tileB vertexB [face]" a line, 0-based, face 1 bottom, 2 top, 3 both, 1 if absent;
-/// pull.txt lists tile numbers; hull.txt lists the corners round the outside, "tile vertex" a line;
-/// necks.txt lists "joint width length kerf", joints being rows of constraints.txt, from 0.
-/// Blank lines and lines starting with '#' are passed over. A model of
-/// loose tiles says so by a constraints.txt with nothing but a comment.
+/// vertices.txt and target.txt hold one tile per line, "x y z" for each vertex. constraints.txt
+/// holds one "tileA vertexA tileB vertexB [face]" per line, zero-based. Face is 1 bottom, 2 top, 3
+/// both; the default is 1. pull.txt lists tile numbers. hull.txt lists the corners of the outline,
+/// one "tile vertex" per line. necks.txt lists "joint width length kerf" with zero-based rows of
+/// constraints.txt as joints. Blank lines and lines starting with '#' are ignored. Unconnected
+/// tiles need a constraints.txt with only a comment.
 ///
-/// What a run can live with (joints apart by no more than a small part of a tile, a target that is
-/// not quite congruent) is appended to warnings; everything else that is wrong throws InputError
-/// with file:line:column, the value found, what is allowed and how to mend it.
+/// Harmless faults (small gaps at joints, a target that is not quite congruent) are added to
+/// warnings. All other faults throw InputError with file:line:column, the value found, the allowed
+/// values and advice.
 Model readModelFolder(const std::filesystem::path& folder, const ReadSettings& settings,
                       std::vector<std::string>& warnings);
-/// The same of a folder, with how its files are read at its defaults.
+/// The same with default settings.
 Model readModelFolder(const std::filesystem::path& folder, std::vector<std::string>& warnings);
 
 /// Reads another target for a model, in the format of target.txt and in the order of the model's
-/// own file: a run's final_vertices.txt is one. Warnings and errors are those of a model's own
+/// own file, such as a run's final_vertices.txt. Warnings and errors are those of a model's own
 /// target.
 std::vector<Tile> readTargetFile(const std::filesystem::path& file, const Model& model,
                                  std::vector<std::string>& warnings);
 
-/// Reads tiles alone, as writeTiles() leaves them. Throws InputError with file:line:column.
+/// Reads only tiles, as written by writeTiles(). Throws InputError with file:line:column.
 std::vector<Tile> readTileFile(const std::filesystem::path& file);
 
-/// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
-/// made if need be. Throws InputError for a model with links or fixed joints, and where one of
-/// these files is there and says anything else; OutputError when writing fails.
+/// Writes the model as such a folder and creates the folder if needed. Reading gives the same
+/// doubles. Throws InputError for a model with links or fixed joints, and if one of the files
+/// exists with other contents. Throws OutputError if writing fails.
 void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 
-/// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.
+/// Writes only tiles, as in vertices.txt. The end of a run can then be the target of another.
 void writeTiles(const std::vector<Tile>& tiles, const std::filesystem::path& file);
 
 }  // namespace kirireel::model

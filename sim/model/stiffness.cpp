@@ -1,37 +1,38 @@
 // Stiffnesses of necks from tables of finite element runs.
 //
-// A neck of length L and width w (m) between two tiles in a sheet of thickness t (m) and Young's
-// modulus E (Pa) is a beam in series with the two places where it meets the tiles. The tiles' share
-// is said as a length: e widths that the neck seems longer, so that
+// A neck of length L and width w (m) connects two tiles in a sheet of thickness t (m) and Young's
+// modulus E (Pa). It is a beam in series with its two junctions at the tiles. The tiles' compliance
+// is expressed as e widths of additional neck length:
 //   k = E t w^3 / (12 (L + e w))                                    N m/rad
-// is exact for pure bending of a long neck and for the measured table at any length. A table rather
-// than a closed formula stands here, because no closed formula is known for e between its limits;
-// the values change by 4% at most, so that straight lines between the rows err by far less than 1%.
+// This is exact for pure bending of a long neck, and for the measured table at any length. No
+// closed formula for e between its limits is known, so the code uses a table. The values change by
+// at most 4%. Linear interpolation between rows therefore has an error far below 1%.
 //
-// A neck without length has three stiffnesses about its own axis. With the flexibilities b, s, h
-// and the axis x of a pair of equal tiles from the table (no unit; x in widths from the corner),
+// A neck of length 0 has three stiffnesses about its own axis. The table gives the flexibilities b,
+// s, h and the axis x of a pair of equal tiles (dimensionless; x in widths from the corner):
 //   bending = E t w^2 / b,   stretch = E t / s,   shear = E t / h   (N m/rad, N/m, N/m)
-// s and h grow with log(side / w), as the displacement under a force at a point does in the plane,
-// so that they are taken along straight lines of the logarithm.
+// s and h grow with log(side / w), like the planar displacement under a point force. They are
+// therefore interpolated linearly in the logarithm.
 //
-// Over the tiles' angle a at the neck b, b x, s and h are the cubic polynomials of cot(a / 2)
-// through the table's four angles (b x is how far a moment parts the corners, which forces there
-// pay back as a turn). What a wedge with a blunt tip gives grows as a power of the cotangent, which
-// no polynomial of a follows as well. Decks of other angles are met, as a part of their values, by
+// With a the tiles' angle at the neck, b, b x, s and h are the cubic polynomials of cot(a / 2)
+// through the table's four angles. b x is the opening of the corners by a moment, and by
+// reciprocity the turn by a force. The solution for a blunt wedge grows as a power of the
+// cotangent, which a polynomial of a fits less well. Relative errors against decks with other
+// angles:
 //   angle          b      x      s      h
 //   45            0.010  0.005  0.060  0.049
 //   75 and 105    0.004  0.001  0.022  0.020
 //   135           0.007  0.003  0.019  0.031
 //   150           0.009  0.016  0.056  0.108
 //
-// The line of the slit divides what gives: tiles A and B with pairs' values b_A, b_B ... lie in
-// series, each with half of its pair's flexibility, and turn about the same axis:
+// The line of the slit separates the compliances: tiles A and B with pair values b_A, b_B ... are
+// in series. Each has half of its pair's flexibility, and both turn about the same axis:
 //   b = (b_A + b_B) / 2,   x = (b_A x_A + b_B x_B) / (b_A + b_B),   h = (h_A + h_B) / 2,
 //   s = (s_A + b_A (x_A - x)^2 + s_B + b_B (x_B - x)^2) / 2
-// Decks of 60 beside 120 degrees have these within 1% at 0.05 sides, with the values of rhombi.
+// Decks of 60 next to 120 degrees agree within 1% at 0.05 sides, with the values of rhombi.
 //
-// A neck with a length between other tiles than squares has their b for that of squares, less by
-// the same part as e falls with the length:
+// A neck with a length between other tiles uses their b in place of that of squares, scaled by the
+// same factor as e falls with the length:
 //   k = E t w^2 / (12 L / w + b e(L / w) / e(0))
 #include "sim/model/stiffness.h"
 
@@ -46,7 +47,7 @@
 namespace kirireel::model {
 namespace {
 
-/// The table's ends at a length in widths, between rows along a straight line.
+/// Value of e at a length in widths, linear between rows.
 double endsOf(double length) {
   const auto above =
       std::ranges::find_if(kNeckTable, [&](const NeckRow& row) { return row.length > length; });
@@ -56,11 +57,11 @@ double endsOf(double length) {
   return std::lerp(below.ends, above->ends, share);
 }
 
-/// The row of one angle of the table at a width in sides: between rows, and before the first, what
-/// bends along a straight line of the width, what stretches and shears along one of its logarithm.
+/// The row of one angle at a width in sides. Bending is linear in the width between rows and before
+/// the first row. Stretch and shear are linear in its logarithm.
 CornerNeckRow rowAtWidth(std::span<const CornerNeckRow> table, double width) {
-  // Beyond the last row the tiles are hardly more than the neck. Below the first row the first two
-  // rows are continued.
+  // Beyond the last row the tiles are hardly larger than the neck. Below the first row the first
+  // two rows are extrapolated.
   width = std::min(width, table.back().width);
   const auto isWider = [&](const CornerNeckRow& row) { return row.width >= width; };
   const auto above = std::find_if(std::next(table.begin()), table.end(), isWider);
@@ -81,8 +82,8 @@ double halfCotangent(double angle) {
   return 1 / std::tan(0.5 * angle);
 }
 
-/// The table's row for a pair of equal tiles: between its angles, and a little beyond, Lagrange's
-/// polynomial through all of them.
+/// The table's row for a pair of equal tiles. Lagrange's polynomial through all angles, used
+/// between them and slightly beyond.
 CornerNeckRow rowOf(double width, const NeckCorner& tile) {
   constexpr std::size_t kWidths = kCornerNeckTable.size() / kCornerNeckAngles;
   const double angle = std::clamp(tile.angle, 30 * kDegree, 150 * kDegree);
@@ -109,7 +110,7 @@ CornerNeckRow rowOf(double width, const NeckCorner& tile) {
   return sum;
 }
 
-/// What two tiles give together, in series, as the head of this file says.
+/// Two tiles in series, as explained above.
 CornerNeckRow cornerRow(double width, const std::array<NeckCorner, 2>& tiles) {
   const CornerNeckRow a = rowOf(width, tiles[0]), b = rowOf(width, tiles[1]);
   CornerNeckRow both{0.5 * (a.angle + b.angle), 0.5 * (a.width + b.width)};
@@ -124,8 +125,8 @@ CornerNeckRow cornerRow(double width, const std::array<NeckCorner, 2>& tiles) {
   return both;
 }
 
-/// The widths by which a neck between these tiles seems longer: what squares give falls with its
-/// length as the table says, what others give by the same part.
+/// Additional length of a neck between these tiles, in widths. For squares it falls with the length
+/// as in the table, for other tiles by the same factor.
 double endsBetween(double width, double length, const CornerNeckRow& tiles) {
   return tiles.bend / 12 * endsOf(length / width) / endsOf(0);
 }
@@ -142,7 +143,7 @@ NeckCorner neckCorner(const Brick& brick, int corner) {
   const auto k = static_cast<std::size_t>(corner);
   const Vector3 next = brick.bottom[(k + 1) % count] - brick.bottom[k];
   const Vector3 last = brick.bottom[(k + count - 1) % count] - brick.bottom[k];
-  // Anticlockwise from the next edge to the last lies the tile.
+  // The tile lies anticlockwise from the next edge to the last.
   const double angle = std::atan2(brick.normal.dot(next.cross(last)), next.dot(last));
   return {angle > 0 ? angle : angle + 2 * std::numbers::pi,
           std::sqrt(brick.volume / brick.thickness)};
@@ -150,9 +151,9 @@ NeckCorner neckCorner(const Brick& brick, int corner) {
 
 namespace {
 
-/// How far along a shut slit the strip of a neck begins, metres from the corner, as flat_sheet.cpp
-/// draws it: where both tiles have begun that are cut back by half of its length, from half of its
-/// width before the corner on.
+/// Start of a neck's strip along a shut slit, metres from the corner, as flat_sheet.cpp draws it.
+/// Both tiles are cut back by half of the neck's length. The strip starts where both have begun, at
+/// the earliest half of its width before the corner.
 double neckBegin(double width, double length, const std::array<NeckCorner, 2>& tiles) {
   double begin = -0.5 * width;
   for (const NeckCorner& tile : tiles) {
@@ -166,8 +167,8 @@ double neckBegin(double width, double length, const std::array<NeckCorner, 2>& t
 }  // namespace
 
 double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles) {
-  // The axis of a neck's own bending lies in its middle; that of its ends where cornerRow() says.
-  // Both weigh by the angle that they give under one moment: L / w against e.
+  // The axis of a neck's own bending lies in its middle, that of its ends as in cornerRow(). The
+  // weights are their angles under the same moment: L / w and e.
   constexpr double kOwn = 0.5;  ///< widths
   const CornerNeckRow row = cornerRow(width, tiles);
   const double widths = length / width, ends = endsBetween(width, length, row);
@@ -190,18 +191,18 @@ double neckStiffness(double youngs, double thickness, double width, double lengt
 }
 
 // ------------------------------------------------------------------------------------------------
-// The stiffnesses of the bar and hinge model.
+// Stiffnesses of the bar and hinge model.
 //
 // Symbols: E Young's modulus (Pa), nu Poisson's ratio, t thickness (m), D = E t^3 / (12 (1 - nu^2))
 // the bending stiffness of a plate (N m).
-// - A bar's area follows from equal energy: a triangle under equal strain e in all directions
+// - A bar's area follows from equal energy: under equal strain e in all directions, a triangle
 //   stores E t S e^2 / (1 - nu) as a plate, and E A (a + b + c) e^2 / 2 as three bars.
 // - A panel that bends about its diagonal of length d: k = C D (d / t)^(1/3). The power 1/3 comes
-//   from the ridge into which a thin sheet with held edges bends (A. E. Lobkovsky, Boundary layer
-//   analysis of the ridge singularity in a thin plate, Phys. Rev. E 53, 1996). C was fitted to
-//   finite elements in the paper that the header names; it falls for skew panels.
-// - A fold of length l: k = D l / scale, the stiffness of a strip of panel as long as the fold and
-//   as wide as the length scale.
+//   from the ridge in a thin sheet with held edges (A. E. Lobkovsky, Boundary layer analysis of the
+//   ridge singularity in a thin plate, Phys. Rev. E 53, 1996). The paper in the header fitted C to
+//   finite elements. C is smaller for skew panels.
+// - A fold of length l: k = D l / scale. This is the stiffness of a strip of panel with the fold's
+//   length and the length scale as width.
 
 namespace {
 
@@ -224,13 +225,13 @@ double bendStiffness(const std::array<Vector3, 4>& corners, double diagonal, dou
   constexpr double kLeast = 0.05;
   double skew = 0;
   for (std::size_t k = 0; k < 4; ++k) {
-    // The angle at corner k between its two sides, by atan2 so that right and flat angles keep
-    // their digits.
+    // The angle at corner k between its two sides. atan2 keeps its precision at right and flat
+    // angles.
     const Vector3 next = corners[(k + 1) % 4] - corners[k],
                   last = corners[(k + 3) % 4] - corners[k];
     skew += std::abs(std::numbers::pi / 2 - std::atan2(next.cross(last).norm(), next.dot(last)));
   }
-  // The fit would turn negative for very skew panels, and no panel has a negative stiffness.
+  // The fit becomes negative for very skew panels. A stiffness must be positive.
   const double share = std::max(kLeast, 0.55 - 0.42 * skew / std::numbers::pi);
   return share * plateStiffness(youngs, poisson, thickness) * std::cbrt(diagonal / thickness);
 }
