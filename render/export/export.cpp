@@ -1,20 +1,20 @@
-// A format is one row of a table, exportFormats(): its name, the endings of its files, and what
-// writes each of them. From this table come the words of the command line and the help, which files
-// an export writes, and which names it may write (isExported()): a file of somebody else is never
-// overwritten. Files are
+// Each format is one row of the table exportFormats(): its name, the endings of its files, and
+// their writers. The command line, the help and the list of exported files come from this
+// table. isExported() uses it to recognise files, so an export never overwrites other files.
+// Files are
 //   of a state        state_####ENDING, written from one sample;
-//   of elements       the same, or sheetENDING for the flat start with necks: decks, jobs and
-//   meshes,
-//                     which share one mesh of elements and are written together (writeElements());
-//   of a deployment   one file with a name of its own, written from the whole trajectory.
+//   of elements     the same, or sheetENDING for the flat start with necks: decks, jobs and
+//                   meshes. They share one mesh of elements and are written together
+//                   (writeElements());
+//   of a deployment   one file with its own name, written from the whole trajectory.
 //
-// The way of one export: states are chosen (export.h), each state's sample is read once and
-// handed to all formats, then come the files of the whole deployment. Whatever is written before an
-// error is removed again (WrittenFiles), and exportStates() puts files in place only when all of
-// them are whole (FileSet).
+// An export selects states (export.h), reads each state's sample once and passes it to all
+// formats. The files of the whole deployment follow. After an error all written files are removed
+// again (WrittenFiles). exportStates() moves files into place only when all are complete
+// (FileSet).
 //
-// Meshes of elements are made once a state and serve decks, Gmsh and the jobs. A job on the drive
-// has a coarse mesh of its own where tiles stay rigid on the way.
+// A mesh of elements is made once per state, for decks, Gmsh and the jobs. A drive job has its own
+// coarse mesh if tiles stay rigid in the motion.
 #include "render/export/export.h"
 
 #include <algorithm>
@@ -56,33 +56,33 @@ std::vector<writers::PatternLine> patternOf(const model::Model& model,
 
 class Exporter;
 
-/// A file of a format. Without a writer it shows elements.
+/// A file of a format. Files without a writer are made from elements.
 struct ExportFile {
-  const char* name;  ///< of a deployment the whole name, else what follows "state_0042"
+  const char* name;  ///< whole name of a deployment's file, else the part after "state_0042"
   /// Writes a state's file.
   void (*writeState)(Exporter&, const trajectory::Sample&, const std::filesystem::path&) = nullptr;
   /// Writes the file of a whole deployment.
   void (*writeDeployment)(Exporter&, const std::filesystem::path&) = nullptr;
-  /// Whether these settings ask for it; null: always.
+  /// Whether these settings request the file; null: always.
   bool (*isRequested)(const fea::DeckSettings&) = nullptr;
-  /// Writes the file of the flat start with necks, in place of the states' files.
+  /// Writes the file of the flat start with necks, which replaces the states' files.
   void (*writeNecks)(Exporter&, const std::filesystem::path&) = nullptr;
 
   bool showsElements() const { return !writeState && !writeDeployment; }
 };
 
-/// A format: its word on the command line, and its files.
+/// A format: its name on the command line, and its files.
 struct ExportFormat {
   const char* name;
   std::vector<ExportFile> files;
-  /// Throws if the format does not support the model, for any run; null: it supports all.
+  /// Throws if the format does not support the model in any run; null: it supports all models.
   void (*require)(const model::Model&, const ExportSettings&) = nullptr;
 };
 
 /// All formats, in the order of the help.
 const std::vector<ExportFormat>& exportFormats();
 
-/// Throws InputError if there is none of this name.
+/// Throws InputError if no format has this name.
 const ExportFormat& exportFormat(const std::string& name) {
   const auto found = std::ranges::find(exportFormats(), name, &ExportFormat::name);
   if (found != exportFormats().end()) return *found;
@@ -92,7 +92,7 @@ const ExportFormat& exportFormat(const std::string& name) {
 
 void requireDifferent(const std::vector<std::string>& formats) {
   for (auto format = formats.begin(); format != formats.end(); ++format) {
-    // Looks behind each format for the same one again; there are a few at most.
+    // Searches duplicates of each format after it; the list is short.
     if (std::find(format + 1, formats.end(), *format) == formats.end()) continue;
     throw InputError(
         fmt::format("error: format {} is given twice, so its files would have one "
@@ -115,7 +115,7 @@ constexpr const char* kGmshFile = ".msh";
 constexpr const char* kPeriodicFile = "_periodic.inp";
 constexpr const char* kPeriodicMesh = "_periodic_mesh.inp";
 
-// Formats whose files show elements.
+// Formats with files of elements.
 constexpr const char* kDeck = "inp";
 constexpr const char* kGmsh = "msh";
 
@@ -123,24 +123,24 @@ bool wantsElements(const ExportSettings& settings) {
   return wants(settings, kDeck) || wants(settings, kGmsh);
 }
 
-/// What the name of a state's files begins with.
+/// Begin of the names of a state's files.
 std::string fileStem(const std::string& label) {
   return "state_" + label;
 }
 
-/// What the names of files of the flat start with necks begin with.
+/// Begin of the names of files of the flat start with necks.
 constexpr const char* kSheet = "sheet";
 
-/// The rule with tiles numbered as the model's file numbers them. Planar files count from 1,
-/// folders from 0: messages name tiles as the user knows them.
+/// The rule with the tile numbers of the model's file, for messages. Planar files are one-based,
+/// folders zero-based.
 fea::ElementRule numbered(fea::ElementRule rule, const model::Model& model) {
   rule.countsFrom = model.fileOrder.countsFrom;
   return rule;
 }
 
-/// Whether a drive has a mesh of its own: nobody chose elements, and tiles on ideal hinges are
-/// rigid on the way. Coarse ones turn in a tenth of the increments and a hundredth of the time, but
-/// have no flanks apart from joints, for contact.
+/// Whether a drive has its own mesh: the user chose no elements, and tiles on ideal hinges are
+/// rigid in the motion. Coarse elements need a tenth of the increments and a hundredth of the time.
+/// They have no flanks apart from joints, which contact would need.
 bool hasDriveMesh(const fea::ElementRule& rule, const fea::DeckSettings& decks) {
   if (decks.contactFriction) return false;
   const bool isHinged =
@@ -149,7 +149,7 @@ bool hasDriveMesh(const fea::ElementRule& rule, const fea::DeckSettings& decks) 
          rule.size == 0;
 }
 
-/// The files that were written into a folder; without keep() they are removed.
+/// Files written to a folder. They are removed unless keep() is called.
 class WrittenFiles {
  public:
   explicit WrittenFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -160,7 +160,7 @@ class WrittenFiles {
   WrittenFiles(const WrittenFiles&) = delete;
   WrittenFiles& operator=(const WrittenFiles&) = delete;
 
-  /// Where to write the file of this name.
+  /// Path of the file with this name.
   std::filesystem::path add(const std::string& name) {
     names_.push_back(name);
     return folder_ / name;
@@ -173,8 +173,8 @@ class WrittenFiles {
   std::vector<std::string> names_;
 };
 
-/// Writes one format after the other. Reads each state's sample once. The constructor refuses what
-/// the jobs cannot have, before any file is written.
+/// Writes all formats. Reads each state's sample once. The constructor refuses impossible jobs
+/// before any file is written.
 class Exporter {
  public:
   Exporter(const trajectory::TrajectoryReader& trajectory, const ExportSettings& settings,
@@ -189,7 +189,7 @@ class Exporter {
     requireMap();
   }
 
-  /// Necked sheets first, then state by state, then what shows the whole deployment.
+  /// First sheets with necks, then each state, then files of the whole deployment.
   void writeAll() {
     if (isNecked()) {
       writeNeckSheet();
@@ -210,16 +210,16 @@ class Exporter {
   const trajectory::Subject& subject() const { return subject_; }
   const ExportSettings& settings() const { return settings_; }
 
-  /// The start of the run, for any requested states.
+  /// The start of the run, regardless of the requested states.
   const Poses& start() {
     if (start_.empty()) start_ = trajectory_.sample(0).poses;
     return start_;
   }
 
-  /// Of a format that has no unit of its own: the one asked for, else the model's.
+  /// Unit of a format without its own unit: the requested one, else the model's.
   LengthUnit unit() const { return settings_.unit.value_or(subject_.model.unit); }
 
-  /// Of formats whose readers expect millimetres.
+  /// Unit of formats whose readers expect millimetres.
   LengthUnit unitOfMachines() const { return settings_.unit.value_or(millimetre()); }
 
   /// The tiles with their vertices in the order of the model's own file.
@@ -228,7 +228,7 @@ class Exporter {
                               subject_.model.fileOrder);
   }
 
-  /// Times in seconds with the names of the states' files of this ending, as pvdText() takes them.
+  /// Times in seconds and names of the states' files with this ending, for pvdText().
   std::vector<std::pair<double, std::string>> series(const char* ending) const {
     std::vector<std::pair<double, std::string>> files;
     for (const ChosenState& state : states_) {
@@ -237,7 +237,7 @@ class Exporter {
     return files;
   }
 
-  /// All samples of the run, for any requested states.
+  /// All samples of the run, regardless of the requested states.
   std::string animation() const {
     return writers::animationBytes(
         subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
@@ -246,7 +246,7 @@ class Exporter {
         });
   }
 
-  /// The start and the chosen states, in rising time.
+  /// The start and the chosen states, by time.
   std::vector<model::FoldState> foldStates() const {
     const auto title = [](double time) { return fmt::format("t = {} s", time); };
     const double begin = trajectory_.times().front();
@@ -267,11 +267,11 @@ class Exporter {
     if (wantsElements(settings_) && !isNecked()) {
       fea::ElementMesh mesh =
           fea::makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
-      // Springs that find no patches are left out; exportWarnings() has said so.
+      // Springs without patches are left out; exportWarnings() has reported them.
       fea::addHingeSprings(mesh, model::hingeSpringsOf(subject_.pairForces), sample.poses);
       const fea::DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
-      // The drive is written first: its sets of nodes belong to the end of the mesh deck.
+      // The drive is written first: its node sets belong to the end of the mesh deck.
       if (isDriven(state.sample)) {
         sets = writeDrive(mesh, name, origin, state.sample, sample.poses);
       }
@@ -287,7 +287,7 @@ class Exporter {
     }
   }
 
-  /// A map leads from one state to others, of bricks.
+  /// A map needs a first state and later states, with bricks.
   void requireMap() const {
     if (!settings_.decks.stateMap || !wants(kDeck)) return;
     if (isNecked()) {
@@ -301,7 +301,7 @@ class Exporter {
         "initial,final");
   }
 
-  /// A drive needs a state that something follows.
+  /// A drive needs a state with later samples.
   void requireFuture() const {
     const bool isFinalAlone = std::ranges::all_of(states_, [this](const ChosenState& state) {
       return state.sample + 1 == trajectory_.times().size();
@@ -314,7 +314,7 @@ class Exporter {
 
   bool isNecked() const { return settings_.elements.joints == fea::JointStyle::Neck; }
 
-  /// The flat start as it is cut, for any requested states.
+  /// The flat start as it is cut, regardless of the requested states.
   void writeNeckSheet() {
     if (!wantsElements(settings_)) return;
     const double thickness = subject_.brickRule.thickness;
@@ -324,7 +324,7 @@ class Exporter {
     if (isDriven(0)) sets = writeDrive(mesh, kSheet, origin, 0, {});
     writeElements(mesh, kSheet, origin, sets);
     if (!wants(kDeck) || !settings_.decks.periodic) return;
-    // The cell of an infinite sheet has necks at its border that the sheet itself does not have.
+    // The cell of an infinite sheet has necks at its border, which the sheet itself does not have.
     const fea::ElementMesh cell = fea::makePeriodicNeckMesh(subject_.model, thickness, elements_);
     const std::string name = std::string(kSheet) + kPeriodicMesh;
     writeTextFile(files_.add(name), fea::meshDeck(cell, settings_.decks, origin));
@@ -332,7 +332,7 @@ class Exporter {
                   fea::periodicJob(cell, settings_.decks, origin, name).text);
   }
 
-  /// `driveSets` are those of a drive on this mesh.
+  /// `driveSets` are the sets of a drive on this mesh.
   void writeElements(const fea::ElementMesh& mesh, const std::string& name,
                      const fea::DeckOrigin& origin, const std::string& driveSets) {
     if (wants(kGmsh)) {
@@ -340,8 +340,7 @@ class Exporter {
                     fea::gmshMesh(mesh, settings_.decks.sets, unit()));
     }
     if (!wants(kDeck)) return;
-    // Sets of nodes that a job needs are at the end of the mesh deck: readers need them after the
-    // nodes.
+    // Node sets for a job are at the end of the mesh deck: programs need them after the nodes.
     const fea::DeckJob job = fea::staticJob(mesh, settings_.decks, origin, name + kMeshFile);
     fea::DeckSettings decks = settings_.decks;
     decks.periodic = decks.periodic && !isNecked();
@@ -358,10 +357,10 @@ class Exporter {
     }
   }
 
-  /// The job that takes the first state to this one; keeps the mesh of the first.
+  /// The job that maps the first state to this one; stores the mesh of the first.
   void writeMap(fea::ElementMesh mesh, const std::string& name, const fea::DeckOrigin& origin) {
     if (!wants(kDeck) || !settings_.decks.stateMap) return;
-    // The first state is where the map begins; later ones get a job each on its mesh deck.
+    // The first state is the begin of the map. Each later state has a job on its mesh deck.
     if (!first_) {
       first_.emplace(name, std::move(mesh));
       return;
@@ -372,14 +371,14 @@ class Exporter {
     writeTextFile(files_.add(name + kMapFile), job.text);
   }
 
-  /// The last sample has nothing after it to follow.
+  /// The last sample has no later motion.
   bool isDriven(std::size_t sample) const {
     const bool hasFuture = sample + 1 < trajectory_.times().size();
     return wants(kDeck) && settings_.decks.drive.kind != fea::DriveChoice::None && hasFuture;
   }
 
-  /// Writes the drive's job, and its mesh where it has one of its own. Returns the sets that the
-  /// sheet's mesh needs for it.
+  /// Writes the drive's job, and its own mesh if it has one. Returns the sets that the job needs in
+  /// the sheet's mesh.
   std::string writeDrive(const fea::ElementMesh& mesh, const std::string& name,
                          const fea::DeckOrigin& origin, std::size_t sample, const Poses& poses) {
     const bool hasOwn = hasDriveMesh(elements_, settings_.decks);
@@ -410,7 +409,7 @@ class Exporter {
     return history;
   }
 
-  /// `sample` gives time and overlap; the label is as the state was asked for.
+  /// `sample` gives time and overlap; the label is the requested one.
   fea::DeckOrigin originOf(const std::string& label, const trajectory::Sample& sample) const {
     return {subject_.model.name, label,
             sample.time,         subject_.brickRule.thickness,
@@ -418,7 +417,7 @@ class Exporter {
             runWords()};
   }
 
-  /// What identifies this run, in any folder.
+  /// Identification of this run in any folder.
   std::string runWords() const {
     const std::vector<trajectory::Event>& events = trajectory_.end().events;
     return fmt::format("trajectory.h5, {} samples to {} s{}{}", trajectory_.times().size(),
@@ -433,10 +432,10 @@ class Exporter {
   std::vector<ChosenState> states_;
   WrittenFiles& files_;
   Poses start_;
-  std::optional<std::pair<std::string, fea::ElementMesh>> first_;  ///< of state maps: name and mesh
+  std::optional<std::pair<std::string, fea::ElementMesh>> first_;  ///< of state maps: name, mesh
 };
 
-/// A surface mesh; its ending selects the format of writeMesh().
+/// A surface mesh. Its ending selects the format of writeMesh().
 void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
                   const std::filesystem::path& file) {
   const bool isStl = file.extension() == ".stl";
@@ -477,12 +476,12 @@ bool isPeriodic(const fea::DeckSettings& decks) {
   return decks.periodic;
 }
 
-// Files of a deployment have no writer of states.
+// Files of a deployment have no writer for states.
 ExportFile ofDeployment(const char* name, void (*write)(Exporter&, const std::filesystem::path&)) {
   return {.name = name, .writeDeployment = write};
 }
 
-// CalculiX or Abaqus decks and jobs on them.
+// CalculiX or Abaqus decks and their jobs.
 ExportFormat deckFormat() {
   return {kDeck,
           {{kMeshFile},
@@ -522,7 +521,7 @@ void writeGlb(Exporter& exporter, const Path& file) {
 }
 
 void writeFold(Exporter& exporter, const Path& file) {
-  // The states' tiles and the model in one unit, which the text names.
+  // The states' tiles and the model in one unit, which the text states.
   const LengthUnit unit = exporter.unit();
   std::vector<model::FoldState> states = exporter.foldStates();
   for (model::FoldState& state : states) state.tiles = model::inUnit(state.tiles, unit);
@@ -539,14 +538,13 @@ void writeDxf(Exporter& exporter, const Path& file) {
 
 const std::vector<ExportFormat>& exportFormats() {
   static const std::vector<ExportFormat> formats = {
-      // Closed bricks: a group a tile; triangles; triangles, binary.
+      // Closed bricks: one group per tile; triangles; binary triangles.
       {"obj", {{".obj", writeSurface}}},
       {"ply", {{".ply", writeSurface}}},
       {"stl", {{.name = ".stl", .writeState = writeSurface, .writeNecks = writeNeckStl}}},
-      // The same as solids of a CAD program, in millimetres.
+      // The same as solids for CAD programs, in millimetres.
       {"step", {{.name = ".step", .writeState = writeBrickStep, .writeNecks = writeNeckStep}}},
-      // The bottoms of bricks, which are the tiles: polygons as PyKirigami has them; as
-      // vertices.txt.
+      // The bottoms of bricks, which are the tiles: polygons as in PyKirigami; as vertices.txt.
       {"planar", {{"_planar.obj", writePlanarObj}}},
       {"vertices", {{"_vertices.txt", writeVertices}}},
       deckFormat(),
@@ -554,19 +552,19 @@ const std::vector<ExportFormat>& exportFormats() {
       {kGmsh, {{kGmshFile}}},
       // ParaView, with measures as fields.
       {"vtu", {{".vtu", writeVtu}, ofDeployment("deployment.pvd", writePvd)}},
-      // The whole deployment, animated; the states as frames of a FOLD file.
+      // The whole deployment: animated; the states as frames of a FOLD file.
       {"glb", {ofDeployment("deployment.glb", writeGlb)}},
       {"fold", {ofDeployment("deployment.fold", writeFold)}},
-      // What to cut to make the start.
+      // Cut pattern of the start.
       {"svg", {ofDeployment("cut_pattern.svg", writeSvg)}, requirePattern},
       {"dxf", {ofDeployment("cut_pattern.dxf", writeDxf)}, requirePattern}};
   return formats;
 }
 
-/// Warns of elements with which programs are too stiff. Both fits are of decks in CalculiX beside
-/// theory or finer meshes: of the deflection of clamped plates with elements r times as long as the
-/// plate is thick (r of 6, 25 and 62), and of natural frequencies of triangles with a corner of 5
-/// and of 1 degrees.
+/// Warns of elements that are too stiff. Both fits compare CalculiX decks with theory or finer
+/// meshes. One is for the deflection of clamped plates with elements r times as long as the plate
+/// is thick (r of 6, 25 and 62). The other is for natural frequencies of triangles with a corner of
+/// 5 and of 1 degrees.
 void appendQualityWarnings(std::vector<std::string>& lines, const trajectory::Subject& subject,
                            const ExportSettings& settings) {
   constexpr double kErrorToTell = 0.05;
@@ -629,7 +627,7 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
   requireDifferent(settings.formats);
   fea::requireValidRule(settings.elements);
   fea::requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
-  // What depends only on the start is checked before the run, necks included.
+  // Checks everything that depends only on the start before the run, including necks.
   for (const std::string& name : settings.formats) {
     const ExportFormat& format = exportFormat(name);
     if (format.require) format.require(model, settings);
@@ -641,10 +639,9 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
   }
   if (!wantsElements(settings)) return;
   fea::ElementRule elements = numbered(settings.elements, model);
-  // How well corners meet that share a node is known only from the run's states.
+  // The gaps at shared corners are known only from the run's states.
   if (elements.joints == fea::JointStyle::Shared) elements.joints = fea::JointStyle::Equation;
-  // Making the mesh is the check: it throws what it would throw at the end of a run that may take
-  // hours.
+  // Making the mesh is the check: it throws now instead of after a run of hours.
   const std::vector<model::Brick> bricks = model::makeBricks(model.tiles, rule);
   fea::makeElementMesh(bricks, model.joints, model::startPoses(model.tiles, bricks), elements);
 }
@@ -654,8 +651,8 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
     const auto nameOf = [&](std::size_t sample) {
       return fileStem(stateLabel(state, sample)) + ending;
     };
-    // Names with the number of a sample: any number counts, since how many samples a run will have
-    // is not known.
+    // Names with the number of a sample: any number counts, since the number of samples of a run is
+    // not known yet.
     return name == nameOf(0) ||
            output::isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
   };
@@ -679,7 +676,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   std::vector<std::string> lines;
   if (!wantsElements(settings) || settings.elements.joints == fea::JointStyle::Neck) return lines;
   const std::vector<model::Brick>& bricks = trajectory.subject().bricks;
-  // Large sheets get fewer elements than usual without being asked; the user has to know.
+  // Large sheets get fewer elements than the default; the user must know this.
   if (fea::isCoarsened(bricks, settings.elements)) {
     lines.push_back(
         fmt::format("warning: a sheet of {} tiles gets {} elements per edge, and 8 would bend more "
@@ -691,7 +688,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   const std::vector<model::HingeSpring>& springs =
       model::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
-  // Only patches have rotations that a spring can join.
+  // Only patches have rotations for springs.
   if (hasSprings && settings.elements.joints != fea::JointStyle::Patch) {
     lines.emplace_back(
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
@@ -720,7 +717,7 @@ std::vector<std::string> exportStates(const trajectory::TrajectoryReader& trajec
                                       const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
   output::FileSet files(folder, output::kContents);
-  // Before anything is written: names that belong to somebody else are refused.
+  // Before writing anything: refuse names of files from elsewhere.
   files.requireFree([&](const std::string& name) {
     return name == output::kContents || isExported(name, settings);
   });
@@ -739,19 +736,18 @@ std::vector<std::string> exportInto(const trajectory::TrajectoryReader& trajecto
 }
 
 // ------------------------------------------------------------------------------------------------
-// A name is read into a kind and a number; the number leads to the nearest sample of the
-// trajectory. Files are named by the request (state_25pct) and not by the sample's number: a script
-// finds them for any number of samples.
+// A state's name is parsed into a kind and a number, which give the nearest sample of the
+// trajectory. File names contain the request (state_25pct) and not the sample number, so scripts
+// find them for any number of samples.
 
 namespace {
 
-/// `allowed` says what the trajectory has.
+/// `allowed` describes the contents of the trajectory.
 InputError unknownState(const std::string& name, const std::string& allowed) {
   return InputError(fmt::format("error: state '{}' is not in the trajectory; {}", name, allowed));
 }
 
-/// The number that the text consists of, up to the ending. The whole text but for the ending has to
-/// be a finite number.
+/// The number before the ending. The text before the ending must be a finite number.
 std::optional<double> numberBefore(const std::string& text, const std::string& ending) {
   if (!text.ends_with(ending)) return std::nullopt;
   double number = 0;
@@ -761,9 +757,9 @@ std::optional<double> numberBefore(const std::string& text, const std::string& e
   return isWhole ? std::optional(number) : std::nullopt;
 }
 
-/// Of two samples that are equally near, the earlier.
+/// Of two equally near samples, the earlier one.
 std::size_t nearestSample(const std::vector<double>& times, double time) {
-  // The first sample that is not before the time.
+  // The first sample at or after the time.
   const auto later = std::ranges::lower_bound(times, time);
   if (later == times.begin()) return 0;
   if (later == times.end()) return times.size() - 1;
@@ -771,16 +767,16 @@ std::size_t nearestSample(const std::vector<double>& times, double time) {
   return time - times[index - 1] <= times[index] - time ? index - 1 : index;
 }
 
-/// Of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s.
+/// A fraction of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s.
 std::size_t sampleAtShare(const std::vector<double>& times, double percent,
                           const std::string& name) {
   if (percent < 0 || percent > 100) throw unknownState(name, "shares go from 0% to 100%");
   return nearestSample(times, percent / 100 * times.back());
 }
 
-/// Sampling may end a fraction of an interval before the time that the run was given.
+/// Sampling can end a fraction of an interval before the end time of the run.
 std::size_t sampleAtTime(const std::vector<double>& times, double time, const std::string& name) {
-  // Half a sample beyond the end still means the end.
+  // Times up to half a sample after the end count as the end.
   const double slack = times.size() > 1 ? 0.5 * (times[1] - times[0]) : 0;
   if (time < 0 || time > times.back() + slack) {
     throw unknownState(name, fmt::format("it goes from 0 to {:.6g} s", times.back()));
@@ -788,7 +784,7 @@ std::size_t sampleAtTime(const std::vector<double>& times, double time, const st
   return nearestSample(times, time);
 }
 
-/// The angle of the rotation from one orientation to the other, radians, 0 to pi.
+/// The largest rotation angle of a brick between the two states, radians, [0, pi].
 double largestTurn(const Poses& start, const Poses& poses) {
   double largest = 0;
   for (std::size_t k = 0; k < poses.size(); ++k) {
@@ -797,7 +793,7 @@ double largestTurn(const Poses& start, const Poses& poses) {
   return largest;
 }
 
-/// Reads sample by sample until one has turned far enough.
+/// Reads sample by sample until one has rotated far enough.
 std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double degrees,
                           const std::string& name) {
   const Poses start = trajectory.sample(0).poses;
@@ -812,7 +808,7 @@ std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double
                      fmt::format("its tiles turn by {:.4g} degrees at most", largest / kDegree));
 }
 
-/// Events are found by their text; the first one that contains it counts.
+/// The first event whose text contains `text` counts.
 std::size_t sampleAtEvent(const trajectory::TrajectoryReader& trajectory, const std::string& text,
                           const std::string& name) {
   std::string known;
@@ -825,21 +821,21 @@ std::size_t sampleAtEvent(const trajectory::TrajectoryReader& trajectory, const 
   throw unknownState(name, known.empty() ? "it has no events" : "its events are " + known);
 }
 
-/// What a name of a state says.
+/// Parsed name of a state.
 struct StateName {
   enum Kind { Initial, Final, All, Share, Time, Angle, Event } kind = Initial;
   double number = 0;  ///< per cent, seconds or degrees
   std::string text;   ///< of an event
 };
 
-/// Whether the trajectory has such a state is not looked at.
+/// Does not check whether the trajectory has such a state.
 StateName readName(const std::string& name) {
   constexpr std::string_view kEvent = "event:";
   if (name == "initial") return {StateName::Initial};
   if (name == "final") return {StateName::Final};
   if (name == "all") return {StateName::All};
   if (name.starts_with(kEvent)) return {StateName::Event, 0, name.substr(kEvent.size())};
-  // "deg" before "s", and no ending last, which every number has.
+  // "deg" before "s", and the empty ending last, because it fits every number.
   for (const auto& [ending, kind] : {std::pair{"%", StateName::Share},
                                      {"deg", StateName::Angle},
                                      {"s", StateName::Time},
@@ -853,7 +849,7 @@ StateName readName(const std::string& name) {
                   name));
 }
 
-/// The first and the last sample of a name. Equal for all names but `all`.
+/// The first and the last sample of a name, equal for all names but `all`.
 std::pair<std::size_t, std::size_t> samplesNamed(const trajectory::TrajectoryReader& trajectory,
                                                  const std::string& name) {
   const std::vector<double>& times = trajectory.times();
@@ -878,7 +874,7 @@ std::pair<std::size_t, std::size_t> samplesNamed(const trajectory::TrajectoryRea
   return one(0);
 }
 
-/// "50%" and "50.0%" are one label, and so are two events whose letters were replaced alike.
+/// Refuses equal labels, such as "50%" and "50.0%", or events that differ only in replaced letters.
 void requireDifferentLabels(const std::vector<ChosenState>& states) {
   for (std::size_t a = 0; a < states.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
@@ -916,7 +912,7 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
   for (char& letter : label) {
     const bool isPlain =
         std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.' || letter == '-';
-    // One underscore a byte: letters beyond ASCII give several.
+    // One underscore per byte: letters beyond ASCII give several.
     if (!isPlain) letter = '_';
   }
   return label;
@@ -924,11 +920,11 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
 
 std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names) {
-  // By sample: states are in the order of time, for names in any order.
+  // By sample: states are in the order of time, for any order of names.
   std::map<std::size_t, std::pair<std::string, std::string>> chosen;  // names and labels
   for (const std::string& name : names) {
     const auto [first, last] = samplesNamed(trajectory, name);
-    // `all` names each sample by itself, so it goes with no other name.
+    // `all` names each sample itself, so other names are not allowed with it.
     for (std::size_t sample = first; sample <= last; ++sample) {
       const auto [place, isNew] = chosen.try_emplace(sample, name, stateLabel(name, sample));
       if (isNew) continue;
@@ -945,18 +941,18 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
 
 // ------------------------------------------------------------------------------------------------
 // The opening d of a sheet under 1 N at both ends (outside_program.h) is its compliance in m/N,
-// one figure for the whole mesh. It is computed with the chosen elements, d1, and with elements
-// half as long, d2, and the change 100 (d2 / d1 - 1) per cent is reported. A mesh that is fine
-// enough changes little; with a joint of a single node the figure grows without limit, which shows
-// here.
+// one number for the whole mesh. It is computed with the chosen elements, d1, and with elements
+// half as long, d2. The reported change is 100 (d2 / d1 - 1) per cent. It is small for a
+// sufficiently fine mesh. With single-node joints the number grows without limit, which this check
+// reveals.
 //
-// Halving lengths in the plane makes four times as many elements; the number through the thickness
-// stays, because bending is what is looked at.
+// Half the length in the plane gives four times as many elements. The number through the thickness
+// stays, because the check is about bending.
 
 namespace {
 
-/// The rule with elements half as long; `usual` lie along edges where the rule does not say. Necks
-/// and patches keep their sizes: they are part of what is asked about.
+/// The rule with elements half as long. `usual` lie along edges if the rule has no number. Necks
+/// and patches keep their sizes: they are part of the result.
 fea::ElementRule halved(fea::ElementRule rule, int usual) {
   if (rule.size > 0) {
     rule.size /= 2;
@@ -966,8 +962,7 @@ fea::ElementRule halved(fea::ElementRule rule, int usual) {
   return rule;
 }
 
-/// The job is written in CalculiX's keywords and metres, with any settings, and without unused
-/// sets.
+/// The job uses CalculiX's keywords and metres for any settings, without unused sets.
 double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings,
                  const fea::DeckOrigin& origin) {
   settings.solver = fea::Solver::Calculix;
@@ -978,7 +973,7 @@ double openingOf(const fea::ElementMesh& mesh, fea::DeckSettings settings,
   return fea::openingByCalculix(fea::meshDeck(mesh, settings, origin) + job.sets, job.text);
 }
 
-/// Metres by newton, with four digits, and the change in per cent.
+/// Metres per newton with four digits, and the change in per cent.
 std::string lineOf(const std::string& name, double own, double finer) {
   return fmt::format(
       "check: {}: 1 N at both ends moves them apart by {:.4g} m, {:.4g} m with elements half as "
@@ -997,7 +992,7 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
   fea::DeckOrigin origin;
   origin.thickness = subject.brickRule.thickness;
   std::vector<std::string> lines;
-  // `meshBy` makes the mesh of a rule; it is called twice.
+  // `meshBy` makes the mesh of a rule; called twice.
   const auto check = [&](const std::string& name, const auto& meshBy, int usual) {
     const double own = openingOf(meshBy(settings.elements), settings.decks, origin);
     const double finer =

@@ -1,28 +1,28 @@
-// Writes a sheet as an input deck: cards that begin with `*`, lines of data, comments that begin
-// with `**`. In this order:
+// Writes a sheet as an input deck: cards that begin with `*`, lines of data, and comments that
+// begin with `**`. The order is:
 //
-//     **                       where it comes from, its units, warnings
+//     **                       origin, units, warnings
 //     *NODE, NSET=NALL         number, x, y, z; number from 1
 //     *ELEMENT, TYPE=, ELSET=  number and nodes, a block for each tile and neck
 //     *ELSET, ELSET=EALL       all elements
-//     *NSET, *SURFACE          by tile, by joint, the boundary, reference and control nodes
-//     *EQUATION                what ties corners that meet, three a node that follows
-//     *RIGID BODY, *MPC        patches and their pins, in meshes that have them
+//     *NSET, *SURFACE          per tile, per joint, boundary, reference and control nodes
+//     *EQUATION                ties of coinciding corners, three per dependent node
+//     *RIGID BODY, *MPC        patches and their pins, if any
 //     *ELEMENT, *SPRING        springs between patches
 //
-// Where the keywords of CalculiX and Abaqus differ, settings.solver decides (CalculiX User's Manual
-// and Abaqus Keywords Reference Guide, the cards by name). Limits that both share are kept: 16
-// numbers a line, 20 characters a number, 256 a line.
+// If the keywords of CalculiX and Abaqus differ, settings.solver decides (CalculiX User's Manual
+// and Abaqus Keywords Reference Guide, cards by name). The deck respects limits of both: 16 numbers
+// per line, 20 characters per number, 256 per line.
 //
-// Nodes in a hexahedron: 1 to 4 round the bottom, anticlockwise seen from the top, 5 to 8 above
+// Nodes in a hexahedron: 1 to 4 around the bottom, anticlockwise seen from the top, 5 to 8 above
 // them, 9 to 12 in the middles of the bottom edges, 13 to 16 of the top edges, 17 to 20 of the
-// upright ones. That is the order in which element_mesh.h has them already. Faces: S1 bottom, S2
-// top, S3 to S6 from corner 1-2 on.
+// upright edges. element_mesh.h has the same order. Faces: S1 bottom, S2 top, S3 to S6 from corner
+// 1-2 on.
 //
-// Elements by choice: C3D20R bends without shear locking and costs 8 integration points. Its
-// weakness are modes that cost no energy, which a row of elements does not suppress; such tiles
-// take C3D20 with 27 points. Linear elements have incompatible modes (C3D8I), without which thin
-// plates would lock.
+// Element types: C3D20R bends without shear locking and has only 8 integration points. Its weakness
+// are zero-energy modes, which a single row of elements does not suppress. Such tiles use C3D20
+// with 27 points. Linear elements have incompatible modes (C3D8I), without which thin plates would
+// lock.
 #include "render/fea/deck.h"
 
 #include <algorithm>
@@ -40,9 +40,9 @@
 namespace kirireel::fea {
 namespace {
 
-/// Above this number of tiles, sets are left out unless they are asked for. A tile has at least
-/// nine sets, and readers look through all names for each name: reading them costs the
-/// square of their number.
+/// Larger sheets have sets only on request. A tile has at least nine sets, and
+/// programs search all names for each name: the reading time is quadratic in the
+/// number of sets.
 constexpr std::size_t kMostTilesWithSets = 1000;
 
 const char* jointWord(const ElementMesh& mesh) {
@@ -60,7 +60,7 @@ const char* jointWord(const ElementMesh& mesh) {
   return "rigid patches that turn about shared reference nodes";
 }
 
-/// "0.1" or "0.1 to 0.2", metres: one length of all necks.
+/// "0.1" or "0.1 to 0.2", metres: the range of one length over all necks.
 std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*length) {
   double least = mesh.rule.neck.*length, most = least;
   if (!mesh.neckShapes.empty()) least = most = mesh.neckShapes.front().shape.*length;
@@ -68,12 +68,12 @@ std::string neckLengths(const ElementMesh& mesh, double writers::NeckShape::*len
     least = std::min(least, neck.shape.*length);
     most = std::max(most, neck.shape.*length);
   }
-  // Lengths of a drawing have noise in their last digits.
+  // Lengths from a drawing have noise in their last digits.
   const std::string from = fmt::format("{:.6g}", least), to = fmt::format("{:.6g}", most);
   return from == to ? from : from + " to " + to;
 }
 
-/// What hinges' springs would be in place of necks: a user can check the order of
+/// Appends the equivalent hinge stiffness of the necks, a check of the order of
 /// magnitude: E (Pa), t thickness, w width and L length of the necks (m), see
 /// sim/model/stiffness.h.
 void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
@@ -97,8 +97,8 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
                  : "what its two tiles give, as their corners' angles are");
 }
 
-/// The header says what cannot be seen in the numbers: units, what joints are, and the two mistakes
-/// that programs do not report (mechanisms, and forces through single nodes).
+/// The header has what the numbers do not show: units, the kind of joints, and two mistakes that
+/// programs do not report (mechanisms, and forces on single nodes).
 void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                   const DeckOrigin& origin) {
   text += "** A sheet of tiles as finite elements. No material and no step.\n";
@@ -119,7 +119,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
       "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
       "nodes.\n";
   if (mesh.rule.joints == JointStyle::Neck) {
-    // Sheets with necks have no ideal hinges, so the warnings below do not concern them.
+    // Sheets with necks have no ideal hinges, so the warnings below do not apply.
     appendText(
         text,
         "** The flat start as it is cut, in one piece: necks {} m wide and {} m long, fillets of "
@@ -152,7 +152,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
       "** joint, without limit. Use rigid patches of a fixed radius where its stiffness matters.\n";
 }
 
-/// All nodes in one block, those of rigid patches last: some readers know only one block.
+/// All nodes in one block, those of rigid patches last: some programs read only one block.
 void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit unit) {
   const double scale = unitScale(unit).length;
   text += "*NODE, NSET=NALL\n";
@@ -163,16 +163,16 @@ void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit 
   }
 }
 
-/// The numbers of one element; a row too long for one line continues in the next.
+/// The numbers of one element. A row that is too long for one line continues on the next.
 void appendElement(std::string& text, const ElementMesh& mesh, int number) {
   constexpr std::size_t kNumbersInLine = 16;
-  // The element's own number, then up to 20 nodes, all from 0; appendNumbers adds the 1.
+  // The element's own number and up to 20 nodes, zero-based; appendNumbers adds 1.
   std::array<int, 21> row{number};
   std::ranges::copy(mesh.elements[number].nodes, row.begin() + 1);
   const std::size_t count = nodeCount(mesh.rule) + 1;
   if (count <= kNumbersInLine) return appendNumbers(text, row.data(), count);
   appendNumbers(text, row.data(), kNumbersInLine);
-  // A line of data that ends in a comma continues; the line break behind it is written again.
+  // A data line that ends in a comma continues, so the line break is written again after it.
   text.back() = ',';
   text += '\n';
   appendNumbers(text, row.data() + kNumbersInLine, count - kNumbersInLine);
@@ -196,7 +196,7 @@ void appendPart(std::string& text, const ElementMesh& mesh, const std::string& n
   for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
 }
 
-/// One set for each offset that occurs: *SHELL SECTION takes a set, and OFFSET belongs to the
+/// One set for each occurring offset: *SHELL SECTION needs a set, and OFFSET belongs to the
 /// section.
 void appendOffsetSets(std::string& text, const ElementMesh& mesh) {
   for (const ShellOffset& shells : shellOffsets(mesh)) {
@@ -210,7 +210,7 @@ void appendOffsetSets(std::string& text, const ElementMesh& mesh) {
   }
 }
 
-/// All elements of one type in one block without a set of their own.
+/// All elements of one type in one block without a set for the block.
 void appendAllElements(std::string& text, const ElementMesh& mesh) {
   std::string last;
   for (const auto& [name, tile] : partsOf(mesh)) {
@@ -221,20 +221,20 @@ void appendAllElements(std::string& text, const ElementMesh& mesh) {
   }
 }
 
-/// Faces 1 and 2 of a prism are its bottom and its top, 3 to 6 its sides.
+/// Faces 1 and 2 of a prism are bottom and top, 3 to 6 its sides.
 void appendSurfaces(std::string& text, const TileElements& tile, const std::string& name) {
   appendText(text, "*SURFACE, NAME={}_SBOT, TYPE=ELEMENT\n", name);
   for (int k = 0; k < tile.layerCount; ++k) appendText(text, "{}, S1\n", tile.firstElement + k + 1);
   appendText(text, "*SURFACE, NAME={}_STOP, TYPE=ELEMENT\n", name);
-  // Elements of a tile are numbered layer by layer, the bottom layer first.
+  // Elements of a tile are numbered by layers, the bottom layer first.
   const int lastLayer = tile.firstElement + tile.elementCount - tile.layerCount;
   for (int k = 0; k < tile.layerCount; ++k) appendText(text, "{}, S2\n", lastLayer + k + 1);
   appendText(text, "*SURFACE, NAME={}_SIDE, TYPE=ELEMENT\n", name);
   for (const ElementFace& face : tile.sides) {
     appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
   }
-  // Sides come sorted by tile edge, so a new surface begins where the edge changes. Necks have no
-  // edges (-1) and take part only in _SIDE.
+  // Sides are sorted by tile edge, so a new surface begins at each change of the edge. Necks have
+  // no edges (-1) and belong only to _SIDE.
   int edge = -1;
   for (const ElementFace& face : tile.sides) {
     if (face.tileEdge < 0) continue;
@@ -246,7 +246,7 @@ void appendSurfaces(std::string& text, const TileElements& tile, const std::stri
   }
 }
 
-/// Shells and plane elements have one face; BOT, TOP and surfaces would say nothing.
+/// Shells and plane elements have one face, so they need no BOT, TOP and surfaces.
 void appendTileSets(std::string& text, const ElementMesh& mesh) {
   for (const auto& [name, tile] : partsOf(mesh)) {
     appendNodeSet(text, name + "_N", tile->nodes);
@@ -264,7 +264,7 @@ void appendJointSets(std::string& text, const ElementMesh& mesh) {
   }
 }
 
-/// Each once and rising; a node that several joints share would be named as often.
+/// Ascending, without duplicates for nodes of several joints.
 std::vector<int> allJointNodes(const ElementMesh& mesh) {
   std::vector<int> nodes;
   for (const JointNodes& joint : mesh.joints) {
@@ -276,8 +276,8 @@ std::vector<int> allJointNodes(const ElementMesh& mesh) {
   return nodes;
 }
 
-/// u_k - u_0 = 0 for x, y and z (1, 2, 3). The first term is the dependent one, in both programs;
-/// it must not be dependent twice, so all nodes of a cluster follow its lowest.
+/// u_k - u_0 = 0 for x, y and z (1, 2, 3). In both programs the first term is the dependent one. It
+/// must not be dependent twice, so all nodes of a cluster follow the lowest.
 void appendEquations(std::string& text, const ElementMesh& mesh) {
   for (const NodeCluster& cluster : mesh.clusters) {
     for (std::size_t k = 1; k < cluster.nodes.size(); ++k) {
@@ -313,7 +313,7 @@ std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh) {
     }
     if (!group.tiles.empty()) groups.push_back(std::move(group));
   }
-  // OFFSET=0 is the default: then one section for EALL does.
+  // OFFSET=0 is the default, so one section for EALL is sufficient.
   const bool isAlone = groups.size() == 1 && groups[0].offset == 0;
   return isAlone ? std::vector<ShellOffset>() : groups;
 }
@@ -322,13 +322,14 @@ const char* elementType(const TileElements& tile, const ElementRule& rule) {
   if (rule.family == ElementFamily::Shell) return rule.quadratic ? "S8R" : "S4";
   if (rule.family == ElementFamily::Plane) return rule.quadratic ? "CPS8R" : "CPS4";
   if (!rule.quadratic) return "C3D8I";
-  // A row of elements with reduced integration bends at no cost.
+  // A single row of elements with reduced integration has zero-energy bending modes.
   return tile.isRow ? "C3D20" : "C3D20R";
 }
 
 std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin) {
-  // Numbers: the mesh's nodes, then those of patches, then control nodes. Sets below rely on it.
+  // The numbers are: the mesh's nodes, those of patches, control nodes. The sets below need this
+  // order.
   const PatchDeck patches(mesh, settings.solver);
   std::vector<Vector3> nodes = mesh.nodes;
   nodes.insert(nodes.end(), patches.nodes().begin(), patches.nodes().end());
@@ -361,17 +362,17 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Formats what all decks share: numbers, lists, and the lines that say where a deck comes from.
+// Common text of all decks: numbers, lists, and lines about the origin.
 //
 // Numbers. CalculiX reads 20 characters of a field and ignores the rest without a message:
 // 1.2345678901234567e-05 (22 characters) loses its exponent. The shortest decimal that reads back
-// to the same double (fmt's "{}") usually fits; 14 digits with sign, point and exponent always do:
-// 1 + 1 + 1 + 13 + 4 = 20. Exponents of three digits would need 21, so magnitudes below 1e-90 are
-// written as zero.
+// as the same double (fmt's "{}") usually fits. 14 digits with sign, point and exponent always fit:
+// 1 + 1 + 1 + 13 + 4 = 20. Exponents with three digits would need 21, so magnitudes below 1e-90
+// become zero.
 //
-// Units. A deck has no units; consistent ones are the user's task. With lengths in mm and forces in
-// N, stress is N/mm^2 = MPa (1 Pa = 1e-6 MPa) and mass is the tonne, because 1 N = 1 t mm/s^2; so 1
-// kg/m^3 = 1e-3 t / 1e9 mm^3 = 1e-12 t/mm^3.
+// Units. A deck has no units, and the user must keep them consistent. With lengths in mm and forces
+// in N, stress is N/mm^2 = MPa (1 Pa = 1e-6 MPa). Mass is in tonnes, because 1 N = 1 t mm/s^2.
+// Density is therefore 1 kg/m^3 = 1e-3 t / 1e9 mm^3 = 1e-12 t/mm^3.
 
 namespace {
 
@@ -379,13 +380,13 @@ constexpr std::size_t kLongestNumber = 20;  ///< characters that CalculiX reads 
 constexpr std::size_t kLongestLine = 200;   ///< Abaqus and CalculiX read 256 characters
 /// Abaqus keeps the first 80 characters of a heading.
 constexpr std::size_t kLongestHeading = 80;
-constexpr int kNumbersInLine = 16;  ///< that CalculiX and Abaqus read of a line
-/// Smaller coordinates are rounding; their exponents would take a third digit.
+constexpr int kNumbersInLine = 16;  ///< limit per line in CalculiX and Abaqus
+/// Smaller coordinates are rounding errors. Their exponents would need a third digit.
 constexpr double kSmallest = 1e-90;
-/// Of the thickness: less is what contacts tolerate.
+/// As a fraction of the thickness. Contact tolerates smaller overlaps.
 constexpr double kOverlapToTell = 1e-4;
 
-/// One line of printable characters for any name. Control characters, above all line breaks, would
+/// One line of printable characters for any name. Line breaks and other control characters would
 /// end the comment and begin a card.
 std::string oneLine(std::string text, std::size_t longest) {
   for (char& letter : text) {
@@ -407,7 +408,7 @@ bool isOverlapToTell(double overlap, double thickness) {
 }
 
 std::string deckNumber(double value) {
-  // CalculiX wants a real number, so the point stays.
+  // CalculiX needs a real number with a point.
   if (std::abs(value) < kSmallest) return "0.";
   const std::string exact = fmt::format("{}", value);
   return exact.size() <= kLongestNumber ? exact : fmt::format("{:.14g}", value);
@@ -416,7 +417,7 @@ std::string deckNumber(double value) {
 void appendNumbers(std::string& text, const int* numbers, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     const bool endsLine = (k + 1) % kNumbersInLine == 0 || k + 1 == count;
-    // Decks count from 1, meshes here from 0.
+    // Decks are one-based, meshes here zero-based.
     appendText(text, "{}{}", numbers[k] + 1, endsLine ? "\n" : ", ");
   }
 }
@@ -452,25 +453,25 @@ std::string heading(const DeckOrigin& origin, const std::string& subject) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The same mechanics in two dialects. Let a cluster have the patches 0 to m - 1, each a set of
+// The same mechanics in both programs. Let a cluster have the patches 0 to m - 1. Each is a set of
 // nodes that moves as a rigid body, u = u_ref + R (x - x_ref) - (x - x_ref).
 //
-// CalculiX: *RIGID BODY, NSET=, REF NODE=, ROT NODE=. Patches that name the same REF NODE share its
-// displacement, and have rotations of their own. Where something acts on a rotation (springs,
-// moments), a ROT NODE is named, whose displacements 1 to 3 are the rotation about x, y and z in
+// CalculiX: *RIGID BODY, NSET=, REF NODE=, ROT NODE=. Patches with the same REF NODE share
+// its displacement and have independent rotations. A ROT NODE is needed if springs or
+// moments act on a rotation. Its displacements 1 to 3 are the rotation about x, y and z in
 // radians.
 //
 // Abaqus: *RIGID BODY, PIN NSET=, REF NODE=. A reference node has the displacements 1 to 3 and the
-// rotations 4 to 6 of its one body. *MPC PIN makes the displacements of the first and the second
-// node equal: bodies share a point and turn freely.
+// rotations 4 to 6 of its one body. *MPC PIN equates the displacements of two nodes: the bodies
+// share a point and rotate freely.
 //
-// A spring is SPRING2 between two nodes and one degree of freedom each: 3 of ROT NODEs in CalculiX,
-// 6 of reference nodes in Abaqus, both the turn about z. The deck's moment is force times length: N
-// m is 1e3 N mm.
+// A spring is SPRING2 between one degree of freedom of each of two nodes: 3 of ROT NODEs in
+// CalculiX, 6 of reference nodes in Abaqus. Both are the rotation about z. The deck's moment is
+// force times length: 1 N m is 1e3 N mm.
 
 PatchDeck::PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solver_(solver) {
   if (mesh.rule.joints != JointStyle::Patch) return;
-  // The shared nodes come first, one a cluster, which is what referenceNode() counts on.
+  // The shared nodes come first, one per cluster, as referenceNode() requires.
   for (std::size_t c = 0; c < mesh.clusters.size(); ++c) addNode(c);
   for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
     own_.emplace_back(mesh.clusters[c].patches.size(), -1);
@@ -479,7 +480,7 @@ PatchDeck::PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solv
     own_[c][0] = referenceNode(mesh, c);
     for (std::size_t k = 1; k < own_[c].size(); ++k) own_[c][k] = addNode(c);
   }
-  // ROT NODEs come after all that have a place: users may hold those before.
+  // ROT NODEs come after all nodes with a position, which users may constrain.
   placed_ = nodes_.size();
   if (solver == Solver::Abaqus) return;
   for (const PatchSpring& spring : mesh.springs) {
@@ -510,7 +511,7 @@ void PatchDeck::appendBodies(std::string& text) const {
       const int own = own_[c][k] + 1;
       if (solver_ == Solver::Abaqus) {
         appendText(text, "*RIGID BODY, PIN NSET={}, REF NODE={}\n", name, own);
-        // The first node of PIN is the dependent one, so what is held is the shared node.
+        // The first node of PIN is the dependent one. Boundary conditions must use the shared node.
         if (own != shared) appendText(pins, "PIN, {}, {}\n", own, shared);
       } else {
         appendText(text, "*RIGID BODY, NSET={}, REF NODE={}", name, shared);
@@ -523,9 +524,9 @@ void PatchDeck::appendBodies(std::string& text) const {
 
 void PatchDeck::appendSprings(std::string& text, DeckUnit unit) const {
   const UnitScale scale = unitScale(unit);
-  // Stress times volume is a moment: 1e-6 * 1e9 = 1e3 N mm by N m.
+  // Stress times volume is a moment: 1e-6 * 1e9 = 1e3 N mm per N m.
   const double moment = scale.stress * scale.length * scale.length * scale.length;
-  // Springs are elements too and count on after those of the mesh.
+  // Springs are elements too, numbered after those of the mesh.
   std::size_t number = mesh_.elements.size();
   for (std::size_t k = 0; k < mesh_.springs.size(); ++k) {
     const PatchSpring& spring = mesh_.springs[k];
@@ -542,7 +543,7 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
   const UnitScale scale = unitScale(unit);
   const double unitMoment = scale.stress * scale.length * scale.length * scale.length;
   for (const PatchSpring& spring : mesh_.springs) {
-    // Equal and opposite on the two patches.
+    // Equal and opposite moments on the two patches.
     if (spring.moment == 0) continue;
     for (const auto& [patch, moment] :
          {std::pair{spring.patchA, -spring.moment}, {spring.patchB, spring.moment}}) {
@@ -553,19 +554,19 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Rigid patches have rotations, elements have none: a spring joins the rotations about z of the
-// patches of two tiles. It is linear in the angle from the mesh's state, for any angle. The moment
-// that it has in that state is a load:
+// Rigid patches have rotations, solid elements have none. A spring connects the rotations about z
+// of two tiles' patches. It is linear in the angle from the mesh's state, for any angle. Its moment
+// in that state is a load:
 //
 //     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
 //
-// k is the stiffness (N m/rad), "rest" the angle at which the spring pulls with nothing and "angle"
-// that of the hinge in the run (rad). The first term is a constant moment (*CLOAD), the second is
-// the spring element of the deck, which rests in the mesh's state. So both programs need no
-// pre-stressed spring.
+// k is the stiffness (N m/rad), "rest" the angle without moment and "angle" that of the hinge in
+// the run (rad). The first term is a constant moment (*CLOAD). The second is the spring element
+// of the deck, which is at rest in the mesh's state. Neither program needs a pre-stressed
+// spring.
 //
-// A hinge through the thickness has a patch on the bottom and one on the top at each of its tiles.
-// The stiffness is shared evenly among them.
+// A hinge through the thickness has a patch on the bottom and on the top of each of its tiles. They
+// share the stiffness equally.
 
 namespace {
 
@@ -579,8 +580,8 @@ int patchOn(const ElementMesh& mesh, const NodeCluster& cluster, int tile) {
   return -1;
 }
 
-/// The places of a spring between two tiles, without its stiffness. Looks through all clusters for
-/// each spring: their number times that of springs.
+/// The locations of a spring between two tiles, without its stiffness. Searches all clusters for
+/// each spring: the cost is their number times that of springs.
 std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int tileB) {
   std::vector<PatchSpring> places;
   for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
@@ -595,8 +596,7 @@ std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int t
 
 int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> springs,
                     const Poses& poses) {
-  // A sine: the deck's springs turn only about z. A hinge within a micrometre per metre of upright
-  // counts as upright.
+  // A sine: the deck's springs turn only about z. A hinge is upright within a micrometre per metre.
   constexpr double kUpright = 1e-6;
   const std::vector<double> moments = model::hingeMoments(springs, poses);
   int left = 0;
@@ -608,12 +608,12 @@ int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> sprin
     if (std::hypot(axis.x(), axis.y()) <= kUpright) {
       places = placesBetween(mesh, spring.hinge.brickA, spring.hinge.brickB);
     }
-    // The caller warns of those that are left out.
+    // The caller reports the springs that are left out.
     if (places.empty()) ++left;
     const double share = 1.0 / static_cast<double>(std::max<std::size_t>(places.size(), 1));
     for (PatchSpring& place : places) {
       place.stiffness = share * spring.stiffness;
-      // A hinge whose axis points down counts its angle the other way round.
+      // A hinge whose axis points down has its angle reversed.
       place.moment = share * std::copysign(1, axis.z()) * moments[k];
       mesh.springs.push_back(place);
     }
@@ -622,45 +622,45 @@ int addHingeSprings(ElementMesh& mesh, std::span<const model::HingeSpring> sprin
 }
 
 // ------------------------------------------------------------------------------------------------
-// Finds the nodes that a user is likely to hold or to load: those at the ends of the sheet.
+// Finds the nodes that a user is likely to constrain or load: those at the ends of the sheet.
 //
-// Ends are faces of elements (SheetEnds). Where no edge is an end, it is the plane of the box round
-// the sheet in its axes. With lo and hi the box's corners, s its diagonal (all metres) and x a
-// node's coordinate along an axis, the node lies
+// Ends are faces of elements (SheetEnds). If no edge is an end, the plane of the bounding box in
+// the sheet's axes is used. With the box's corners lo and hi, its diagonal s (all metres) and a
+// node's coordinate x along an axis, the node is
 //
-//     in MIN where x - lo <= 1e-6 s,    in MAX where hi - x <= 1e-6 s.
+//     in MIN if x - lo <= 1e-6 s,    in MAX if hi - x <= 1e-6 s.
 //
-// A node that follows others (by *EQUATION, a rigid patch or a tie) is left out: CalculiX and
-// Abaqus refuse a displacement that is prescribed at a dependent node. Reference nodes of patches
-// replace the nodes that they lead.
+// A dependent node (by *EQUATION, a rigid patch or a tie) is left out: CalculiX and Abaqus
+// refuse prescribed displacements there. Reference nodes of patches replace the nodes of their
+// patches.
 //
-// An even traction on an end gives a node the integral of its shape function over the faces,
-// divided by their area. On a rectangle of 8 nodes that is -1/12 at corners and 1/3 at middles, of 4
-// nodes 1/4; on a line of 3 nodes 1/6 at its ends and 2/3 at the middle, of 2 nodes 1/2.
+// For a uniform traction on an end, a node gets the integral of its shape function over the faces,
+// divided by their area. On a rectangle of 8 nodes that is -1/12 at corners and 1/3 at middles, of
+// 4 nodes 1/4. On a line of 3 nodes it is 1/6 at the ends and 2/3 at the middle, of 2 nodes 1/2.
 
 namespace {
 
-/// It lies between the rounding of poses and the length of the shortest elements.
+/// Between the rounding of poses and the length of the shortest elements.
 constexpr double kSamePlane = 1e-6;   ///< of the sheet's size
 constexpr double kSameLength = 1e-9;  ///< of the sheet's size: extents count as equal
-/// By axis, then MIN before MAX: plane k is across axis k / 2.
+/// By axis, MIN before MAX: plane k is across axis k / 2.
 constexpr const char* kPlanes[] = {"XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"};
 
-/// In the sheet's axes. Empty (its minimum above its maximum) where there are no nodes.
+/// In the sheet's axes. Empty (its minimum above its maximum) if there are no nodes.
 Eigen::AlignedBox3d boxOf(const ElementMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vector3& node : mesh.nodes) box.extend(mesh.ends.axes.transpose() * node);
   return box;
 }
 
-/// The area of a face with these nodes; of shells and plane elements its length.
+/// The area of a face with these nodes; the length for shells and plane elements.
 double faceSize(const ElementMesh& mesh, const std::vector<int>& nodes) {
   const auto at = [&](std::size_t k) { return mesh.nodes[nodes[k]]; };
   if (mesh.rule.family != ElementFamily::Solid) return (at(1) - at(0)).norm();
   return 0.5 * (at(2) - at(0)).cross(at(3) - at(1)).norm();
 }
 
-/// The integral of the shape function of the node at a place of faceNodes(), by the face's size.
+/// The integral of the shape function of node `place` in faceNodes(), divided by the face's size.
 double shapeIntegral(const ElementMesh& mesh, std::size_t place) {
   const bool isQuadratic = mesh.rule.quadratic;
   if (mesh.rule.family != ElementFamily::Solid) {
@@ -689,7 +689,7 @@ std::vector<bool> isAtEnd(const ElementMesh& mesh, int end, const Eigen::Aligned
   return found;
 }
 
-/// In planes across how many axes of the box a point lies.
+/// Number of axes across which the point lies in a plane of the box.
 int planesAt(const Vector3& point, const Eigen::AlignedBox3d& box, int axes) {
   const double tolerance = kSamePlane * box.sizes().norm();
   int count = 0;
@@ -704,7 +704,7 @@ int planesAt(const Vector3& point, const Eigen::AlignedBox3d& box, int axes) {
 
 std::vector<NamedNodes> boundarySets(const ElementMesh& mesh) {
   const Eigen::AlignedBox3d box = boxOf(mesh);
-  // In a flat sheet ZMIN and ZMAX would hold every node of the two faces. They name nothing there.
+  // In a flat sheet ZMIN and ZMAX would contain every node of the two faces, so they are left out.
   const int axes = mesh.ends.isFlat ? 2 : 3;
   const std::vector<bool> follows = followers(mesh);
   const bool hasReferences = mesh.rule.joints == JointStyle::Patch;
@@ -772,23 +772,26 @@ std::vector<NodeShare> endShares(const ElementMesh& mesh, int end) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A node b in a cell that lies n P_1 + m P_2 from that of its leader a moves as a does and with
-// what the mean displacement gradient H adds, u_b = u_a + H (n P_1 + m P_2). H has two control
-// nodes, c_x = H e_x L_x and c_y = H e_y L_y, whose displacements are given in the sheet's axes:
+// A node b lies in a cell that is n P_1 + m P_2 away from the cell of its leader a. Its motion is
+// that of a plus the contribution of the mean displacement gradient H, u_b = u_a + H (n P_1 + m
+// P_2). H has two control nodes, c_x = H e_x L_x and c_y = H e_y L_y, with displacements in the
+// sheet's axes:
 //
 //     u_b = u_a + R ((p_x / L_x) c_x + (p_y / L_y) c_y),   p = R^T (n P_1 + m P_2).
 //
-// R has the sheet's axes as columns. A node that follows is not followed, which programs refuse.
-// The reaction at a control node is the force on a side of the cell (compare S. Li, A. Wongsto, Unit
-// cells for micromechanical analyses of particle-reinforced composites, Mech. Mater. 36, 2004).
+// R has the sheet's axes as columns. A dependent node is never a leader, which programs would
+// refuse. The reaction at a control node is the force on a side of the cell (compare S. Li, A.
+// Wongsto, Unit cells for micromechanical analyses of particle-reinforced composites, Mech. Mater.
+// 36, 2004).
 
 namespace {
 
-/// Below it corners that a run leaves apart still count as partners.
-constexpr double kSameNodePlace = 1e-5;  ///< of the sheet's size, what a run leaves of symmetry
+/// Corners with smaller gaps after a run still count as partners.
+constexpr double kSameNodePlace = 1e-5;  ///< of the sheet's size, the accuracy of symmetry after a
+                                         ///< run
 
-/// For each node at one end the partner at the other; nothing where some have none. Compares each
-/// node at one end with those at the other: the product of their numbers, which are small.
+/// The pairs of nodes at both ends; absent if some have no partner. Compares all nodes of one end
+/// with all nodes of the other. Their numbers are small.
 std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh, int axis,
                                                          const std::vector<int>& low,
                                                          const std::vector<int>& high) {
@@ -801,7 +804,7 @@ std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh
     std::size_t found = 0;
     for (; found < high.size(); ++found) {
       Vector3 offset = mesh.nodes[high[found]] - mesh.nodes[node];
-      // Only across the axis: along it the nodes lie a period apart.
+      // Only across the axis: along it the distance is a period.
       offset -= along.dot(offset) * along;
       if (!isTaken[found] && offset.norm() <= tolerance) break;
     }
@@ -812,7 +815,7 @@ std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh
   return pairs;
 }
 
-/// A sheet without joints: its ends are tied whole.
+/// A sheet without joints: all nodes of its ends are tied.
 Periodicity plateTies(const ElementMesh& mesh) {
   const std::vector<NamedNodes> ends = boundarySets(mesh);
   const Eigen::AlignedBox3d box = boxOf(mesh);
@@ -839,8 +842,8 @@ Periodicity plateTies(const ElementMesh& mesh) {
   return periodic;
 }
 
-/// The corner of a tile that a node belongs to. `edges` has one list a corner. The number of
-/// corners where none holds the node.
+/// The corner of a tile that contains a node. `edges` has one list per corner. Returns the number
+/// of corners if none contains it.
 int cornerOf(const TileElements& tile, int node) {
   const auto holds = [node](const std::vector<int>& edge) {
     return std::ranges::find(edge, node) != edge.end();
@@ -877,7 +880,7 @@ Periodicity hingeTies(const ElementMesh& mesh) {
     own.face = faceOf(joint, a);
   }
   const SheetLattice lattice = findSheetLattice(tiles, joints, mesh.rule.countsFrom);
-  // With *EQUATION the first node of a cluster leads the others already.
+  // With *EQUATION the first node of a cluster is already the leader of the others.
   std::map<int, int> firstOf;
   for (const NodeCluster& cluster : mesh.clusters) {
     for (const int node : cluster.nodes) firstOf[node] = cluster.nodes[0];
@@ -892,7 +895,7 @@ Periodicity hingeTies(const ElementMesh& mesh) {
       return heldNodes(mesh.tiles[corner.tile].edges[corner.vertex], border.joint.face);
     };
     const std::vector<int> a = nodesOf(border.joint.a), b = nodesOf(border.joint.b);
-    // Corner a lies where b does in the other cell.
+    // Corner a coincides with corner b in the other cell.
     for (std::size_t k = 0; k < a.size(); ++k) {
       pairs.push_back({leading(a[k]), leading(b[k]), border.cell});
     }
@@ -903,7 +906,7 @@ Periodicity hingeTies(const ElementMesh& mesh) {
 }  // namespace
 
 std::vector<PeriodicTie> tiesBetween(const std::vector<PeriodicTie>& pairs) {
-  // Trees of nodes: each node but the roots has a parent and the cells from there to it.
+  // Trees of nodes: each node except roots has a parent and the cell offset from the parent.
   std::map<int, PeriodicTie> trees;
   const auto rootOf = [&trees](int node) {
     PeriodicTie tie{node, node, {}};
@@ -957,7 +960,7 @@ void appendTies(std::string& text, const Periodicity& periodic, const ElementMes
     const Vector3 offset = periodic.axes.transpose() * (tie.times[0] * periodic.periods[0] +
                                                         tie.times[1] * periodic.periods[1]);
     for (int direction = 0; direction < directions; ++direction) {
-      // The dependent node first; four terms a line.
+      // The dependent node first; four terms per line.
       std::string terms;
       int count = 0;
       const auto append = [&](int node, int along, double factor) {
@@ -984,8 +987,8 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
   std::vector<Vector3> positions;
   for (const int axis : {0, 1}) {
     Vector3 position = box.center();
-    // A tenth of the period outside: viewers show it apart from the sheet. Its place enters
-    // no equation.
+    // A tenth of the period outside the sheet, for visibility in viewers. The position has no
+    // effect on any equation.
     position[axis] = box.max()[axis] + 0.1 * periodic.period[axis];
     positions.emplace_back(mesh.ends.axes * position);
     if (mesh.rule.family == ElementFamily::Plane) positions.back().z() = 0;
@@ -994,35 +997,35 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
 }
 
 // ------------------------------------------------------------------------------------------------
-// Round a corner where tile A is joined to tile B, anticlockwise, lie A's outgoing edge, A, its
-// incoming edge, a gap, B's outgoing edge, B, its incoming edge, a gap. So A's incoming flank faces
-// B's outgoing one, and B's incoming flank A's outgoing one.
+// Around a corner at which tile A is joined to tile B, anticlockwise, there are A's outgoing edge,
+// A, its incoming edge, a gap, B's outgoing edge, B, its incoming edge, a gap. A's incoming flank
+// therefore faces B's outgoing one, and B's incoming flank A's outgoing one.
 //
-// Only these pairs are declared. General contact of all flanks would find others too, but CalculiX
-// has only pairs. Contact between tiles that no joint connects is left to the user of the deck.
+// The deck declares only these pairs. General contact of all flanks would find more, but CalculiX
+// supports only pairs. The user of the deck can add contact between tiles without a common joint.
 //
-// Pressure follows from the depth of penetration c (metres). In CalculiX it is linear, p = k c with
-// k = E / t: E is Young's modulus (Pa), t the thickness (m). So tiles that overlap by a share e of
-// their thickness press by e E, as much as the tile itself would at that strain, and contact is
-// about as stiff as the tile behind it. A stiffer k converges worse, a softer one lets tiles sink
-// in. Friction sticks along a slope of 0.01 k until it slides at mu p (CalculiX manual, *SURFACE
-// BEHAVIOR and *FRICTION). Abaqus has "hard" contact without a stiffness to choose.
+// Pressure depends on the penetration c (metres). In CalculiX it is linear, p = k c with k = E / t,
+// Young's modulus E (Pa) and thickness t (m). An overlap of the fraction e of the thickness causes
+// the pressure e E, as in a tile at that strain. Contact is then about as stiff as the tile behind
+// it. A stiffer k converges worse, a softer one allows deeper penetration. Friction sticks along a
+// slope of 0.01 k until it slides at mu p (CalculiX manual, *SURFACE BEHAVIOR and *FRICTION).
+// Abaqus has "hard" contact without a stiffness parameter.
 
 namespace {
 
 /// A tile's edge, from its corner `edge` to the next.
 using TileEdge = std::pair<int, int>;
 
-/// The pairs of edges that face each other across a gap, each once and sorted: decks do not
-/// depend on the order of joints: the two joints of a fold or two joints on both faces of one
-/// corner name the same gap.
+/// The pairs of edges that face each other across a gap, unique and sorted. Decks then do not
+/// depend on the order of joints: the two joints of a fold, or two joints on both faces of one
+/// corner, give the same gap.
 std::set<std::pair<TileEdge, TileEdge>> facingEdges(const ElementMesh& mesh) {
   std::set<std::pair<TileEdge, TileEdge>> pairs;
   for (const JointNodes& joint : mesh.joints) {
     const TileElements &a = mesh.tiles[joint.tileA], &b = mesh.tiles[joint.tileB];
     const int cornerA = cornerOf(a, joint.a[0]), cornerB = cornerOf(b, joint.b[0]);
     const int countA = static_cast<int>(a.edges.size()), countB = static_cast<int>(b.edges.size());
-    // Edge k leads from corner k to the next, so the incoming edge of corner c is c - 1.
+    // Edge k goes from corner k to the next, so the incoming edge of corner c is c - 1.
     const TileEdge intoA(joint.tileA, (cornerA + countA - 1) % countA),
         outOfA(joint.tileA, cornerA);
     const TileEdge intoB(joint.tileB, (cornerB + countB - 1) % countB),
@@ -1044,8 +1047,8 @@ std::vector<bool> nodesOfJoints(const ElementMesh& mesh) {
   return isTaken;
 }
 
-/// The faces along a tile's edge none of whose four corners a joint takes: a contact constraint at
-/// a node that *EQUATION or a rigid body determines already would ask for too much of it.
+/// The faces along a tile's edge without nodes of a joint. A contact constraint at a node that
+/// *EQUATION or a rigid body already determines would be overconstrained.
 std::vector<ElementFace> freeFaces(const ElementMesh& mesh, const TileEdge& edge,
                                    const std::vector<bool>& isTaken) {
   std::vector<ElementFace> faces;
@@ -1097,7 +1100,7 @@ void appendContactSurfaces(std::string& text, const std::vector<ContactPair>& pa
 void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings& settings,
                         double thickness) {
   const UnitScale scale = unitScale(settings.unit);
-  // k = E / t in the deck's units, pressure by length.
+  // k = E / t in the deck's units, pressure per length.
   const double slope = scale.stress * settings.material.youngs / (scale.length * thickness);
   const double friction = settings.contactFriction.value_or(0);
   text += "*SURFACE INTERACTION, NAME=FLANKS\n";

@@ -1,25 +1,25 @@
-// How a mesh of hinged tiles comes about:
+// Builds a mesh of hinged tiles:
 //
-// - 1. How many elements lie along the edges is chosen (usualPerEdge, divisionOf).
-// - 2. Each tile is divided into quadrilaterals once for all tiles of its kind (element_mesh.h), in
-//   shares of its vertices: the positions follow from the brick and its pose.
-// - 3. Prisms are laid on these, layer by layer (element_mesh.h).
-// - 4. The corners that joints hold together are found; they are merged, left for equations, or
-//   given patches (element_mesh.h).
-// - 5. Solids are checked: no prism may fold over, none may be 500 times as long as high.
+// - 1. Select the number of elements along edges (usualPerEdge, divisionOf).
+// - 2. Divide each kind of tile into quadrilaterals once (element_mesh.h), in weights of its
+//   vertices. Positions follow from the brick and its pose.
+// - 3. Build prisms on these, layer by layer (element_mesh.h).
+// - 4. Find corners with common joints. Merge them, leave them for equations, or give them patches
+//   (element_mesh.h).
+// - 5. Check solids: no prism may be folded over or 500 times as long as high.
 //
-// Tiles are meshed one by one and never match along their edges, because only corners are joined; a
-// mesher of general domains would glue what merely touches. Quadrilaterals, not triangles, since
-// wedges (C3D15, C3D6) bend far more stiffly at the same number of nodes.
+// Tiles are meshed one by one and do not match along their edges, because only corners are joined.
+// A general mesher would merge edges that only touch. The cells are quadrilaterals, not triangles,
+// since triangular prisms (C3D15, C3D6) bend far more stiffly with the same number of nodes.
 //
-// Check of a corner: with a its position, n and p the next and previous corner of its face and u
-// the corner above (or below, with the sign turned),
+// Check of a corner: with its position a, the next and previous corner n and p of its face and the
+// corner u above (or below, with the opposite sign),
 //
 //     V = (n - a) x (p - a) . (u - a) > 0,
 //
 // six times the volume of the corner's tetrahedron, m^3. A hexahedron whose eight corners have V >
-// 0 is not turned inside out there. It is the Jacobian determinant at the corners of the linear
-// element; midside nodes lie halfway. Quadratic elements have the same.
+// 0 is not inverted there. V is the Jacobian determinant at the corners of the linear element.
+// Midside nodes lie halfway, so quadratic elements have the same.
 #include "render/fea/element_mesh.h"
 
 #include <algorithm>
@@ -40,17 +40,17 @@
 namespace kirireel::fea {
 namespace {
 
-/// A single quadratic element cannot show a moment that varies along a tile.
+/// A single quadratic element cannot represent a varying bending moment.
 constexpr int kLeastUsualPerEdge = 2;
-/// Also the range in the command line's help. It bounds an edge and the thickness.
+/// Also the range in the command line's help. Limit for an edge and for the thickness.
 constexpr int kMostElements = 64;
-/// More would fill memory, and no program reads them.
+/// A larger mesh would fill memory, and no program reads it.
 constexpr std::size_t kMostElementsInAll = 4'000'000;
 
-/// What nobody chose stays below this: half a million nodes at most, which a direct solver can
-/// still factorise on a workstation.
+/// Limit of the default: at most half a million nodes, which a direct solver can still factorise on
+/// a workstation.
 constexpr std::size_t kUsualElementsInAll = 60'000;
-/// Elements this many times longer than thick are useless in any program.
+/// Elements with a larger ratio of length to thickness are useless in any program.
 constexpr double kMostAspect = 500;
 
 /// The lengths of a tile's edges, metres.
@@ -62,58 +62,58 @@ std::vector<double> edgeLengths(const model::Brick& brick) {
   return lengths;
 }
 
-/// A quarter of the least distance between two corners of a tile: patches at both stay apart. Half
-/// the least distance would be the limit at which patches touch.
+/// A quarter of the least distance between two corners of a tile, which keeps patches apart. At
+/// half this distance patches would touch.
 double usualPatchRadius(const std::vector<model::Brick>& bricks) {
   double least = std::numeric_limits<double>::infinity();
   for (const model::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
   return 0.25 * least;
 }
 
-/// How many elements along an edge of this length put its first node into the patch at its end.
-/// Nodes lie l / (m n) apart on an edge of length l, with n elements and m = 2 intervals an element
-/// when quadratic, else 1. The first is within the radius r when n >= l / (m r). The 1e-9 keeps an
-/// exact quotient from being rounded up.
+/// Number of elements along an edge for which its first node is in the patch at its end. Nodes are
+/// l / (m n) apart on an edge of length l, with n elements and m = 2 intervals per quadratic
+/// element, else 1. The first is within the radius r if n >= l / (m r). The 1e-9 prevents rounding
+/// up an exact quotient.
 int perEdgeForPatch(double length, const ElementRule& rule) {
   const int nodesAnElement = rule.quadratic ? 2 : 1;
   return static_cast<int>(std::ceil(length / (nodesAnElement * rule.patchRadius) - 1e-9));
 }
 
-/// How many elements lie along an edge; `usual` where the rule does not say. A length in metres
-/// decides first, then the count per edge.
+/// Number of elements along an edge; `usual` if the rule has none. A length in metres has priority
+/// over the count per edge.
 int elementsAlong(double length, const ElementRule& rule, int usual) {
   if (rule.size > 0) return std::max(1, static_cast<int>(std::ceil(length / rule.size - 1e-9)));
   if (rule.perEdge > 0) return rule.perEdge;
   return rule.joints == JointStyle::Patch ? std::max(usual, perEdgeForPatch(length, rule)) : usual;
 }
 
-/// How a tile is divided: tiles divided alike share one footprint. It is the key of a map.
+/// Division of a tile. Tiles with the same division share one footprint. Used as a map key.
 struct Division {
   int sides = 0;
   int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
-  int second = 0;  ///< cells along edge 1 of a grid; 0 of a fan
+  int second = 0;  ///< cells along edge 1 of a grid; 0 for a fan
   std::vector<std::array<int, 3>> triangles = {};  ///< of a concave tile, in place of a fan
-  bool isEven = false;  ///< nodes lie at equal distances along edges, in shells too
+  bool isEven = false;  ///< equidistant nodes along edges, also in shells
 
   auto operator<=>(const Division&) const = default;
 
   std::size_t cells() const {
-    // Three quadrilaterals a triangle, each of first x first cells.
+    // Three quadrilaterals per triangle, each of first x first cells.
     if (!triangles.empty()) return 3 * triangles.size() * first * first;
-    // A triangle: 3 grids of first^2 cells. A fan: as many for each side.
+    // A triangle: 3 grids of first^2 cells. A fan: this number for each side.
     const auto square = static_cast<std::size_t>(first) * (second > 0 ? second : 3 * first);
     return second > 0 || sides == 3 ? square : sides * square;
   }
 };
 
-/// Concave tiles follow their triangulation, four-sided ones become a grid, all others a fan.
-/// Opposite edges of a grid have the same count, that of the longer; a fan has one count, even and
-/// by the longest edge.
+/// Concave tiles use their triangulation, four-sided tiles a grid, all others a fan. Opposite
+/// edges of a grid have the count of the longer edge. A fan has one even count, by the longest
+/// edge.
 Division divisionOf(const model::Brick& brick, const ElementRule& rule, int usual) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());
   const int half = (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2;
-  // `parts` are the convex pieces of a concave brick; a fan round its centre could fold over.
+  // `parts` are the convex pieces of a concave brick. A fan around its centre could fold over.
   if (!brick.parts.empty()) return {sides, half, 0, model::trianglesOf(brick.bottom, brick.normal)};
   if (takesGrid(brick.bottom, brick.normal)) {
     return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
@@ -129,8 +129,8 @@ std::vector<Division> divisionsOf(const std::vector<model::Brick>& bricks, const
   return divisions;
 }
 
-/// Gives all edges of tiles that fixed joints hold together the same number of elements, an even
-/// one: they meet node by node.
+/// Gives all edges of tiles with fixed joints the same even number of elements, so their nodes
+/// match.
 void matchDivisions(std::vector<Division>& divisions, const std::vector<model::Joint>& joints) {
   DisjointSets sets(divisions.size());
   std::vector<bool> isJoined(divisions.size());
@@ -156,7 +156,7 @@ void matchDivisions(std::vector<Division>& divisions, const std::vector<model::J
   }
 }
 
-/// Counted without making any, which decides how fine the mesh may be.
+/// Counts without making elements, to choose the resolution.
 std::size_t elementsIn(const std::vector<Division>& divisions, const ElementRule& rule) {
   std::size_t count = 0;
   for (const Division& division : divisions) count += rule.through * division.cells();
@@ -181,12 +181,12 @@ Footprint footprintOf(const Division& division, const ElementRule& rule) {
                              : fanFootprint(division.sides, division.first);
 }
 
-/// The points of a brick's footprint at each level, in world axes; a single level lies at this
-/// share of the thickness.
+/// The points of a brick's footprint at each level, in world axes. A single level lies at this
+/// fraction of the thickness.
 std::vector<std::vector<Vector3>> levelsOf(const model::Brick& brick, const Pose& pose,
                                            const Footprint& footprint, int count, double single) {
   std::vector<Vector3> bases = brick.bottom;
-  // The centre of mass is the origin of brick axes, the bottom's half a thickness below it.
+  // The origin of brick axes is the centre of mass, the bottom is half a thickness below it.
   bases.emplace_back(-0.5 * brick.thickness * brick.normal);
   std::vector<std::vector<Vector3>> levels(count);
   for (int level = 0; level < count; ++level) {
@@ -199,7 +199,7 @@ std::vector<std::vector<Vector3>> levelsOf(const model::Brick& brick, const Pose
   return levels;
 }
 
-/// `level` is the share of the thickness at which shells lie; solids take no note of it.
+/// `level` is the fraction of the thickness at which shells lie; not used for solids.
 void appendBrick(ElementMesh& mesh, const model::Brick& brick, const Pose& pose,
                  const Footprint& footprint, double level) {
   const int count = PrismLayers::levelCount(mesh.rule);
@@ -211,8 +211,8 @@ void appendBrick(ElementMesh& mesh, const model::Brick& brick, const Pose& pose,
   mesh.tiles.push_back(std::move(tile));
 }
 
-/// Six times the volume of the tetrahedron that a corner and its three neighbours span. `corner` is
-/// 0 to 7; base is the first corner of its face, 0 of the bottom or 4 of the top.
+/// Six times the volume of the tetrahedron of a corner and its three neighbours. `corner` is 0 to
+/// 7; base is the first corner of its face, 0 at the bottom or 4 at the top.
 double cornerVolume(const ElementMesh& mesh, const Element& element, int corner) {
   const int base = corner < 4 ? 0 : 4;
   const auto at = [&](int k) { return mesh.nodes[element.nodes[k]]; };
@@ -223,7 +223,7 @@ double cornerVolume(const ElementMesh& mesh, const Element& element, int corner)
   return next.cross(previous).dot(up);
 }
 
-/// Of the bottom face; the top is its copy, a thickness higher.
+/// Of the bottom face; the top is a copy at the distance of the thickness.
 double longestEdge(const ElementMesh& mesh, const Element& element) {
   double longest = 0;
   for (int k = 0; k < 4; ++k) {
@@ -245,7 +245,7 @@ void checkAspect(const ElementMesh& mesh, const Element& element, int tile, doub
       tile, length, height, kMostAspect));
 }
 
-/// Merged corners have moved to their mean, so a joint with a large gap can fold an element too.
+/// Merged corners are at their mean, so a joint with a large gap can also fold an element.
 void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
   for (int k = 0; k < 8; ++k) {
     if (cornerVolume(mesh, element, k) > 0) continue;
@@ -269,9 +269,9 @@ void checkElements(const ElementMesh& mesh, const std::vector<model::Brick>& bri
   }
 }
 
-/// Where in the thickness the shells of each tile lie: where its joints do. 0 bottom, 0.5 middle, 1
-/// top; 0.5 also for tiles without joints. An offset shell carries its nodes where the hinge is,
-/// which keeps the lever of half a thickness between them.
+/// Position of each tile's shells in the thickness, at its joints: 0 bottom, 0.5 middle, 1 top; 0.5
+/// also for tiles without joints. An offset shell has its nodes at the hinge, which keeps the lever
+/// of half a thickness.
 std::vector<double> shellLevels(std::size_t tiles, const std::vector<model::Joint>& joints,
                                 const ElementRule& rule) {
   std::vector<std::optional<model::JointFace>> faces(tiles);
@@ -294,7 +294,7 @@ std::vector<double> shellLevels(std::size_t tiles, const std::vector<model::Join
   return levels;
 }
 
-/// Divides every brick by itself; the rule's patch radius is known.
+/// Divides each brick separately; the rule's patch radius is set.
 void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<model::Joint>& joints,
                   const Poses& poses, ElementMesh& mesh) {
   std::vector<double> levels(bricks.size(), 0.5);
@@ -304,7 +304,7 @@ void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<mod
   std::vector<Division> divisions = divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
   matchDivisions(divisions, joints);
   requireReasonableCount(divisions, mesh.rule);
-  // Sheets have thousands of tiles and few divisions: a footprint is made once for each.
+  // Sheets have thousands of tiles and few divisions, so each footprint is made once.
   std::map<Division, Footprint> footprints;
   for (std::size_t t = 0; t < bricks.size(); ++t) {
     const auto [place, isNew] = footprints.try_emplace(divisions[t]);
@@ -313,7 +313,7 @@ void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<mod
   }
 }
 
-/// The ends of hinged tiles. Before corners are merged: bricks have their own.
+/// The ends of hinged tiles, before corners are merged: bricks have their own.
 SheetEnds endsOf(const ElementMesh& mesh) {
   std::vector<std::vector<Vector3>> polygons;
   double length = 0;
@@ -352,8 +352,8 @@ void requireBuildable(const ElementRule& rule) {
   }
 }
 
-/// The least number of elements per edge whose nodes fill every patch. For a message that says how
-/// to refine too coarse a mesh.
+/// The least number of elements per edge whose nodes fill every patch. A message suggests it if a
+/// mesh is too coarse.
 int leastPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
   int least = 1;
   for (const model::Brick& brick : bricks) {
@@ -401,7 +401,7 @@ void requireValidRule(const ElementRule& rule) {
 
 int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
   int usual = kUsualPerEdge;
-  // The count falls with the square of `usual`, so a few rounds do.
+  // The count falls with the square of `usual`, so a few rounds are sufficient.
   while (usual > kLeastUsualPerEdge &&
          elementsIn(divisionsOf(bricks, rule, usual), rule) > kUsualElementsInAll) {
     --usual;
@@ -429,7 +429,7 @@ ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
   for (const NodeCluster& cluster : mesh.clusters) {
     mesh.largestGap = std::max(mesh.largestGap, cluster.gap);
   }
-  // Gaps are measured before corners are merged, since the mean closes them.
+  // Measure gaps before merging, since the mean closes them.
   if (rule.joints == JointStyle::Shared) mergeClusters(mesh);
   if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
   if (rule.family == ElementFamily::Solid) checkElements(mesh, bricks);
@@ -490,9 +490,9 @@ Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Levels are numbered from the bottom. A linear mesh has one level a layer and one more: 0, 1, 2. A
-// quadratic mesh has two a layer: even levels hold corners and the middles of edges, odd levels,
-// halfway up, hold only the middles of upright edges:
+// Levels are numbered from the bottom. A linear mesh has one level per layer and one more: 0, 1, 2.
+// A quadratic mesh has two per layer. Even levels have corners and the middles of edges. Odd
+// levels, halfway up, have only the middles of upright edges:
 //
 //     level 2   o---x---o     o corner, x middle of an edge
 //               |       |
@@ -500,8 +500,8 @@ Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster) {
 //               |       |
 //     level 0   o---x---o
 //
-// Nodes are made once a point and level, so elements that meet share them without any search by
-// place.
+// Nodes are made once per point and level, so adjacent elements share them without a search by
+// position.
 
 namespace {
 
@@ -530,7 +530,7 @@ PrismLayers::PrismLayers(ElementMesh& mesh, std::vector<std::array<int, 4>> cell
     std::vector<int>& atEdges = edgeNode_.emplace_back();
     for (const Vector3& point : levels[level]) atPoints.push_back(addNode(point));
     if (!mesh_.rule.quadratic || level % 2 == 1) continue;
-    // In the middle of a straight edge, also where a merged corner moves later.
+    // In the middle of a straight edge, even if a merged corner moves later.
     for (const auto& [a, b] : edges_) {
       atEdges.push_back(addNode(0.5 * (levels[level][a] + levels[level][b])));
     }
@@ -546,7 +546,7 @@ TileElements PrismLayers::append(std::size_t firstCell, std::size_t cellCount,
   tile.layerCount = static_cast<int>(cellCount);
   tile.elementCount = layers * tile.layerCount;
   const int last = static_cast<int>(pointNode_.size()) - 1;
-  // Elements of a layer follow each other, layer on layer: surfaces of top and bottom rely on it.
+  // Elements of a layer are consecutive, as the surfaces of top and bottom require.
   for (int layer = 0; layer < layers; ++layer) {
     for (std::size_t k = firstCell; k < firstCell + cellCount; ++k) {
       mesh_.elements.push_back(elementOn(cells_[k], layer * step()));
@@ -592,13 +592,13 @@ std::vector<int> PrismLayers::nodesBetween(int a, int b) const {
   return nodes;
 }
 
-/// `edges_` is sorted; the edge must be among them.
+/// `edges_` is sorted and must contain the edge.
 std::size_t PrismLayers::edgeNumber(int a, int b) const {
   const std::array<int, 2> edge = {std::min(a, b), std::max(a, b)};
   return std::ranges::lower_bound(edges_, edge) - edges_.begin();
 }
 
-/// The order of nodes is Abaqus's, see Element.
+/// Node order of Abaqus, see Element.
 Element PrismLayers::elementOn(const std::array<int, 4>& cell, int level) const {
   Element element;
   int count = 0;
@@ -622,41 +622,41 @@ Element PrismLayers::elementOn(const std::array<int, 4>& cell, int level) const 
 }
 
 // ------------------------------------------------------------------------------------------------
-// Divides a polygon with n vertices into quadrilaterals, as shares of its vertices and its centre.
-// Nothing here knows positions: the same footprint serves all tiles with n vertices and the same
+// Divides a polygon with n vertices into quadrilaterals, in weights of its vertices and its centre.
+// Positions are not needed here: one footprint serves all tiles with n vertices and the same
 // counts, at the bottom and at the top.
 //
-// A grid has bilinear points (u, v in 0 to 1 along edges 0 and 1):
+// A grid has bilinear points (u, v in [0, 1] along edges 0 and 1):
 //
 //     p = (1-u)(1-v) v0 + u (1-v) v1 + u v v2 + (1-u) v v3.
 //
-// Graded, u = (1 - cos(pi k / n)) / 2: shells bend most near clamped and hinged edges, where these
-// Chebyshev points are dense.
+// Graded grids have u = (1 - cos(pi k / n)) / 2: shells bend most near clamped and hinged edges,
+// where these Chebyshev points are dense.
 //
-// Any other polygon is fanned round its centre into triangles, and each triangle is cut into three
-// quadrilaterals at its centroid and the middles of its sides, which fit together at every side of
-// every triangle because both halves of a side have equal cells. A paving mesher would give better
-// shapes and other meshes for each tile; this one is exact, symmetric, and the same for equal
+// Any other polygon is a fan of triangles around its centre. Each triangle is cut into three
+// quadrilaterals at its centroid and the middles of its sides. They match at every side of every
+// triangle, because both halves of a side have equal cells. A paving mesher would give better
+// shapes but a different mesh for each tile. This one is exact, symmetric, and the same for equal
 // tiles.
 //
-// Points are found by whole numbers (shares of 6 m^2 with m cells along half an edge), never by
-// distance: equal points are equal keys, however small a tile is.
+// Points are identified by integers (weights of 6 m^2 with m cells along half an edge), never by
+// distance: equal points have equal keys for any tile size.
 
 namespace {
 
-/// Below this sine of its angle, a corner of a quadrilateral counts as straight. About 3 degrees:
-/// beyond, a quadrilateral has nearly lost a corner, and its map is singular there.
+/// Corners of quadrilaterals with a smaller sine of their angle count as straight, about 3 degrees.
+/// Beyond this limit a quadrilateral has nearly lost a corner, and its map is singular there.
 constexpr double kStraightSine = 0.05;
 
-/// Grid points that quadrilaterals share, found by their whole-numbered shares of the bases.
+/// Grid points that quadrilaterals share, identified by their integer weights of the bases.
 class SharedPoints {
  public:
-  /// All shares of one point add up to `whole`.
+  /// The weights of each point add up to `whole`.
   SharedPoints(Footprint& footprint, int whole) : footprint_(footprint), whole_(whole) {}
 
   /// The point with these shares of three bases.
   int find(const std::array<int, 3>& bases, const std::array<int, 3>& shares) {
-    // A base with share 0 is left out: a point on a side has one key from both triangles.
+    // Omits a base with weight 0: a point on a side then has the same key in both triangles.
     std::vector<std::pair<int, int>> key;
     for (int k = 0; k < 3; ++k) {
       if (shares[k] > 0) key.emplace_back(bases[k], shares[k]);
@@ -682,10 +682,10 @@ class SharedPoints {
   std::map<std::vector<std::pair<int, int>>, int> numbers_;
 };
 
-/// Cuts a triangle into three quadrilaterals of n x n cells each. The one at corner c reaches from
-/// there to the middles of the two sides and to the centre; its point (i, j) lies i / n of the way
-/// along the side to the next corner and j / n along the other. In shares of 6 n^2 all points are
-/// whole numbers: a corner counts 6, a middle 3 + 3, the centre 2 + 2 + 2.
+/// Cuts a triangle into three quadrilaterals of n x n cells each. The one at corner c extends to
+/// the middles of the two sides and to the centre. Its point (i, j) is at i / n along the side to
+/// the next corner and j / n along the other. With weights of 6 n^2 all points are integers: a
+/// corner has 6, a middle 3 + 3, the centre 2 + 2 + 2.
 /// `onEdge`: the tile's edge on the side from corner c to the next, or -1.
 void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& onEdge, int n,
                     SharedPoints& points, Footprint& footprint) {
@@ -711,7 +711,7 @@ void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& o
   }
 }
 
-/// Sides are sorted by edge, stable: along an edge they stay in the order of cells.
+/// Sides are sorted by edge (stable), so along an edge they keep the order of cells.
 void finish(Footprint& footprint) {
   footprint.edges = edgesOf(footprint.cells);
   std::ranges::stable_sort(footprint.sides, {}, &FootprintSide::tileEdge);
@@ -720,7 +720,7 @@ void finish(Footprint& footprint) {
 }  // namespace
 
 Vector3 FootprintPoint::at(const std::vector<Vector3>& verticesAndCentre) const {
-  // A corner has one weight of 1 and no other term, so it is the vertex to the last bit.
+  // A corner has one weight of 1 and no other term, so it is bitwise equal to the vertex.
   Vector3 sum = weights[0] * verticesAndCentre[bases[0]];
   for (std::size_t k = 1; k < weights.size(); ++k) {
     if (weights[k] != 0) sum += weights[k] * verticesAndCentre[bases[k]];
@@ -761,12 +761,12 @@ Footprint fanFootprint(int sides, int halfPerEdge) {
   const int whole = 6 * halfPerEdge * halfPerEdge;
   Footprint footprint;
   SharedPoints points(footprint, whole);
-  // A triangle needs no centre: its own three sides are the tile's edges.
+  // A triangle needs no centre: its sides are the tile's edges.
   if (sides == 3) {
     appendTriangle({0, 1, 2}, {0, 1, 2}, halfPerEdge, points, footprint);
   } else {
     for (int k = 0; k < sides; ++k) {
-      // Base number `sides` is the centre. Only the side from vertex k to the next is an edge.
+      // Base `sides` is the centre. Only the side from vertex k to the next is an edge.
       appendTriangle({sides, k, (k + 1) % sides}, {-1, k, -1}, halfPerEdge, points, footprint);
     }
   }
@@ -785,8 +785,8 @@ Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, in
   for (const std::array<int, 3>& triangle : triangles) {
     std::array<int, 3> onEdge{};
     for (int k = 0; k < 3; ++k) {
-      // Triangles have only vertices; a side is an edge if it leads to the next vertex, else
-      // a diagonal within the tile.
+      // Triangles have only vertices. A side to the next vertex is an edge, any other a diagonal
+      // within the tile.
       const bool isEdge = triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
       onEdge[k] = isEdge ? triangle[k] : -1;
     }
@@ -815,7 +815,7 @@ std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& c
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
   if (vertices.size() != 4) return false;
   for (std::size_t k = 0; k < 4; ++k) {
-    // The sine of the turn at vertex k; negative where the tile is concave.
+    // The sine of the turn at vertex k; negative at a concave corner.
     const Vector3 before = (vertices[k] - vertices[(k + 3) % 4]).normalized();
     const Vector3 after = (vertices[(k + 1) % 4] - vertices[k]).normalized();
     if (before.cross(after).dot(normal) < kStraightSine) return false;
@@ -824,26 +824,26 @@ bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Corners that joints hold together are found by joint, never by place: corners of tiles that
-// merely touch stay apart, and corners that the simulation left a gap between are joined all the
-// same.
+// Corners are matched by joint, never by position. Corners of tiles that only
+// touch stay separate. Corners with a gap from the simulation are still
+// joined.
 //
-// 1. Each joint names pairs of nodes (jointNodes): one on the bottom, one on the top, or all
-// through the thickness. 2. Pairs that share a node grow together to clusters (union-find with path
-// halving, R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union algorithms, J. ACM 31,
-// 1984). Three tiles round one corner make a cluster of three. 3. A cluster is merged (shared
-// nodes), left as it is (equations) or given patches.
+// 1. Each joint gives pairs of nodes (jointNodes): one on the bottom, one on the top, or all
+// through the thickness. 2. Pairs with common nodes form clusters (union-find with path halving, R.
+// E. Tarjan, J. van Leeuwen, Worst-case analysis of set union algorithms, J. ACM 31, 1984). Three
+// tiles around one corner form a cluster of three. 3. A cluster is merged (shared nodes), left
+// unchanged (equations) or given patches.
 //
-// A merged corner lies at the mean of its corners, m = sum x_i / n, so none of its tiles is
-// preferred. The gap, the largest |x_i - x_j|, is reported.
+// A merged corner lies at the mean of its corners, m = sum x_i / n, which prefers no tile. The gap,
+// the largest |x_i - x_j|, is reported.
 //
-// A patch holds the nodes on the corner's face of the tile within the radius r of the corner. Its
-// three or more nodes make it a rigid body that can turn. Forces through a single node would depend
-// on the size of elements without limit; forces through a patch of fixed radius converge.
+// A patch has the nodes on the corner's face of the tile within the radius r of the corner. With
+// three or more nodes it is a rigid body that can rotate. The effect of forces on a single node
+// would diverge with smaller elements. With a patch of fixed radius it converges.
 
 namespace {
 
-/// Edges run from the bottom to the top; a shell has one node there.
+/// Edges go from the bottom to the top; a shell has one node there.
 std::vector<int> nodesAt(const std::vector<int>& edge, model::JointFace face) {
   if (face == model::JointFace::Bottom) return {edge.front()};
   if (face == model::JointFace::Top) return {edge.back()};
@@ -852,14 +852,14 @@ std::vector<int> nodesAt(const std::vector<int>& edge, model::JointFace face) {
 
 void joinAll(const JointNodes& joint, JointStyle style, DisjointSets& sets) {
   for (std::size_t k = 0; k < joint.a.size(); ++k) {
-    // Patches lie on the two faces; nothing in between is held.
+    // Patches lie only on the two faces.
     const bool isInside = k > 0 && k + 1 < joint.a.size();
     if (style == JointStyle::Patch && isInside) continue;
     sets.unite(joint.a[k], joint.b[k]);
   }
 }
 
-/// The tile of each node; nodes are not merged yet.
+/// The tile of each node, before merging.
 std::vector<int> tilesOfNodes(const ElementMesh& mesh) {
   std::vector<int> owner(mesh.nodes.size());
   for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
@@ -868,7 +868,7 @@ std::vector<int> tilesOfNodes(const ElementMesh& mesh) {
   return owner;
 }
 
-/// Of all pairs: clusters have few nodes.
+/// Compares all pairs, since clusters have few nodes.
 double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
   double largest = 0;
   for (const int a : nodes) {
@@ -895,7 +895,7 @@ void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
   for (int& node : nodes) node = numbers[node];
 }
 
-/// Only what exists when clusters are merged: patches and springs come later.
+/// Only data that exist when clusters are merged: patches and springs come later.
 void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
   for (Element& element : mesh.elements) {
     const int count = nodeCount(mesh.rule);
@@ -915,9 +915,9 @@ void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
   for (NodeCluster& cluster : mesh.clusters) renumber(cluster.nodes, numbers);
 }
 
-/// Makes one node of all that have the same lowest one. The lowest lies where it will be.
+/// Merges all nodes with the same lowest node. The lowest is already at its final position.
 void mergeNodes(ElementMesh& mesh, const std::vector<int>& lowest) {
-  // A follower's lowest node is before it, so its new number is known already.
+  // A dependent node follows its lowest node, whose new number is already known.
   std::vector<int> numbers(mesh.nodes.size());
   std::vector<Vector3> positions;
   for (std::size_t node = 0; node < lowest.size(); ++node) {
@@ -929,7 +929,7 @@ void mergeNodes(ElementMesh& mesh, const std::vector<int>& lowest) {
   renumberAll(mesh, numbers);
 }
 
-/// The edges of two tiles that lie in one place, run in opposite senses.
+/// The common edges of two tiles, with opposite directions.
 std::vector<std::pair<int, int>> sharedEdges(const ElementMesh& mesh, const TileElements& a,
                                              const TileElements& b, double tolerance) {
   std::vector<std::pair<int, int>> shared;
@@ -963,11 +963,11 @@ Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positi
   return sum / static_cast<double>(nodes.size());
 }
 
-/// A node at the radius itself belongs to the patch, with any rounding.
+/// A node exactly at the radius belongs to the patch despite rounding.
 constexpr double kRoundedUp = 1 + 1e-9;
 
-/// A corner node on the bottom takes only nodes of the bottom; a patch through the thickness would
-/// stiffen the tile.
+/// A corner node on the bottom uses only bottom nodes. A patch through the thickness would stiffen
+/// the tile.
 std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, int corner) {
   const bool isBottom = std::ranges::binary_search(tile.bottom, corner);
   std::vector<int> patch;
@@ -987,7 +987,7 @@ void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& m
                   mesh.rule.patchRadius, patch.size(), tile + mesh.rule.countsFrom, leastPerEdge));
 }
 
-/// A node can belong to one rigid body only. `isTaken` collects those of all tiles so far.
+/// A node can belong to only one rigid body. `isTaken` has the nodes of all previous tiles.
 void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
                   std::vector<bool>& isTaken) {
   for (const int node : patch) {
@@ -1033,7 +1033,7 @@ std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
 }
 
 void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints) {
-  // What a run leaves open, of the length of an edge.
+  // Gap after a run, as a fraction of an edge.
   constexpr double kSameEdge = 1e-3;
   DisjointSets sets(mesh.nodes.size());
   for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -1087,8 +1087,8 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
   std::vector<NodeCluster> clusters;
   for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
     const int lowest = sets.lowestOf(node);
-    // The lowest itself enters with the first node that is joined to it; single nodes make no
-    // cluster.
+    // The lowest node itself enters with the first node joined to it. Single nodes are not
+    // clusters.
     if (lowest == node) continue;
     if (place[lowest] < 0) {
       place[lowest] = static_cast<int>(clusters.size());
@@ -1109,7 +1109,7 @@ void mergeClusters(ElementMesh& mesh) {
   std::vector<int> lowest(mesh.nodes.size());
   std::iota(lowest.begin(), lowest.end(), 0);
   const std::vector<int> owner = tilesOfNodes(mesh);
-  // Clusters of shells in the middle come first and are merged; those of shells on a face stay.
+  // Clusters of shells in the middle come first and are merged. Those of shells on a face stay.
   const auto kept = std::stable_partition(
       mesh.clusters.begin(), mesh.clusters.end(),
       [&](const NodeCluster& cluster) { return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5; });

@@ -1,4 +1,4 @@
-/// Bricks as finite elements, with the sets that a finite element program needs.
+/// Bricks as finite elements, with the sets for finite element programs.
 #pragma once
 
 #include <array>
@@ -14,276 +14,276 @@
 
 namespace kirireel::fea {
 
-/// What holds the elements of joined bricks together.
+/// Connection between the elements of joined bricks.
 enum class JointStyle {
-  Shared,    ///< one node for all corners that meet
-  Equation,  ///< a node each, tied by linear equations: gaps stay as they are
-  Patch,     ///< a rigid patch round each corner, patches that meet turn about one reference node
-  Neck,      ///< necks of material: the flat sheet as it is cut, in one piece (makeNeckMesh)
+  Shared,    ///< one node for all coinciding corners
+  Equation,  ///< one node per tile, tied by linear equations: gaps stay
+  Patch,     ///< a rigid patch around each corner; joined patches rotate about a reference node
+  Neck,      ///< necks of material: the flat cut sheet in one piece (makeNeckMesh)
 };
 
-/// What kind of elements a sheet consists of.
+/// Element type of a sheet.
 enum class ElementFamily {
   Solid,  ///< C3D20R or C3D8I
-  Shell,  ///< S8R or S4: in the middle of the thickness, or on the face that a tile's joints lie on
-  Plane,  ///< plane stress, CPS8R or CPS4, only of necks
+  Shell,  ///< S8R or S4: in the middle of the thickness, or on the face with the tile's joints
+  Plane,  ///< plane stress, CPS8R or CPS4, only with necks
 };
 
 /// How bricks become elements. The defaults bend as plates do, in sheets of up to 468 squares: a
 /// clamped plate 50 times as wide as thick to 1.1%, a cantilever 20 times as long as thick to 1.7%.
 struct ElementRule {
-  int perEdge = 0;        ///< elements along each edge of a tile, 1 to 64; 0 for usualPerEdge, and
-                          ///< more where joint patches need them
+  int perEdge = 0;        ///< elements along each edge of a tile, 1 to 64; 0: usualPerEdge, more if
+                          ///< joint patches need them
   int through = 2;        ///< elements through the thickness, 1 to 64
-  bool quadratic = true;  ///< 20 nodes an element instead of 8
-  JointStyle joints = JointStyle::Shared;  ///< how tiles hold together at their joints
-  double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0 for a quarter of the shortest edge
-  double size = 0;         ///< the longest that elements are along edges, metres; 0 for `perEdge`
+  bool quadratic = true;  ///< 20 nodes per element, else 8
+  JointStyle joints = JointStyle::Shared;  ///< connection of tiles at their joints
+  double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0: a quarter of the shortest edge
+  double size = 0;         ///< maximum length of elements along edges, metres; 0: `perEdge`
   ElementFamily family = ElementFamily::Solid;  ///< solids, shells or plane elements
   writers::NeckShape neck;                      ///< of JointStyle::Neck, see writers::shapeAt()
-  int countsFrom = 0;  ///< the first tile's number in messages: as the model's file counts
+  int countsFrom = 0;  ///< number of the first tile in messages, as in the model's file
 };
 
-/// The fewest elements that tiles can consist of, 8 nodes each: enough where nothing strains them.
-/// Joints, family and radius stay as they are.
+/// The coarsest elements, 8 nodes each, sufficient for tiles without strain. Joints, family and
+/// radius stay unchanged.
 ElementRule coarsest(ElementRule rule);
 
-/// A prism on a quadrilateral, or only the quadrilateral. Nodes in the order of Abaqus: bottom
-/// corners, top corners, then of quadratic ones the middles of the bottom edges, of the top edges
-/// and of the upright edges; of shells and plane elements the corners, then the middles.
+/// A prism on a quadrilateral, or only the quadrilateral. Node order of Abaqus: bottom corners, top
+/// corners. Quadratic ones continue with the middles of the bottom edges, top edges and upright
+/// edges. Shells and plane elements have the corners, then the middles.
 struct Element {
-  std::array<int, 20> nodes{};  ///< numbers from 0; the first nodeCount of them
+  std::array<int, 20> nodes{};  ///< zero-based; the first nodeCount are used
 };
 
-/// How many nodes an element has: 20 or 8, of shells and plane elements 8 or 4.
+/// Number of nodes of an element: 20 or 8, for shells and plane elements 8 or 4.
 int nodeCount(const ElementRule& rule);
 
 /// A face of an element.
 struct ElementFace {
-  int element = 0;   ///< its number, from 0
+  int element = 0;   ///< number, zero-based
   int side = 0;      ///< from its bottom corner `side` to the next, 0 to 3
-  int tileEdge = 0;  ///< the tile's edge that it lies on
+  int tileEdge = 0;  ///< edge of the tile that contains the face
 };
 
-/// The elements and nodes of one brick. Nodes in rising order unless said otherwise.
+/// The elements and nodes of one brick. Nodes are in ascending order unless stated otherwise.
 struct TileElements {
-  int firstElement = 0;                 ///< elements of a tile follow each other
-  int elementCount = 0;                 ///< how many there are
-  int layerCount = 0;                   ///< elements in one layer; the bottom layer comes first
+  int firstElement = 0;                 ///< elements of a tile are consecutive
+  int elementCount = 0;                 ///< number of elements
+  int layerCount = 0;                   ///< elements per layer; the bottom layer is first
   bool isRow = false;                   ///< one element wide
-  double level = 0.5;                   ///< of shells: where nodes lie in the thickness, 0 to 1
-  std::vector<int> nodes;               ///< all of them
+  double level = 0.5;                   ///< of shells: position of nodes in the thickness, 0 to 1
+  std::vector<int> nodes;               ///< all nodes
   std::vector<int> bottom;              ///< on the bottom face
   std::vector<int> top;                 ///< on the top face
-  std::vector<std::vector<int>> edges;  ///< of each corner, through the thickness, bottom first
-  std::vector<ElementFace> sides;       ///< the faces all round, by tile edge
+  std::vector<std::vector<int>> edges;  ///< per corner, through the thickness, bottom first
+  std::vector<ElementFace> sides;       ///< all side faces, sorted by tile edge
 };
 
 /// The nodes of a joint on its two tiles, pair by pair: the bottom node, the top node, or all nodes
-/// of the edge through the thickness; of shells the one node there is.
+/// of the edge through the thickness. Shells have one node.
 struct JointNodes {
-  int tileA = 0;         ///< its number, from 0
-  int tileB = 0;         ///< its number, from 0
-  bool isHinge = false;  ///< it goes through the thickness: tiles turn only about its line
-  std::vector<int> a;    ///< of tile A, nodes from 0
-  std::vector<int> b;    ///< of tile B, each that of the same place
+  int tileA = 0;         ///< number, zero-based
+  int tileB = 0;         ///< number, zero-based
+  bool isHinge = false;  ///< through the thickness: tiles rotate only about its line
+  std::vector<int> a;    ///< nodes of tile A, zero-based
+  std::vector<int> b;    ///< nodes of tile B at the same positions
 };
 
-/// Corners of tiles that meet in joints, each given as a tile's node.
+/// Corners of tiles at a common joint, each as a tile's node.
 struct NodeCluster {
-  std::vector<int> nodes;                 ///< rising, at least two
-  std::vector<std::vector<int>> patches;  ///< of JointStyle::Patch: the nodes round each, rising
-  double gap = 0;                         ///< largest distance between two of them, metres
+  std::vector<int> nodes;                 ///< ascending, at least two
+  std::vector<std::vector<int>> patches;  ///< of JointStyle::Patch: nodes of each patch, ascending
+  double gap = 0;                         ///< largest distance between two nodes, metres
 };
 
 /// A torsional spring between the rigid patches of two tiles, about z.
 struct PatchSpring {
-  int cluster = 0;       ///< the joint, as a number of ElementMesh::clusters
-  int patchA = 0;        ///< of the cluster's patches
-  int patchB = 0;        ///< that of the other tile
+  int cluster = 0;       ///< index into ElementMesh::clusters
+  int patchA = 0;        ///< index into the cluster's patches
+  int patchB = 0;        ///< the same for the other tile
   double stiffness = 0;  ///< N m/rad
-  double moment = 0;     ///< on B in the mesh's state, and on A in reverse; N m
+  double moment = 0;     ///< on B in the mesh's state, opposite on A; N m
 };
 
-/// A node that follows another one in the next cell of a sheet that repeats, see deck.h.
+/// A node that follows a node in another cell of a periodic sheet, see deck.h.
 struct PeriodicTie {
-  int node = 0;                ///< that follows
-  int leader = 0;              ///< that it follows
-  std::array<int, 2> times{};  ///< from the leader to the node, in periods
+  int node = 0;                ///< dependent node
+  int leader = 0;              ///< node that it follows
+  std::array<int, 2> times{};  ///< cell offset from leader to node, in periods
 };
 
 /// Two tiles that a fixed joint makes one part of the mesh: they share the nodes of an edge.
 struct JoinedTiles {
-  int tileA = 0;  ///< its number, from 0
-  int tileB = 0;  ///< its number, from 0
+  int tileA = 0;  ///< number, zero-based
+  int tileB = 0;  ///< number, zero-based
 };
 
 /// The neck at a joint of JointStyle::Neck.
 struct MeshNeck {
   std::array<model::NeckCorner, 2> corners;  ///< of both tiles
-  writers::NeckShape shape;                  ///< as writers::shapeAt() has it
+  writers::NeckShape shape;                  ///< result of writers::shapeAt()
 };
 
-/// The ends of a sheet, in its own axes: what a person would hold.
+/// The ends of a sheet in its own axes, where a test machine would grip it.
 struct SheetEnds {
   Matrix3 axes = Matrix3::Identity();  ///< columns: unit vectors along the sheet's x, y and z
   bool isFlat = false;                 ///< all bottoms lie in one plane z = const
-  /// XMIN, XMAX, YMIN, YMAX, ZMIN, ZMAX: faces of elements; empty where no edge is an end.
+  /// XMIN, XMAX, YMIN, YMAX, ZMIN, ZMAX: faces of elements; empty if no edge is an end.
   std::array<std::vector<ElementFace>, 6> faces;
 };
 
 /// A mesh of all bricks. Coordinates in metres, world axes.
 struct ElementMesh {
-  ElementRule rule;                     ///< a patch radius of 0 replaced by the one in use
-  std::vector<Vector3> nodes;           ///< places, in the order of their numbers
-  std::vector<Element> elements;        ///< tile by tile
-  std::vector<TileElements> tiles;      ///< one a brick
-  std::vector<TileElements> necks;      ///< of JointStyle::Neck: those with an area of their own
-  std::vector<MeshNeck> neckShapes;     ///< of JointStyle::Neck, one a joint
-  std::vector<JointNodes> joints;       ///< one a pivot
-  std::vector<JoinedTiles> joined;      ///< one a fixed joint
-  std::vector<NodeCluster> clusters;    ///< in order of their first node; none are left when shared
+  ElementRule rule;                     ///< a patch radius of 0 is replaced by its value
+  std::vector<Vector3> nodes;           ///< positions, in the order of their numbers
+  std::vector<Element> elements;        ///< ordered by tile
+  std::vector<TileElements> tiles;      ///< one per brick
+  std::vector<TileElements> necks;      ///< of JointStyle::Neck: necks with a non-zero area
+  std::vector<MeshNeck> neckShapes;     ///< of JointStyle::Neck, one per joint
+  std::vector<JointNodes> joints;       ///< one per pivot
+  std::vector<JoinedTiles> joined;      ///< one per fixed joint
+  std::vector<NodeCluster> clusters;    ///< ordered by first node; empty if shared
   std::vector<PatchSpring> springs;     ///< of JointStyle::Patch, see deck.h
-  std::vector<PeriodicTie> ties;        ///< of a job on a sheet that repeats
-  double largestGap = 0;                ///< between corners that meet, metres
-  SheetEnds ends;                       ///< by findEndEdges()
-  std::optional<SheetLattice> lattice;  ///< of makePeriodicNeckMesh(), which has `ties` too
+  std::vector<PeriodicTie> ties;        ///< of a job on a periodic sheet
+  double largestGap = 0;                ///< between corners of one joint, metres
+  SheetEnds ends;                       ///< from findEndEdges()
+  std::optional<SheetLattice> lattice;  ///< of makePeriodicNeckMesh(), which also sets `ties`
 };
 
-/// Throws InputError for numbers of elements and sizes that are out of range or contradict each
-/// other, for any bricks. Ranges: perEdge [0, 64], through [1, 64], lengths >= 0; NaN is refused.
+/// Throws InputError for counts and sizes that are out of range or contradict each other.
+/// Independent of bricks. Ranges: perEdge [0, 64], through [1, 64], lengths >= 0; NaN is refused.
 void requireValidRule(const ElementRule& rule);
 
-/// Elements along an edge when nobody chose and there are not too many of them.
+/// Default number of elements along an edge, if the sheet is not too large.
 inline constexpr int kUsualPerEdge = 8;
 
-/// How many elements lie along edges when nobody chose: 8, or as many as keep the sheet below
-/// 60,000 elements, at least 2. The rule's other numbers (through, joints, patchRadius) count as
-/// they are. Divides no brick, so it costs up to seven passes over them.
+/// Default number of elements along edges: 8, or as many as keep the sheet below 60,000 elements,
+/// but >= 2. The rule's other fields (through, joints, patchRadius) are used. It divides no brick
+/// and makes up to seven passes over them.
 int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule);
 
-/// Whether nobody chose how many elements lie along edges, and they are fewer than 8. Messages tell
-/// the user so.
+/// Whether the default number of elements along edges is below 8. Messages report this to the
+/// user.
 bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule);
 
-/// Divides all bricks at the given poses. Four-sided tiles become grids, triangles and other
-/// polygons (fanned round the centre of area) three grids per triangle; all elements are built on
-/// quadrilaterals, because wedges bend badly. Corners of tiles lie where the bricks have them, to
-/// the last bit; with JointStyle::Shared, where corners meet, at their mean.
+/// Divides all bricks at the given poses. Four-sided tiles become grids. Triangles and other
+/// polygons (as fans around the centroid) become three grids per triangle. All elements are built
+/// on quadrilaterals, because triangular prisms bend badly. Corners of tiles are bitwise equal to
+/// the bricks' corners. With JointStyle::Shared, joined corners are at their mean.
 ///
-/// Shells lie in the middle of tiles whose joints go through the thickness and share nodes there,
-/// since such tiles turn only in their plane. If all joints of a tile lie on one face, so do
-/// its shells, offset by half a thickness (S8R and S4 with OFFSET), and as shells that share a node
-/// would bend as one, each has its own: clusters stay, to be tied by equations. Elements are
-/// shorter towards the edges of four-sided tiles, see neck_sheet.cpp.
+/// Shells lie in the middle of tiles whose joints go through the thickness, and share nodes there,
+/// since such tiles rotate only in their plane. If all joints of a tile lie on one face, so do its
+/// shells, offset by half a thickness (S8R and S4 with OFFSET). Shells with a common node would
+/// bend as one, so these have separate nodes, and their clusters are tied by equations. Elements
+/// are shorter towards the edges of four-sided tiles, see neck_sheet.cpp.
 ///
-/// Throws InputError for a rule out of range, too many elements, bricks too thin for such elements,
-/// a tile that is not star-shaped round its centre, joints that would merge two corners of one
-/// tile, patches that are too small for the elements or so large that they overlap, and shells of
-/// tiles with joints on different faces. Node numbers are those of the tiles in the model's order;
-/// the same bricks give the same mesh on every machine. Memory is 80 bytes an element, 24 a node,
-/// and the tiles' lists of nodes besides.
+/// Throws InputError for a rule out of range, too many elements, bricks too thin for the elements,
+/// a tile that is not star-shaped around its centre, joints that would merge two corners of one
+/// tile, patches that are too small for the elements or overlap, and shells of tiles with joints on
+/// different faces. Node numbers follow the tiles in the model's order. The same bricks give the
+/// same mesh on every machine. Memory is 80 bytes per element and 24 per node, plus the tiles'
+/// lists of nodes.
 ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
                             const std::vector<model::Joint>& joints, const Poses& poses,
                             const ElementRule& rule);
 
-/// The nodes of a face: of solids the corners, then the middles of its sides; of shells and plane
+/// The nodes of a face: for solids the corners, then the middles of its sides; for shells and plane
 /// elements the two ends, then the middle.
 std::vector<int> faceNodes(const ElementMesh& mesh, const ElementFace& face);
 
 /// The smallest angle between two sides of an element's bottom, degrees.
 double smallestElementAngle(const ElementMesh& mesh);
 
-/// Whether clusters are tied by *EQUATION: all that are left and have no patches.
+/// Whether there are clusters tied by *EQUATION: all remaining ones without patches.
 bool hasEquations(const ElementMesh& mesh);
 
-/// For each node whether it follows others; nothing else may hold it. With *EQUATION all but the
-/// first of a cluster follow, in rigid patches all, and in ties those that are tied. One entry per
-/// node of the mesh; reference and control nodes have none.
+/// For each node of the mesh whether it is dependent and may not be constrained otherwise. With
+/// *EQUATION all but the first of a cluster are dependent, in rigid patches all, in ties the tied
+/// nodes. Reference and control nodes have no entry.
 std::vector<bool> followers(const ElementMesh& mesh);
 
-/// The node that the patches of a cluster turn about, numbered after all others. From 0. `cluster`
-/// counts from 0 and the mesh has JointStyle::Patch.
+/// The rotation centre of a cluster's patches, numbered after all other nodes, zero-based.
+/// `cluster` is zero-based, and the mesh has JointStyle::Patch.
 int referenceNode(const ElementMesh& mesh, std::size_t cluster);
 
-/// Where that node is: the mean of the cluster's corners.
+/// Position of that node: the mean of the cluster's corners.
 Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster);
 
 // ------------------------------------------------------------------------------------------------
-// How a tile is divided into quadrilaterals; a brick's elements are built on these.
+// Division of a tile into quadrilaterals, on which a brick's elements are built.
 
-/// A point of a tile as a mean of its vertices; number n of an n-gon is the tile's centre.
+/// A point of a tile as a weighted mean of vertices; base n of an n-gon is the tile's centre.
 struct FootprintPoint {
   std::array<int, 4> bases{};       ///< vertices, or n for the centre
-  std::array<double, 4> weights{};  ///< sum 1, unused ones 0
+  std::array<double, 4> weights{};  ///< sum 1, 0 if unused
 
-  /// Where the point lies, given the n vertices and, after them, the centre.
+  /// Position of the point, given the n vertices followed by the centre.
   Vector3 at(const std::vector<Vector3>& verticesAndCentre) const;
 };
 
 /// A side of a cell that lies on an edge of the tile.
 struct FootprintSide {
-  int cell = 0;      ///< its number in Footprint::cells
+  int cell = 0;      ///< index into Footprint::cells
   int side = 0;      ///< of the cell: from its point `side` to the next
   int tileEdge = 0;  ///< from vertex `tileEdge` to the next
 };
 
-/// Points, and the quadrilaterals between them.
+/// Points and quadrilaterals of a tile.
 struct Footprint {
-  std::vector<FootprintPoint> points;     ///< numbered from 0
+  std::vector<FootprintPoint> points;     ///< zero-based
   std::vector<int> corners;               ///< the point at each vertex of the tile
   std::vector<std::array<int, 4>> cells;  ///< points, anticlockwise
-  std::vector<std::array<int, 2>> edges;  ///< of the cells, each once, the lower point first
-  std::vector<FootprintSide> sides;       ///< by tile edge
-  bool isRow = false;  ///< one cell wide: nothing but full integration holds its shape
+  std::vector<std::array<int, 2>> edges;  ///< of the cells, unique, the lower point first
+  std::vector<FootprintSide> sides;       ///< sorted by tile edge
+  bool isRow = false;  ///< one cell wide: needs full integration against zero-energy modes
 };
 
 /// A four-sided tile as a grid of quadrilaterals: `first` along the edges 0 and 2, `second` along
-/// the edges 1 and 3, each at least 1. The points of an edge lie at equal shares of it, or, graded,
-/// at (1 - cos(pi k / n)) / 2, closer to its ends. `first` x `second` cells, (first + 1) x (second
-/// + 1) points.
+/// the edges 1 and 3, each >= 1. The points of an edge are equidistant, or, if graded, at (1 -
+/// cos(pi k / n)) / 2, denser towards its ends. Gives `first` x `second` cells and (first + 1) x
+/// (second + 1) points.
 Footprint gridFootprint(int first, int second, bool isGraded = false);
 
-/// A tile of any number of sides as triangles (a triangle as it is, others fanned round the
-/// centre), each cut through the middles of its sides into three quadrilaterals, and these into
-/// grids of halfPerEdge x halfPerEdge: 2 halfPerEdge cells along each edge of the tile. `sides` is
-/// at least 3, halfPerEdge at least 1. 3 halfPerEdge^2 cells for a triangle, `sides` times as many
-/// for others.
+/// A tile with any number of sides as triangles: a triangle stays whole, others are fans around the
+/// centre. Each triangle is cut through the middles of its sides into three quadrilaterals, and
+/// these into grids of halfPerEdge x halfPerEdge. Each edge of the tile then has 2 halfPerEdge
+/// cells. `sides` >= 3, halfPerEdge >= 1. Gives 3 halfPerEdge^2 cells for a triangle, `sides` times
+/// as many for others.
 Footprint fanFootprint(int sides, int halfPerEdge);
 
-/// A concave tile as these triangles of its vertices, anticlockwise, each divided as those of a
+/// A concave tile as these anticlockwise triangles of its vertices, each divided like those of a
 /// fan. The triangles must cover the tile without overlap and share whole sides.
 Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
                             int halfPerEdge);
 
-/// Whether a convex or star-shaped tile is better divided as a grid: it has four vertices, and none
-/// of its corners is so straight or so sharp that a quadrilateral there would have no shape. Sine
-/// of every turn at least 0.05, which is 3 degrees. `normal` is a unit vector to the side from
-/// which vertices run anticlockwise.
+/// Whether a convex or star-shaped tile should be divided as a grid: it has four vertices, and no
+/// corner is so straight or sharp that a quadrilateral there degenerates. The sine of every turn is
+/// at least 0.05 (3 degrees). `normal` is a unit vector towards the side from which vertices are
+/// anticlockwise.
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal);
 
-/// The edges of quadrilaterals, each once, the lower point first, sorted.
+/// The edges of quadrilaterals, unique and sorted, the lower point first.
 std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& cells);
 
 // ------------------------------------------------------------------------------------------------
 // Prisms on quadrilaterals, layer by layer.
 
-/// Lays the elements of a mesh's rule on quadrilaterals: solids between levels of points, shells
+/// Builds the elements of a mesh's rule on quadrilaterals: solids between levels of points, shells
 /// and plane elements on a single level.
 class PrismLayers {
  public:
-  /// How many levels of points the rule asks for; quadratic solids have one halfway up each layer.
-  /// 1 for shells and plane elements, `through` + 1 for linear solids, 2 `through` + 1 for
-  /// quadratic.
+  /// Number of levels of points for the rule: 1 for shells and plane elements, `through` + 1 for
+  /// linear solids, 2 `through` + 1 for quadratic solids, which have an additional level halfway up
+  /// each layer.
   static int levelCount(const ElementRule& rule);
 
-  /// Adds the nodes. `levels` holds the points that cells refer to, bottom first, metres. The mesh
-  /// must outlive this. Each level has the same number of points; `cells` index them.
+  /// Adds the nodes. `levels` holds the points that cells refer to, bottom first, metres. Each
+  /// level has the same number of points. The mesh must outlive this object.
   PrismLayers(ElementMesh& mesh, std::vector<std::array<int, 4>> cells,
               const std::vector<std::vector<Vector3>>& levels);
 
-  /// Adds the elements on some cells, one layer after the other. `sides` are those of these cells,
-  /// numbered from `firstCell`. The returned tile's `edges` are empty. Costs a sort of the tile's
+  /// Adds the elements on some cells, layer by layer. `sides` are those of these cells, numbered
+  /// from `firstCell`. The returned tile's `edges` are empty. The cost is a sort of the tile's
   /// nodes.
   TileElements append(std::size_t firstCell, std::size_t cellCount,
                       const std::vector<FootprintSide>& sides);
@@ -291,8 +291,8 @@ class PrismLayers {
   /// The nodes at a point, bottom first.
   std::vector<int> nodesAt(int point) const;
 
-  /// The nodes in the middle of the side between two points, bottom first; none when linear. There
-  /// must be such a side.
+  /// The nodes in the middle of the side between two points, bottom first; empty if linear. The
+  /// side must exist.
   std::vector<int> nodesBetween(int a, int b) const;
 
  private:
@@ -308,63 +308,63 @@ class PrismLayers {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Corners of tiles that meet in joints: found, merged, or given rigid patches.
+// Corners of tiles at common joints: search, merge, and rigid patches.
 
-/// The least distance between two of the points, infinite for less than two. Compares all pairs.
+/// The least distance between two points, infinite for fewer than two. Compares all pairs.
 double leastDistance(const std::vector<Vector3>& points);
 
 /// The nodes of each pivot, in their order. Fixed joints are left out (joinTiles). Throws
-/// InputError for a joint that no deck can hold, a link. `countsFrom`: the first joint's number in
+/// InputError for a link, which no deck can hold. `countsFrom`: the first joint's number in
 /// messages.
 std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
                                    const std::vector<TileElements>& tiles, int countsFrom);
 
-/// Makes tiles that fixed joints hold one part: the nodes of the edges that two tiles share become
-/// one, at their mean, and the faces there are no longer sides. Both tiles must have the same nodes
-/// along such an edge. Throws InputError for a fixed joint between tiles that share no edge.
+/// Merges tiles with fixed joints to one part: the nodes of their common edges become one node at
+/// their mean, and the faces there are no longer sides. Both tiles must have the same nodes along
+/// such an edge. Throws InputError for a fixed joint between tiles without a common edge.
 void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints);
 
-/// The nodes that the mesh's joints bring together, before any are merged. Throws InputError when
-/// two of them belong to one tile. In order of their lowest node; patches are empty.
+/// The nodes that the mesh's joints connect, before any merging. Throws InputError if two of them
+/// belong to one tile. Ordered by lowest node; patches are empty.
 std::vector<NodeCluster> findClusters(const ElementMesh& mesh);
 
-/// Makes one node of each cluster, at the mean of its corners, and numbers the nodes again without
-/// gaps. What is left are clusters of shells on one face, which must not share nodes. Positions of
-/// all other nodes keep their last bit.
+/// Merges each cluster to one node at the mean of its corners, and renumbers the nodes without
+/// gaps. Clusters of shells on one face stay, since these must not share nodes. All other positions
+/// stay bitwise equal.
 void mergeClusters(ElementMesh& mesh);
 
-/// Gives each node of each cluster its patch. Throws InputError when a patch holds fewer than three
-/// nodes (`leastPerEdge` elements along each edge would do, it says) or two of them overlap.
+/// Gives each node of each cluster its patch. Throws InputError if two patches overlap or a patch
+/// has fewer than three nodes. The message recommends `leastPerEdge` elements along each edge.
 void spreadPatches(ElementMesh& mesh, int leastPerEdge);
 
 // ------------------------------------------------------------------------------------------------
 // A flat sheet with necks of material at its joints, in one piece, as finite elements.
 
-/// Two lines of an outline that get the same nodes: from a point to another, and the same moved.
+/// Two lines of an outline with corresponding nodes: a line, and its copy moved by periods.
 struct TwinLines {
-  std::array<int, 2> line{};  ///< points of the outline
-  std::array<int, 2> twin{};  ///< the same points of its twin
-  std::array<int, 2> cell{};  ///< from the twin to the line, in periods
+  std::array<int, 2> line{};  ///< point numbers in the outline
+  std::array<int, 2> twin{};  ///< the corresponding points of the copy
+  std::array<int, 2> cell{};  ///< offset from the copy to the line, in periods
 };
 
-/// The outline as a Gmsh geometry: one surface a tile and a neck, quadrilaterals of the rule's
-/// size, small at the necks: the finer the rule, the finer both. The text is in Gmsh's own language
+/// The outline as a Gmsh geometry: one surface per tile and neck, quadrilaterals of the rule's
+/// size, smaller at the necks. A finer rule refines both. The text is in Gmsh's own language
 /// (.geo), lengths in metres. `tileSize` is the mean length of tiles' edges, metres.
 std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule& rule,
                          double tileSize, const std::vector<TwinLines>& twins = {});
 
-/// The start of a planar model as one sheet with the rule's necks, of this thickness in metres:
+/// The start of a planar model as one sheet with the rule's necks and this thickness in metres:
 /// solids, shells in the middle of the thickness, or plane elements in the plane z = 0. Tiles and
-/// necks share nodes where they meet; the two sides of a slit share none. Meshed by Gmsh, which
-/// must be installed.
+/// necks share nodes at their common boundary; the two sides of a slit share none. Requires an
+/// installed Gmsh.
 ///
-/// Throws what neckOutline, requireValidRule and meshedByGmsh throw. The mesh has no joints and no
+/// Throws like neckOutline, requireValidRule and meshedByGmsh. The mesh has no joints and no
 /// clusters.
 ElementMesh makeNeckMesh(const model::Model& model, double thickness, const ElementRule& rule);
 
-/// The same as one cell of an infinite sheet (findSheetLattice): the necks that its border cuts are
-/// part of it, each once, and their nodes have ties to those of the tile that they lead to. Throws
-/// what findSheetLattice throws besides.
+/// The same as one cell of an infinite sheet (findSheetLattice). Necks that its border cuts are
+/// part of it, each once. Their nodes have ties to those of the tile at their other end. Also
+/// throws like findSheetLattice.
 ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
                                  const ElementRule& rule);
 

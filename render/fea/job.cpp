@@ -1,31 +1,30 @@
 // Writes jobs: a heading, the mesh by *INCLUDE, material and section, supports, one step. Every job
-// runs as it is.
+// runs without editing.
 //
 //     *HEADING           one line
-//     **                 origin, what the job does, what to replace
+//     **                 origin, description of the job, parts to replace
 //     *INCLUDE           the mesh deck
 //     *MATERIAL          E (Pa or MPa), Poisson's ratio, density; *SOLID or *SHELL SECTION
 //     *BOUNDARY          node, first axis, last axis (1 to 3): displacements held at zero
-//     *STEP              *STATIC, *BUCKLE, loads, what is printed
+//     *STEP              *STATIC, *BUCKLE, loads, printed quantities
 //     *END STEP
 //
-// Supports. A sheet of tiles on ideal hinges is a mechanism; a program that factorises its
-// stiffness finds it singular, or worse, nearly so, and ends without a warning with displacements
-// of 1e9 m. leastSupports (job.h) holds six motions of the whole and one displacement for each
-// mechanism, which is the least that makes the problem have one solution, and what is held carries
-// no load but what equilibrium asks for.
+// Supports. A sheet of tiles on ideal hinges is a mechanism. Its stiffness matrix is singular or,
+// worse, nearly singular. A program may then end without a warning with displacements of 1e9 m.
+// leastSupports (job.h) holds six motions of the whole and one displacement per mechanism. This is
+// the minimum for a unique solution, and the supports carry only the load that equilibrium
+// requires.
 //
 // Driven jobs. Tile t has the pose (R(s), x(s)) at the time s (seconds) and (R(0), x(0)) in the
-// mesh. A node at p moves by
+// mesh. A node at p has the displacement
 //
 //     u(s) = R(s) R(0)^T (p - x(0)) + x(s) - p,
 //
-// and components of u at six displacements of a tile, by *AMPLITUDE, move it as the trajectory did
+// Components of u at six displacements of a tile, by *AMPLITUDE, move it as in the trajectory
 // (NLGEOM). Amplitudes are linear between samples. Prescribed rotations (*RIGID BODY of whole
-// tiles) would be shorter to write but make tiles rigid, whose strain is what is asked for.
+// tiles) would be shorter but make tiles rigid, while the strain is the requested result.
 //
-// Periodic jobs. Control nodes carry the displacement of one end against the other; see
-// deck.cpp.
+// Periodic jobs. Control nodes carry the relative displacement of opposite ends; see deck.cpp.
 #include "render/fea/job.h"
 
 #include <algorithm>
@@ -46,8 +45,8 @@
 namespace kirireel::fea {
 namespace {
 
-/// Shells with an offset have a section for each set; all others one for EALL. Plane elements give
-/// their thickness in the section's line of data, solids give none.
+/// Shells with an offset have one section per set, all other elements one section for EALL. Plane
+/// elements have their thickness in the section's data line, solids have none.
 void appendSection(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                    double thickness) {
   const UnitScale scale = unitScale(settings.unit);
@@ -68,7 +67,7 @@ void appendSection(std::string& text, const ElementMesh& mesh, const DeckSetting
   appendText(text, "{}\n", deckNumber(scale.length * thickness));
 }
 
-/// A row for each displacement: node, axis, axis.
+/// One row per displacement: node, axis, axis.
 void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supports) {
   text += "*BOUNDARY\n";
   for (const NodeDisplacement& held : supports) {
@@ -76,7 +75,7 @@ void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supp
   }
 }
 
-/// Rising and each once, because supports are sorted by node.
+/// Ascending and unique, because supports are sorted by node.
 std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
   std::vector<int> nodes;
   for (const NodeDisplacement& held : supports) {
@@ -87,11 +86,11 @@ std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
 
 /// An end of a sheet and the consistent forces of 1 N on it.
 struct GripLoad {
-  std::string name;  ///< of the set of its nodes, GRIP_XMIN
+  std::string name;  ///< of the set of its nodes, such as GRIP_XMIN
   std::vector<NodeShare> shares;
 };
 
-/// GRIP_XMIN and GRIP_XMAX, or of another axis: the two ends of the sheet's longest axis.
+/// GRIP_XMIN and GRIP_XMAX, or those of another axis: the two ends of the sheet's longest axis.
 std::vector<GripLoad> gripsOf(const ElementMesh& mesh) {
   std::vector<GripLoad> grips;
   for (const int end : {0, 1}) {
@@ -101,7 +100,7 @@ std::vector<GripLoad> gripsOf(const ElementMesh& mesh) {
   return grips;
 }
 
-/// The nodes at the ends that are gripped.
+/// The nodes of all grips.
 std::vector<int> nodesOf(const std::vector<GripLoad>& grips) {
   std::vector<int> nodes;
   for (const GripLoad& grip : grips) {
@@ -110,7 +109,7 @@ std::vector<int> nodesOf(const std::vector<GripLoad>& grips) {
   return nodes;
 }
 
-/// An even traction of 1 N on each grip: apart with sign 1, together with -1.
+/// A uniform traction of 1 N on each grip: tension with sign 1, compression with -1.
 void appendGripForces(std::string& text, const ElementMesh& mesh, const std::vector<GripLoad>& grips,
                       double sign) {
   const Vector3 along = mesh.ends.axes.col(longestAxis(mesh));
@@ -128,9 +127,9 @@ void appendGripForces(std::string& text, const ElementMesh& mesh, const std::vec
   }
 }
 
-/// Displacements, reactions, stresses and strains in the program's own result file, and what is
-/// said of the held or driven nodes, with the sum of their reactions, in NAME.dat. `set` names
-/// nodes in the mesh deck, `printed` is U, RF or both.
+/// Requests displacements, reactions, stresses and strains in the program's own result file.
+/// NAME.dat gets the results of the supported or driven nodes and the sum of their reactions. `set`
+/// is a node set of the mesh deck. `printed` is U, RF or both.
 void appendRequests(std::string& text, Solver solver, const char* set, const char* printed) {
   if (solver == Solver::Calculix) {
     text +=
@@ -160,7 +159,7 @@ void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
 /// The mesh and the material.
 void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                  const DeckOrigin& origin, const std::string& meshFile) {
-  // The path is as given: both programs look for it in the folder that they were started in.
+  // The path is unchanged: both programs resolve it in their working folder.
   appendText(text, "*INCLUDE, INPUT={}\n", meshFile);
   appendSection(text, mesh, settings, origin.thickness);
   if (!settings.contactFriction) return;
@@ -175,7 +174,7 @@ void appendSpringMoments(std::string& text, const ElementMesh& mesh, const DeckS
     text += "** What springs pull with in the state of the mesh.\n*CLOAD\n" + moments;
 }
 
-/// What a sheet is held and gripped by.
+/// The supports and grips of a sheet.
 struct HeldSheet {
   std::vector<NodeDisplacement> supports;
   std::vector<GripLoad> grips;
@@ -191,8 +190,8 @@ HeldSheet heldSheet(const ElementMesh& mesh) {
   return held;
 }
 
-/// Displacements from the mesh's state on, at each time, of the point that a node is of its tile.
-/// In metres, along the driven axis, an entry a sample; the first is 0 up to rounding.
+/// Displacement of a node's material point since the mesh's state, one entry per sample. In metres,
+/// along the driven axis; the first is 0 up to rounding.
 std::vector<double> displacementsOf(const NodeDisplacement& driven, const ElementMesh& mesh,
                                     const TileHistory& history) {
   const Vector3& start = mesh.nodes[driven.node];
@@ -205,12 +204,12 @@ std::vector<double> displacementsOf(const NodeDisplacement& driven, const Elemen
   return displacements;
 }
 
-/// Every so many samples, the first and the last among them. Amplitudes stay readable:
-/// CalculiX 2.20 crashes on decks with 300,000 pairs in them; it reads 220,000.
+/// Every n-th sample, including the first and the last. This limits the amplitudes: CalculiX 2.20
+/// crashes on decks with 300,000 pairs, and reads 220,000.
 TileHistory thinned(const TileHistory& history, std::size_t driven) {
   constexpr std::size_t kMostPairs = 200'000;
   const std::size_t count = history.times.size();
-  // The last sample is added in any case, for the end state is what is looked at.
+  // The last sample is always added, because the end state matters most.
   const std::size_t step = driven * count / kMostPairs + 1;
   TileHistory kept;
   for (std::size_t k = 0; k + 1 < count; k += step) {
@@ -222,8 +221,8 @@ TileHistory thinned(const TileHistory& history, std::size_t driven) {
   return kept;
 }
 
-/// *AMPLITUDE, four pairs of time and value a line. Values are multiplied by `scale`; times are
-/// seconds in all units.
+/// *AMPLITUDE, four pairs of time and value per line. Values are multiplied by `scale`. Times are
+/// in seconds in all units.
 void appendAmplitude(std::string& text, const std::string& name, const std::vector<double>& times,
                      const std::vector<double>& values, double scale) {
   appendText(text, "*AMPLITUDE, NAME={}\n", name);
@@ -234,7 +233,7 @@ void appendAmplitude(std::string& text, const std::string& name, const std::vect
   }
 }
 
-/// How each of these tiles turns from the mesh's state on.
+/// Rotations of each of these tiles since the mesh's state.
 std::vector<std::vector<Quaternion>> turnsOf(const std::vector<int>& tiles,
                                              const TileHistory& history) {
   std::vector<std::vector<Quaternion>> turns;
@@ -246,12 +245,12 @@ std::vector<std::vector<Quaternion>> turnsOf(const std::vector<int>& tiles,
   return turns;
 }
 
-/// What residual forces are compared with. Tiles on ideal hinges move without any force: programs,
-/// which compare with the mean force, would wait for rounding to vanish. The numbers are
-/// those of *CONTROLS in both programs: R_n = 0.005, the share of the mean force below which
-/// residuals have converged, C_n = 0.01 for corrections, q_0 and q_u, the mean force at the start
-/// and throughout, here E t^2 / 10^6 (N), R_P = 0.02, and the share below which forces count as
-/// zero.
+/// Reference force for residual forces. Tiles on ideal hinges move without any force. Programs
+/// compare residuals with the mean force, so without a reference they would wait for rounding
+/// errors to vanish. The numbers are those of *CONTROLS in both programs: R_n = 0.005, the fraction
+/// of the mean force for convergence of residuals, C_n = 0.01 for corrections, q_0 and q_u, the
+/// mean force at the start and throughout, here E t^2 / 10^6 (N), R_P = 0.02, and the fraction
+/// below which forces count as zero.
 void appendForceMeasure(std::string& text, const DeckSettings& settings, double thickness) {
   const UnitScale scale = unitScale(settings.unit);
   const double force = 1e-6 * settings.material.youngs * thickness * thickness * scale.stress *
@@ -264,13 +263,13 @@ void appendForceMeasure(std::string& text, const DeckSettings& settings, double 
       deckNumber(force));
 }
 
-/// A<node>_<axis>, both from 1, which is unique in a deck.
+/// A<node>_<axis>, both one-based, unique in a deck.
 std::string amplitudeName(const NodeDisplacement& driven) {
   return fmt::format("A{}_{}", driven.node + 1, driven.axis + 1);
 }
 
-/// The tiles at either end of the longest axis: those with faces there, or where no edge is an end,
-/// with nodes.
+/// The tiles at both ends of the longest axis: those with faces there. If no edge is an end, those
+/// with nodes there.
 std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   const std::vector<NamedNodes> sets = boundarySets(mesh);
   std::vector<bool> isAtEnd(mesh.tiles.size());
@@ -283,7 +282,7 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
         const int number = face.element - tile.firstElement;
         return number >= 0 && number < tile.elementCount;
       });
-      // Reference nodes of patches count on after the mesh's own and belong to no tile.
+      // Reference nodes of patches are numbered after the mesh's own and belong to no tile.
       const bool hasNode =
           faces.empty() && std::ranges::any_of(sets[place].nodes, [&](int node) {
             return std::ranges::binary_search(tile.nodes, node);
@@ -306,7 +305,7 @@ void requireMappable(const ElementRule& rule) {
       "leave out --shells");
 }
 
-/// The model with what is held before its step.
+/// The model with the supports before its step.
 void appendHeldModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin, const std::string& meshFile, const HeldSheet& held) {
   appendJointWarnings(text, mesh);
@@ -321,7 +320,7 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
   const HeldSheet held = heldSheet(mesh);
   std::string text = heading(origin, "pulled at both ends");
   appendOrigin(text, origin, settings.unit);
-  // Supports in the plane: two displacements and a turn.
+  // Supports in the plane: two displacements and one rotation.
   const std::size_t rigid = mesh.rule.family == ElementFamily::Plane ? 3 : 6;
   appendText(
       text,
@@ -367,7 +366,7 @@ DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const
 void requireDrivable(const DriveChoice& choice, std::size_t tiles, int countsFrom) {
   std::vector<int> named = choice.tiles;
   std::ranges::sort(named);
-  // Sorted numbers put what is named twice side by side.
+  // In sorted order, duplicates are adjacent.
   for (std::size_t k = 0; k < named.size(); ++k) {
     const int last = static_cast<int>(tiles) - 1 + countsFrom;
     if (named[k] < countsFrom || named[k] > last) {
@@ -399,15 +398,15 @@ std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice)
 DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                  const std::string& meshFile, const TileHistory& allSamples) {
   const std::vector<int> tiles = drivenTiles(mesh, settings.drive);
-  // Six displacements a tile, nine at worst, each with an amplitude of its own.
+  // Six displacements per tile, nine at most, each with its own amplitude.
   const TileHistory history = thinned(allSamples, 6 * tiles.size());
   std::vector<NodeDisplacement> driven;
   const std::vector<std::vector<Quaternion>> turns = turnsOf(tiles, history);
   for (const auto& own : tileDisplacements(mesh, tiles, turns)) {
     driven.insert(driven.end(), own.begin(), own.end());
   }
-  // What the driven tiles leave free moves as the trajectory had it, too: held at rest it would
-  // block the mechanism.
+  // The remaining free motions also follow the trajectory. Holding them at rest would block the
+  // mechanism.
   const std::vector<NodeDisplacement> rest = leastSupports(mesh, tiles);
   driven.insert(driven.end(), rest.begin(), rest.end());
   std::ranges::sort(driven);
@@ -429,8 +428,8 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
     appendAmplitude(text, amplitudeName(one), history.times, displacementsOf(one, mesh, history),
                     scale);
   }
-  // A twentieth of the time an increment at first and at most, a millionth at least: linear paths
-  // between samples are followed closely enough, and CalculiX cuts increments where it must.
+  // The initial and maximum increment is a twentieth of the time, the minimum a millionth. Linear
+  // paths between samples are followed closely enough, and CalculiX reduces increments as needed.
   const double end = history.times.back();
   appendText(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
              deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
@@ -463,7 +462,7 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
   text += "*STEP, NLGEOM, INC=1000\n*STATIC\n1., 1., 1e-6, 1.\n";
   appendForceMeasure(text, settings, origin.thickness);
   text += "*BOUNDARY\n";
-  // Followers cannot be prescribed; they go where their leaders do.
+  // Dependent nodes cannot be prescribed; they move with their leaders.
   const std::vector<bool> follows = followers(mesh);
   const double scale = unitScale(settings.unit).length;
   const auto appendMove = [&](int node, const Vector3& move) {
@@ -483,14 +482,15 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
 
 DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile) {
-  // Small enough that a linear step is right, large against rounding of coordinates.
+  // Small enough for linear theory, large relative to the rounding of coordinates.
   constexpr double kStrain = 1e-3;
   const Periodicity periodic = periodicity(mesh);
-  // The supports must know of ties, or they would hold motions that these stop already.
+  // The supports must include the ties. Otherwise they would hold motions that ties already
+  // prevent.
   ElementMesh tied = mesh;
   tied.ties = periodic.ties;
   const std::vector<NodeDisplacement> supports = leastSupports(tied);
-  // As meshDeck numbers them: after the mesh's nodes.
+  // Numbered as in meshDeck: after the mesh's nodes.
   const int control = static_cast<int>(mesh.nodes.size());
   const double scale = unitScale(settings.unit).length;
   std::string text = heading(origin, "periodic");
@@ -519,8 +519,8 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   appendSupports(text, supports);
   const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
   if (directions == 3) appendText(text, "{0}, 3, 3\n{1}, 3, 3\n", control + 1, control + 2);
-  // Components of H, and what each step prescribes of them. What a step prescribes stays
-  // prescribed in the next ones. Steps are linear: the other sign gives the same energy.
+  // Components of H prescribed by each step. They stay prescribed in later steps. Steps are linear:
+  // the opposite sign gives the same energy.
   struct Strain {
     const char* words;
     double xx, shear;
@@ -553,35 +553,35 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
 }
 
 // ------------------------------------------------------------------------------------------------
-// Let the unknowns be six displacements u_t of nodes of each tile t, which fix it as a rigid body.
-// A point p of the tile then moves by R(p) B_t^-1 u_t, where R(p) = [1, -[p - c]x] maps velocity
-// and spin to the point and B_t holds the rows of R that belong to u_t. A joint asks that two tiles
-// move alike at its middle and, where it goes through the thickness along d, that they turn its
-// line alike, s w x d with a length s of the tiles' size: J u = 0. (Two points a thickness apart
-// would require the same, but for thin bricks so softly that a held motion would count as free.)
+// The unknowns are six displacements u_t of nodes of each tile t, which fix it as a rigid body. A
+// point p of the tile moves by R(p) B_t^-1 u_t. R(p) = [1, -[p - c]x] maps velocity and spin to the
+// point, and B_t has the rows of R for u_t. A joint requires that two tiles have the same motion at
+// its middle. If it goes through the thickness along d, both must also rotate its line equally, s w
+// x d with a length s of the tiles' size: J u = 0. (Two points a thickness apart would be
+// equivalent, but for thin bricks so weak that a held motion would count as free.)
 //
-// What J leaves free is the first-order motions of rigid tiles. job.h finds as many
-// unknowns as there are of them, and holding these leaves none (compare C. Farhat, M. Geradin, On
-// the general solution by a direct method of a large-scale singular system of linear equations,
+// The null space of J contains the first-order motions of rigid tiles. The search finds as many
+// unknowns as its dimension, and holding these removes all motions (compare C. Farhat, M. Geradin,
+// On the general solution by a direct method of a large-scale singular system of linear equations,
 // Int. J. Numer. Meth. Engng. 41, 1998).
 //
-// Elimination leaves of a column |J u| for a motion u with this unknown at 1. For a motion that
-// strains nothing that is rounding times |u|; where corners that meet are g apart, J is wrong by
-// g / s, and it is up to g / s |u|. |u| is about the root of the number of unknowns n. Free is
-// hence what lies below root(n) (1e-8 + g / s), but never above 1e-3: a motion that opens joints by
-// more than a thousandth of what it moves is not that of a mechanism, for any g.
+// Elimination leaves of a column |J u| for a motion u with this unknown at 1. For a motion without
+// strain this is rounding times |u|. If corners have a gap g, J has the error g / s, and it is up
+// to g / s |u|. |u| is about the root of the number of unknowns n. Columns below root(n) (1e-8 + g
+// / s) are therefore free, but never those above 1e-3: a motion that opens joints by more than a
+// thousandth of its size is not a mechanism, for any g.
 
 namespace {
 
-/// How a tile's points follow its six displacements. Spins are multiplied by `size`: all
-/// six unknowns are lengths and rows compare.
+/// Motion of a tile's points by its six displacements. Spins are multiplied by `size`. All six
+/// unknowns are then lengths, and rows are comparable.
 struct TileMotion {
   std::vector<NodeDisplacement> displacements;
   Vector3 centre;
-  double size = 1;  ///< metres, by which spins are scaled
+  double size = 1;  ///< metres, scale of spins
   Matrix6 fromDisplacements;
 
-  /// The rows of velocity and spin that make the motion of a point.
+  /// The rows that map velocity and spin to the motion of a point.
   Eigen::Matrix<double, 3, 6> motionOf(const Vector3& point) const {
     Eigen::Matrix<double, 3, 6> rows;
     rows << Matrix3::Identity(), -crossMatrix(point - centre) / size;
@@ -589,8 +589,8 @@ struct TileMotion {
   }
 };
 
-/// The nodes of joints, and those that tiles share with necks or each other. A node that a second
-/// part uses is one of these.
+/// The nodes of joints, and those that tiles share with necks or each other. Any node that a second
+/// part uses counts.
 std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
   std::vector<bool> isJoint(mesh.nodes.size());
   std::vector<bool> isUsed(mesh.nodes.size());
@@ -609,13 +609,14 @@ std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
   return isJoint;
 }
 
-/// Whether six displacements fix a tile at any turn: their equations' least singular value,
-/// with spins scaled by the tile's size. What falls below is driven by nine.
+/// Minimum for six displacements to fix a tile at any rotation: least singular value of their
+/// equations, with spins scaled by the tile's size. Tiles below it are driven by nine
+/// displacements.
 constexpr double kLeastGrip = 0.1;
-/// So many of a tile's turns are looked at.
+/// Number of a tile's rotations that are checked.
 constexpr std::size_t kTurnsLookedAt = 24;
 
-/// Evenly spread, the first and the last among them.
+/// Evenly distributed, including the first and the last.
 std::vector<Matrix3> someOf(const std::vector<Quaternion>& turns) {
   std::vector<Matrix3> some;
   const std::size_t step = turns.size() / kTurnsLookedAt + 1;
@@ -624,17 +625,17 @@ std::vector<Matrix3> someOf(const std::vector<Quaternion>& turns) {
   return some;
 }
 
-/// Finds the displacements of tiles one by one.
+/// Selects the displacements of tiles one by one.
 class MotionFinder {
  public:
-  /// `others` are nodes to be avoided like those of joints.
+  /// `others` are nodes to avoid, like those of joints.
   explicit MotionFinder(const ElementMesh& mesh, const std::vector<int>& others = {})
       : mesh_(mesh), isJoint_(jointNodesOf(mesh)), follows_(followers(mesh)) {
     for (const int node : others) isJoint_[node] = true;
   }
 
-  /// Tries, in this order, nodes of the bottom that no joint touches, all of the bottom that lead,
-  /// and all of the tile: displacements at joints would act on the neighbours at first hand.
+  /// Tries in this order: bottom nodes without joints, all independent bottom nodes, all nodes of
+  /// the tile. Displacements at joints would act directly on the neighbours.
   TileMotion of(int tile, const std::vector<Quaternion>& turns = {}) const {
     const TileElements& elements = mesh_.tiles[tile];
     std::vector<int> apart;
@@ -666,10 +667,10 @@ class MotionFinder {
 
   bool isPlane() const { return mesh_.rule.family == ElementFamily::Plane; }
 
-  /// Whether displacements of these nodes fix the tile when it is turned so: those that a pivoted
-  /// QR factorisation of all their rows takes first. Column k of the 6 x 3n matrix is what one
-  /// displacement of one node sees of the tile's six motions. The first six pivots are the
-  /// best-conditioned that a greedy choice finds.
+  /// Whether displacements of these nodes fix the tile at this rotation. Selects the first columns
+  /// of a pivoted QR factorisation of all their rows. Column k of the 6 x 3n matrix is the effect
+  /// of the tile's six motions on one displacement of one node. The first six pivots are the
+  /// best-conditioned greedy choice.
   bool choose(const std::vector<int>& nodes, const Matrix3& turn, TileMotion& motion) const {
     if (nodes.size() < 3) return false;
     Eigen::AlignedBox3d box;
@@ -684,7 +685,7 @@ class MotionFinder {
       if (isPlane()) own.col(2).setZero();
     }
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(rows);
-    // Relative to the largest pivot: nodes in one line give rank 5.
+    // Relative to the largest pivot: collinear nodes give rank 5.
     factors.setThreshold(1e-6);
     const int count = isPlane() ? 3 : 6;
     if (factors.rank() < count) return false;
@@ -697,7 +698,7 @@ class MotionFinder {
     return true;
   }
 
-  /// Where a node is when the tile is turned about its centre.
+  /// Position of a node after rotation of the tile about its centre.
   Vector3 turned(int node, const Matrix3& turn, const TileMotion& motion) const {
     return motion.centre + turn * (mesh_.nodes[node] - motion.centre);
   }
@@ -713,9 +714,9 @@ class MotionFinder {
     return rows;
   }
 
-  /// How well displacements fix the tile in the worst of its turns. The least singular value of the
-  /// rows. 1 would be six displacements as good as velocity and spin themselves; 0 is a motion that
-  /// none of them sees.
+  /// Conditioning of the displacements in the worst rotation of the tile: the least singular value
+  /// of the rows. 1 is as good as velocity and spin themselves. 0 means that some motion affects
+  /// none of the displacements.
   double gripOf(const TileMotion& motion, const std::vector<Matrix3>& turns) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Matrix3& turn : turns) {
@@ -725,9 +726,9 @@ class MotionFinder {
     return least;
   }
 
-  /// Replaces displacements that a turn makes useless (all in one line with what they should stop)
-  /// by those that suit another turn and all others, or else by all of three nodes. Tries the best
-  /// choice for each turn in turn and keeps the one that is best in its worst.
+  /// Replaces displacements that do not fix the tile at some rotation (all collinear with the
+  /// motion that they should prevent). Tries the best choice for each rotation and keeps the one
+  /// with the best worst case. If none is sufficient, uses all displacements of three nodes.
   void keepGrip(const std::vector<int>& nodes, const std::vector<Matrix3>& turns,
                 TileMotion& motion) const {
     double best = gripOf(motion, turns);
@@ -742,7 +743,8 @@ class MotionFinder {
     if (best < kLeastGrip) motion.displacements = allOfThree(nodes);
   }
 
-  /// All displacements of a node, the one farthest from it, and the one farthest from their line.
+  /// All displacements of a node, of the node farthest from it, and of the node farthest from their
+  /// line.
   std::vector<NodeDisplacement> allOfThree(const std::vector<int>& nodes) const {
     const auto farthest = [&](const auto& distance) {
       return *std::ranges::max_element(nodes, {},
@@ -772,10 +774,10 @@ Vector3 normalOf(const ElementMesh& mesh, const TileElements& tile) {
   return (at(2) - at(0)).cross(at(3) - at(1)).normalized();
 }
 
-/// What a joint asks of two tiles.
+/// The equations of a joint between two tiles.
 PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
                           const std::vector<TileMotion>& motions) {
-  // The middle between both tiles' nodes: where a gap is left the joint is thought halfway.
+  // The middle of both tiles' nodes: at a gap the joint lies halfway.
   const auto at = [&](std::size_t k) {
     return Vector3(0.5 * (mesh.nodes[joint.a[k]] + mesh.nodes[joint.b[k]]));
   };
@@ -789,7 +791,7 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
     PairEquations::Rows rows = PairEquations::Rows::Zero(joint.isHinge ? 6 : 3, 6);
     rows.topRows<3>() = motion.motionOf(0.5 * (bottom + top));
     if (joint.isHinge) {
-      // s (w x d): a turn about d itself drops out. These three rows have rank 2.
+      // s (w x d): a rotation about d itself has no effect. These three rows have rank 2.
       rows.bottomRightCorner<3, 3>() = -size / motion.size * crossMatrix(line);
     }
     return PairEquations::Rows(sign * rows * motion.fromDisplacements);
@@ -798,7 +800,7 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
           rowsOf(motions[joint.tileB], -1)};
 }
 
-/// What a fixed joint asks: both tiles move and turn alike.
+/// The equations of a fixed joint: equal motion and rotation of both tiles.
 PairEquations equationsOf(const JoinedTiles& joined, const std::vector<TileMotion>& motions) {
   const Vector3 point =
       0.5 * (motions[joined.tileA].centre + motions[joined.tileB].centre);
@@ -813,8 +815,8 @@ PairEquations equationsOf(const JoinedTiles& joined, const std::vector<TileMotio
           rowsOf(motions[joined.tileB], -1)};
 }
 
-/// What ties require of tiles while control nodes rest; one body if `motions` has one. u_node =
-/// u_leader, since the control nodes do not move.
+/// The equations of ties with control nodes at rest, u_node = u_leader. `motions` has one entry for
+/// a single body.
 std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
                                         const std::vector<TileMotion>& motions) {
   std::vector<int> owner(mesh.nodes.size());
@@ -834,15 +836,14 @@ std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
   return equations;
 }
 
-/// Whether there are springs wherever tiles turn against each other: no mechanism is left.
+/// Whether all hinges have springs: no mechanism is left.
 bool hasSpringsEverywhere(const ElementMesh& mesh) {
   std::vector<bool> hasSpring(mesh.clusters.size());
   for (const PatchSpring& spring : mesh.springs) hasSpring[spring.cluster] = true;
   return !mesh.springs.empty() && std::ranges::find(hasSpring, false) == hasSpring.end();
 }
 
-/// How short the columns are that have nothing left. As said at the head of the file: min(1e-3,
-/// sqrt(n) (1e-8 + g / s)).
+/// Tolerance for columns without remainder, see above: min(1e-3, sqrt(n) (1e-8 + g / s)).
 double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
   constexpr double kColumnRounding = 1e-8;
   constexpr double kShortestColumn = 1e-3;
@@ -871,16 +872,16 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
                                             const std::vector<int>& loadedNodes) {
   const MotionFinder finder(mesh, loadedNodes);
   const bool isOneBody = mesh.rule.joints == JointStyle::Neck || hasSpringsEverywhere(mesh);
-  // One body that a fixed tile holds already needs no more.
+  // A fixed tile already holds a single body.
   if (isOneBody && !fixedTiles.empty()) return {};
   std::vector<NodeDisplacement> held;
   if (isOneBody && mesh.ties.empty()) {
-    // Six displacements of any one tile hold a body.
+    // Six displacements of any tile hold a single body.
     held = finder.of(0).displacements;
     std::ranges::sort(held);
     return held;
   }
-  // A plane sheet whose ends are tied cannot turn: two displacements are left.
+  // A planar sheet with tied ends cannot rotate: two displacements are left.
   if (mesh.rule.family == ElementFamily::Plane) {
     const NodeDisplacement first = finder.of(0).displacements[0];
     return {{first.node, 0, 0}, {first.node, 1, 0}};
@@ -909,21 +910,21 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
 // ------------------------------------------------------------------------------------------------
 // A multifrontal QR factorisation of J with column pivoting within each tile (T. A. Davis,
 // Algorithm 915, SuiteSparseQR: multifrontal multithreaded rank-revealing sparse QR factorization,
-// ACM Trans. Math. Softw. 38, 2011; the test of rank is Heath's, section 2.6 there). Tiles are
-// eliminated in the order and the fronts of sim/mechanics/block_cholesky.h, which holds for QR too:
-// J^T J has the graph of the tiles.
+// ACM Trans. Math. Softw. 38, 2011; the rank test is Heath's, section 2.6 there). Tiles are
+// eliminated in the order and fronts of sim/mechanics/block_cholesky.h, which also apply to QR: J^T
+// J has the graph of the tiles.
 //
-// A front holds the equations that touch its own tiles F and what its children left over.
-// Householder reflections make F upper trapezoidal, for each tile its longest remaining column
+// A front has the equations that contain its own tiles F, and the remainders of its children.
+// Householder reflections make F upper trapezoidal. Each tile's longest remaining column comes
 // first:
 //
-//     [ F | G ]  ->  [ R  S ]     R: eliminated columns, done with
-//                    [ 0  L ]     L: left over, for the parent; never more rows than columns
+//     [ F | G ] -> [ R S ] R: eliminated columns, complete
+//                    [ 0 L ] L: remainder for the parent, at most as many rows as columns
 //
-// Where the columns that remain of a tile are shorter than the tolerance, they depend on those
-// before: their unknowns are free, and the columns are left out, which is to hold them at zero. J
-// is never squared: a column that strains nothing is left with rounding, 1e-16 times the
-// length of the motion that it belongs to, and not with the root of that.
+// If the remaining columns of a tile are shorter than the tolerance, they depend on earlier ones.
+// Their unknowns are free, and the columns are left out, which holds them at zero. J is never
+// squared: a column without strain has a remainder of rounding, 1e-16 times the length of its
+// motion, and not the root of that.
 
 namespace {
 
@@ -935,14 +936,14 @@ class FrontalElimination {
                      const std::vector<bool>& isFixed, double tolerance)
       : equations_(equations), isFixed_(isFixed), tolerance_(tolerance), tileAt_(tileCount) {
     std::vector<std::pair<int, int>> edges;
-    // The graph has a vertex a tile and an edge a pair that equations connect. Its fill is that of
-    // a Cholesky factorisation of J^T J.
+    // The graph has one vertex per tile and one edge per pair with equations. The fill is that of a
+    // Cholesky factorisation of J^T J.
     for (const PairEquations& pair : equations) {
       if (pair.firstTile != pair.secondTile) edges.emplace_back(pair.firstTile, pair.secondTile);
     }
     plan_ = mechanics::planElimination(tileCount, edges);
     for (int tile = 0; tile < tileCount; ++tile) tileAt_[plan_.place[tile]] = tile;
-    // An equation enters with the first of its tiles that is eliminated.
+    // An equation enters with its first eliminated tile.
     equationsAt_.resize(tileCount);
     for (std::size_t k = 0; k < equations.size(); ++k) {
       equationsAt_[std::min(place(equations[k].firstTile), place(equations[k].secondTile))]
@@ -959,9 +960,9 @@ class FrontalElimination {
  private:
   int place(int tile) const { return plan_.place[tile]; }
 
-  /// The equations of a front: those of its own tiles, and what its children left over. Columns are
-  /// the front's own tiles first, then those of `node.rows`, six each. A child's rest has the
-  /// columns of its own `rows`, whose places here `childPlaces` names.
+  /// The equations of a front: those of its own tiles, and the remainders of its children. Columns
+  /// are the front's own tiles first, then those of `node.rows`, six each. A child's remainder has
+  /// the columns of its own `rows`, whose positions here are in `childPlaces`.
   Eigen::MatrixXd assemble(const mechanics::Supernode& node) {
     Eigen::Index rows = 0;
     for (const int child : node.children) rows += leftOver_[child].rows();
@@ -981,7 +982,7 @@ class FrontalElimination {
             part.middleCols<kUnknowns>(kUnknowns * static_cast<Eigen::Index>(k));
       }
       row += part.rows();
-      // Memory is given back as fronts are done: no more than one path's rests are kept at a time.
+      // Memory is freed after each front, so only the remainders of one path are stored.
       part.resize(0, 0);
     }
     for (int c = 0; c < node.columnCount; ++c) {
@@ -995,11 +996,11 @@ class FrontalElimination {
     return front;
   }
 
-  /// Adds one tile's side of an equation.
+  /// Adds one tile's columns of an equation.
   void place(Eigen::MatrixXd& front, Eigen::Index row, const mechanics::Supernode& node, int tile,
              const PairEquations::Rows& block) const {
     if (isFixed_[tile]) return;
-    // Own tiles follow each other by place; the others are found in the sorted list of rows.
+    // Own tiles are consecutive, the others are found in the sorted list of rows.
     int column = place(tile) - node.firstColumn;
     if (column >= node.columnCount) {
       const auto found = std::ranges::lower_bound(node.rows, place(tile));
@@ -1008,7 +1009,7 @@ class FrontalElimination {
     front.block(row, kUnknowns * column, block.rows(), kUnknowns) += block;
   }
 
-  /// Fronts come in an order in which children precede their parents.
+  /// Fronts are ordered with children before their parents.
   void eliminate(std::size_t number) {
     const mechanics::Supernode& node = plan_.supernodes[number];
     Eigen::MatrixXd front = assemble(node);
@@ -1018,7 +1019,7 @@ class FrontalElimination {
     }
     const auto own = kUnknowns * static_cast<Eigen::Index>(node.columnCount);
     Eigen::MatrixXd rest = front.bottomRightCorner(front.rows() - row, front.cols() - own);
-    // More rows than columns carry no further information: R of their QR has the same J^T J.
+    // More rows than columns contain no further information: R of their QR has the same J^T J.
     if (rest.rows() > rest.cols()) {
       for (Eigen::Index k = 0; k < rest.cols(); ++k) {
         rest(k, k) = reflect(rest, k, k);
@@ -1029,8 +1030,9 @@ class FrontalElimination {
     leftOver_[number] = std::move(rest);
   }
 
-  /// Reflects the columns of one tile, from this row and column on. Returns the row after them. The
-  /// invariant: the first `row` rows are done, and no later column of this tile reaches above them.
+  /// Reflects the columns of one tile, starting at this row and column. Returns the next row.
+  /// Invariant: the first `row` rows are complete, and no later column of this tile reaches above
+  /// them.
   Eigen::Index eliminateTile(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column,
                              int tile) {
     std::array<int, kUnknowns> unknowns = {0, 1, 2, 3, 4, 5};
@@ -1044,12 +1046,12 @@ class FrontalElimination {
                      .squaredNorm()
                      .maxCoeff(&longest);
       }
-      // The longest column is too short, so all that remain are.
+      // The longest column is too short, and so are all remaining ones.
       if (square <= tolerance_ * tolerance_) {
         for (; k < kUnknowns && !isFixed_[tile]; ++k) free_.push_back({tile, unknowns[k]});
         break;
       }
-      // Pivoting stays within the tile, or the plan of fronts would no longer hold.
+      // Pivoting stays within the tile, because the plan of fronts requires it.
       front.col(column + k).swap(front.col(column + k + longest));
       std::swap(unknowns[k], unknowns[k + longest]);
       reflect(front, row++, column + k);
@@ -1057,8 +1059,8 @@ class FrontalElimination {
     return row;
   }
 
-  /// Makes one column zero below this row, and what is right of it as that changes it. Returns what
-  /// the column has in the row then; it itself is left as it was reflected by.
+  /// Zeroes one column below this row and updates the columns to its right. Returns the column's
+  /// new entry in the row. The column itself keeps the reflection vector.
   double reflect(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column) {
     auto below = front.col(column).tail(front.rows() - row);
     double factor = 0;
@@ -1077,7 +1079,7 @@ class FrontalElimination {
   mechanics::Elimination plan_;
   std::vector<int> tileAt_;                            ///< by place
   std::vector<std::vector<std::size_t>> equationsAt_;  ///< by place
-  std::vector<Eigen::MatrixXd> leftOver_;              ///< by supernode, until its parent takes it
+  std::vector<Eigen::MatrixXd> leftOver_;              ///< by supernode, until its parent uses it
   Eigen::VectorXd work_;
   std::vector<FreeColumn> free_;
 };

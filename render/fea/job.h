@@ -13,129 +13,129 @@
 namespace kirireel::fea {
 
 // ------------------------------------------------------------------------------------------------
-// Jobs for CalculiX and Abaqus on the decks of a sheet.
+// Jobs for CalculiX and Abaqus that use the decks of a sheet.
 
 /// A job on a mesh deck.
 struct DeckJob {
-  std::string sets;  ///< node sets that the job needs at the end of its mesh deck: readers of
-                     ///< meshes know sets only next to their nodes
-  std::string text;  ///< of the job itself, which includes the mesh deck
+  std::string sets;  ///< node sets for the end of the job's mesh deck: programs read sets of nodes
+                     ///< only next to the nodes
+  std::string text;  ///< text of the job, which includes the mesh deck
 };
 
-/// A job that includes the mesh deck of this name and runs as it is: the sheet is held
-/// only by leastSupports and pulled apart, along its longest axis, by 1 N at each end (the nodes
-/// of XMIN and XMAX, or of another axis, that are not held). The force passes its joints.
-/// Asks for displacements, stresses, strains and reactions. A template to be edited. `meshFile` is
-/// written into *INCLUDE as it is. Throws what leastSupports throws. The cost is that of
-/// leastSupports, a sparse factorisation of six unknowns a tile.
+/// A job that includes the mesh deck `meshFile` and runs without editing. Only leastSupports hold
+/// the sheet. A force of 1 N on each end pulls it along its longest axis (the free nodes of XMIN
+/// and XMAX, or of another axis). The force passes through its joints. Requests displacements,
+/// stresses, strains and reactions. The user can edit it as a template. *INCLUDE gets `meshFile`
+/// unchanged. Throws like leastSupports and costs as much: a sparse factorisation of six unknowns
+/// per tile.
 DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                   const std::string& meshFile);
 
-/// The same supports, but the ends pushed together: a *BUCKLE step that finds the first five
-/// multiples of 1 N at which the sheet buckles. Needs the sets of staticJob. Factors are forces in
-/// newtons, because the load is 1 N. Throws what leastSupports throws.
+/// The same supports with compressed ends: a *BUCKLE step that computes the first five multiples of
+/// 1 N at which the sheet buckles. Needs the sets of staticJob. Factors are forces in newtons,
+/// because the load is 1 N. Throws like leastSupports.
 DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile);
 
-/// How tiles moved from the state of a mesh on.
+/// Motion of tiles since the state of a mesh.
 struct TileHistory {
-  std::vector<double> times;  ///< seconds from that state, rising from 0
-  std::vector<Poses> poses;   ///< one entry a time, the mesh's own first
+  std::vector<double> times;  ///< seconds since that state, ascending from 0
+  std::vector<Poses> poses;   ///< one entry per time, the first is the mesh's own
 };
 
-/// Throws InputError for a choice that names tiles that a model with so many does not have, or one
-/// twice. `countsFrom` is the number of its first tile.
+/// Throws InputError for a choice with duplicate tiles or with tiles outside a model of `tiles`
+/// tiles. `countsFrom` is the number of the first tile.
 void requireDrivable(const DriveChoice& choice, std::size_t tiles, int countsFrom);
 
-/// The tiles that a choice names, from 0. Throws what requireDrivable throws.
+/// The chosen tiles, zero-based. Throws like requireDrivable.
 std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice);
 
-/// A job that follows a deployment with large displacements: the driven tiles are moved
-/// by displacements of their nodes (tileDisplacements) as the trajectory moved them, by
-/// *AMPLITUDE, and so is what their motion leaves free of the joints' mechanisms (leastSupports).
-/// The time of its step is the deployment's. Prints the reactions at NDRIVE in every increment,
-/// with CalculiX the strain energy too. `history` has at least two times and one set of poses for
-/// each; samples are left out where a deck would hold more than 200,000 pairs. Throws what
-/// requireDrivable and tileDisplacements throw.
+/// A job that follows a deployment with large displacements. *AMPLITUDE moves nodes of the
+/// driven tiles (tileDisplacements) as in the trajectory. It also moves the remaining
+/// mechanisms of the joints (leastSupports). The time of its step is the deployment's time.
+/// Prints the reactions at NDRIVE in every increment, in CalculiX also the strain energy.
+/// `history` has at least two times and one set of poses for each. Samples are skipped if a
+/// deck would have more than 200,000 pairs. Throws like requireDrivable and
+/// tileDisplacements.
 DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                  const std::string& meshFile, const TileHistory& history);
 
-/// A job that takes a mesh to a later state of the same sheet in one step with large displacements:
-/// every node that follows no other is moved to where `later`, whose nodes have the same numbers,
-/// has it. Tiles turn and strain nothing: the mesh's own state is stress-free and the
-/// nodes' displacements are the map from one state to the other: steps that follow start from
-/// there. Throws InputError for shells and plane elements, whose nodes' turns are not known.
-/// `later` is made by the same rule as `mesh`.
+/// A job that moves a mesh to a later state of the same sheet in one step with large
+/// displacements. Every independent node moves to its position in `later`, which has the same node
+/// numbers. Tiles only rotate, without strain: the mesh's own state is stress-free, and the
+/// displacements are the map from one state to the other. Later steps can start there. Throws
+/// InputError for shells and plane elements, whose nodal rotations are unknown. `later` must have
+/// the same rule as `mesh`.
 DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const DeckSettings& settings,
                     const DeckOrigin& origin, const std::string& meshFile);
 
-/// A job on a sheet that repeats (periodicity()), one cell of an infinite sheet. Three linear steps
-/// strain it by a thousandth: stretched along x, free to widen along y; sheared; compressed along y
-/// without strain along x. Prints the displacements and reactions of the control nodes, with CalculiX the
-/// strain energy too. Throws what periodicity throws.
+/// A job on one cell of an infinite periodic sheet (periodicity()). Three linear steps apply a
+/// strain of a thousandth: tension along x, free to widen along y; shear; compression along y
+/// without strain along x. Prints the displacements and reactions of the control nodes, in CalculiX
+/// also the strain energy. Throws like periodicity.
 DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile);
 
 // ------------------------------------------------------------------------------------------------
-// Which displacements to hold for a static step of a sheet of hinged tiles.
+// Supports for a static step of a sheet of hinged tiles.
 
-/// A displacement of a node along an axis of the world.
+/// A displacement of a node along a world axis.
 struct NodeDisplacement {
-  int node = 0;  ///< from 0
+  int node = 0;  ///< zero-based
   int axis = 0;  ///< 0, 1, 2: x, y, z
-  int tile = 0;  ///< that the node belongs to
+  int tile = 0;  ///< the node's tile
 
   auto operator<=>(const NodeDisplacement&) const = default;
 };
 
-/// For each of these tiles displacements of its nodes that fix it as a rigid body: six, which
-/// strain nothing, or where no six do so in all turns, all nine of three nodes. They lie on nodes
-/// that follow no others and belong to no joint: what holds or drives them acts through the
-/// joints on the other tiles; where a tile has no such nodes, on nodes of joints. Plane elements
-/// have three. `turns` are the rotations that the tiles will have from the mesh's state on, one
-/// list a tile, or none. Throws InputError when even these do not fix a tile: all of them follow
-/// others. `tiles` counts from 0; one list of displacements a tile, in their order.
+/// For each of these tiles, displacements of its nodes that fix it as a rigid body. Six cause no
+/// strain. If no six are sufficient at all rotations, all nine of three nodes. Plane elements need
+/// three. The nodes are independent and belong to no joint, so supports and drives act on other
+/// tiles only through joints. A tile without such nodes uses nodes of joints. `turns`: the tiles'
+/// rotations since the mesh's state, one list per tile, or empty. Throws InputError if no
+/// displacements fix a tile because all its nodes are dependent. `tiles` is zero-based; returns one
+/// list per tile, in their order.
 std::vector<std::vector<NodeDisplacement>> tileDisplacements(
     const ElementMesh& mesh, const std::vector<int>& tiles,
     const std::vector<std::vector<Quaternion>>& turns = {});
 
-/// The fewest displacements that leave the sheet no way to move without strain, were its tiles
-/// rigid: six for the motions of the whole and one for each mechanism of the first order. None of
-/// them takes load from another; the reactions follow only from equilibrium. With springs at all
-/// hinges no mechanism is left. `fixedTiles` are held by other means already; `loadedNodes` are held
-/// only if there are no others, since what loads a held node counts among its reactions. Sorted.
-/// Throws InputError as tileDisplacements does. Costs a sparse QR factorisation of six unknowns a tile
-/// (job.h).
+/// The minimum set of displacements that prevents all motions of rigid tiles: six for the
+/// whole and one for each first-order mechanism. They carry no load from each other, so
+/// reactions follow from equilibrium. Springs at all hinges leave no mechanism.
+/// `fixedTiles` are already held by other means. `loadedNodes` are held only if there are
+/// no others, since the load on a held node is part of its reaction. Sorted. Throws
+/// InputError like tileDisplacements. Costs a sparse QR factorisation of six unknowns per
+/// tile (job.h).
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
                                             const std::vector<int>& fixedTiles = {},
                                             const std::vector<int>& loadedNodes = {});
 
 // ------------------------------------------------------------------------------------------------
-// Which unknowns of a sparse system of equations between pairs of tiles can be chosen freely.
+// Free unknowns of a sparse system of equations between pairs of tiles.
 
-/// Equations between the six unknowns of one tile and those of another, or the same: first u_first
-/// + second u_second = 0.
+/// Equations between six unknowns each of two tiles, possibly the same: first u_first + second
+/// u_second = 0.
 struct PairEquations {
   /// Six columns, at most six rows.
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
 
-  int firstTile = 0;   ///< its number, from 0
-  int secondTile = 0;  ///< its number, from 0; it may be the first
-  Rows first;          ///< (equations x 6), at most six
-  Rows second;         ///< as many
+  int firstTile = 0;   ///< number, zero-based
+  int secondTile = 0;  ///< number, zero-based; may equal the first
+  Rows first;          ///< (equations x 6), at most six rows
+  Rows second;         ///< the same size
 };
 
-/// An unknown: one of the six of a tile.
+/// One of the six unknowns of a tile.
 struct FreeColumn {
-  int tile = 0;     ///< its number, from 0
+  int tile = 0;     ///< number, zero-based
   int unknown = 0;  ///< 0 to 5
 };
 
-/// The unknowns without which the equations have only the solution zero, as many as the matrix has
-/// nullity. A column counts as free where elimination leaves it shorter than `tolerance`, in the
-/// equations' own measure. Tiles that are fixed have no unknowns. Each tile's together, in the
-/// order of elimination. `isFixed` has tileCount entries. The tolerance has the unit of the
-/// equations' rows. Work is that of a sparse QR factorisation in an order of minimum degree.
+/// The unknowns without which the equations have only the zero solution. Their count is the nullity
+/// of the matrix. A column is free if elimination leaves it shorter than `tolerance`, in the units
+/// of the equations' rows. Fixed tiles have no unknowns. The result is grouped by tile, in the
+/// order of elimination. `isFixed` has tileCount entries. The work is that of a sparse QR
+/// factorisation with minimum degree ordering.
 std::vector<FreeColumn> freeColumns(int tileCount, const std::vector<PairEquations>& equations,
                                     const std::vector<bool>& isFixed, double tolerance);
 
