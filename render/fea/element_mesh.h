@@ -29,8 +29,8 @@ enum class ElementFamily {
   Plane,  ///< plane stress, CPS8R or CPS4, only with necks
 };
 
-/// How bricks become elements. The defaults bend as plates do, in sheets of up to 468 squares: a
-/// clamped plate 50 times as wide as thick to 1.1%, a cantilever 20 times as long as thick to 1.7%.
+/// Rule for dividing bricks into elements. Errors of the defaults (up to 468 squares): 1.1% for a
+/// clamped plate 50 times as wide as thick, 1.7% for a cantilever 20 times as long as thick.
 struct ElementRule {
   int perEdge = 0;        ///< elements along each edge of a tile, 1 to 64; 0: usualPerEdge, more if
                           ///< joint patches need them

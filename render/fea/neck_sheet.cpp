@@ -1,17 +1,18 @@
-// The outline's regions become surfaces that share lines where tiles and necks meet: Gmsh
-// makes one mesh of them; the sides of a slit are lines of their own. It stays open. All
-// cells are quadrilaterals: Gmsh pairs triangles to quadrilaterals and then divides each cell into
-// quadrilaterals of half its size. At a distance d from the necks their size is
-//
+// The outline's regions become surfaces that share lines between tiles and necks, so Gmsh
+// makes one mesh of them. The two sides of a slit are separate lines, so it stays open.
+// All cells are quadrilaterals: Gmsh combines triangles to quadrilaterals and then divides
+// each cell into quadrilaterals of half its size. At a distance d from the necks their
+// size is
 //     h(d) = clamp(h_neck + 0.25 (d - w / 2), h_neck, h_tile),   h_neck = w / 6, h_tile = size / 8,
 //
-// and at a distance d from their corners, where stresses are singular, at most h_neck / 8 + 0.25 d;
-// all in proportion to the number of elements per edge, for linear elements half as much.
+// At a distance d from corners, where stresses are singular, it is at most h_neck / 8 + 0.25 d. All
+// sizes are inversely proportional to the number of elements per edge, and half as large for linear
+// elements.
 //
-// Shells are finer along the ends of the sheet too, h_tile / 4 + 0.25 d, where they are clamped:
-// CalculiX expands a shell to solids, whose thickness cannot change with bending where all of an
-// edge is held, and it recovers over one element. A strip as wide as that element is too stiff, by
-// which a clamped square plate of 8 elements per edge sinks 5% too little.
+// Shells are also finer along the ends of the sheet, h_tile / 4 + 0.25 d, where they are clamped.
+// CalculiX expands a shell to solids, whose thickness cannot change with bending at a fully clamped
+// edge. This effect decays over one element. A strip of that width is too stiff: a clamped square
+// plate of 8 elements per edge deflects 5% too little.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -30,10 +31,10 @@
 namespace kirireel::fea {
 namespace {
 
-constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
+constexpr double kAcrossNeck = 6;  ///< elements, at the default number per edge
 constexpr double kFinerAtCorners = 8;
 constexpr double kFinerAtEnds = 4;  ///< of shells
-/// Metres of element size a metre of distance.
+/// Increase of element size per distance, metres per metre.
 constexpr double kMeshGrowth = 0.25;
 
 /// Quadrilaterals by region: tiles first, then necks.
@@ -41,16 +42,16 @@ struct RegionMesh {
   std::vector<writers::Vector2> points;
   std::vector<std::array<int, 4>> cells;
   std::vector<std::size_t> firstCell;  ///< of each region, and the number of cells at the end
-  std::map<std::pair<int, int>, int> lineOf;  ///< the line, from 0, that a side of a cell lies on
+  std::map<std::pair<int, int>, int> lineOf;  ///< zero-based line that contains a side of a cell
 };
 
-/// Lines between points, each once, and how often regions use them. A line that a tile and a neck
-/// share has one number, with a sign for its direction, as Gmsh's curve loops want it. That makes
-/// the mesh one piece there.
+/// Unique lines between points, with their number of uses by regions. A line shared by a tile and a
+/// neck has one number, signed by its direction, as Gmsh's curve loops require. This makes the mesh
+/// one piece there.
 class OutlineLines {
  public:
-  /// The signed number of a line, from 1. Negative where the line was first named, or is kept, the
-  /// other way round.
+  /// The signed one-based number of a line. Negative if it was first named, or is stored, in the
+  /// opposite direction.
   int find(int from, int to) {
     const auto [place, isNew] =
         numbers_.try_emplace(std::minmax(from, to), static_cast<int>(numbers_.size()) + 1);
@@ -71,7 +72,7 @@ const std::vector<int>& loopOf(const writers::NeckOutline& outline, int region) 
   return region < tiles ? outline.tiles[region] : outline.necks[region - tiles];
 }
 
-/// The ends of the sheet, in the plane in which the outline was drawn.
+/// The ends of the sheet, in the plane of the outline.
 EndEdges endsOf(const writers::NeckOutline& outline, double tileSize) {
   std::vector<std::vector<Vector3>> polygons;
   for (const auto* loops : {&outline.tiles, &outline.necks}) {
@@ -84,8 +85,8 @@ EndEdges endsOf(const writers::NeckOutline& outline, double tileSize) {
   return findEndEdges(polygons, tileSize);
 }
 
-/// Points along the lines of necks, close enough for distances to the necks. Distance fields are
-/// given points, so lines are sampled every quarter of the neck's width.
+/// Points along the lines of necks, for distances to the necks. Distance fields need points, so
+/// lines are sampled at every quarter of the neck's width.
 std::vector<writers::Vector2> pointsOnNecks(const writers::NeckOutline& outline) {
   std::vector<writers::Vector2> points;
   for (std::size_t k = 0; k < outline.points.size(); ++k) {
@@ -105,7 +106,7 @@ std::vector<writers::Vector2> pointsOnNecks(const writers::NeckOutline& outline)
   return points;
 }
 
-/// Points along the lines of the outline that are ends of the sheet, so far apart.
+/// Points along the outline's lines at the ends of the sheet, with this spacing.
 std::vector<writers::Vector2> pointsOnEnds(const writers::NeckOutline& outline,
                                            const EndEdges& ends, double spacing) {
   std::vector<writers::Vector2> points;
@@ -121,14 +122,14 @@ std::vector<writers::Vector2> pointsOnEnds(const writers::NeckOutline& outline,
   return points;
 }
 
-/// Points near which elements are smaller than elsewhere.
+/// Points with smaller elements around them.
 struct FineZone {
   std::vector<writers::Vector2> points;
   double size = 0;  ///< of elements at the points, metres
-  double from = 0;  ///< the distance from which on elements grow, metres
+  double from = 0;  ///< distance at which elements begin to grow, metres
 };
 
-/// How large elements are, in metres.
+/// Element sizes, metres.
 struct CellSizes {
   double most = 0;  ///< far from all zones
   std::vector<FineZone> zones;
@@ -141,9 +142,9 @@ CellSizes cellSizes(const writers::NeckOutline& outline, const ElementRule& rule
   const double linear = rule.quadratic ? 1 : 0.5;
   const double atNecks = linear * outline.neckWidth / kAcrossNeck * kUsualPerEdge / perEdge;
   CellSizes sizes;
-  // Far from necks elements are never smaller than at necks.
+  // Elements far from necks are never smaller than at necks.
   sizes.most = std::max(linear * tileSize / perEdge, atNecks);
-  // Corners where a neck begins and ends of slits are singular: much finer there.
+  // Corners at begins of necks and ends of slits are singular and need much finer elements.
   FineZone corners{{}, atNecks / kFinerAtCorners, 0};
   for (std::size_t k = 0; k < outline.points.size(); ++k) {
     if (outline.isAtNeck[k]) corners.points.push_back(outline.points[k]);
@@ -160,14 +161,14 @@ CellSizes cellSizes(const writers::NeckOutline& outline, const ElementRule& rule
   return sizes;
 }
 
-/// Gmsh's fields: for each zone the distance to its points, which count from `firstPoint`, and
-/// sizes that grow with it; the least of them holds. Gmsh halves sizes when it divides the cells.
+/// Gmsh's fields: for each zone the distance to its points, numbered from `firstPoint`, and sizes
+/// that grow with it. The minimum applies. Gmsh halves sizes when it divides the cells.
 void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoint) {
   int field = 0;
   std::string thresholds;
   for (const FineZone& zone : sizes.zones) {
-    // Two fields a zone: a distance, and a threshold that maps it to a size, SizeMin up to DistMin,
-    // rising linearly to SizeMax at DistMax.
+    // Two fields per zone: a distance, and a threshold that maps it to a size, SizeMin up to
+    // DistMin, then linearly to SizeMax at DistMax.
     appendText(text, "Field[{0}] = Distance;\nField[{0}].PointsList = {{", ++field);
     for (std::size_t k = 0; k < zone.points.size(); ++k) {
       appendText(text, "{}{}", k > 0 ? "," : "", firstPoint++);
@@ -192,10 +193,10 @@ void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoi
       "Mesh.SubdivisionAlgorithm = 1;\n";
 }
 
-/// Reads what Gmsh wrote: nodes, and quadrilaterals whose first tag is their region. MSH 2.2 in
-/// ASCII: after $Nodes a count and rows "number x y z"; after $Elements a count and rows "number
-/// kind tags tag... node...". The first tag is the physical group, which neckGeometry numbers as
-/// the region or the line, from 1. Kind 1 is a line of two nodes, kind 3 a quadrilateral of four.
+/// Reads Gmsh's result: nodes, and quadrilaterals with their region as first tag. MSH 2.2 in ASCII:
+/// after $Nodes a count and rows "number x y z"; after $Elements a count and rows "number kind tags
+/// tag... node...". The first tag is the physical group. neckGeometry uses the one-based number of
+/// the region or the line for it. Kind 1 is a line of two nodes, kind 3 a quadrilateral of four.
 RegionMesh readMesh(const std::string& text, std::size_t regions) {
   std::istringstream stream(text);
   RegionMesh mesh;
@@ -228,7 +229,7 @@ RegionMesh readMesh(const std::string& text, std::size_t regions) {
           mesh.lineOf[side] = static_cast<int>(region) - 1;
           continue;
         }
-        // Any other kind would be a triangle that Gmsh left over, or a region that it did not name.
+        // Any other kind would be a remaining triangle, or a region without a name.
         if (kind != 3 || region < 1 || region > regions) {
           throw RunError("error: gmsh made other cells of this sheet than quadrilaterals");
         }
@@ -248,8 +249,8 @@ RegionMesh readMesh(const std::string& text, std::size_t regions) {
   return mesh;
 }
 
-/// All cells anticlockwise, for any orientation in Gmsh, and no points that no cell uses. The
-/// cross product of the diagonals is twice the signed area.
+/// Makes all cells anticlockwise, for any orientation in Gmsh, and removes unused points. The cross
+/// product of the diagonals is twice the signed area.
 void tidy(RegionMesh& mesh) {
   std::vector<int> numbers(mesh.points.size(), -1);
   std::vector<writers::Vector2> used;
@@ -260,8 +261,8 @@ void tidy(RegionMesh& mesh) {
     if (a.x() * b.y() - a.y() * b.x() < 0) std::swap(cell[1], cell[3]);
     for (const int point : cell) {
       if (numbers[point] >= 0) continue;
-      // Points are numbered in the order in which cells name them: samples of fields, which Gmsh
-      // keeps as nodes, belong to no cell and vanish.
+      // Points are numbered by first use in cells. Samples of fields, which Gmsh keeps as nodes,
+      // belong to no cell and vanish.
       numbers[point] = static_cast<int>(used.size());
       used.push_back(mesh.points[point]);
     }
@@ -277,9 +278,9 @@ void tidy(RegionMesh& mesh) {
   mesh.lineOf = std::move(lines);
 }
 
-/// The sides of cells that no other cell has, by region; their cells count from the region's first.
-/// These are the outside of the sheet and both banks of each slit; tileEdge is -1, since outlines
-/// have fillets and no edges of tiles.
+/// Sides of cells without a neighbour, by region; cells are numbered from the region's first. They
+/// are the outline of the sheet and both sides of each slit. tileEdge is -1, since outlines have
+/// fillets and no tile edges.
 std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
   std::map<std::pair<int, int>, int> uses;
   const auto sideOf = [](const std::array<int, 4>& cell, int k) {
@@ -300,8 +301,8 @@ std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
   return sides;
 }
 
-/// The points at each level, in the world; plane elements in the plane z = 0. The outline was laid
-/// flat by `sheet.turn`; its conjugate takes points back to the model's axes.
+/// The points at each level, in world axes; plane elements in the plane z = 0. `sheet.turn` has
+/// rotated the outline into the plane. Its conjugate rotates points back to the model's axes.
 std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region,
                                            const writers::FlatSheet& sheet, double thickness,
                                            const ElementRule& rule) {
@@ -329,7 +330,7 @@ std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule&
   };
   for (std::size_t k = 0; k < outline.points.size(); ++k) appendPoint(k + 1, outline.points[k]);
   const CellSizes sizes = cellSizes(outline, rule, tileSize);
-  // Points of the outline are 1 to n; samples of the size fields follow.
+  // Points of the outline are 1 to n, followed by samples of the size fields.
   const std::size_t firstSample = outline.points.size() + 1;
   std::size_t sample = firstSample;
   for (const FineZone& zone : sizes.zones) {
@@ -338,7 +339,8 @@ std::string neckGeometry(const writers::NeckOutline& outline, const ElementRule&
   OutlineLines lines;
   std::string surfaces;
   int region = 0;
-  // Regions count through tiles, then necks, and so do surfaces and physical groups.
+  // Regions are numbered tiles first, then necks. Surfaces and physical groups have the same
+  // numbers.
   for (const auto* loops : {&outline.tiles, &outline.necks}) {
     for (const std::vector<int>& loop : *loops) {
       appendText(surfaces, "Curve Loop({}) = {{", ++region);
@@ -380,8 +382,8 @@ std::vector<MeshNeck> necksOf(const model::Model& model, double thickness,
   return necks;
 }
 
-/// The lines of an outline in the order of their numbers in neckGeometry, from 0, and the number of
-/// each region's lines.
+/// The lines of an outline in the order of their zero-based numbers in neckGeometry, and the number
+/// of each region's lines.
 std::vector<std::vector<int>> lineNumbers(const writers::NeckOutline& outline) {
   OutlineLines lines;
   std::vector<std::vector<int>> numbers;
@@ -426,7 +428,7 @@ SheetEnds endsOf(const ElementMesh& mesh, const RegionMesh& region,
   return ends;
 }
 
-/// A point of the mesh on a line of the outline, by its place along the line.
+/// The mesh points on a line of the outline, in order along the line.
 std::vector<int> pointsAlong(const RegionMesh& region, int line, const writers::Vector2& along) {
   std::vector<std::pair<double, int>> places;
   for (const auto& [side, number] : region.lineOf) {
@@ -464,7 +466,7 @@ void appendTies(std::vector<PeriodicTie>& ties, const RegionMesh& region, const 
   }
 }
 
-/// Gmsh's mesh of a geometry. An error that names a surface is of a tile or a neck.
+/// Gmsh's mesh of a geometry. An error message about a surface names its tile or neck.
 RegionMesh meshedRegions(const std::string& geometry, std::size_t tiles, std::size_t regions,
                          int countsFrom) {
   try {
@@ -520,12 +522,12 @@ ElementMesh meshOf(const writers::NeckOutline& outline, double thickness, const 
 }
 
 // ------------------------------------------------------------------------------------------------
-// One cell of an infinite sheet. The outline is that of the cell and of those copies of its tiles
-// that joints hold to it across the border, each joint once at either side. Of the necks there the
-// cell keeps those that begin at the joint's first tile. Lines that the cell shares with what is
-// left away come in pairs a period apart.
+// One cell of an infinite sheet. The outline contains the cell and copies of its tiles that joints
+// connect to it across the border, each joint once on either side. The cell keeps the necks there
+// that begin at the joint's first tile. Lines between the cell and removed regions come in pairs at
+// a distance of a period.
 
-/// The cell, then copies of tiles beyond its border with the joints that lead to them.
+/// The cell, followed by copies of tiles beyond its border with their joints.
 model::Model withNeighbours(const model::Model& model, const SheetLattice& lattice) {
   model::Model extended;
   extended.tiles = model.tiles;
@@ -556,7 +558,7 @@ model::Model withNeighbours(const model::Model& model, const SheetLattice& latti
   return extended;
 }
 
-/// The lines that regions of the cell share with others, in pairs.
+/// The pairs of lines that regions of the cell share with others.
 std::vector<TwinLines> twinLines(const writers::NeckOutline& outline,
                                  const std::vector<bool>& isKept,
                                  const std::array<writers::Vector2, 2>& periods, double tolerance) {
@@ -617,7 +619,7 @@ ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
                                  const ElementRule& rule) {
   if (model.joints.empty()) return makeNeckMesh(model, thickness, rule);
   requireValidRule(rule);
-  // What is wrong with the cell itself is said of its own tiles.
+  // Faults of the cell itself are reported for its own tiles.
   writers::neckOutline(model, rule.neck);
   std::vector<std::vector<Vector3>> tiles;
   for (const model::Tile& tile : model.tiles) tiles.push_back(tile.vertices);
@@ -637,7 +639,7 @@ ElementMesh makePeriodicNeckMesh(const model::Model& model, double thickness,
   const double tileSize = model::tileSize(model);
   const std::vector<TwinLines> twins = twinLines(
       outline, isKept, {inPlane(lattice.periods[0]), inPlane(lattice.periods[1])}, 1e-4 * tileSize);
-  // Only the cell is left.
+  // Only the cell remains.
   std::vector<std::vector<int>> necks;
   for (std::size_t k = 0; k < outline.necks.size(); ++k) {
     if (isKept[outline.tiles.size() + k]) necks.push_back(outline.necks[k]);

@@ -1,11 +1,11 @@
-// A record seals itself: its last key is the SHA-256 (FIPS 180-4) of the text without that key.
+// A record has its own seal: its last key is the SHA-256 (FIPS 180-4) of the text without that key.
 //
 //     {                                   {
 //       "a": 1            sealed()          "a": 1,
 //     }                    ---->            "sha256": "<hash of the text on the left>"
 //                                         }
 //
-// So a reader can tell whether anybody has changed a byte. It is no signature: whoever changes the
+// A reader can therefore detect any modified byte. It is not a signature: anyone who modifies the
 // text on purpose can compute the hash again.
 #include "render/output/output_folder.h"
 
@@ -30,7 +30,7 @@ namespace {
 
 constexpr const char* kEnd = "\n}\n";
 
-/// Always of one length, which isSealed() relies on.
+/// Always of equal length, as isSealed() requires.
 std::string sealOf(const std::string& json) {
   return fmt::format(",\n  \"sha256\": \"{}\"{}", sha256(json), kEnd);
 }
@@ -62,7 +62,7 @@ std::string sealed(const std::string& json) {
 }
 
 bool isSealed(const std::string& text) {
-  // Removes the seal, makes it again and compares.
+  // Removes the seal, computes it again and compares.
   const std::size_t sealSize = sealOf("").size();
   if (text.size() < sealSize) return false;
   const std::string json = text.substr(0, text.size() - sealSize) + kEnd;
@@ -70,8 +70,8 @@ bool isSealed(const std::string& text) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Names of files in one place, for a run, for the check of files in the way, and for programs that
-// read a run's folder. Numbers in names have leading zeros: a listing by name is in order.
+// All file names of a run, for writing, for the check of files in the way, and for programs that
+// read a run's folder. Numbers have leading zeros, so names sort in order.
 
 namespace fs = std::filesystem;
 
@@ -89,8 +89,8 @@ std::string momentFile(const char* name, int number, const char* ending) {
 
 FolderLock::FolderLock(const fs::path& folder)
     : file_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-  // flock(2) on the folder itself: the kernel lets go when the process ends. Errors other than a
-  // held lock mean that the file system has none.
+  // flock(2) on the folder itself: the kernel releases it when the process ends. Errors other than
+  // a held lock mean that the file system has no locks.
   if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   ::close(file_);
   throw OutputError(
@@ -104,8 +104,8 @@ FolderLock::~FolderLock() {
 }
 
 bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf) {
-  // The first digits are the number. The name of that number must be this name, with its leading
-  // zeros.
+  // The first digits are the number. The name for that number must equal this name, including
+  // leading zeros.
   const std::size_t digits = std::min(name.find_first_of("0123456789"), name.size());
   int number = 0;
   const auto [end, error] =
@@ -118,14 +118,14 @@ bool isNumbered(const std::string& name, const std::function<std::string(int)>& 
 //
 //     "contents": { "NAME": { "bytes": SIZE, "sha256": "64 digits" }, ... }
 //
-// with names relative to its folder. A file counts as ours when its size and hash are those of a
-// sealed record; the size is compared first, since it costs no reading. Names that lead out of the
-// folder are ignored: a forged record cannot make us remove files elsewhere.
+// with names relative to its folder. A file is ours if its size and hash are those in a sealed
+// record. The size is compared first, since it needs no reading. Names outside the folder are
+// ignored: a forged record cannot cause the removal of files elsewhere.
 
 namespace {
 
 namespace fs = std::filesystem;
-/// The text of a record; "" when it cannot be read.
+/// The text of a record; "" if it cannot be read.
 std::string sealedText(const fs::path& record) {
   std::error_code ignored;
   if (!fs::is_regular_file(record, ignored)) return "";
@@ -137,13 +137,13 @@ std::string sealedText(const fs::path& record) {
   }
 }
 
-/// Also a link that leads nowhere, which exists() denies.
+/// Includes dangling links, for which exists() is false.
 bool isThere(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(fs::symlink_status(path, ignored));
 }
 
-/// Whether a folder between the two is a link: what is beyond it is not ours to touch.
+/// Whether a folder between the two is a link. Files beyond it are not ours.
 bool leadsThroughLink(const fs::path& folder, const fs::path& name) {
   std::error_code ignored;
   fs::path place = folder;
@@ -167,7 +167,7 @@ FileList listedFiles(const fs::path& record) {
                      noted.at("sha256").get<std::string>()};
     }
   } catch (const Json::exception&) {
-    return {};  // sealed, but no record of ours
+    return {};  // sealed, but not a record of ours
   }
   return files;
 }
@@ -181,12 +181,12 @@ std::string contentsText(const FileList& files) {
 }
 
 LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {
-  // merge() keeps what is there already, so contents.json counts more.
+  // merge() keeps existing entries, so contents.json has priority.
   for (const char* record : {kContents, kSummary}) {
     const std::string text = sealedText(folder_ / record);
     if (text.empty()) continue;
     files_.merge(listedFiles(folder_ / record));
-    // The records themselves are ours, too.
+    // The records themselves are also ours.
     files_[record] = {record, text.size(), sha256(text)};
   }
 }
@@ -222,34 +222,33 @@ std::string difference(const fs::path& folder, const FileDigest& noted) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// How files come into a folder all at once, on a file system that can rename one file atomically
-// but not several (rename(2)):
+// Updates several files at once on a file system that can rename only one file atomically
+// (rename(2)):
 //
-// - 1. The folder is locked. `.unfinished` is made within it, marked by a text of ours. A folder of
-//   that name without the mark is never emptied.
-// - 2. If a whole record lies there, a program was killed while it moved files: the moves are
-//   finished.
-// - 3. New files are written into `.unfinished`.
-// - 4. The record (summary.json or contents.json) is written there, sealed. This is the moment at
-//   which the new files count.
-// - 5. Each listed file is renamed into place, stale files are removed, the record is renamed last.
+// - 1. Lock the folder and make `.unfinished` within it, marked by a text file of ours. A folder
+//   with that name without the mark is never emptied.
+// - 2. If it has a complete record, a program was killed during its moves: complete the moves.
+// - 3. Write new files to `.unfinished`.
+// - 4. Write the sealed record (summary.json or contents.json) there. From now on the new files are
+//   valid.
+// - 5. Rename each listed file into place, remove stale files, rename the record last.
 //
-// A kill before 4 leaves the old run whole. A kill after it leaves a record in `.unfinished`, which
-// still names all files: those that have been moved are no longer there, and moveAll() skips them.
+// A kill before step 4 leaves the old run complete. A kill after it leaves a record in
+// `.unfinished` that names all files. moveAll() skips files that are no longer there.
 //
-// Files of others are never changed. If a file in the way is not, to the byte, what an earlier
-// record lists (output_folder.h), the run is refused before anything moves.
+// Files from elsewhere are never changed. If a file in the way differs from an earlier record in
+// any byte (output_folder.h), the run is refused before anything moves.
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Tells our hidden folder from anybody else's of that name.
+/// Distinguishes our hidden folder from others with the same name.
 constexpr const char* kMark = "kirireel.txt";
 constexpr const char* kMarkText =
     "Kirireel works here. It moves whole files out of this folder and removes all others.\n";
 
-/// So many files are named in a message.
+/// Maximum number of files in a message.
 constexpr std::size_t kMostNamed = 3;
 
 [[noreturn]] void refuse(const fs::path& folder, const std::vector<std::string>& foreign) {
@@ -265,7 +264,7 @@ constexpr std::size_t kMostNamed = 3;
       foreign.size() == 1 ? "it" : "them"));
 }
 
-/// Within one file system, since the stage lies within the folder.
+/// Within one file system, since the stage is inside the folder.
 void moveFile(const fs::path& from, const fs::path& to) {
   if (to.has_parent_path()) makeFolder(to.parent_path());
   std::error_code error;
@@ -281,14 +280,14 @@ bool isMarked(const fs::path& stage) {
          readTextFile(stage / kMark, "") == kMarkText;
 }
 
-/// A real folder and no link to one; empty, or with our mark.
+/// A real folder and not a link; empty, or with our mark.
 bool isOurs(const fs::path& stage) {
   std::error_code ignored;
   return fs::is_directory(fs::symlink_status(stage, ignored)) &&
          (fs::is_empty(stage, ignored) || isMarked(stage));
 }
 
-/// Where the mark cannot be written (a full disk), no empty folder stays behind.
+/// If the mark cannot be written (full disk), no empty folder remains.
 void makeStage(const fs::path& folder, const fs::path& stage) {
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(stage, ignored)) && !isOurs(stage)) {
@@ -303,7 +302,7 @@ void makeStage(const fs::path& folder, const fs::path& stage) {
   }
 }
 
-/// Removes a folder and those above it up to `folder` as far as they are empty.
+/// Removes a folder and its parents up to `folder` if they are empty.
 void removeEmpty(const fs::path& folder, const fs::path& name) {
   std::error_code ignored;
   for (fs::path part = name; !part.empty(); part = part.parent_path()) {
@@ -311,8 +310,8 @@ void removeEmpty(const fs::path& folder, const fs::path& name) {
   }
 }
 
-/// Keeps the checkpoint, which knows itself whose it is. Errors are ignored: it runs in a
-/// destructor, and the next set tries again.
+/// Keeps the checkpoint, which stores its owner. Errors are ignored, because this runs in a
+/// destructor and the next set tries again.
 void clearStage(const fs::path& stage) {
   std::error_code ignored;
   if (!isOurs(stage)) return;
@@ -325,7 +324,7 @@ void clearStage(const fs::path& stage) {
   fs::remove(stage, ignored);
 }
 
-/// What earlier runs left and the new one does not list.
+/// Removes files of earlier runs that the new record does not list.
 void removeStale(const fs::path& folder, const LeftFiles& left, const FileList& files) {
   for (const auto& [name, digest] : left.files()) {
     if (files.contains(name) || name == kSummary || !left.isAsLeft(name)) continue;
@@ -339,7 +338,7 @@ void removeStale(const fs::path& folder, const LeftFiles& left, const FileList& 
   }
 }
 
-/// Moves what a whole record in the stage lists, and the record last.
+/// Moves all files in a complete record of the stage, and the record last.
 void moveAll(const fs::path& folder, const fs::path& stage, const char* record) {
   const LeftFiles left(folder);
   const FileList files = listedFiles(stage / record);
@@ -352,7 +351,7 @@ void moveAll(const fs::path& folder, const fs::path& stage, const char* record) 
   for (const auto& [name, digest] : files) {
     if (fs::exists(stage / name)) moveFile(stage / name, folder / name);
   }
-  // Only a run takes the place of all before it; exports add to what is there.
+  // Only a run replaces all earlier files; exports add to them.
   if (record == std::string(kSummary)) removeStale(folder, left, files);
   moveFile(stage / record, folder / record);
 }
@@ -374,7 +373,8 @@ FileSet::FileSet(fs::path folder, const char* record)
 }
 
 FileSet::~FileSet() {
-  // A whole set that could not be moved stays for another attempt: some of it may have been moved.
+  // A complete set whose moves failed stays for another attempt, since some files may have been
+  // moved.
   const bool isWhole = !listedFiles(stage_ / record_).empty();
   if (!isWhole) clearStage(stage_);
 }
@@ -395,7 +395,7 @@ void FileSet::requireFree(const std::function<bool(const std::string&)>& isReque
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool isFolder = !entry.is_symlink(ignored) && entry.is_directory(ignored);
-    // Links count as files: what they lead to is not ours.
+    // Links count as files: their targets are not ours.
     look(name, isFolder);
     if (!isFolder || name == kUnfinished) continue;
     for (const fs::directory_entry& inner : fs::directory_iterator(entry.path(), ignored)) {
@@ -414,7 +414,7 @@ void FileSet::commit(const std::string& recordText) {
 void FileSet::commit(const std::vector<std::string>& names) {
   FileList files;
   const LeftFiles left(folder_);
-  // What earlier exports have left and nobody has changed stays on the list.
+  // Unmodified files of earlier exports stay in the list.
   for (const auto& [name, digest] : listedFiles(folder_ / record_)) {
     if (left.isAsLeft(name)) files[name] = digest;
   }

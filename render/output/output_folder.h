@@ -1,5 +1,5 @@
-/// The folder that a run leaves: the names of its files and their fingerprints, the right to
-/// write there, and files that appear together.
+/// The output folder of a run: names and fingerprints of its files, permission to overwrite files,
+/// and atomic updates.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +14,32 @@
 namespace kirireel::output {
 
 // ------------------------------------------------------------------------------------------------
-// Fingerprints (SHA-256), by which a file is known to be the one that was written.
+// Fingerprints (SHA-256), which identify a file as the one that was written.
 
-/// What a file holds, in short.
+/// Size and hash of a file.
 struct FileDigest {
   std::string name;          ///< relative to the run's folder
-  std::uintmax_t bytes = 0;  ///< its size
-  std::string sha256;        ///< 64 hexadecimal digits, of its bytes
+  std::uintmax_t bytes = 0;  ///< size
+  std::string sha256;        ///< of its bytes, 64 hexadecimal digits
 
   bool operator==(const FileDigest&) const = default;
 };
 
-/// The digest of a file in a folder. Throws InputError when it cannot be read. Reads the whole file
-/// once.
+/// The digest of a file in a folder. Reads the whole file once. Throws InputError if it cannot be
+/// read.
 FileDigest digestOf(const std::filesystem::path& folder, const std::string& name);
 
-/// A JSON object's text (one key a line, ending in "\n}\n") with a last key "sha256" added, which
-/// is the fingerprint of the text before. The text must end so, and must not be sealed yet.
+/// A JSON object's text (one key per line, ending in "\n}\n") with an additional last key "sha256",
+/// the fingerprint of the original text. The text must end so and must not be sealed yet.
 std::string sealed(const std::string& json);
 
-/// Whether a text is as sealed() left it, to the last byte.
+/// Whether sealed() produced this text, to the last byte.
 bool isSealed(const std::string& text);
 
 // ------------------------------------------------------------------------------------------------
-// The names of what a run leaves in its folder, and the right to write there.
+// Names of a run's files in its folder, and the lock of the folder.
 
-/// The names of a run's files: the deployment as a video.
+/// Name of a run's video of the deployment.
 inline constexpr const char* kVideo = "deployment.mp4";
 /// The grid of pictures.
 inline constexpr const char* kSnapshots = "snapshots.png";
@@ -55,73 +55,73 @@ inline constexpr const char* kFinalVertices = "final_vertices.txt";
 inline constexpr const char* kTrajectory = "trajectory.h5";
 /// Of a run under grips: load, forces and displacements.
 inline constexpr const char* kLoadCurve = "load_curve.csv";
-/// What the run was and came to.
+/// Settings and results of the run.
 inline constexpr const char* kSummary = "summary.json";
 inline constexpr const char* kContents = "contents.json";   ///< of export and render
 inline constexpr const char* kStateMoment = "export";       ///< _0001.obj, .ply, ...
 inline constexpr const char* kSnapshotMoment = "snapshot";  ///< _0001.png, ...
 inline constexpr const char* kFrames = "frames";            ///< a folder
-/// A folder, gone when the run is over: what is not whole yet.
+/// A temporary folder for incomplete files, removed after the run.
 inline constexpr const char* kUnfinished = ".unfinished";
-inline constexpr const char* kCheckpoint = "checkpoint";  ///< a folder within that one
+inline constexpr const char* kCheckpoint = "checkpoint";  ///< a folder in kUnfinished
 
-/// "frames/frame_00042.png". Numbers count from 0; more than 99,999 get more digits.
+/// "frames/frame_00042.png". Numbers are zero-based. Numbers above 99,999 get more digits.
 std::filesystem::path frameFile(int number);
 
-/// "snapshot_01.svg": number counts from 1.
+/// "snapshot_01.svg". Numbers are one-based.
 std::filesystem::path snapshotDrawing(int number);
 
-/// "export_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot. `name`
-/// is kStateMoment or kSnapshotMoment.
+/// "export_0001.obj": a file of a moment that a timeline requests. `ending` includes its dot.
+/// `name` is kStateMoment or kSnapshotMoment.
 std::string momentFile(const char* name, int number, const char* ending);
 
-/// Holds a folder for one run at a time, across processes, until it goes away. Leaves no file.
-/// Where the file system has no locks, it holds nothing.
+/// Locks a folder for one run at a time, across processes, during its lifetime. Leaves no file. Has
+/// no effect on file systems without locks.
 class FolderLock {
  public:
-  /// Throws OutputError when another run holds the folder, which must exist.
+  /// Throws OutputError if another run has locked the folder, which must exist.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  int file_ = -1;  ///< of the system
+  int file_ = -1;  ///< file descriptor
 };
 
-/// Whether `nameOf` gives this name to some number from 0 on.
+/// Whether `nameOf` gives this name for some number >= 0.
 bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf);
 
 // ------------------------------------------------------------------------------------------------
-// The files that Kirireel wrote into a folder. Nothing else in it is ever overwritten or removed.
+// The files that Kirireel wrote to a folder. Other files are never overwritten or removed.
 
-/// Files by their names, relative to their folder.
+/// Files by their name, relative to their folder.
 using FileList = std::map<std::string, FileDigest>;
 
 /// The files that a sealed record in a folder lists under "contents": summary.json or
-/// contents.json. Empty if there is none, or it has changed. Entries whose names
-/// lead out of the folder are left out.
+/// contents.json. Empty if there is no record or it was modified. Entries outside the folder are
+/// ignored.
 FileList listedFiles(const std::filesystem::path& record);
 
 /// The text of contents.json: the files, sealed.
 std::string contentsText(const FileList& files);
 
-/// The files that earlier runs, exports and renderings say they left in a folder. A record that was
-/// changed since says nothing.
+/// The files of earlier runs, exports and renderings in a folder, according to its records.
+/// Modified records are ignored.
 class LeftFiles {
  public:
-  /// What is listed by the records in this folder, which need not exist.
+  /// Reads the records in this folder, which need not exist.
   explicit LeftFiles(std::filesystem::path folder);
 
-  /// Whether this name exists and is not a file as one of them left it: another file, a folder, a
-  /// link that leads nowhere. A link to the very bytes may be replaced. Reads the file
-  /// where its size agrees.
+  /// Whether this name exists but is not a file in its recorded state: another file, a folder, a
+  /// dangling link. A link to identical bytes may be replaced. Reads the file if its size
+  /// matches.
   bool isForeign(const std::string& name) const;
 
-  /// Whether a file of this name is as one of them left it, and not reached through a link.
+  /// Whether a file with this name is in its recorded state and not reached through a link.
   bool isAsLeft(const std::string& name) const;
 
-  /// All that the records list; what contents.json says of a file counts more than summary.json.
+  /// All files in the records; contents.json has priority over summary.json.
   const FileList& files() const { return files_; }
 
  private:
@@ -129,53 +129,53 @@ class LeftFiles {
   FileList files_;
 };
 
-/// Whether a name means a file in the folder or below it.
+/// Whether a name refers to a file in the folder or below it.
 bool staysInside(const std::filesystem::path& name);
 
-/// What is wrong with a file in a folder; empty when it is as noted. One line without the file's
-/// name.
+/// Difference between a file and its recorded state, one line without the file's name; empty if
+/// there is none.
 std::string difference(const std::filesystem::path& folder, const FileDigest& noted);
 
 // ------------------------------------------------------------------------------------------------
-// Files that appear in a folder together, and in nobody else's place.
+// Atomic replacement of a set of files in a folder, without overwriting other files.
 //
-// They are written into a hidden folder within, `.unfinished`. When all of them are whole, the
-// sealed record that lists them is written there too; then each is moved into place, what earlier
-// runs left and this one did not write is removed, and the record is moved last. Whoever is killed
-// on the way leaves the record next to what is not moved yet, and the next set in the folder
-// continues from there. Until the record is whole, nothing outside `.unfinished` is changed.
+// Files are written to a hidden folder within, `.unfinished`. When all are complete, the sealed
+// record that lists them is written there too. Then each file is moved into place, old files that
+// this run did not write are removed, and the record is moved last. If the process is killed during
+// these moves, the record stays next to the remaining files. The next set in the folder then
+// continues the moves. Before the record is complete, nothing outside `.unfinished` changes.
 
-/// One set of new files. Whatever happens to it, the folder holds the old files or the new ones.
+/// One set of new files. In any case the folder has either the old files or the new ones.
 class FileSet {
  public:
-  /// Makes the folder, and those above it, and locks it for this set. `record` is the file
-  /// that will list the others: summary.json takes the place of all that earlier runs left,
-  /// contents.json adds to it. Finishes what a killed program has left to move; removes what one
-  /// has left unfinished, but for its checkpoint. Throws OutputError; InputError where files of
-  /// others are in the way of that.
+  /// Creates the folder with its parents and locks it for this set. `record` is the file that
+  /// will list the others: summary.json replaces all files of earlier runs, contents.json
+  /// adds to them. Completes the moves of a killed program. Removes its incomplete files
+  /// except its checkpoint. Throws OutputError, and InputError if files from elsewhere are in
+  /// the way.
   FileSet(std::filesystem::path folder, const char* record);
-  /// Removes what is not in place, but for a checkpoint and a whole set that could not be moved.
+  /// Removes files that are not in place, except a checkpoint and a complete, unmoved set.
   ~FileSet();
   FileSet(const FileSet&) = delete;
   FileSet& operator=(const FileSet&) = delete;
 
-  /// Where to write files until they are committed.
+  /// Folder for new files until they are committed.
   const std::filesystem::path& stage() const { return stage_; }
 
-  /// Throws InputError that names the files in the folder, or one level below, of which
-  /// `isRequested` is true and which no earlier run left as they are. A wanted folder ends in '/'.
+  /// Throws InputError with the names of requested files, in the folder or one level below, that
+  /// exist and are not in the state of an earlier run. A requested folder ends in '/'.
   void requireFree(const std::function<bool(const std::string& name)>& isRequested) const;
 
   /// Removes the checkpoint of an earlier run.
   void dropCheckpoint() const;
 
-  /// Puts all files in place that the text of the record lists. Throws InputError, and moves
-  /// nothing, when files of others have come into their places meanwhile; OutputError. `recordText`
-  /// is sealed; the listed files lie in stage() or in place.
+  /// Moves all files in the record's text into place. Throws InputError, and moves nothing, if
+  /// files from elsewhere have appeared there. Throws OutputError. `recordText` is sealed. The
+  /// listed files are in stage() or in place.
   void commit(const std::string& recordText);
 
-  /// The same for contents.json, which lists the files already there and these. Reads each
-  /// new file once, for its hash.
+  /// The same for contents.json, which lists the existing and these files. Reads each new file
+  /// once, for its hash.
   void commit(const std::vector<std::string>& names);
 
  private:

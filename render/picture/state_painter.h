@@ -1,5 +1,5 @@
-/// Paints states of a run: what is asked of its pictures, their colours, the strip under them, and
-/// one camera for them all.
+/// Paints states of a run: options of its pictures, their colours, the strip below them, and one
+/// common camera.
 #pragma once
 
 #include <limits>
@@ -24,131 +24,131 @@
 namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
-// What is asked of the pictures of a run.
+// Options of the pictures of a run.
 //
-// Plain values; what each needs of a run is checked by PictureSetup.
+// Plain values. PictureSetup checks them against a run.
 
-/// Page that the pictures are meant for.
+/// Page for the pictures.
 enum class Theme { Light, Dark };
 
-/// What the colours of the bricks say.
+/// Meaning of the bricks' colours.
 enum class Colouring {
-  Plain,         ///< nothing: one set of colours
-  Shape,         ///< which tiles are congruent; by their number of corners when many shapes differ
-  State,         ///< whether a brick is at its start, on its way, or at its target
+  Plain,         ///< none: one set of colours
+  Shape,         ///< congruence of tiles; their number of corners if there are many shapes
+  State,         ///< whether a brick is at its start, in motion, or at its target
   TargetError,   ///< largest distance of a vertex from its target
   Displacement,  ///< distance from the start
   Rotation,      ///< angle from the start
   JointGap,      ///< largest gap of the brick's joints
   Moment,        ///< largest moment of the springs at the brick's hinges
-  Energy,        ///< half of what these springs hold
+  Energy,        ///< half of the energy of these springs
 };
 
-/// What lies under the bricks.
+/// Ground under the bricks.
 enum class GroundLook {
-  Auto,    ///< a plate and a shadow when the scene has a ground, else nothing
+  Auto,    ///< a plate and a shadow if the scene has a ground, else nothing
   Plate,   ///< a plate and a shadow
   Shadow,  ///< a shadow on the page
   None,    ///< nothing
 };
 
-/// What the camera must hold in sight.
+/// What the camera keeps in view.
 enum class FitScope {
-  Auto,  ///< as Ends; as Run when there is no target or something would be cut off
-  Run,   ///< the start, the target and everything in between
-  Ends,  ///< the start and the target; what leaves them on the way is cut off
+  Auto,  ///< Ends, or Run if there is no target or Ends would cut something off
+  Run,   ///< the start, the target and all states between them
+  Ends,  ///< the start and the target; states outside them are cut off
 };
 
 /// A colour for some tiles.
 struct TileColour {
-  std::vector<int> tiles;  ///< numbers, from 0
+  std::vector<int> tiles;  ///< zero-based numbers
   Colour colour;           ///< of these tiles
-  std::string name;        ///< of the group that they are, in the legend; empty: not in the legend
+  std::string name;        ///< name of the group in the legend; empty: not in the legend
 };
 
 /// How opaque some tiles are.
 struct TileOpacity {
-  std::vector<int> tiles;  ///< numbers, from 0
+  std::vector<int> tiles;  ///< zero-based numbers
   double opacity = 1;      ///< 0 (not drawn) to 1
 };
 
-/// Widths of lines on the edges of tiles in print, points of 1/72 inch.
+/// Widths of lines on the edges of tiles in print, points (1/72 inch).
 struct OutlineWidths {
   double slits = 0.5;         ///< between tiles
-  double silhouettes = 0.75;  ///< on edges with nothing beyond
+  double silhouettes = 0.75;  ///< on edges without a neighbour
 
   bool operator==(const OutlineWidths&) const = default;
 };
 
-/// Resolution in print of a picture where none is given: pictures are 160 mm wide.
+/// Default print resolution of a picture: pictures are 160 mm wide.
 double pixelsPerInchOf(FrameSize size);
 
-/// The look of all pictures of a run. Defaults give the pictures that a run leaves without any
-/// option.
+/// The appearance of all pictures of a run. Defaults are those of a run without any picture
+/// options.
 struct Look {
-  Theme theme = Theme::Light;              ///< colours of all that is not said otherwise
+  Theme theme = Theme::Light;              ///< colours without another setting
   bool transparent = false;                ///< no background
-  Colouring colouring = Colouring::Plain;  ///< what the colours of bricks say
-  ColourMap map = ColourMap::Viridis;      ///< of colours by a measure
-  /// Values at the ends of the scale, in the unit of the measure; absent: 0, and the largest to be
-  /// expected.
+  Colouring colouring = Colouring::Plain;  ///< meaning of the bricks' colours
+  ColourMap map = ColourMap::Viridis;      ///< for colours by a measure
+  /// Values at the ends of the scale, in the unit of the measure; absent: 0, and the expected
+  /// maximum.
   std::optional<double> colourLeast, colourMost;
-  std::optional<Colour> brickColour;  ///< of all bricks, where the colouring is plain
-  std::optional<Colour> backColour;   ///< the same for the tile's own side
-  /// Of single tiles, if colours show no measure; of two for one tile the later counts.
+  std::optional<Colour> brickColour;  ///< of all bricks, for Colouring::Plain
+  std::optional<Colour> backColour;   ///< the same for the tile's face
+  /// Of single tiles, if colours show no measure. For one tile, the last entry counts.
   std::vector<TileColour> tileColours;
   double opacity = 1;  ///< of all bricks, 0 (not drawn) to 1
-  /// Of single tiles, with any colours; of two for one tile the later counts.
+  /// Of single tiles, with any colouring. For one tile, the last entry counts.
   std::vector<TileOpacity> tileOpacities;
-  std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
-  std::optional<Colour> background;     ///< absent: as the theme has it
+  std::optional<Colour> outlineColour;  ///< absent: the theme's
+  std::optional<Colour> background;     ///< absent: the theme's
   bool outlines = true;                 ///< lines on the edges of tiles
   OutlineWidths outlineWidths;          ///< of these lines
-  /// Resolution in print; absent: see pixelsPerInchOf().
+  /// Print resolution; absent: see pixelsPerInchOf().
   std::optional<double> pixelsPerInch;
-  /// Brightness that a face loses from which other bricks keep all light away, 0 to 1; absent: the
+  /// Brightness loss of a face that other bricks fully occlude, [0, 1]; absent: the
   /// style's.
   std::optional<double> occlusion;
   bool jointMarks = false;   ///< a dot on each joint
   bool targetLines = false;  ///< the target's tiles as lines, dashed where bricks hide them
-  GroundLook ground = GroundLook::Auto;  ///< how the ground is shown
-  CameraChoice camera;                   ///< the place of the camera
-  FitScope fit = FitScope::Auto;         ///< what the camera holds in sight
+  GroundLook ground = GroundLook::Auto;  ///< display of the ground
+  CameraChoice camera;                   ///< position of the camera
+  FitScope fit = FitScope::Auto;         ///< what the camera keeps in view
 };
 
 // ------------------------------------------------------------------------------------------------
-// What a video says of its frames, on a strip under the picture. It never covers the bricks or
-// their shadow.
+// The strip under the picture of a video, with information about its frames. It never covers the
+// bricks or their shadow.
 
-/// What the strip of all frames of a video shows. Fixed for a whole video, since it decides the
+/// Parts of the strip of all frames of a video. Constant for a video, since they determine the
 /// height of the picture above.
 struct StripParts {
-  std::string longestCaption;  ///< a caption as wide as any will be; empty: there are none
+  std::string longestCaption;  ///< a caption with the maximum width; empty: no captions
   bool progressBar = false;    ///< a bar that fills from left to right
-  bool scaleBar = false;       ///< a length; needs one scale all over the picture
-  bool colours = false;        ///< what colours mean, if they show values
-  bool legend = false;         ///< the same, if they show kinds of bricks
+  bool scaleBar = false;       ///< a length; requires the same scale in the whole picture
+  bool colours = false;        ///< scale of the colours, if they show values
+  bool legend = false;         ///< legend of the colours, if they show kinds of bricks
 };
 
-/// What it says under one frame.
+/// Text of the strip under one frame.
 struct StripText {
   std::string caption;  ///< one line, UTF-8
   double progress = 0;  ///< 0 to 1
 };
 
-/// A strip under pictures of one size. It is as high as its parts need, and its text as large as
-/// the widest caption allows.
+/// A strip under pictures of one size. Its parts determine its height. The widest caption
+/// determines the size of its text.
 class Strip {
  public:
-  /// whole: the frame with its strip. Throws OutputError when the font is missing.
+  /// whole: the frame with its strip. Throws OutputError if the font is missing.
   Strip(FrameSize whole, const StripParts& parts, const Style& style);
 
   /// The frame without its strip.
   FrameSize picture() const { return {whole_.width, whole_.height - height_}; }
 
-  /// Puts the strip under a picture. colours: absent if the bricks' colours show no values; legend:
-  /// empty if they show no kinds; metresPerPixel: absent if no scale bar was requested. The picture
-  /// has the size of picture(); it gets that of the whole frame.
+  /// Appends the strip to a picture, which has the size of picture() and gets that of the whole
+  /// frame. colours: absent if the bricks' colours show no values; legend: empty if they show no
+  /// kinds; metresPerPixel: absent if no scale bar was requested.
   void append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
               const std::vector<LegendEntry>& legend,
               const std::optional<double>& metresPerPixel) const;
@@ -167,65 +167,65 @@ class Strip {
   int em_ = 0;      ///< of all text, pixels
   int height_ = 0;  ///< pixels
   int captionLeft_ = 0;
-  std::optional<LabelWriter> writer_;  ///< absent where nothing is written
+  std::optional<LabelWriter> writer_;  ///< absent if there is no text
   std::optional<ScaleDrawer> scales_;
 };
 
 // ------------------------------------------------------------------------------------------------
-// Chooses the colours of bricks by what they are or do.
+// Selects the colours of bricks.
 
-/// What pictures of a run show. Made once for all pictures of a run. Lengths in metres; a content
-/// of a trajectory in another unit has all of them in that unit.
+/// Contents of the pictures of a run, made once for all pictures. Lengths are in metres. A
+/// trajectory in another unit has all lengths in that unit.
 struct PictureContent {
-  std::vector<model::Brick> bricks;                ///< one a tile
-  Poses start;                                     ///< one a brick
+  std::vector<model::Brick> bricks;                ///< one per tile
+  Poses start;                                     ///< one per brick
   std::vector<model::Pivot> pivots;                ///< of all joints
   model::PairForces pairForces;                    ///< springs at hinges, ligaments, ...
-  std::optional<std::vector<model::Tile>> target;  ///< one tile a brick, world axes
+  std::optional<std::vector<model::Tile>> target;  ///< one tile per brick, world axes
   std::optional<double> groundHeight;  ///< z of the scene's ground, if it has one, metres
-  std::vector<model::Tile> obstacles;  ///< faces of what stays where it is, world axes
-  /// Of the model, metres; infinity where bricks are to be shown however far they are.
+  std::vector<model::Tile> obstacles;  ///< faces of fixed obstacles, world axes
+  /// Of the model, metres; infinity if bricks are shown at any distance.
   double size = std::numeric_limits<double>::infinity();
-  std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
-  /// Chosen for the motion, where the look leaves it to the program; absent: by the points.
+  std::vector<Vector3> points;  ///< points that cameras keep in view, world axes
+  /// Selected for the motion if the look has an automatic view; absent: by the points.
   std::optional<AutomaticView> view;
-  /// Of the run, one pose per brick: the range of the colours' values is that of these states.
-  /// Empty before the run.
+  /// Of the run, one pose per brick. They determine the range of the colours' values. Empty before
+  /// the run.
   std::vector<Poses> states;
 };
 
 /// Whether the colours show values.
 bool isMeasure(Colouring colouring);
 
-/// One colour on both faces: it means the same from both sides.
+/// One colour on both faces, with the same meaning from both sides.
 BrickColours evenShades(Colour colour);
 
-/// The colours of bricks that have none of their own.
+/// The colours of bricks without their own colours.
 BrickColours plainColours(const Look& look);
 
-/// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
-/// order of appearance. More than seven shapes are numbered by their count of corners instead. One
-/// a brick.
+/// Zero-based numbers of the shapes of tiles, one per brick, in order of appearance. Congruent
+/// tiles and mirror images have the same number. With more than seven shapes, the numbers depend
+/// only on the count of corners.
 std::vector<int> shapeKinds(const std::vector<model::Brick>& bricks);
 
-/// Decides the colours of all bricks in every picture of one run.
+/// Selects the colours of all bricks in every picture of one run.
 class BrickPalette {
  public:
-  /// Throws InputError when the colouring needs a target or springs at hinges and there are none,
-  /// when the scale's ends are in the wrong order, when tiles that are not there get a colour or an
-  /// opacity, and when tiles get colours although colours show values.
-  /// The content must outlive the palette.
+  /// Throws InputError if the colouring needs a missing target or springs at hinges, if the
+  /// ends of the scale are in the wrong order, if tiles with a colour or an opacity do not
+  /// exist, and if tiles have colours although colours show values. The content must outlive
+  /// the palette.
   BrickPalette(const Look& look, const PictureContent& content);
 
   /// One entry per brick; empty if all bricks have the style's colours. `poses` has one pose per
-  /// brick. Cheap next to painting.
+  /// brick. Fast relative to painting.
   std::vector<BrickColours> colours(const Poses& poses) const;
 
-  /// What the colours mean, when they are those of a measure. The same for the whole run.
+  /// The scale of the colours of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
-  /// What they mean, when they are those of kinds of bricks: shapes, states, named groups.
+  /// The legend of colours of kinds of bricks: shapes, states, named groups.
   const std::vector<LegendEntry>& legend() const { return legend_; }
-  /// As the look asks for.
+  /// The look's colouring.
   Colouring colouring() const { return colouring_; }
 
  private:
@@ -240,92 +240,92 @@ class BrickPalette {
 
   Colouring colouring_;
   const PictureContent& content_;
-  std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape or tile by tile
-  std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one a brick; or none
-  std::vector<double> opacities_;                 ///< one a brick; or none where all are opaque
+  std::vector<BrickColours> kinds_;  ///< one per brick, for colours by shape or tile by tile
+  std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one per brick; or empty
+  std::vector<double> opacities_;                 ///< one per brick; empty if all are opaque
   std::optional<ColourScale> scale_;
   std::vector<LegendEntry> legend_;
 };
 
 // ------------------------------------------------------------------------------------------------
-// Paints states of a run: one look and one camera for all its pictures.
+// Paints states of a run with one look and one camera for all its pictures.
 
-/// The thinnest that lines over a picture are drawn, pixels.
+/// Minimum width of lines over a picture, pixels.
 inline constexpr double kThinnestOverlay = 1.2;
 
-/// A state of a run, as one picture shows it.
+/// A state of a run in one picture.
 struct ShownState {
   double time = 0;          ///< simulated seconds
-  const Poses& poses;       ///< one a brick
-  std::vector<int> pinned;  ///< bricks that are held
-  double turn = 0;          ///< share of the camera's orbit that is behind, 0 to 1
+  const Poses& poses;       ///< one per brick
+  std::vector<int> pinned;  ///< pinned bricks
+  double turn = 0;          ///< completed fraction of the camera's orbit, [0, 1]
 };
 
 /// The content of a model whose bricks are made by the rule, on the scene's ground if it has one.
-/// Cameras hold the start and the target in sight; add to its points what else they should.
-/// `ground`: of the scene; absent: none.
+/// Cameras keep the start and the target in view; the caller can add more points. `ground`: of the
+/// scene; absent: none.
 PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
                            const std::optional<scene::Ground>& ground);
 
-/// A brick farther from its start than this many model sizes is not held in sight: the others would
-/// shrink to a dot.
+/// A brick farther from its start than this many model sizes is not kept in view. Otherwise the
+/// others would shrink to a dot.
 inline constexpr double kFarthestShown = 20;
 
-/// Whether a brick at a pose is near enough to be held in sight.
+/// Whether a brick at this pose is near enough to be kept in view.
 bool isShown(const PictureContent& content, std::size_t brick, const Pose& pose);
 
-/// Whether all bricks are near enough to be held in sight. `poses` has one pose a brick.
+/// Whether all bricks are near enough to be kept in view. `poses` has one pose per brick.
 bool showsAllBricks(const PictureContent& content, const Poses& poses);
 
-/// The corners of the content's bricks at these poses, metres, but for those too far away.
+/// The corners of the content's bricks at these poses, metres, without bricks too far away.
 std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& poses);
 
-/// Adds the same corners to what cameras must hold in sight.
+/// Adds the same corners to the points that cameras keep in view.
 void keepInSight(PictureContent& content, const Poses& poses);
 
-/// Whether the look leaves the direction of the camera to the program.
+/// Whether the look requests an automatic camera direction.
 bool needsView(const Look& look);
 
-/// Chooses the view of a motion by some of its states, the first of which is its start.
+/// Selects the view of a motion from some of its states. The first state is its start.
 void setView(const Look& look, std::span<const Poses> states, PictureContent& content);
 
-/// Everything that decides a picture but the painter: items, style and cameras. Needs no graphics
+/// All inputs of a picture except the painter: items, style and cameras. Needs no graphics
 /// context.
 class PictureSetup {
  public:
-  /// Throws InputError when the look asks for what the content lacks.
+  /// Throws InputError if the look requires something that the content lacks.
   PictureSetup(const Look& look, PictureContent content, FrameSize size);
   PictureSetup(const PictureSetup&) = delete;
   PictureSetup& operator=(const PictureSetup&) = delete;
 
-  /// What the picture of a state shows. The poses are copied.
+  /// The items in the picture of a state. Copies the poses.
   PictureItems items(const ShownState& state) const;
 
-  /// The camera of a state. Throws InputError if it is within a brick.
+  /// The camera of a state. Throws InputError if it is inside a brick.
   Camera camera(const ShownState& state) const;
 
-  /// The same as polygons in space, for vector graphics. Throws as camera().
+  /// The items as polygons in space, for vector graphics. Throws like camera().
   PictureGeometry geometry(const ShownState& state) const;
 
-  /// What is shown.
+  /// The content of the pictures.
   const PictureContent& content() const { return content_; }
-  /// How it is shown.
+  /// The style of the pictures.
   const Style& style() const { return style_; }
-  /// Of each picture, without the strip under it, pixels.
+  /// Of each picture without the strip below it, pixels.
   FrameSize pictureSize() const { return size_; }
 
-  /// What the bricks' colours mean, when they are those of a measure.
+  /// The scale of the bricks' colours if they show a measure.
   const std::optional<ColourScale>& colourScale() const { return palette_.scale(); }
-  /// The same where they are those of kinds of bricks; empty where they mean nothing.
+  /// The legend if they show kinds of bricks; otherwise empty.
   const std::vector<LegendEntry>& legend() const { return palette_.legend(); }
-  /// What the colours of bricks say.
+  /// Meaning of the bricks' colours.
   Colouring colouring() const { return palette_.colouring(); }
 
-  /// Height of every picture, metres, if one scale holds for all of them: the camera does not move
-  /// and projects in parallel. Absent in perspective and for cameras that move.
+  /// Height of every picture, metres, if all have the same scale: a fixed camera with parallel
+  /// projection. Absent for perspective and moving cameras.
   std::optional<double> sharedHeight() const;
 
-  /// The same for one pixel. Throws InputError when no one scale holds.
+  /// The size of one pixel, metres. Throws InputError if pictures have no common scale.
   double metresPerPixel() const;
 
  private:
@@ -338,28 +338,28 @@ class PictureSetup {
   bool targetLines_;
 };
 
-/// A setup with a painter. Belongs to the thread that makes it.
+/// A setup with a painter. Use it only in the thread that makes it.
 class StatePainter {
  public:
-  /// size: of the pictures, with a strip under them if it has parts. The strip explains colours
-  /// only if they show a measure. Throws as PictureSetup and Painter do, and
-  /// OutputError when the font is missing.
+  /// size: of the pictures, with the strip below them if it has parts. The strip explains colours
+  /// only if they show a measure. Throws like PictureSetup and Painter, and OutputError if the font
+  /// is missing.
   StatePainter(FrameSize size, const Look& look, PictureContent content,
                const StripParts& parts = {}, Smoothness smoothness = Smoothness::Still);
 
-  /// Another painter with the same setup, for the thread that makes it. A state's picture is the
-  /// same from both. Throws OutputError when no graphics context can be made.
+  /// Another painter with the same setup, for the thread that makes it. Both give equal pictures of
+  /// a state. Throws OutputError if there is no graphics context.
   explicit StatePainter(const StatePainter& other) : StatePainter(other, other.smoothness_) {}
-  /// The same with pictures of another smoothness.
+  /// The same with another smoothness.
   StatePainter(const StatePainter& other, Smoothness smoothness);
   StatePainter& operator=(const StatePainter&) = delete;
 
-  /// Paints this content from now on, in pictures of the same size; quicker than a new painter.
-  /// Throws as PictureSetup does.
+  /// Sets new content for pictures of the same size; faster than a new painter. Throws like
+  /// PictureSetup.
   void show(const Look& look, PictureContent content);
 
   /// The picture of a state with its strip. storage: an unused frame, whose memory the picture
-  /// gets. Throws InputError if the camera is within a brick, and as Painter::paint().
+  /// reuses. Throws InputError if the camera is inside a brick, and like Painter::paint().
   Frame paint(const ShownState& state, const StripText& text = {}, Frame storage = {});
 
   /// The camera and the style of its pictures.
@@ -372,10 +372,10 @@ class StatePainter {
   FrameSize size_;
   StripParts parts_;
   Smoothness smoothness_;
-  std::optional<Strip> strip_;  ///< made for each content, as is the setup; always present
+  std::optional<Strip> strip_;  ///< made for each content, like the setup; always present
   std::shared_ptr<const PictureSetup> setup_;
   std::optional<Painter> painter_;        ///< made again when the strip's height changes
-  std::optional<double> metresPerPixel_;  ///< if a bar of length is drawn
+  std::optional<double> metresPerPixel_;  ///< present if there is a scale bar
 };
 
 }  // namespace kirireel::picture

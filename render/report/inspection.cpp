@@ -1,11 +1,12 @@
-// Tells what a model is without running it. For each state (start, target): the largest gap of
-// joints, how uneven tiles are, whether they are convex, which overlap, and how many ways the
-// linkage can move (sim/trajectory/sheet.h: the nullity of the joint equations, by singular
-// values). For a target: how much lengths within tiles change, the bound below which no rigid tiles
-// can come, and the least error with closed joints that a search of ten seconds finds.
+// Describes a model without running it. For each state (start, target): the largest gap of joints,
+// the non-planarity and convexity of tiles, overlaps, and the degrees of freedom of the linkage
+// (sim/trajectory/sheet.h: the nullity of the joint equations, by singular values). For a target:
+// the change of lengths within tiles, a lower bound of the error of rigid tiles, and the least
+// error with closed joints found in a search of ten seconds.
 //
-// The same facts are printed as text for people and as JSON for programs. In the text tiles count
-// as in the model's file; in JSON from 0, and "file_counts_from" tells the difference.
+// The results are printed as text for users and as JSON for programs. Tile numbers in the text are
+// those of the model's file. In JSON they are zero-based, and "file_counts_from" has the
+// difference.
 #include "render/report/inspection.h"
 
 #include <algorithm>
@@ -29,12 +30,12 @@
 namespace kirireel::report {
 namespace {
 
-// Overlap that is told, as a part of a tile.
+// Minimum reported overlap, as a fraction of a tile.
 constexpr double kOverlap = 1e-6;
-// Flat states are flat to this part of the model's size.
+// Tolerance for flat states, as a fraction of the model's size.
 constexpr double kFlatOfModel = 1e-9;
 
-/// A pivot is told by the face that it lies on.
+/// A pivot is described by its face.
 std::string kindOf(const model::Joint& joint) {
   if (joint.kind == model::JointKind::Link) return "link";
   if (joint.kind == model::JointKind::Fixed) return "fixed";
@@ -53,7 +54,7 @@ StateInspection inspectState(const scene::Scene& scene, const std::vector<model:
   state.overlaps = trajectory::tileOverlaps(tiles, kOverlap * model::tileSize(model));
   state.seesAllPairs =
       static_cast<long>(state.overlaps.size()) < trajectory::mostPairs(tiles.size());
-  // Freedoms in the plane mean something for flat states alone.
+  // Planar degrees of freedom exist only for flat states.
   if (model::sheetFrame(tiles, kFlatOfModel * model::modelSize(model))) {
     state.inPlane =
         trajectory::mobility(model, tiles, trajectory::Freedom::Plane, scene.brick.thickness);
@@ -63,8 +64,8 @@ StateInspection inspectState(const scene::Scene& scene, const std::vector<model:
   return state;
 }
 
-/// The two singular values beside the gap between them let a reader judge the count: it is sure
-/// where they differ by orders of magnitude.
+/// Reports the two singular values on both sides of the gap, so the reader can evaluate the count.
+/// It is certain if they differ by orders of magnitude.
 std::string mobilityText(const char* where, const trajectory::Mobility& mobility) {
   if (!mobility.isCounted) {
     return fmt::format("  {}: degrees of freedom not counted, {} unknowns are too many\n", where,
@@ -79,7 +80,7 @@ std::string mobilityText(const char* where, const trajectory::Mobility& mobility
       mobility.largestDropped);
 }
 
-/// One line for the state, then its overlaps and its freedoms, indented.
+/// One line for the state, followed by its overlaps and degrees of freedom, indented.
 std::string stateText(const char* name, const StateInspection& state, int countsFrom,
                       const LengthUnit& unit) {
   std::string text =
@@ -87,7 +88,7 @@ std::string stateText(const char* name, const StateInspection& state, int counts
                   name, lengthText(state.jointGap, unit), lengthText(state.unevenness, unit),
                   state.leastCornerSine > 0 ? "convex" : "not convex",
                   state.seesAllPairs ? "" : "at least ", state.overlaps.size());
-  // The five deepest; there may be thousands.
+  // Only the five deepest of possibly thousands.
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
     const trajectory::TileOverlap& overlap = state.overlaps[k];
     text += fmt::format("  tiles {} and {} overlap by {}\n", countsFrom + overlap.tileA,
@@ -97,7 +98,7 @@ std::string stateText(const char* name, const StateInspection& state, int counts
   return text + mobilityText("in space", state.inSpace);
 }
 
-/// Null degrees of freedom where the unknowns are too many to count them.
+/// Null degrees of freedom if there are too many unknowns to count them.
 Json mobilityJson(const trajectory::Mobility& mobility) {
   if (!mobility.isCounted) {
     return {{"degrees_of_freedom", nullptr},
@@ -171,7 +172,7 @@ std::string needText(const char* name, const scene::Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
-/// "0-3,7" of rising numbers from 0, as --tile-colour takes them.
+/// "0-3,7" from ascending zero-based numbers, in the syntax of --tile-colour.
 std::string tilesText(const std::vector<int>& tiles, int countsFrom) {
   std::string text;
   for (std::size_t k = 0, end = 0; k < tiles.size(); k = end) {
@@ -185,7 +186,7 @@ std::string tilesText(const std::vector<int>& tiles, int countsFrom) {
 
 /// "12 with 3 vertices, 4 with 4".
 template <typename Map>
-/// `pattern` has a place for the count and one for the key.
+/// `pattern` has one placeholder for the count and one for the key.
 std::string countsText(const Map& counts, const char* pattern) {
   std::string text;
   for (const auto& [key, count] : counts) {
@@ -295,14 +296,14 @@ std::string inspectionJson(const Inspection& inspection) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The bricks are painted first by the usual painter, then numbers are drawn over the pixels at the
-// places where the camera shows the middles and corners. A number is left out where another tile
-// hides its place. Its size follows the tile's: with s the side of a square of as many pixels,
-// tiles' numbers are 0.28 s high (7 to 40 pixels), corners' 0.14 s (6 to 20), and corners of tiles
-// below 40 pixels have none.
+// The painter draws the bricks. Numbers are then drawn over the pixels at the projected
+// middles and corners. A number is left out if another tile hides its position. Its size
+// depends on the tile's. With s the side of a square of equal pixel area, tiles' numbers are
+// 0.28 s high (7 to 40 pixels), corners' 0.14 s (6 to 20). Corners of tiles below 40 pixels
+// have no numbers.
 //
-// A corner's number is at 22% of the way from it into its tile: the numbers of tiles that meet in a
-// corner are apart.
+// A corner's number is moved into its tile by 22%, which separates the numbers of tiles with a
+// common corner.
 
 namespace {
 
@@ -318,8 +319,8 @@ std::vector<Vector3> allVertices(const std::vector<model::Tile>& tiles) {
   return points;
 }
 
-/// A place within the tile for its number: the centroid, or that of the largest part of a concave
-/// tile, whose own may lie outside.
+/// A point in the tile for its number: the centroid, or for a concave tile that of its largest
+/// part, since the tile's own may lie outside.
 Vector3 middleOf(const model::Tile& tile) {
   model::Tile largest;
   for (const model::PolygonPart& part :
@@ -332,7 +333,7 @@ Vector3 middleOf(const model::Tile& tile) {
   return model::tileCentroid(largest);
 }
 
-/// The middle of a convex part that has this vertex: towards it the way leads into the tile.
+/// The middle of a convex part with this vertex: the direction into the tile.
 Vector3 middleBy(const model::Tile& tile, int vertex) {
   for (const model::PolygonPart& part :
        model::convexParts(tile.vertices, model::tileNormal(tile))) {
@@ -344,7 +345,7 @@ Vector3 middleBy(const model::Tile& tile, int vertex) {
   return model::tileCentroid(tile);
 }
 
-/// A line as a loop at a height: an open one leads there and back.
+/// A line as a loop at a height. An open line is traversed forwards and backwards.
 model::Tile loopOf(const model::DrawnPath& path, double height) {
   model::Tile loop;
   for (const model::Vector2& point : path.points) {
@@ -374,7 +375,7 @@ picture::Frame linePicture(std::vector<model::Tile> lines, std::vector<Vector3> 
   return picture::Painter(size, {}, style).paint(items, picture::fitCamera(points, fit));
 }
 
-/// One state: picture and numbers from one camera.
+/// One state: picture and numbers with the same camera.
 class StatePicture {
  public:
   StatePicture(const std::vector<model::Tile>& tiles, const model::Model& model,
@@ -385,7 +386,7 @@ class StatePicture {
     picture::CameraFit fit;
     fit.view = picture::defaultView(points);
     fit.aspect = size.aspect();
-    // Parallel: equal tiles have numbers of equal size.
+    // Parallel projection: equal tiles have numbers of equal size.
     fit.orthographic = true;
     camera_ = picture::fitCamera(points, fit);
     const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
@@ -408,7 +409,7 @@ class StatePicture {
     frame_ = picture::Painter(size, bricks, style).paint(items, camera_);
   }
 
-  /// To be called once: it gives the frame away.
+  /// Call only once: it moves the frame out.
   picture::Frame numbered() {
     const Vector3 towardsEye = (camera_.eye - camera_.centre).normalized();
     const LineOfSight sight(tiles_, towardsEye);
@@ -419,12 +420,12 @@ class StatePicture {
         write(fmt::format("{}", order_.countsFrom + i), middle,
               std::clamp(0.28 * pixels, 7.0, 40.0), kTileNumber);
       }
-      if (pixels < 40) continue;  // vertices' numbers could not be read
+      if (pixels < 40) continue;  // vertices' numbers would be unreadable
       for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
         const Vector3& vertex = tiles_[i].vertices[k];
         const Vector3 inside = vertex + 0.22 * (middleBy(tiles_[i], static_cast<int>(k)) - vertex);
         if (!sight.isClear(inside, i)) continue;
-        // The reader may have turned a tile's order round; the number is the file's.
+        // The reader may have reversed the tile's vertices; the printed number is the file's.
         const int inFile = order_.across({static_cast<int>(i), static_cast<int>(k)}, tiles_).vertex;
         write(fmt::format("{}", order_.countsFrom + inFile), inside,
               std::clamp(0.14 * pixels, 6.0, 20.0), kVertexNumber);
@@ -434,8 +435,8 @@ class StatePicture {
   }
 
  private:
-  /// The side of a square that fills as many pixels as the tile. Pixels: the area as the camera
-  /// sees it, |n . e| times the true one.
+  /// The side of a square with the tile's pixel area. The visible area is |n . e| times the true
+  /// one.
   double apparentSize(const model::Tile& tile, const Vector3& towardsEye) const {
     const double area = model::tileArea(tile) * std::abs(model::tileNormal(tile).dot(towardsEye));
     return size_.height / picture::heightAtCentre(camera_) * std::sqrt(area);
@@ -443,11 +444,11 @@ class StatePicture {
 
   void write(const std::string& text, const Vector3& place, double pixels, picture::Colour colour) {
     const int em = static_cast<int>(pixels);
-    // Writers load a font, so there is one for each size.
+    // A writer loads a font, so there is one per size.
     const picture::LabelWriter& writer = writers_.try_emplace(em, em).first->second;
     const Eigen::Vector4d clip =
         picture::clipFromWorld(camera_, size_.aspect()) * place.homogeneous();
-    // From clip coordinates, -1 to 1 with y up, to pixels with y down.
+    // From clip coordinates, [-1, 1] with y up, to pixels with y down.
     const double x = 0.5 * (1 + clip.x() / clip.w()) * size_.width;
     const double y = 0.5 * (1 - clip.y() / clip.w()) * size_.height;
     const int width = writer.width(text);
@@ -495,23 +496,23 @@ picture::Frame faultPicture(const model::DrawingFault& fault, picture::FrameSize
 }
 
 // ------------------------------------------------------------------------------------------------
-// A ray from the point p towards the eye, in the direction e (a unit vector; the eye is infinitely
-// far), meets the plane of a tile with normal n and middle m at
+// A ray from the point p in the direction e of the eye (unit vector; the eye is infinitely far)
+// meets the plane of a tile with normal n and middle m at
 //
 //     p + t e,    t = n . (m - p) / (n . e).
 //
-// The tile hides p when t > 0 and that place lies within one of the tile's convex parts. Tiles
-// farther from the ray than their radius are left out first: |(m - p) x e| is the distance of m
-// from the ray.
+// The tile hides p if t > 0 and the intersection lies in one of the tile's convex parts. Tiles
+// farther from the ray than their radius are skipped first: |(m - p) x e| is the distance of m from
+// the ray.
 //
-// Each question looks at all tiles: a picture of n tiles costs n^2 of them.
+// Each query checks all tiles, so a picture of n tiles costs n^2 checks.
 
 namespace {
 
-// Tiles nearer than this, of their own radius, touch the point rather than hide it.
+// Tiles nearer than this fraction of their radius touch the point and do not hide it.
 constexpr double kTouch = 1e-3;
 
-/// Whether a point of the plane is left of every edge.
+/// Whether a point of the plane is on the left of every edge.
 bool isWithin(const std::vector<Vector3>& corners, const Vector3& normal, const Vector3& point) {
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const Vector3& from = corners[k];
@@ -550,10 +551,10 @@ bool LineOfSight::hides(const Screen& screen, const Vector3& point) const {
   const Vector3 offset = screen.middle - point;
   if (offset.cross(towardsEye_).squaredNorm() > screen.radius * screen.radius) return false;
   const double slope = screen.normal.dot(towardsEye_);
-  // Seen edge-on a tile hides nothing.
+  // A tile seen edge-on hides nothing.
   if (slope == 0) return false;
   const double distance = screen.normal.dot(offset) / slope;
-  // Behind the point, or so near that it touches it, as joined tiles do.
+  // Behind the point, or touching it, as joined tiles do.
   if (distance < kTouch * screen.radius) return false;
   const Vector3 meeting = point + distance * towardsEye_;
   return std::any_of(screen.parts.begin(), screen.parts.end(),

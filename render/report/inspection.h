@@ -1,4 +1,4 @@
-/// What a model is, before it runs: the page that `kirireel inspect` prints.
+/// Inspection of a model before a run: the report of `kirireel inspect`.
 #pragma once
 
 #include <functional>
@@ -17,12 +17,12 @@ namespace kirireel::report {
 
 /// One state of the sheet.
 struct StateInspection {
-  double jointGap = 0;         ///< largest, metres
+  double jointGap = 0;         ///< largest gap, metres
   double unevenness = 0;       ///< largest distance of a vertex from its tile's plane, metres
-  double leastCornerSine = 1;  ///< above 0 when all tiles are convex
+  double leastCornerSine = 1;  ///< > 0 if all tiles are convex
   std::vector<trajectory::TileOverlap>
       overlaps;              ///< deeper than a millionth of a tile, deepest first
-  bool seesAllPairs = true;  ///< false: there are too many pairs, see mostPairs()
+  bool seesAllPairs = true;  ///< false: too many pairs, see mostPairs()
   std::optional<trajectory::Mobility> inPlane;  ///< of flat states
   trajectory::Mobility inSpace;                 ///< of the mechanism in space
 };
@@ -34,75 +34,75 @@ struct NeckInspection {
   model::Neck most;   ///< the largest of each
 };
 
-/// Everything that is told of a model. Tiles in it count from 0; `countsFrom` is what the text
-/// adds.
+/// All results for a model. Tiles in it are zero-based; the text adds `countsFrom` to their
+/// numbers.
 struct Inspection {
   std::string name;                         ///< of the model
-  LengthUnit unit;                          ///< of its file; the text has it, JSON is in metres
-  std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
+  LengthUnit unit;                          ///< of its file; used in the text, JSON is in metres
+  std::map<int, int> tilesByVertices;       ///< number of tiles by their number of vertices
   std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
-  NeckInspection necks;                     ///< of those with one
+  NeckInspection necks;                     ///< of joints with a neck
   std::map<std::string, std::vector<int>> tilesByName;  ///< of groups and materials in its file
   double size = 0;                                      ///< diagonal of the start, metres
   double tileSize = 0;                                  ///< mean edge, metres
   double suggestedThickness = 0;                        ///< of bricks, metres: a fiftieth of a tile
-  double rounding = 0;             ///< the last digit of its coordinates, metres; 0 for all digits
-  double zeroSingularValue = 0;    ///< what counts as zero because of that
-  int countsFrom = 0;              ///< the first number of tiles and vertices in its file
-  std::vector<std::string> mends;  ///< what was put right in its files, one line each
-  StateInspection start;           ///< at the start
-  std::optional<StateInspection> target;  ///< at the target, where there is one
+  double rounding = 0;                    ///< last digit of its coordinates, metres; 0: all digits
+  double zeroSingularValue = 0;           ///< threshold for zero because of that
+  int countsFrom = 0;                     ///< number of the first tile and vertex in its file
+  std::vector<std::string> mends;         ///< repairs of its files, one line each
+  StateInspection start;                  ///< at the start
+  std::optional<StateInspection> target;  ///< at the target, if any
   std::optional<double> shapeChange;      ///< largest change of a length in a tile, metres
-  std::optional<double> rigidBound;       ///< no rigid tiles come nearer to the target, metres
-  std::optional<double> assembledError;   ///< the least found with joints closed, metres
-  scene::Needs needs;                     ///< what a run would switch on
+  std::optional<double> rigidBound;       ///< lower bound of the error of rigid tiles, metres
+  std::optional<double> assembledError;   ///< least error found with closed joints, metres
+  scene::Needs needs;                     ///< features that a run would use
 };
 
-/// Looks at the scene's model, with its bricks' thickness. `tell`, which may be empty, is called
-/// with what is being looked at. `tell` gets a few words, such as "looking at the start". Mobility
-/// costs most; beyond a number of unknowns it is not counted.
+/// Inspects the scene's model with its bricks' thickness. `tell`, which may be empty, is called
+/// with a short text about the current step, such as "looking at the start". Mobility is the most
+/// expensive step. It is skipped for too many unknowns.
 Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell = {});
 
-/// The inspection for a person, a line a subject. Several lines.
+/// The inspection as text of several lines, one per subject.
 std::string inspectionText(const Inspection& inspection);
 
-/// The inspection as JSON: {"name", "tiles", "joints", "size", "start": {...}, "target": {...},
-/// ...}. With an indent of two spaces, and a line feed at the end. Values that do not exist are
+/// The inspection as JSON: {"name", "tiles", "joints", "size", "start": {...}, "target":
+/// {...}, ...}. It is indented by two spaces and ends in a line feed. Missing values are
 /// null.
 std::string inspectionJson(const Inspection& inspection);
 
 // ------------------------------------------------------------------------------------------------
-// A picture of a model with the numbers of its tiles and vertices.
+// Pictures of a model with the numbers of its tiles and vertices.
 
-/// The model at the start and, where there is one, at the target, side by side: each tile's number
-/// in its middle, each vertex's number inside its corner. Throws OutputError when no graphics
-/// context can be made or the font is missing.
-/// Corners that a reader mended are marked. `stateSize`: pixels of one state's picture.
-/// `ignored`: of a drawing, the lines that are not cut. They are laid over its start, and its
-/// hinges have dots.
+/// The model at the start and, if it has one, at the target, side by side. Each
+/// tile's number is in its middle, each vertex's number inside its corner. Corners
+/// that a reader repaired are marked. Throws OutputError if there is no graphics
+/// context or font. `stateSize`: pixels of one state's picture. `ignored`: lines of
+/// a drawing that are not cut. They are drawn over the start, and its hinges have
+/// dots.
 picture::Frame numberedPicture(const scene::Scene& scene, picture::FrameSize stateSize,
                                const std::optional<std::vector<model::DrawnPath>>& ignored = {});
 
-/// A drawing that is no sheet: its lines, and a dot at each place of the fault. Throws OutputError
-/// when no graphics context can be made.
+/// A drawing that is not a sheet: its lines, and a dot at each fault. Throws OutputError if there
+/// is no graphics context.
 picture::Frame faultPicture(const model::DrawingFault& fault, picture::FrameSize size);
 
-/// A polygon that makes no tile: its sides as lines, and where two of them meet as a dot. Throws
-/// OutputError when no graphics context can be made. `place`: where two sides cross, metres.
+/// A polygon that cannot be a tile: its sides as lines, and a dot at `place`, metres, where two of
+/// them cross. Throws OutputError if there is no graphics context.
 picture::Frame crossingPicture(const model::Tile& tile, const Vector3& place,
                                picture::FrameSize size);
 
 // ------------------------------------------------------------------------------------------------
-// Which points of a model the eye sees: numbers are not drawn over tiles that hide their places.
+// Visibility of points of a model: numbers are not drawn on hidden positions.
 
-/// Tiles seen from far away in one direction. Tiles have no thickness here.
+/// Tiles seen from an infinitely distant eye. Tiles have no thickness here.
 class LineOfSight {
  public:
   /// towardsEye: unit vector, world axes. The tiles are copied.
   LineOfSight(const std::vector<model::Tile>& tiles, const Vector3& towardsEye);
 
-  /// Whether no other tile stands between the eye and this point of a tile; metres, world axes.
-  /// `tile` is the number of the tile that the point belongs to, which never hides it.
+  /// Whether no other tile is between the eye and this point of a tile; metres, world axes. `tile`
+  /// is the number of the point's own tile, which never hides it.
   bool isClear(const Vector3& point, std::size_t tile) const;
 
  private:
@@ -110,7 +110,7 @@ class LineOfSight {
     std::vector<std::vector<Vector3>> parts;  ///< convex
     Vector3 normal;
     Vector3 middle;
-    double radius = 0;  ///< of a ball round the middle that holds the tile, metres
+    double radius = 0;  ///< of a ball around the middle that contains the tile, metres
   };
 
   bool hides(const Screen& screen, const Vector3& point) const;

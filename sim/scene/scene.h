@@ -16,26 +16,26 @@
 
 namespace kirireel::scene {
 
-/// The horizontal plane that bricks rest on.
+/// The horizontal ground plane.
 struct Ground {
   double height = 0;      ///< z of the plane, metres
   double friction = 0.5;  ///< Coulomb coefficient, >= 0
 };
 
-/// Which pairs of bricks may touch.
+/// Pairs of bricks with collision detection.
 enum class ContactFilter {
   Auto,      ///< all pairs if bricks collide on the path, else none; resolved by deploy()
-  None,      ///< no pair: bricks pass through each other
-  Unjoined,  ///< pairs that share no joint (what PyKirigami's --no_collision does)
+  None,      ///< no pairs: bricks can overlap
+  Unjoined,  ///< pairs without common joint (like PyKirigami's --no_collision)
   All,       ///< every pair, away from shared pivots (see Environment::pivotZone)
 };
 
-/// What surrounds the bricks.
+/// Environment of the bricks.
 struct Environment {
   Vector3 gravity = Vector3::Zero();             ///< m/s^2
   std::optional<Ground> ground;                  ///< absent: there is none
-  std::vector<Obstacle> obstacles;               ///< obstacles of all bricks
-  ContactFilter contacts = ContactFilter::None;  ///< which pairs may touch
+  std::vector<Obstacle> obstacles;               ///< fixed obstacles for all bricks
+  ContactFilter contacts = ContactFilter::None;  ///< pairs of bricks with contact
   /// Contacts of joined bricks ignore the corners that they share: this fraction of the mean edge
   /// at each end, in [0, 0.4]. 0: contacts reach the pivot.
   double pivotZone = 0.05;
@@ -44,10 +44,10 @@ struct Environment {
   double angularDamping = 0.05;  ///< the same for the angular velocity
 };
 
-/// Springs from every bottom vertex to its target (paper, Algorithm 2), acting as one force at the
-/// mean of the vertices and one torque about it. What is not given in N/m follows from a frequency
-/// and a damping ratio by each brick's own mass and inertia. Tiles of another size, density or unit
-/// then move alike: see springOf() for the equations.
+/// Springs from every bottom vertex to its target (paper, Algorithm 2), combined to one force at
+/// the mean of the vertices and one torque about it. Without a value in N/m, a frequency, a damping
+/// ratio and each brick's own mass and inertia define the constants. Motion is then independent of
+/// tile size, density and unit: see springOf() for the equations.
 struct TargetSpringSettings {
   double frequency =
       3.2;  ///< undamped natural frequency of one brick on its vertex springs, Hz, > 0
@@ -59,17 +59,17 @@ struct TargetSpringSettings {
   double turnShare = 1;                   ///< of k_f by frequency: k_tau if it is not given, >= 0
   bool adaptive = true;  ///< double both stiffnesses when the error stalls, up to 16 times
 
-  /// Whether they pull at all; without stiffness they only damp.
+  /// Whether the springs have stiffness; without it they only damp.
   bool pull() const { return springStiffness != 0.0 || torqueStiffness != 0.0; }
 };
 
-/// The paper's constants (100 N/m, 100 N/m, 50 N s/m, 2 N m s), which are for bricks of 1 kg.
+/// The paper's constants (100 N/m, 100 N/m, 50 N s/m, 2 N m s), for bricks of 1 kg.
 TargetSpringSettings paperSprings();
 
 /// The spring of one hinge in a file of hinges. Missing values are those of all hinges.
 struct OwnHingeSpring {
-  int tileA = 0;                    ///< the hinge's tiles, in either order
-  int tileB = 0;                    ///< the other
+  int tileA = 0;                    ///< one tile of the hinge, in either order
+  int tileB = 0;                    ///< the other tile
   std::optional<double> stiffness;  ///< see HingeSpring, this and the following
   std::optional<double> rest;       ///< radians, see HingeSpring
   std::optional<double> damping;    ///< N m s/rad, see HingeSpring
@@ -103,7 +103,7 @@ struct HingeSettings {
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
   double damping = 0;               ///< N m s/rad, >= 0
   std::filesystem::path file;       ///< file of single hinges; empty: none
-  std::vector<OwnHingeSpring> own;  ///< what it holds, read by completeScene()
+  std::vector<OwnHingeSpring> own;  ///< contents of the file, read by completeScene()
 
   /// Whether hinges have their own springs or dashpots, for any material of the tiles.
   bool areGiven() const {
@@ -113,135 +113,135 @@ struct HingeSettings {
   bool areOn() const { return areGiven() || panels; }
 };
 
-/// What drives the bricks.
+/// Drive of the bricks.
 enum class Drive {
-  Auto,       ///< Target where the model has one, else Expansion; resolved by completeScene()
-  Target,     ///< springs to the target; nothing where there is none
+  Auto,       ///< Target if the model has one, else Expansion; resolved by completeScene()
+  Target,     ///< springs to the target; no force without a target
   Expansion,  ///< away from the common centre, k (x - centre) - c v, with the springs' k_f and mu_v
-  Boundary,   ///< springs of stiffness k_f from the corners of the hull to a curve round it
-  None,       ///< no force, no damping but the environment's
+  Boundary,   ///< springs of stiffness k_f from the corners of the hull to a curve around it
+  None,       ///< no force; only the environment's damping
 };
 
-/// The curve that boundary springs pull to: an ellipse round the middle of the hull's corners.
+/// The curve of boundary springs: an ellipse around the middle of the hull's corners.
 struct BoundaryCurve {
-  double size = 2;    ///< its width (along y) over that of the smallest circle round the hull, > 0
-  double aspect = 1;  ///< its length (along x) over its width: 1 a circle, else an oblong; above 0
+  double size = 2;    ///< its width (along y) / that of the smallest circle around the hull, > 0
+  double aspect = 1;  ///< its length (along x) / its width: 1 a circle, else oblong; > 0
 };
 
-/// What drives the bricks. Its strength is in TargetSpringSettings.
+/// Drive of the bricks. TargetSpringSettings have its strength.
 struct Actuation {
-  Drive drive = Drive::Target;  ///< what it is
+  Drive drive = Drive::Target;  ///< kind of drive
   BoundaryCurve boundary;       ///< of boundary springs
 };
 
-/// How the springs bring the tiles to their target.
+/// Method to bring the tiles to their target.
 enum class PathKind {
-  /// Continuation where the scene needs no dynamics and that arrives, else Dynamic.
+  /// Continuation if the scene needs no dynamics and the path arrives, else Dynamic.
   Auto,
-  Continuation,  ///< the mechanism is followed as geometry, at an even pace; see continueAlong()
-  /// By springs: straight where that arrives, else guided, on joints as stiff as arrives.
+  Continuation,  ///< the mechanism is followed kinematically at an even pace; see continueAlong()
+  /// By springs: Straight if it arrives, else Guided. Joints are as stiff as possible.
   Dynamic,
   Straight,  ///< the springs pull towards the target from the start (as in the paper)
-  Guided,    ///< each tile is guided along its own rigid motion, more by its rotation than by its
+  Guided,    ///< each tile is guided along its own rigid motion, primarily by rotation, then by
              ///< position
 };
 
-/// Where a run leads.
+/// End of a run.
 enum class Destination {
-  Auto,    ///< to the target, without one to full extension
+  Auto,    ///< the target; full extension without a target
   Closed,  ///< through full extension to the second compact state; a target is ignored
 };
 
-/// The path to the target. Straight pulling has local minima in which hard models lock.
+/// Method to reach the target. Straight pulling has local minima in which hard models lock.
 struct PathSettings {
-  PathKind kind = PathKind::Dynamic;  ///< how tiles get there
-  /// Seconds of expansion from the common centre before the tiles are guided: room for bricks that
-  /// would jam. >= 0.
+  PathKind kind = PathKind::Dynamic;  ///< kind of path
+  /// Seconds of expansion from the common centre before the tiles are guided. It makes space for
+  /// bricks that would jam. >= 0.
   double openTime = 0;
   double guideTime = 4;  ///< seconds in which the tiles are guided to the target, > 0
-  /// r, the stiffness of each joint over that by which one tile is held at its place, > 0.
-  /// Infinity: exact joints. While guided, compliant joints are closed at the end.
+  /// r, the stiffness of each joint relative to that of one tile's guide, > 0. Infinity: exact
+  /// joints. After guiding, compliant joints are closed.
   double jointRatio = std::numeric_limits<double>::infinity();
-  /// Scales what finding a path may cost after the first candidate, see SearchBudget, >= 0.
+  /// Scales the cost limit of the path search after the first candidate, see SearchBudget; >= 0.
   double searchEffort = 1;
-  /// Seconds in which a kinematic path is played back, at an even pace, > 0. A shorter duration of
-  /// the run comes first.
+  /// Duration of the playback of a kinematic path at an even pace, seconds, > 0. A shorter duration
+  /// of the run has priority.
   double walkTime = 6;
   /// Least number of equilibria while the load of grips grows from 0 to 1; >= 1.
   int loadSteps = 1;
   Destination to = Destination::Auto;  ///< where the path leads
 
-  /// Whether joints are springs from the start on.
+  /// Whether joints are springs from the start.
   bool jointsAreCompliant() const { return std::isfinite(jointRatio); }
 };
 
-/// Which solver holds the joints.
+/// Solver of the joints.
 enum class SolverKind {
   Direct,  ///< exact joints by a direct solve
   Bullet,  ///< Bullet's sequential impulses: the baseline
 };
 
-/// Default error in time of one step of a run with dynamics, tiles: about what 1/240 s costs in
-/// fixed steps, for a fortieth of their error (docs/accuracy.md).
+/// Default error in time of one dynamic step, tiles. Costs about as much as fixed steps of 1/240 s
+/// with a fortieth of their error (docs/accuracy.md).
 inline constexpr double kDefaultTolerance = 1e-3;
 
-/// How a step is computed.
+/// Settings of a time step.
 struct SolverSettings {
-  SolverKind kind = SolverKind::Direct;  ///< which one
-  /// Of fixed steps, and of steps to a tolerance where bricks touch or joints are singular,
+  SolverKind kind = SolverKind::Direct;  ///< solver of the joints
+  /// Length of fixed steps, and of steps to a tolerance during contact or at singular joints,
   /// seconds.
   double timestep = 1.0 / 240;
-  /// Error in time that one step may make, tiles (see Extrapolation); 0: fixed steps, of first
+  /// Allowed error in time of one step, tiles (see Extrapolation); 0: fixed steps, of first
   /// order.
   double tolerance = 0;
-  /// Whether a run is repeated with a tenth of the tolerance, to measure its error in time.
+  /// Whether a run is repeated with a tenth of the tolerance to measure its error in time.
   bool measuresTimeError = false;
-  std::optional<int> substeps;  ///< solver steps in each; absent: 1 direct, 20 Bullet
+  std::optional<int> substeps;  ///< solver steps per time step; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep
-  std::optional<bool> planar;   ///< force 3 (true) or 6 (false) degrees of freedom a tile
+  std::optional<bool> planar;   ///< forces 3 (true) or 6 (false) degrees of freedom per tile
   unsigned seed = 1;            ///< of the perturbation that breaks symmetric starts
 
-  /// Whether the tolerance was set by the user: it differs from the default, which other settings
+  /// Whether the user set the tolerance: it differs from the default, which other settings
   /// override.
   bool isToleranceGiven() const { return tolerance > 0 && tolerance != kDefaultTolerance; }
 };
 
-/// When a run ends.
+/// Conditions for the end of a run.
 struct StopRules {
-  double duration = 20;       ///< simulated seconds at most
-  double settleSpeed = 2e-6;  ///< settled below this many model sizes a second ...
+  double duration = 20;       ///< maximum simulated seconds
+  double settleSpeed = 2e-6;  ///< at rest below this speed, model sizes per second ...
   double settleTime = 0.25;   ///< ... for this many seconds
 };
 
-/// How the start is moved onto the target, as a rigid whole, before a run.
+/// Rigid motion of the start onto the target before a run.
 struct StartAlignment {
   bool requested = true;  ///< false: the start keeps its position in the model
-  bool byHeld = false;    ///< the tiles that are pinned from the start on were fitted, not all
-  double moved = 0;       ///< of the farthest vertex, metres
-  double turned = 0;      ///< of the whole, radians in [0, pi]
+  bool byHeld = false;    ///< fitted only initially pinned tiles, not all
+  double moved = 0;       ///< largest displacement of a vertex, metres
+  double turned = 0;      ///< rotation of the whole, radians in [0, pi]
 };
 
-/// Everything that a run depends on.
+/// All inputs of a run.
 struct Scene {
-  model::Model model;            ///< its start aligned, see completeScene()
-  StartAlignment alignment;      ///< how it was aligned
-  model::BrickRule brick;        ///< how tiles become bricks
-  Environment environment;       ///< what is around them
-  Actuation actuation;           ///< what drives them
-  TargetSpringSettings springs;  ///< to the target; their strength serves other drives too
-  HingeSettings hinges;          ///< what joins tiles
-  PathSettings path;             ///< how they get to the target
-  SolverSettings solver;         ///< how steps are computed
-  StopRules stop;                ///< when the run ends
-  Timeline timeline;             ///< what happens on the way
-  std::vector<InitialVelocity> velocities;  ///< at the start; tiles that none names are at rest
-  /// Where there are any, the scene is not deployed: its equilibria are followed as they load it.
+  model::Model model;                       ///< its start is aligned, see completeScene()
+  StartAlignment alignment;                 ///< alignment of its start
+  model::BrickRule brick;                   ///< makes bricks from tiles
+  Environment environment;                  ///< gravity, ground, obstacles, contacts
+  Actuation actuation;                      ///< drive of the bricks
+  TargetSpringSettings springs;             ///< to the target; also the strength of other drives
+  HingeSettings hinges;                     ///< springs at hinges
+  PathSettings path;                        ///< method to reach the target
+  SolverSettings solver;                    ///< settings of time steps
+  StopRules stop;                           ///< conditions for the end
+  Timeline timeline;                        ///< timed actions
+  std::vector<InitialVelocity> velocities;  ///< at the start; other tiles are at rest
+  /// If not empty, the scene is not deployed. Its equilibria under the grips' load are followed.
   std::vector<GripSetting> grips;
-  /// Why a scene that could stay in its plane leaves it; empty: it stays. Found by deploy().
+  /// Why a scene that could be planar is spatial; empty: it is planar. Set by deploy().
   std::string spaceReason;
 };
 
-/// Whether something is modelled, and why.
+/// Whether a feature is modelled, with the reason.
 struct Need {
   bool on = false;     ///< whether it is modelled
   std::string reason;  ///< one short phrase for the summary
@@ -252,9 +252,9 @@ struct Need {
   }
 };
 
-/// What a scene needs.
+/// Features that a scene needs.
 struct Needs {
-  Need planar;     ///< three degrees of freedom a tile instead of six
+  Need planar;     ///< three degrees of freedom per tile instead of six
   Need contacts;   ///< collision detection between bricks
   Need ground;     ///< the ground plane as a contact
   Need obstacles;  ///< fixed obstacles
@@ -271,25 +271,25 @@ struct Needs {
 /// its position)".
 std::string describe(const StartAlignment& alignment, const LengthUnit& unit = {});
 
-/// A scene without a model, with the program's defaults. Path, contacts and drive are found from
-/// the model later, and thickness (here 0).
+/// A scene without a model, with the program's defaults. Path, contacts, drive and thickness (here
+/// 0) are later chosen by the model.
 Scene openScene();
 
 /// Sets drive and thickness from the model if they are not set.
 void fillFromModel(Scene& scene);
 
-/// Multiplies all lengths of a scene by a factor > 0, but those of its model: a scene is typed in
-/// the model's unit. Linear speeds too. Targets that are read later are not in it.
+/// Multiplies all lengths and linear speeds of a scene, except its model, by a factor > 0, because
+/// the user writes a scene in the model's unit. Targets that are read later are excluded.
 void scaleLengths(Scene& scene, double factor);
 
-/// What drives a model by default: Target where it has one, else Expansion.
+/// Default drive of a model: Target if it has one, else Expansion.
 Drive defaultDrive(const model::Model& model);
 
-/// The lowest z of start and target: default height of the ground, metres.
+/// The lowest z of start and target, the default height of the ground, metres.
 double lowestPoint(const model::Model& model);
 
-/// The lowest z of the bricks at the start and at the target: the height of a ground that touches
-/// them without pushing. Metres.
+/// The lowest z of the bricks at the start and at the target, metres. A ground at this height
+/// touches them without force.
 double lowestPoint(const Scene& scene);
 
 }  // namespace kirireel::scene

@@ -1,10 +1,10 @@
-// What the command line adds to a model, in the order in which one depends on the other: targets
-// first, as the start is aligned to the last of them; then numbers of tiles in the timeline; then
-// the alignment, which depends on the pinned tiles; then what is measured in the aligned state
-// (links, fixed joints).
+// Additions of the command line to a model, in the order of their dependence. Targets come first,
+// because the start is aligned to the last of them. Tile numbers in the timeline follow. The
+// alignment depends on the pinned tiles. Last come additions measured in the aligned state (links,
+// fixed joints).
 //
-// Users number tiles and vertices as in the model's file (from 0 or from 1, in the file's order).
-// Here these numbers become the model's own.
+// Users number tiles and vertices as in the model's file (zero- or one-based, in the file's order).
+// This file converts them to the model's own numbers.
 #include "sim/scene/scene_parts.h"
 
 #include <algorithm>
@@ -30,8 +30,8 @@
 namespace kirireel::scene {
 namespace {
 
-/// The states that the model's own file goes through become entries of the timeline, unless
-/// something else than targets moves the tiles.
+/// The intermediate states of the model's file become entries of the timeline, unless the tiles are
+/// not driven to targets.
 void addWaypoints(Scene& scene) {
   const std::vector<std::vector<model::Tile>>& waypoints = scene.model.waypoints;
   const bool goesToTargets =
@@ -47,8 +47,8 @@ void addWaypoints(Scene& scene) {
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
-/// Letters without angles fold by 180 degrees only if no other setting gives the angle: springs
-/// with a rest angle of their own fold the sheet instead of a pull to a target.
+/// Letters without angles fold by 180 degrees only if no other setting gives the angle. Springs
+/// with their own rest angle fold the sheet in place of a target.
 void foldBySprings(Scene& scene) {
   const bool givesTarget = scene.model.drawing && scene.model.drawing->givesTarget;
   const bool areSprung = scene.hinges.stiffness > 0 && scene.hinges.rest;
@@ -57,7 +57,7 @@ void foldBySprings(Scene& scene) {
   scene.actuation.drive = Drive::None;
 }
 
-/// The chain of targets becomes the model's target and, before it, entries of the timeline.
+/// The last target becomes the model's target, the others entries of the timeline.
 void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
                 std::vector<std::string>& warnings) {
   if (files.empty()) {
@@ -67,7 +67,7 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   scene.model.waypoints.clear();
   Timeline chain;
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
-    // The first target is headed for at once, each further one when the one before it is reached.
+    // The first target applies at once, each further one when the previous one is reached.
     const Trigger when = k == 0 ? Trigger{} : Trigger{Trigger::Kind::AtTarget};
     chain.push_back({when,
                      timeline::GoTo{files[k], model::readTarget(files[k], scene.model, warnings)},
@@ -79,7 +79,7 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
-/// Options number tiles and vertices as the model's file does.
+/// Options use the tile and vertex numbers of the model's file.
 void requireTile(const model::Model& model, int tile, const char* option) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
@@ -104,7 +104,7 @@ void requireVertex(const model::Model& model, const model::Corner& corner, const
                                option, corner.tile, first, end - 1, corner.vertex));
 }
 
-// Pairs of tiles that move as one, in their present relative position.
+// Pairs of tiles that move as one, in their current relative position.
 void addFixed(const std::vector<std::array<int, 2>>& pairs, model::Model& model) {
   for (const auto& [tileA, tileB] : pairs) {
     requireTwoTiles(model, tileA, tileB, "`fix`");
@@ -113,7 +113,7 @@ void addFixed(const std::vector<std::array<int, 2>>& pairs, model::Model& model)
   }
 }
 
-// Pairs of corners that keep their present distance.
+// Pairs of corners that keep their current distance.
 void addLinks(const std::vector<std::array<int, 4>>& links, model::Model& model) {
   for (const auto& [tileA, vertexA, tileB, vertexB] : links) {
     requireTwoTiles(model, tileA, tileB, "`link`");
@@ -122,7 +122,7 @@ void addLinks(const std::vector<std::array<int, 4>>& links, model::Model& model)
     const model::Joint link =
         model::makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
                         model.fileOrder.toModel({tileB, vertexB}, model.tiles));
-    // kSamePlace of model_checks.h: points as near as that are one.
+    // kSamePlace of model_checks.h: nearer points count as one.
     if (link.apart.norm() <= 1e-6 * model::modelSize(model)) {
       throw InputError(fmt::format(
           "`link`: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
@@ -141,19 +141,18 @@ void readTimelineTargets(Scene& scene, std::vector<std::string>& warnings) {
   }
 }
 
-/// Frees tiles of a list, all of them where `freed` is empty.
+/// Frees the listed tiles, or all tiles if `freed` is empty.
 void release(const std::vector<int>& freed, std::vector<int>& held) {
   if (freed.empty()) return held.clear();
   std::erase_if(held, [&](int tile) { return std::ranges::find(freed, tile) != freed.end(); });
 }
 
-/// The tiles that are pinned before anything moves and stay so to the end: the target can only be
-/// reached at their position. Tiles that are freed later can still go there.
+/// The tiles that are pinned before any motion and until the end. The target must have them at
+/// their position. Tiles that are freed later can still move there.
 std::vector<int> heldTiles(const Timeline& timeline) {
   std::vector<int> held;
   for (const TimelineEntry& entry : timeline) {
-    // Entries happen in their order: the first one that waits ends what happens before anything
-    // moves.
+    // Entries happen in their order. The first entry that waits ends the part before any motion.
     const bool isAtOnce = entry.when.value == 0 && (entry.when.kind == Trigger::Kind::After ||
                                                     entry.when.kind == Trigger::Kind::AtTime);
     if (!isAtOnce) break;
@@ -167,7 +166,7 @@ std::vector<int> heldTiles(const Timeline& timeline) {
   return held;
 }
 
-// Notes how far the start was moved and turned, for the summary.
+// Records displacement and rotation of the start, for the summary.
 void align(Scene& scene, const std::vector<int>& held) {
   const std::vector<model::Tile> before = scene.model.tiles;
   const model::RigidMotion motion = model::alignStartToTarget(scene.model, held);
@@ -186,7 +185,7 @@ void align(Scene& scene, const std::vector<int>& held) {
 
 namespace {
 
-/// Necks of the model's own need one at each joint.
+/// If the scene uses the model's own necks, every joint must have one.
 void requireNecks(const Scene& scene) {
   if (!scene.hinges.neck || scene.hinges.neck->width > 0) return;
   const model::Model& model = scene.model;
@@ -205,10 +204,10 @@ void requireNecks(const Scene& scene) {
 
 namespace {
 
-/// The middle of tiles that are far from the origin, where doubles keep few of their digits; 0 for
-/// others. Metres.
+/// The middle of tiles that are far from the origin, where doubles lose precision; 0 for other
+/// tiles. Metres.
 Vector3 farMiddle(const std::vector<model::Tile>& tiles) {
-  constexpr double kFar = 1e4;  // of their diagonal, of which joints close to 1e-12 there
+  constexpr double kFar = 1e4;  // multiple of their diagonal at which joints close only to 1e-12
   Eigen::AlignedBox3d box;
   for (const model::Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) box.extend(vertex);
@@ -223,8 +222,8 @@ void moveBy(const Vector3& move, std::vector<model::Tile>& tiles) {
   }
 }
 
-/// Moves a model that is far from the origin there, with all that has a place. A start that will be
-/// moved onto its target is moved by itself.
+/// Moves a distant model to the origin, with everything that has a position. A start that will be
+/// aligned to its target is moved independently.
 void moveToOrigin(Scene& scene, std::vector<std::string>& warnings) {
   model::Model& model = scene.model;
   const bool isAligned = scene.alignment.requested && model.target;
@@ -271,8 +270,8 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   numberAsModel(entries, scene.model);
   scene.timeline = std::move(entries);
   numberAsModel(scene.velocities, scene.model);
-  // Before joints are added: links and fixed joints measure distances, which a rigid motion keeps,
-  // and directions, which it turns.
+  // Before joints are added: links and fixed joints measure distances and directions. A rigid
+  // motion keeps distances but rotates directions.
   moveToOrigin(scene, warnings);
   if (scene.alignment.requested) align(scene, heldTiles(scene.timeline));
   numberAsModel(scene.grips, scene.model);
@@ -285,11 +284,11 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
 
 namespace {
 
-/// The parts of each tile that the model had before, by its number there.
+/// The parts of each tile that existed before splitting, by its old number.
 std::vector<std::vector<int>> partsOfTiles(const model::Model& split, std::size_t count) {
   std::vector<int> whole(split.tiles.size());
   std::iota(whole.begin(), whole.end(), 0);
-  // The first part keeps the tile's number, which is less than those of all others.
+  // The first part keeps the tile's number, which is lower than those of all other parts.
   for (bool isDone = false; !isDone;) {
     isDone = true;
     for (const model::Joint& joint : split.joints) {
@@ -307,7 +306,7 @@ std::vector<std::vector<int>> partsOfTiles(const model::Model& split, std::size_
   return parts;
 }
 
-/// Puts the parts of tiles in the place of the tiles.
+/// Replaces tiles by their parts.
 void replaceByParts(const std::vector<std::vector<int>>& parts, std::vector<int>& tiles) {
   std::vector<int> all;
   for (const int tile : tiles) {
@@ -317,7 +316,7 @@ void replaceByParts(const std::vector<std::vector<int>>& parts, std::vector<int>
   tiles = std::move(all);
 }
 
-/// Whether an entry names tiles in a way that parts have no place in.
+/// Whether an entry refers to whole tiles and cannot use parts.
 bool namesWholeTiles(const TimelineEntry& entry) {
   const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
   return std::holds_alternative<timeline::Drag>(entry.action) || (goTo && !goTo->tiles.empty());
@@ -345,29 +344,29 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Springs at hinges: those of a file, one hinge a line, and those that all hinges have.
+// Springs at hinges: those of a file, with one hinge per line, and the default of all hinges.
 //
-// 1. Hinges are found from the pivots that two bricks share (brick/hinge.h). In space, two tiles
-//    may share an edge whose corners are joined only by way of other tiles, as where four panels of
-//    an origami meet and the joints form a chain. For these folds all corners at one place are
-//    joined pair by pair first, face by face, and folds that this adds are hinges too.
-// 2. Each hinge gets a stiffness (N m/rad), a rest angle (rad) and a damping (N m s/rad): those of
-//    its line in the file where the line has them, else those of all hinges; a fold rests else at
-//    the angle that a FOLD file has for it, all others at that of the start. The stiffness of all
-//    hinges may be that of a neck of material (stiffness.h) where tiles turn about a corner. A
-//    neck without length next to a slit that is shut at the start has the stiffness of the end of a
-//    crack, which is its own table. Where tiles have a material (PanelMaterial), the hinges between
-//    the parts of one tile have its bending stiffness and rest in their present angle, independent
-//    of all hinges, and folds without a stiffness have that of the material's length scale.
-// 3. A rest angle at which bricks would lie in each other is refused, since contacts or joints
-//    could never let the spring come to rest.
+// 1. Hinges are found from the common pivots of two bricks (brick/hinge.h). In space, two tiles may
+//    have a common edge whose corners are joined only through other tiles. An example is a vertex
+//    of four origami panels with a chain of joints. For such folds all corners at one point are
+//    first joined pair by pair on each face. The additional folds are hinges too.
+// 2. Each hinge gets a stiffness (N m/rad), a rest angle (rad) and a damping (N m s/rad). The
+//    values of its line in the file have priority over those of all hinges. The default rest angle
+//    of a fold is that of the FOLD file, that of other hinges the angle at the start. The stiffness
+//    of all hinges may be that of a neck of material (stiffness.h) if tiles turn about a corner. A
+//    neck of length 0 next to an initially shut slit has the stiffness of a crack tip, from its own
+//    table. If tiles have a material (PanelMaterial), the hinges between parts of one tile have its
+//    bending stiffness. They rest at their current angle, independent of all hinges. Folds without
+//    a stiffness have that of the material's length scale.
+// 3. A rest angle at which bricks overlap is refused, since contacts or joints would never let the
+//    spring come to rest.
 
 namespace {
 
 constexpr std::size_t kMostColumns = 5;
 constexpr double kMostStiffness = 1e12;  // N m/rad, and N m s/rad
 constexpr double kMostRest = 360;        // degrees
-// Rest angles may be so far beyond what bricks can reach, radians: edges are flush but to rounding.
+// Tolerance of rest angles beyond the reachable angles, radians: edges are flush up to rounding.
 constexpr double kAngleRounding = 1e-6;
 
 using TilePair = std::pair<int, int>;
@@ -379,11 +378,11 @@ int readTile(const model::TextTable& table, const model::TextLine& line, std::si
   return tileOfModel(tile, model, where);
 }
 
-/// A number of a line that need not be there.
+/// An optional number of a line.
 std::optional<double> readOptional(const model::TextTable& table, const model::TextLine& line,
                                    std::size_t column, double least, double most,
                                    const char* meaning) {
-  // A hyphen marks a missing column before later columns.
+  // A hyphen marks a missing column before other columns.
   if (column >= line.fields.size() || line.fields[column].text == "-") return std::nullopt;
   const model::TextField& field = line.fields[column];
   return model::parseNumberWithin(field, table.at(line, field), least, most, meaning);
@@ -412,7 +411,7 @@ OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& 
   return spring;
 }
 
-/// Bricks must not overlap at the rest angle of a spring. `line` says so, or null: the option.
+/// Refuses overlap of bricks at a spring's rest angle. `line` is its source; null: the option.
 void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* line,
                        const model::Model& model) {
   const model::Hinge& hinge = spring.hinge;
@@ -428,7 +427,7 @@ void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* l
   throw line ? inputErrorAt(line->where, message) : InputError("`hinge_rest`: error: " + message);
 }
 
-/// Joins every two corners that joints hold together on a face, also by way of others.
+/// Joins every two corners that joints connect on a face, directly or through others.
 std::vector<model::Joint> joinedCorners(const std::vector<model::Joint>& joints,
                                         model::JointFace face) {
   using CornerKey = std::pair<int, int>;
@@ -466,15 +465,15 @@ std::vector<model::Joint> joinedCorners(const std::vector<model::Joint>& joints,
 }
 
 bool isFold(const model::Hinge& hinge) {
-  // Angles at corners begin at 0, where tiles lie flush; folds go to both sides of flat.
+  // Corner angles are >= 0, with 0 for flush edges. Folds go to both sides of flat.
   return hinge.least < 0;
 }
 
-/// Adds the folds between tiles whose common corners are joined by way of other tiles, as where
-/// four tiles of an origami meet.
+/// Adds the folds between tiles whose common corners are joined through other tiles, such as at a
+/// vertex of four origami panels.
 void addIndirectFolds(const Scene& scene, const std::vector<model::Brick>& bricks,
                       model::FoundHinges& found) {
-  // A pair that is joined directly has its hinge already.
+  // A directly joined pair already has its hinge.
   std::set<TilePair> known;
   for (const model::Hinge& hinge : found.hinges)
     known.insert(std::minmax(hinge.brickA, hinge.brickB));
@@ -488,9 +487,9 @@ void addIndirectFolds(const Scene& scene, const std::vector<model::Brick>& brick
   }
 }
 
-/// The hinges of a scene. Springs that were asked for by themselves need one at least.
+/// The hinges of a scene. If the user requested springs, at least one is required.
 model::FoundHinges requireHinges(const Scene& scene, const std::vector<model::Brick>& bricks) {
-  // In the plane one shared point is a hinge about the vertical; in space it is a ball.
+  // In the plane one common point is a vertical hinge, in space a ball joint.
   const bool isPlanar = sceneNeeds(scene).planar.on;
   model::FoundHinges found =
       model::findHinges(bricks, model::makePivots(scene.model.joints, bricks), isPlanar);
@@ -508,14 +507,13 @@ model::FoundHinges requireHinges(const Scene& scene, const std::vector<model::Br
       found.ballJoints.size()));
 }
 
-/// An edge that two tiles have in common: its corners as the first tile and as the second number
-/// them.
+/// A common edge of two tiles: its corner numbers in the first and in the second tile.
 struct CommonEdge {
   std::array<int, 2> ofA{};
   std::array<int, 2> ofB{};
 };
 
-/// The corners that pairs of tiles have in common by joints, of the first tile and of the second.
+/// The corners that joints connect, of the first tile and of the second.
 std::map<TilePair, std::set<std::pair<int, int>>> commonCorners(
     const std::vector<model::Joint>& joints) {
   std::map<TilePair, std::set<std::pair<int, int>>> common;
@@ -548,7 +546,7 @@ std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corner
   return edges;
 }
 
-/// The scene's neck at a joint: the model's unless the scene has a width.
+/// The scene's neck at a joint: that of the model unless the scene has a width.
 HingeNeck neckAt(const Scene& scene, const model::Joint& joint) {
   HingeNeck neck = *scene.hinges.neck;
   if (neck.width > 0) return neck;
@@ -574,19 +572,19 @@ class DefaultSprings {
     }
   }
 
-  /// Whether the hinge is a bend within a tile. The springs of hinges do not apply to it.
+  /// Whether the hinge is a bend within a tile, which has no springs of hinges.
   bool isBend(const model::Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
 
   double stiffness(const model::Hinge& hinge) const {
     const HingeSettings& all = scene_.hinges;
     if (isBend(hinge)) return bending(hinge);
-    // Necks are at corners. A fold has the stiffness of all hinges.
+    // Necks are at corners. A fold has the default stiffness.
     if (all.neck && !isFold(hinge)) return neckStiffnessAt(hinge);
     const bool isByLength = all.stiffness == 0 && all.panels && all.panels->foldLength > 0;
     return isByLength && isFold(hinge) ? folding(hinge) : all.stiffness;
   }
 
-  /// The rest angle of all hinges, to the other side for a mountain of the model's file.
+  /// The default rest angle, with opposite sign for a mountain of the model's file.
   double signedRest(const model::Hinge& hinge, double rest) const {
     const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
     const bool isMountain = found != scene_.model.foldAngles.end() && found->second < 0;
@@ -631,12 +629,12 @@ class DefaultSprings {
                                  model::neckCorner(brick(hinge.brickB), hinge.cornerB)});
   }
 
-  /// Of a tile at the diagonal between two of its triangles.
+  /// Bending stiffness of a tile at the diagonal between two of its triangles.
   double bending(const model::Hinge& hinge) const {
     const PanelMaterial& material = *scene_.hinges.panels;
     const auto [a, b] = tilesOf(hinge);
     const CommonEdge edge = edgesAt(hinge).at(0);
-    // The corners of a triangle add up to 3.
+    // The corner numbers of a triangle add up to 3.
     const auto wing = [&](int number, const std::array<int, 2>& corners) {
       return tile(number).vertices[static_cast<std::size_t>(3 - corners[0] - corners[1])];
     };
@@ -647,7 +645,7 @@ class DefaultSprings {
                                 scene_.brick.thickness);
   }
 
-  /// Of a fold, whose length is that of all edges that its tiles have in common.
+  /// Stiffness of a fold. Its length is the sum of all common edges of its tiles.
   double folding(const model::Hinge& hinge) const {
     const PanelMaterial& material = *scene_.hinges.panels;
     const model::Tile& a = tile(tilesOf(hinge).first);
@@ -669,7 +667,7 @@ class DefaultSprings {
   std::map<CornerPair, const model::Joint*> jointAt_;  // of necks
 };
 
-/// The lines of the file by their tiles, the lower first.
+/// The lines of the file by their tiles, the lower number first.
 std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpring>& own) {
   std::map<TilePair, const OwnHingeSpring*> lines;
   for (const OwnHingeSpring& line : own) lines[std::minmax(line.tileA, line.tileB)] = &line;
@@ -723,7 +721,7 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
     if (const auto line = lines.find(std::minmax(hinge.brickA, hinge.brickB));
         line != lines.end()) {
       own = *line->second;
-      // What is left of the file in the end names no hinge, and is refused.
+      // Remaining lines of the file fit no hinge and are refused.
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest || !all.rest || usual.isBend(hinge)
@@ -743,18 +741,18 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Joints of necks: which joint is exact, which one a ligament.
+// Joints of necks: exact joints and ligaments.
 //
-// A neck at a joint of two tiles has, if the slit next to it is shut at the start, an axis next to
-// the corner, along the slit (neckAxis()). With a length, and where ligaments are asked for, it
-// becomes a straight ligament whose middle is the joint and which runs from tile A to tile B.
-// Without a length it is the end of the slit: a pin that parts across the slit and slides along it.
-// All other joints stay exact.
+// A neck at a joint of two tiles has an axis on the slit next to the corner, if the slit is shut at
+// the start (neckAxis()). A neck with a length becomes a straight ligament if ligaments are
+// requested. Its middle is the joint, and it points from tile A to tile B. A neck of length 0 is
+// the end of the slit: a pin that can open across the slit and slide along it. All other joints
+// stay exact.
 
 namespace {
 
-/// The directions of both edges from a corner, unit.
-/// The corner's next and last neighbour give them, in the order of the tile's corners.
+/// The unit directions of both edges from a corner,
+/// to the next and the previous vertex of the tile.
 std::array<Vector3, 2> edgesAt(const model::Brick& brick, int corner) {
   const std::size_t count = brick.bottom.size();
   const auto k = static_cast<std::size_t>(corner);
@@ -762,14 +760,14 @@ std::array<Vector3, 2> edgesAt(const model::Brick& brick, int corner) {
           (brick.bottom[(k + count - 1) % count] - brick.bottom[k]).normalized()};
 }
 
-/// The direction from a corner into its tile. The sum of two unit edges bisects the corner's angle;
-/// its length has no meaning.
+/// The direction from a corner into its tile: the sum of two unit edges bisects the corner's angle.
+/// Its length has no meaning.
 Vector3 inwardAt(const model::Brick& brick, int corner) {
   const auto [next, last] = edgesAt(brick, corner);
   return next + last;
 }
 
-/// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
+/// The unit direction of both tiles' edge at their joint if a shut slit lies along it.
 std::optional<Vector3> slitAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks) {
   constexpr double kFlush = 1e-6;  // of the cosine
   const model::Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
@@ -789,13 +787,12 @@ std::array<model::NeckCorner, 2> neckCorners(const model::Pivot& pivot,
           model::neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
 }
 
-/// Of the plane that a planar scene moves in.
+/// Normal of the plane of motion of a planar scene.
 Vector3 normalOf(const Scene& scene) {
   return model::sheetFrame(scene.model).value_or(model::SheetFrame{}).normal;
 }
 
-/// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
-/// other.
+/// The neck at a joint as a ligament. Its middle is the joint, and it connects the two tiles.
 model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
                            const Scene& scene) {
   const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
@@ -804,7 +801,7 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
   model::Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
   ligament.normal = normalOf(scene);
-  // The ligament runs along the difference of the two inward directions: from tile A to tile B
+  // The ligament is parallel to the difference of the two inward directions: from tile A to tile B
   // across the slit.
   ligament.start = neck.length * across.normalized();
   ligament.pointA = pivot.pointA - 0.5 * ligament.start;
@@ -814,7 +811,7 @@ model::Ligament ligamentAt(const model::Pivot& pivot, const std::vector<model::B
   return ligament;
 }
 
-/// A neck without a length at the end of a shut slit, as the pin that its tiles make of it.
+/// A neck of length 0 at the end of a shut slit, as an elastic pin.
 model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>& bricks,
                       const Vector3& slit, const Scene& scene) {
   const HingeNeck material =
@@ -827,21 +824,21 @@ model::Ligament pinAt(const model::Pivot& pivot, const std::vector<model::Brick>
   pin.across = slit.cross(pin.normal);
   pin.stretchStiffness = neck.stretch;
   pin.shearStiffness = neck.shear;
-  // B turns by the normal as the slit opens where it lies on that side of it.
+  // B turns positively about the normal as the slit opens if B lies on that side of the slit.
   const model::Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   const double sign = inwardAt(brickB, pivot.cornerB).dot(pin.across) < 0 ? 1 : -1;
   pin.opening = {sign * neck.bending * neck.opening[0], neck.bending * neck.opening[1]};
   return pin;
 }
 
-/// Adds what a neck at a hinge is: under grips one that is no more than the end of a slit always
-/// gives as its tiles do, and others where ligaments are asked for.
+/// Adds the model of a neck at a hinge. Under grips a neck of length 0 is always compliant like its
+/// tiles. Others are compliant if ligaments are requested.
 void addNeck(model::Pivot pivot, const std::vector<model::Brick>& bricks, const Scene& scene,
              std::vector<model::Pivot>& pivots, std::vector<model::Ligament>& ligaments) {
   const HingeNeck neck = neckAt(scene, scene.model.joints[static_cast<std::size_t>(pivot.joint)]);
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
-    // Its axis is next to the corner.
+    // The neck's axis is next to the corner.
     const double axis = model::neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
     pivot.pointA += axis * *slit;
     pivot.pointB += axis * *slit;
@@ -876,7 +873,7 @@ const std::vector<PairForceKind>& pairForceKinds() {
 
 namespace {
 
-/// Only forces, except for ligaments.
+/// Ties without pivots: only forces, except ligaments.
 Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties;
   for (const PairForceKind& kind : pairForceKinds()) {
@@ -885,8 +882,8 @@ Ties withoutPivots(const Scene& scene, const std::vector<model::Brick>& bricks) 
   return ties;
 }
 
-/// Adds pivots and ligaments: a joint is a neck where its two bricks share a hinge that has a
-/// spring. Upper pivots coincide with lower ones in the plane and are omitted.
+/// Adds pivots and ligaments. A joint is a neck if its two bricks share a hinge with a spring.
+/// Upper pivots are redundant in the plane and are omitted.
 void addJoints(const Scene& scene, const std::vector<model::Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
   for (const model::HingeSpring& spring : model::hingeSpringsOf(ties.pairForces)) {
@@ -914,7 +911,8 @@ Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   return ties;
 }
 
-// Without ligaments all pivots are exact, upper ones too, since the scene may be in space.
+// Without ligaments all pivots are exact. Upper pivots are included because the scene may be
+// spatial.
 Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
   Ties ties = withoutPivots(scene, bricks);
   if (!scene.hinges.areLigaments) {
@@ -926,7 +924,7 @@ Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks) {
         fmt::format("error: `ligaments` works only in the plane, but {}. Remove one of them",
                     scene.solver.planar ? "`planar` is off" : planar.reason));
   }
-  // --planar on keeps bricks in parallel planes; it does not make tiles lie in one.
+  // --planar on keeps bricks in parallel planes, but does not require coplanar tiles.
   if (!model::sheetFrame(scene.model)) {
     throw InputError(
         "error: `ligaments` works only in the plane, but the start is not flat. Remove "

@@ -1,4 +1,4 @@
-/// What a run adds to the model that was read: other targets, pins, links, fixed joints.
+/// Additions of a run to the model that was read: other targets, pins, links, fixed joints.
 #pragma once
 
 #include <array>
@@ -12,81 +12,81 @@
 
 namespace kirireel::scene {
 
-/// Additions as they were asked for; the numbers are not checked yet.
+/// Requested additions; their numbers are not checked yet.
 struct SceneParts {
-  std::vector<std::filesystem::path> targets;  ///< a chain: each is reached before the next; the
-                                               ///< last takes the place of the model's target
+  std::vector<std::filesystem::path> targets;  ///< a chain, each reached before the next; the last
+                                               ///< replaces the model's target
   std::vector<int> pinned;                     ///< tiles fixed to the world from the start
   std::vector<std::array<int, 2>> fixed;       ///< pairs of tiles that move as one
   std::vector<std::array<int, 4>> links;       ///< tile, vertex, tile, vertex
 };
 
-/// Completes a scene whose model was just read: reads targets, moves the start onto the target
-/// unless scene.alignment is off (by the tiles that are pinned from the start on, where some are,
-/// else by all) and notes by how much, adds joints and pins, reads the targets that the timeline
-/// names and the file of hinges, checks the grips, and checks the timeline against the model.
-/// Warnings about targets that are not quite congruent are appended. Throws InputError for files
-/// that hold no target of this model and for numbers that name no tile or vertex.
+/// Completes a scene with a newly read model. Reads targets. Aligns the start to the target unless
+/// scene.alignment is off, by the initially pinned tiles or, without these, by all tiles. Records
+/// this motion. Adds joints and pins, reads the targets of the timeline and the file of hinges.
+/// Checks the grips and the timeline against the model. Adds warnings for targets that are not
+/// quite congruent. Throws InputError for files without a target of this model and for invalid tile
+/// or vertex numbers.
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings);
 
-/// Splits tiles of a completed scene, in the numbers of the model's file, all when empty: see
-/// splitTiles() of a model. Pins and speeds of a tile are those of all its parts. Throws InputError
-/// for a tile that does not exist, and where drags, other targets, grips or a file of hinges name
-/// tiles and their corners.
+/// Splits tiles of a completed scene, as splitTiles() of a model does. Numbers are those of the
+/// model's file; empty: all tiles. Pins and speeds of a tile apply to all its parts. Throws
+/// InputError for a tile that does not exist, and if drags, other targets, grips or a file of
+/// hinges refer to tiles and their corners.
 void splitTiles(const std::vector<int>& tiles, Scene& scene);
 
 // ------------------------------------------------------------------------------------------------
-// Torsional springs at hinges: the file that lists them, and those of a scene.
+// Torsional springs at hinges: those of a file and those of a scene.
 
-/// Reads a file of springs, a hinge a line:
+/// Reads a file of springs, one hinge per line:
 ///
 ///     tile tile [stiffness [rest [damping]]]
 ///
-/// in N m/rad, degrees and N m s/rad; tiles are numbered as in the model's file, and what a line
-/// gives as - or omits is as for all hinges. Throws InputError with file:line:column for words,
-/// numbers below 0, tiles that the model does not have, and a hinge that is listed twice.
+/// in N m/rad, degrees and N m s/rad. Tile numbers are those of the model's file. A missing value
+/// or - means the value of all hinges. Throws InputError with file:line:column for words, negative
+/// numbers, tiles that do not exist, and a hinge that is listed twice.
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
                                              const model::Model& model);
 
-/// The springs of a scene's hinges, in the order of findHinges(), and then of the folds between
-/// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
-/// Where scene.hinges has panels, the stiffness between parts of one tile is bendStiffness(), at
-/// rest in their present angle, and that of folds, unless given, foldStiffness() of their common
-/// edges. Their rest angle is that of the line, else that of all hinges, else at a fold that of the
-/// model's file (Model::foldAngles), else the angle at the start. `bricks` are the scene's. Throws
-/// InputError where springs of hinges are asked for and nothing has an axis, where a line of the
-/// file names no hinge, and where bricks would lie in each other at the rest angle. Empty where
-/// scene.hinges asks for nothing. Costs about O(joints log joints).
+/// The springs of a scene's hinges with a stiffness or a damping, in the order of findHinges().
+/// Folds between tiles whose common corners are joined through others follow. If scene.hinges
+/// has panels, parts of one tile have the stiffness bendStiffness() and rest at their current
+/// angle. Folds without a given stiffness have foldStiffness() of their common edges. The rest
+/// angle is that of the line, else of all hinges, else of the model's file for folds
+/// (Model::foldAngles), else the start angle. `bricks` are the scene's. Throws InputError if
+/// springs are requested but nothing has an axis, if a line of the file fits no hinge, and if
+/// bricks overlap at the rest angle. Empty if scene.hinges requests nothing. Costs about
+/// O(joints log joints).
 std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
                                              const std::vector<model::Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------
-// What holds the tiles of a sheet together where its joints are necks of material.
+// Connections between the tiles of a sheet whose joints can be necks of material.
 
-/// Joints that are exact, and the forces between pairs of bricks: ligaments in the place of other
-/// joints, and what else acts between two bricks.
+/// Exact joints, and the forces between pairs of bricks: ligaments that replace other joints, and
+/// all other pair forces.
 struct Ties {
-  std::vector<model::Pivot> pivots;  ///< that are exact
+  std::vector<model::Pivot> pivots;  ///< exact joints
   model::PairForces pairForces;      ///< between pairs of bricks
 };
 
-/// The ties of a scene's run, whether grips load it or masses move. Throws InputError.
+/// The ties of a scene's run, for loading by grips or for dynamics. Throws InputError.
 Ties tiesOf(const Scene& scene, const std::vector<model::Brick>& bricks);
 
-/// The ties of a planar scene under grips: a joint at a hinge with a spring is a neck where the
-/// scene has necks. No pivots where tiles bend, whose corners are nodes. Throws InputError for
-/// ligaments that could neither stretch nor shear, and as hingeSprings() does.
+/// The ties of a planar scene under grips. A joint at a hinge with a spring is a neck if the scene
+/// has necks. If tiles bend, there are no pivots, because corners are nodes. Throws InputError for
+/// ligaments without stretch or shear, and like hingeSprings().
 Ties loadedTies(const Scene& scene, const std::vector<model::Brick>& bricks);
 
-/// The ties of a scene that moves masses: as loadedTies() where it asks for ligaments, which needs
-/// a planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
+/// The ties of a dynamic scene. If it requests ligaments, as loadedTies(), only for planar scenes.
+/// Otherwise its joints are exact and at the tiles' corners. Throws InputError.
 Ties dynamicTies(const Scene& scene, const std::vector<model::Brick>& bricks);
 
-/// A kind of force between pairs of bricks: a new one is its class, and its row here.
+/// A kind of force between pairs of bricks. A new kind needs its class and a row here.
 struct PairForceKind {
-  const model::PairForceName& name;  ///< its own constant
-  /// The scene's force of this kind between its bricks, null or without pairs where it has none.
-  /// Throws InputError. Null for ligaments, which come with the ties, in the place of joints.
+  const model::PairForceName& name;  ///< constant of its class
+  /// The scene's force of this kind between its bricks; null or without pairs if there is none.
+  /// Throws InputError. Null for ligaments, which replace joints in the ties.
   std::shared_ptr<const model::PairForce> (*make)(const Scene& scene,
                                                   const std::vector<model::Brick>& bricks);
   /// The force from a file. Throws InputError.

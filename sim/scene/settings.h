@@ -1,4 +1,4 @@
-/// The settings of a scene: each is written down once here, with how its values are read.
+/// The settings of a scene. Each is defined once here, with the parser of its values.
 #pragma once
 
 #include <functional>
@@ -16,47 +16,47 @@
 namespace kirireel::scene {
 
 // ------------------------------------------------------------------------------------------------
-// Reads the values of settings as people type them, and writes them again. Every function that
-// reads throws InputError that names the setting, the value found and what is allowed.
+// Parsers and writers of setting values. Every parser throws InputError with the name of the
+// setting, the value and the allowed values.
 
-/// A value as typed, and what it was given for.
+/// A value as typed, with its setting.
 struct TypedValue {
-  std::string name;  ///< of an option with its hyphens, or a key of a scene file
-  std::string text;  ///< that was typed
+  std::string name;  ///< option name with hyphens, or key of a scene file
+  std::string text;  ///< text as typed
 };
 
-/// The numbers that a setting accepts.
+/// Range of accepted numbers.
 struct Range {
-  double least = -std::numeric_limits<double>::max();  ///< accepted itself
-  double most = std::numeric_limits<double>::max();    ///< accepted, unless excludesMost
-  bool excludesMost = false;                           ///< accept only values < most
+  double least = -std::numeric_limits<double>::max();  ///< inclusive
+  double most = std::numeric_limits<double>::max();    ///< inclusive, unless excludesMost
+  bool excludesMost = false;                           ///< accepts only values < most
 
-  /// Whether a number is among them.
+  /// Whether the range contains a number.
   bool holds(double number) const {
     return number >= least && (excludesMost ? number < most : number <= most);
   }
 };
 
-/// A number; a plus sign may precede it. Nothing where the text is none, or more than that.
+/// A number, possibly with a plus sign. Absent for any other text.
 std::optional<double> readNumber(std::string_view text);
 
 /// The same for whole numbers.
 std::optional<long> readWhole(std::string_view text);
 
-/// The parts of a text between separators, one more than there are separators.
+/// The parts of a text between separators, one more than the number of separators.
 std::vector<std::string_view> split(std::string_view text, char separator);
 
 /// A finite number within the range.
 double parseNumber(const TypedValue& value, Range range);
 
-/// A whole number within the range (which must lie within the numbers of a long).
+/// A whole number in the range, which must be within the range of long.
 long parseInteger(const TypedValue& value, Range range);
 
 /// "-9.81" (along z, as in PyKirigami) or "0,0,-9.81".
 Vector3 parseGravity(const TypedValue& value);
 
-/// "2e9" or "2e9,0.3": Young's modulus, above 0, and Poisson's ratio of the model's necks; or
-/// "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": a neck's width, length, Young's modulus, each above 0, and
+/// "2e9" or "2e9,0.3": Young's modulus, > 0, and Poisson's ratio of the model's necks.
+/// "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": a neck's width, length and Young's modulus, each > 0, and
 /// Poisson's ratio.
 HingeNeck parseNeck(const TypedValue& value);
 
@@ -64,14 +64,14 @@ HingeNeck parseNeck(const TypedValue& value);
 /// scale of folds, >= 0.
 PanelMaterial parsePanels(const TypedValue& value);
 
-/// The error of a value that is not allowed: "NAME: 'TEXT' is not allowed; give WANTED".
+/// The error for an invalid value: "NAME: 'TEXT' is not allowed; give WANTED".
 InputError valueError(const TypedValue& value, const std::string& requested);
 
-/// The words that a setting accepts, with what each means.
+/// The words that a setting accepts, with their values.
 template <typename T>
 using Choices = std::vector<std::pair<std::string, T>>;
 
-/// The functions below write what those above read, as values of a scene file.
+/// Writers: the inverse of the parsers above, in the syntax of a scene file.
 
 /// The shortest digits that read back as the same double.
 std::string numberText(double number);
@@ -79,7 +79,7 @@ std::string numberText(double number);
 /// A text in quotation marks; "" stays "".
 std::string quotedText(const std::string& text);
 
-/// Values of a setting that may be given several times: nothing, the one, or all in brackets.
+/// Values of a repeatable setting: nothing, one value, or all in brackets.
 std::string quotedList(const std::vector<std::string>& values);
 
 /// The shortest number near `guess` that `read` converts to `requested`: the inverse of a unit
@@ -123,48 +123,48 @@ T parseChoice(const TypedValue& value, const Choices<T>& choices) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The settings of a scene, each written down once: what it is called, takes and means, and when it
-// counts. From this list come the options of the program, the keys of scene.toml and of sweeps, the
-// check of a scene that was made in code, the fingerprint of an order, the settings in
-// summary.json, and which scenes need dynamics.
+// The settings of a scene. Each has its name, values, meaning and conditions, defined once. This
+// list gives the options of the program, the keys of scene.toml and of sweeps, the check of scenes
+// made in code, the fingerprint of an order, the settings in summary.json, and the scenes that need
+// dynamics.
 
-/// What must hold for a setting to mean anything.
+/// Condition for a setting to have an effect.
 struct Condition {
-  bool (*holds)(const Scene&);  ///< whether the scene is so
-  const char* needed;           ///< what makes it hold, as in "`solver = direct`"
+  bool (*holds)(const Scene&);  ///< whether the scene fulfils it
+  const char* needed;           ///< how to fulfil it, such as "`solver = direct`"
   bool isWithout = false;       ///< `needed` is equivalent to the setting and must not be given
 };
 
 /// One setting of a scene.
 struct Setting {
-  std::string key;   ///< unique, as in "brick_friction"; of its table in scene.toml
-  std::string unit;  ///< for the help, as in "SECONDS"; of a switch empty
-  std::string help;  ///< one phrase, for people
-  /// Sets it to what was typed; a switch, which is not typed, to what it switches on. Throws
-  /// InputError for a value that is not allowed.
+  std::string key;   ///< unique, such as "brick_friction"; key of its table in scene.toml
+  std::string unit;  ///< for the help, such as "SECONDS"; empty for a switch
+  std::string help;  ///< one phrase, for the user
+  /// Sets it to the typed value, or a switch to its "on" value. Throws InputError for an invalid
+  /// value.
   std::function<void(Scene&, const TypedValue&)> read;
-  /// Its value in the spelling of a scene file (`0.02`, `true`, `"all"`, `[0, 0, -9.81]`), to the
-  /// last bit; "" if it has no value. Such a value is also valid JSON.
+  /// Its value in scene file syntax (`0.02`, `true`, `"all"`, `[0, 0, -9.81]`), to the last bit; ""
+  /// if it has no value. The text is also valid JSON.
   std::function<std::string(const Scene&)> write;
   std::string defaultText;         ///< the default in words; may be empty
-  std::vector<std::string> words;  ///< the only values that it accepts; empty: see read()
-  bool isSwitch = false;           ///< whether it is given without a value
+  std::vector<std::string> words;  ///< the only accepted values; empty: see read()
+  bool isSwitch = false;           ///< whether it is used without a value
   bool isNumber = false;           ///< read() accepts what write() returns
-  /// Why a scene needs dynamics if this is not the default, as in "there is friction"; empty if it
-  /// does not.
+  /// Why a scene needs dynamics if this is not the default, such as "there is friction"; empty if
+  /// it does not.
   std::string dynamics;
-  std::vector<Condition> conditions;  ///< the first that does not hold is reported
-  /// Whether a scene has to be in space for it; null: never.
+  std::vector<Condition> conditions;  ///< the first unfulfilled one is reported
+  /// Whether a scene must be spatial because of it; null: never.
   bool (*isSpatial)(const Scene&) = nullptr;
-  std::string space;  ///< why, as in "tiles bend"
+  std::string space;  ///< the reason, such as "tiles bend"
 
-  /// The setting with a condition more.
+  /// The setting with an additional condition.
   Setting with(bool (*holds)(const Scene&), const char* needed) &&;
-  /// The setting as an equivalent of others; `holds` if these are not given.
+  /// The setting as an equivalent of others; `holds` if these are not set.
   Setting without(bool (*holds)(const Scene&), const char* others) &&;
-  /// The setting as one that may need space: where `holds`, for this reason.
+  /// The setting as one that needs space if `holds`, with this reason.
   Setting needsSpace(bool (*holds)(const Scene&), const char* why) &&;
-  /// The setting as one of dynamics.
+  /// The setting as one that needs dynamics.
   Setting needsDynamics(const char* why) &&;
 };
 
@@ -176,21 +176,21 @@ struct SettingGroup {
 };
 
 /// All settings of a scene, in the order of the help.
-/// Built at the first use; it lives as long as the program.
+/// Built at first use, with static lifetime.
 const std::vector<SettingGroup>& sceneSettings();
 
-/// The setting with this key. Throws std::out_of_range where there is none.
+/// The setting with this key. Throws std::out_of_range if there is none.
 const Setting& sceneSetting(const std::string& key);
 
-/// Throws InputError for the first number of a scene that is out of its range. Words and switches
-/// cannot be out of range; texts such as file names are not checked.
-/// All numbers are checked as their options are, in the order of the help.
+/// Throws InputError for the first number of a scene that is out of range. Words and switches are
+/// always valid. Texts such as file names are not checked. Numbers are checked like their options,
+/// in the order of the help.
 void requireRanges(const Scene& scene);
 
-/// Why the settings of a scene need three dimensions; empty where a planar one serves them.
+/// Why the settings of a scene need space; empty if a planar scene is sufficient.
 std::string whySpace(const Scene& scene);
 
-/// Why the settings of a scene need dynamics; empty where a path that is geometry serves them.
+/// Why the settings of a scene need dynamics; empty if a kinematic path is sufficient.
 std::string whyDynamics(const Scene& scene);
 
 }  // namespace kirireel::scene

@@ -1,4 +1,4 @@
-/// TOML files as plain values that know their places. No TOML header is needed to use them.
+/// TOML files as plain values with their file positions. Needs no TOML header.
 #pragma once
 
 #include <cstdint>
@@ -18,65 +18,65 @@ struct TomlValue;
 /// The entries of a table, by key.
 using TomlTable = std::vector<TomlEntry>;
 
-/// One value with its place in its file.
+/// One value with its position in the file.
 struct TomlValue {
-  /// A date or a time, which nothing here asks for.
+  /// A date or a time, which no setting accepts.
   struct Other {};
 
-  /// The value itself; Other is what no setting takes, as a date.
+  /// The value; Other is a type that no setting accepts.
   std::variant<Other, bool, std::int64_t, double, std::string, std::vector<TomlValue>, TomlTable>
       content;
-  FileLocation where;  ///< where it stands
+  FileLocation where;  ///< position in the file
 
-  /// The truth; null where it is none.
+  /// The boolean; null for other types.
   const bool* truth() const { return std::get_if<bool>(&content); }
-  /// The whole number; null where it is none.
+  /// The whole number; null for other types.
   const std::int64_t* whole() const { return std::get_if<std::int64_t>(&content); }
-  /// A number of either kind.
+  /// A number, whole or real; absent for other types.
   std::optional<double> number() const;
-  /// The text; null where it is none.
+  /// The text; null for other types.
   const std::string* text() const { return std::get_if<std::string>(&content); }
-  /// The values in brackets; null where there are none.
+  /// The elements of an array; null for other types.
   const std::vector<TomlValue>* array() const {
     return std::get_if<std::vector<TomlValue>>(&content);
   }
-  /// The table; null where it is none.
+  /// The table; null for other types.
   const TomlTable* table() const { return std::get_if<TomlTable>(&content); }
 };
 
 /// One key of a table and its value.
 struct TomlEntry {
-  std::string key;     ///< as it is written
-  FileLocation where;  ///< of the key
-  TomlValue value;     ///< what it is set to
+  std::string key;     ///< key as written
+  FileLocation where;  ///< position of the key
+  TomlValue value;     ///< value of the key
 };
 
-/// Reads a file. `hint` says what could be named when there is none. Throws InputError with
-/// file:line:column for what is no TOML.
-/// At most 8 MiB; the whole file is held in memory.
+/// Reads a file. `hint` is advice for a missing file. Throws InputError with file:line:column for
+/// invalid TOML.
+/// The limit is 8 MiB. The whole file is read into memory.
 TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hint);
 
-/// A number, text or truth as it would be typed on a command line; an array of numbers as
-/// "0,0,-9.81". Throws InputError for anything else.
+/// A number, text or boolean in its command line form. An array of numbers becomes "0,0,-9.81".
+/// Throws InputError for other values.
 std::string typedText(const TomlValue& value);
 
-/// A text in quotation marks, as a TOML file has it.
+/// A text in quotation marks, in TOML syntax.
 std::string tomlText(const std::string& text);
 
-/// A value as a TOML file has it, in one spelling whatever the file's was: numbers in their
-/// shortest digits, keys in order, tables within braces.
+/// A value in TOML syntax, independent of the file's spelling: numbers with their shortest digits,
+/// keys in order, tables in braces.
 std::string tomlText(const TomlValue& value);
 
-/// The value of a key; null when the table does not have it.
+/// The value of a key; null if the table does not have it.
 const TomlValue* find(const TomlTable& table, const std::string& key);
 
-/// A number from `least` to `most`. Throws InputError that says what is wanted.
+/// A number in [least, most]. Throws InputError with `allowed` in its message.
 double requireNumber(const TomlValue& value, double least, double most, const std::string& allowed);
 
 /// Throws "FILE:LINE:COLUMN: error: this value is not allowed; give WANTED".
 [[noreturn]] void refuseValue(const TomlValue& value, const std::string& allowed);
 
-/// Throws an InputError for a key that does not exist, suggesting the nearest of those that do.
+/// Throws InputError for an unknown key, with the most similar known key as a suggestion.
 [[noreturn]] void refuseKey(const TomlEntry& entry, const std::string& what,
                             const std::vector<std::string>& known);
 
