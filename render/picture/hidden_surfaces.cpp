@@ -1,18 +1,19 @@
 // Binary space partition (H. Fuchs, Z. M. Kedem, B. F. Naylor, "On Visible Surface Generation by A
-// Priori Tree Structures", SIGGRAPH 1980). One piece is chosen as splitter; its plane n . p = o
+// Priori Tree Structures", SIGGRAPH 1980). One piece is selected as splitter. Its plane n . p = o
 // divides the others:
 //
 //     back (n . p < o)    on (within the tolerance)    front (n . p > o)
 //
-// A piece on both sides is cut in two. Back and front are sorted in the same way, and the order
-// back, on, front is right for the painter's algorithm, because every splitter faces the camera:
-// nothing behind its plane can hide what is on it or in front of it.
+// A piece on both sides is cut in two. Back and front are sorted recursively. The order back, on,
+// front is correct for the painter's algorithm, because every splitter faces the camera: nothing
+// behind its plane can hide pieces on it or in front of it.
 //
-// The splitter is the best of twelve candidates, by the cost 8 cuts + |front - back|: few cuts keep
-// the file small, balance keeps the recursion shallow. With n pieces that takes about 12 n log n
-// tests when planes divide well.
+// The splitter is the best of twelve candidates, by the cost 8 cuts + |front - back|. Few cuts keep
+// the file small, balance limits the depth of recursion. n pieces take about 12 n log n tests if
+// planes divide well.
 //
-// A sort by distance would be simpler and wrong for faces that cross or hide each other in turn.
+// Sorting by distance would be simpler, but wrong for faces that cross or hide each other
+// cyclically.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -24,17 +25,18 @@
 namespace kirireel::picture {
 namespace {
 
-/// Points nearer to a plane than this part of the model count as on it.
+/// Points nearer to a plane than this fraction of the model count as on it.
 constexpr double kOnPlane = 1e-7;
 
-/// Planes that are tried at each cut.
+/// Number of candidate planes at each cut.
 constexpr std::size_t kCandidates = 12;
 
-/// One cut polygon more costs as much as this many polygons of imbalance.
+/// Cost of one additional cut polygon, in polygons of imbalance.
 constexpr int kCostOfCut = 8;
 
-/// A facet hides nothing so near to its own sides, in heights of the picture: those of neighbours
-/// lie there. Far less than the width of an outline, whose own line covers what is left.
+/// A facet hides nothing this near to its own sides, in heights of the picture, since its
+/// neighbours' sides are there. Far less than the width of an outline, whose own line covers the
+/// remainder.
 constexpr double kSideMargin = 2e-4;
 
 struct Plane {
@@ -45,8 +47,8 @@ struct Plane {
   double distance(const Vector3& point) const { return normal.dot(point) - offset; }
 };
 
-/// The part of a polygon in front of the plane. A side along the plane is marked as cut. Sutherland
-/// and Hodgman's clipping. Empty where less than a triangle is left.
+/// The part of a polygon in front of the plane (Sutherland and Hodgman's clipping). A side along
+/// the plane is marked as cut. Empty if less than a triangle remains.
 CutPolygon frontPart(const CutPolygon& polygon, const Plane& plane) {
   CutPolygon part;
   const std::size_t count = polygon.corners.size();
@@ -61,7 +63,7 @@ CutPolygon frontPart(const CutPolygon& polygon, const Plane& plane) {
     const bool isCut = polygon.isCut[k] != 0;
     if (before >= 0) add(from, isCut);
     if ((before >= 0) == (after >= 0)) continue;
-    // What follows the point where the polygon leaves the front is the cut.
+    // The side after the point at which the polygon leaves the front is the cut.
     add(from + before / (before - after) * (to - from), before >= 0 || isCut);
   }
   if (part.corners.size() < 3) return {};
@@ -89,7 +91,7 @@ Sides sidesOf(const Piece& piece, const Plane& plane) {
   return sides;
 }
 
-/// Recursion over ever smaller parts of space.
+/// Recursion over smaller and smaller parts of space.
 class Sorter {
  public:
   explicit Sorter(double tolerance) : tolerance_(tolerance) {}
@@ -101,8 +103,8 @@ class Sorter {
     std::vector<Piece> back, on, front;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       Piece& piece = pieces[k];
-      // Tiles need not be exactly flat. The splitter is on its own plane by definition: every step
-      // removes one piece.
+      // Tiles need not be exactly flat. The splitter is on its own plane by definition, so every
+      // step removes one piece.
       const Sides sides = k == splitter ? Sides{} : sidesOf(piece, plane);
       if (sides.front && sides.back) {
         keep(frontPart(piece, {-plane.normal, -plane.offset, plane.tolerance}), back);
@@ -111,7 +113,7 @@ class Sorter {
         (sides.front ? front : sides.back ? back : on).push_back(std::move(piece));
       }
     }
-    pieces = {};  // gives the memory back before going deeper
+    pieces = {};  // frees the memory before the recursion
     sort(std::move(back));
     std::move(on.begin(), on.end(), std::back_inserter(sorted));
     sort(std::move(front));
@@ -140,7 +142,7 @@ class Sorter {
     return best;
   }
 
-  /// Looks at all pieces.
+  /// Checks all pieces.
   static int costOf(const Plane& plane, const std::vector<Piece>& pieces) {
     int front = 0, back = 0, cut = 0;
     for (const Piece& piece : pieces) {
@@ -155,7 +157,7 @@ class Sorter {
   double tolerance_;
 };
 
-/// Diagonal of a box around all of them, metres.
+/// Diagonal of the bounding box of all pieces, metres.
 double sizeOf(const std::vector<Piece>& pieces) {
   Eigen::AlignedBox3d box;
   for (const Piece& piece : pieces) {
@@ -167,7 +169,7 @@ double sizeOf(const std::vector<Piece>& pieces) {
 /// The normal is that of the outer corners.
 Piece makePiece(const PictureGeometry& geometry, const Facet& facet) {
   const std::span<const Vector3> outer = geometry.corners(facet);
-  // The sides of a part of a face are as if it had been cut there.
+  // The sides of a part of a face count as cut.
   Piece piece{{{outer.begin(), outer.end()}, std::vector<char>(outer.size(), facet.isPart ? 1 : 0)},
               facet.colour};
   const std::vector<Vector3>& corners = piece.outer.corners;
@@ -180,7 +182,7 @@ Piece makePiece(const PictureGeometry& geometry, const Facet& facet) {
   return piece;
 }
 
-/// Where a camera sees points: right and up in the picture, in heights of the picture at the
+/// Projection of points by a camera: right and up in the picture, in heights of the picture at the
 /// camera's centre.
 class View {
  public:
@@ -196,20 +198,20 @@ class View {
     return scaleAt(seen) * Eigen::Vector2d(right_.dot(seen), up_.dot(seen));
   }
 
-  /// Metres at a point that are this many heights of the picture there.
+  /// Metres at a point for a length in heights of the picture.
   double metresAt(const Vector3& point, double heights) const {
     return heights / scaleAt(point - camera_.eye);
   }
 
-  /// To the right of a line in the picture, which is outside of a polygon on its left; unit.
+  /// Unit direction to the right of a line in the picture, outside of a polygon on its left.
   Vector3 rightOf(const Vector3& from, const Vector3& to) const {
     const Vector3 back = camera_.orthographic ? Vector3(-forward_) : Vector3(camera_.eye - from);
     return (to - from).cross(back).normalized();
   }
 
-  /// The half-space of points x with normal . x >= offset that the side of a polygon bounds in the
-  /// picture, on the side of `inside` and `margin` heights of the picture away from it: a plane
-  /// through the eye, or along the view.
+  /// The half-space of points x with normal . x >= offset on the inner side of a polygon's side in
+  /// the picture, `margin` heights of the picture away from it. Its plane goes through the eye or
+  /// along the view.
   std::pair<Vector3, double> within(const Vector3& from, const Vector3& to, const Vector3& inside,
                                     double margin) const {
     const Vector3 along = camera_.orthographic ? forward_ : Vector3(from - camera_.eye);
@@ -219,7 +221,7 @@ class View {
     normal /= normal.dot(inside - from) < 0 ? -length : length;
     const double width = margin * height_;
     if (camera_.orthographic) return {normal, normal.dot(from) + width};
-    // A margin of the picture is as much wider as it is farther away.
+    // The margin in space grows with the distance.
     normal -= width / (camera_.centre - camera_.eye).norm() * forward_;
     return {normal, normal.dot(camera_.eye)};
   }
@@ -235,8 +237,8 @@ class View {
   double height_;
 };
 
-/// The pieces that may hide what lies in a part of the picture: a grid of square cells, each with
-/// the pieces whose boxes reach into it.
+/// The pieces that may hide something in a part of the picture: a grid of square cells, each with
+/// the pieces whose boxes overlap it.
 class PictureGrid {
  public:
   using Box = Eigen::AlignedBox2d;
@@ -254,7 +256,7 @@ class PictureGrid {
     }
   }
 
-  /// In rising order, each once.
+  /// Ascending and unique.
   std::vector<std::size_t> near(const Box& box) {
     std::vector<std::size_t> found;
     forCells(box, [&](const std::vector<std::size_t>& cell) {
@@ -290,9 +292,9 @@ class PictureGrid {
 /// A part of a line, from 0 at its first point to 1 at its last.
 using Interval = std::pair<double, double>;
 
-/// The part of a line that lies within a piece in the picture and no less than `depth` metres
-/// behind its plane: from one bound to the other, as both are convex. Empty (first not before
-/// second) where there is none.
+/// The part of a line that lies within a piece in the picture and at least `depth` metres behind
+/// its plane. It is one interval, since both are convex. Empty (first not less than second) if
+/// there is none.
 Interval behind(const Piece& piece, const Vector3& from, const Vector3& to, const View& view,
                 double depth) {
   Interval hidden(0, 1);
@@ -318,7 +320,7 @@ Interval behind(const Piece& piece, const Vector3& from, const Vector3& to, cons
   return hidden;
 }
 
-/// What intervals leave over of a whole line; between two of them no less than `least`.
+/// The remainder of a whole line outside the intervals; gaps are at least `least` long.
 std::vector<Interval> restOf(std::vector<Interval> hidden, double least) {
   std::ranges::sort(hidden);
   std::vector<Interval> rest;
@@ -331,7 +333,7 @@ std::vector<Interval> restOf(std::vector<Interval> hidden, double least) {
   return rest;
 }
 
-/// The parts that lie in both lists; both are in order and do not overlap in themselves.
+/// Intersection of two lists; each is sorted and without overlaps.
 std::vector<Interval> inBoth(const std::vector<Interval>& a, const std::vector<Interval>& b) {
   std::vector<Interval> common;
   for (const Interval& first : a) {
@@ -344,10 +346,10 @@ std::vector<Interval> inBoth(const std::vector<Interval>& a, const std::vector<I
   return common;
 }
 
-/// Lines from what shows of the sides of a polygon, one after the other from a corner on.
+/// Lines from the visible parts of the sides of a polygon, in order from one corner.
 class OutlineChain {
  public:
-  /// A visible part of the next side; it extends the line that ends where it begins.
+  /// A visible part of the next side. Extends a line that ends at its start.
   void add(const Vector3& from, const Vector3& to, const Interval& part, bool isSilhouette) {
     const auto at = [&](double share) -> Vector3 {
       return share == 0 ? from : share == 1 ? to : from + share * (to - from);
@@ -360,7 +362,7 @@ class OutlineChain {
     lines_.back().points.push_back(at(part.second));
   }
 
-  /// What ends at the corner where the first line begins is one with it.
+  /// Joins the last line to the first if it ends at its start.
   std::vector<SeenLine> finish() {
     if (lines_.size() > 1 && lines_.back().isSilhouette == lines_.front().isSilhouette &&
         lines_.back().points.back() == lines_.front().points.front()) {
@@ -375,7 +377,7 @@ class OutlineChain {
   std::vector<SeenLine> lines_;
 };
 
-/// Finds what shows of the sides of faces.
+/// Finds the visible parts of the sides of faces.
 class SideFinder {
  public:
   SideFinder(const std::vector<Piece>& pieces, const Camera& camera, double silhouetteWidth)
@@ -385,7 +387,7 @@ class SideFinder {
         tolerance_(kOnPlane * sizeOf(pieces)),
         silhouetteWidth_(silhouetteWidth) {}
 
-  /// Appends what shows of a side.
+  /// Appends the visible parts of a side.
   void addSeen(const Vector3& from, const Vector3& to, OutlineChain& chain) {
     const std::vector<Interval> seen = seenParts(from, to);
     if (seen.empty()) return;
@@ -406,12 +408,13 @@ class SideFinder {
       const Interval part = behind(pieces_[k], from, to, view_, tolerance_);
       if (part.first < part.second) hidden.push_back(part);
     }
-    // Between two facets side by side their margins show, under the line between them.
+    // The margins of two adjacent facets are visible under the line between them.
     const double least = 3 * kSideMargin / std::max((end - begin).norm(), kSideMargin);
     return restOf(std::move(hidden), least);
   }
 
-  /// Where no piece continues on the outer side. Parts shorter than a line is wide do not count.
+  /// The parts without a piece on the outer side. Parts shorter than the width of a line do not
+  /// count.
   std::vector<Interval> bareParts(const Vector3& from, const Vector3& to) {
     if (silhouetteWidth_ <= 0) return {};
     const double width = view_.metresAt(from, silhouetteWidth_);

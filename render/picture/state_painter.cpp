@@ -1,13 +1,13 @@
-// A PictureSetup decides what a picture shows (style, colours, camera, items) and needs no
-// graphics; a StatePainter adds a painter and the strip. Several painters share one setup, each
-// with a painter on its own thread.
+// A PictureSetup defines a picture (style, colours, camera, items) without graphics. A
+// StatePainter adds a painter and the strip. Several painters, each on its own thread, can share
+// one setup.
 //
-// If colours show values, lights are weakened: ambient 0.84 and 38% of the directed lights. A
-// colour can be found on the scale from every face, and faces remain distinct.
+// If colours show values, lights are weaker: ambient 0.84 and 38% of the directed lights. Every
+// face's colour can then be found on the scale, and faces remain distinct.
 //
-// Bricks that fly off (a joint that gives, a bad step) would shrink all others to a dot if the
-// camera held them in sight: those farther from their start than 20 model sizes are left out of the
-// fit.
+// If the camera kept in view bricks that fly off (a yielding joint, a bad step), all others
+// would shrink to a dot. The fit therefore ignores bricks farther than 20 model sizes from their
+// start.
 #include "render/picture/state_painter.h"
 
 #include <algorithm>
@@ -27,8 +27,8 @@
 namespace kirireel::picture {
 namespace {
 
-/// Light if colours show values: brightness of a face in the dark, and the fraction of the default
-/// lights that is left.
+/// Lights if colours show values: brightness of an unlit face, and the remaining fraction of the
+/// default lights.
 constexpr double kMeasureAmbient = 0.84;
 constexpr double kMeasureShade = 0.38;
 
@@ -36,7 +36,7 @@ void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }
 
-/// Where a ground that the scene does not have is drawn: under everything in sight.
+/// Height for drawing a ground that is not in the scene: below everything in view.
 double groundHeight(const PictureContent& content) {
   if (content.groundHeight) return *content.groundHeight;
   double lowest = std::numeric_limits<double>::infinity();
@@ -44,7 +44,7 @@ double groundHeight(const PictureContent& content) {
   return lowest;
 }
 
-/// None where nothing is to be seen, either.
+/// Absent if it would show nothing.
 std::optional<GroundPlate> plateFor(const Look& look, const PictureContent& content) {
   const bool wanted = look.ground == GroundLook::Auto ? content.groundHeight.has_value()
                                                       : look.ground != GroundLook::None;
@@ -80,7 +80,7 @@ void setOutlineWidths(const Look& look, FrameSize size, Style& style) {
   style.silhouetteWidth = points * look.outlineWidths.silhouettes;
 }
 
-/// The size decides how thin lines may become.
+/// The size limits how thin lines may be.
 Style styleFor(const Look& look, const PictureContent& content, FrameSize size) {
   Style style = pageStyle(look);
   style.brick = plainColours(look);
@@ -89,20 +89,20 @@ Style styleFor(const Look& look, const PictureContent& content, FrameSize size) 
   setOutlineWidths(look, size, style);
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
   if (isMeasure(look.colouring)) {
-    // Hardly any shade: colours can be read off the scale from every face.
+    // Little shading: every face's colour can be found on the scale.
     style.ambient = kMeasureAmbient;
     style.key.strength *= kMeasureShade;
     style.fill.strength *= kMeasureShade;
     style.occlusion *= kMeasureShade;
   }
   style.plate = plateFor(look, content);
-  // On a plate a shadow hides nothing; on a transparent page it darkens what comes under it.
+  // On a plate a shadow hides nothing. On a transparent page it darkens what is under it.
   if (look.transparent && style.plate && !style.plate->visible) style.shadow = {0, 0, 0, 56};
   return style;
 }
 
-/// What cameras must hold in sight: the content's points and, where they cast one, their shadow
-/// with its soft edge. Five times as many with a shadow.
+/// Points that cameras keep in view: the content's points and their shadows, if any, with soft
+/// edges. A shadow multiplies their number by five.
 std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& style) {
   std::vector<Vector3> points = content.points;
   if (!style.plate || !style.plate->shadow) return points;
@@ -117,7 +117,7 @@ std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& s
   return points;
 }
 
-/// A flat motion is shown in parallel projection.
+/// A flat motion has parallel projection.
 CameraChoice cameraFor(const Look& look, const PictureContent& content) {
   CameraChoice camera = look.camera;
   if (camera.view || !content.view) return camera;
@@ -154,7 +154,7 @@ void setView(const Look& look, std::span<const Poses> states, PictureContent& co
   content.view = chooseView(shown, zIsUp);
 }
 
-/// Cameras hold the start and, where there is one, the target in sight.
+/// Cameras keep the start and the target, if any, in view.
 PictureContent makeContent(const model::Model& model, const model::BrickRule& rule,
                            const std::optional<scene::Ground>& ground) {
   PictureContent content;
@@ -223,7 +223,7 @@ PictureItems PictureSetup::items(const ShownState& state) const {
   return items;
 }
 
-/// From within a brick a picture shows nothing but its inside.
+/// A camera inside a brick would show only its inside.
 Camera PictureSetup::camera(const ShownState& state) const {
   const Camera camera = cameras_.at(state.time, state.turn);
   if (camera.orthographic) return camera;
@@ -281,7 +281,7 @@ void StatePainter::makeStrip(const Style& style, Colouring colouring) {
   strip_.emplace(requireValidSize(size_), parts, style);
 }
 
-/// Keeps the graphics context where the picture's size stays.
+/// Keeps the graphics context if the picture's size stays the same.
 void StatePainter::makePainter() {
   if (painter_ && painter_->size() == strip_->picture()) {
     painter_->show(setup_->content().bricks, setup_->style());
@@ -307,30 +307,30 @@ Frame StatePainter::paint(const ShownState& state, const StripText& text, Frame 
 }
 
 // ------------------------------------------------------------------------------------------------
-// The strip is below the picture and reduces its height: the frame keeps its size. From
-// the top: a line with the caption (1.5 em), a line with scales (1.8 em, more with ticks), the bar
-// of progress (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels, smaller where the
-// longest caption would not fit. It is found once: text does not change its size in a video.
+// The strip is below the picture and reduces its height, so the frame keeps its size. From the top:
+// a line with the caption (1.5 em), a line with scales (1.8 em, more with ticks), the progress bar
+// (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels, smaller if the longest caption
+// would not fit. It is computed once, so text does not change its size in a video.
 
 namespace {
 
-/// Em of the text, in heights of the frame; and the smallest that can be read, pixels.
+/// Em of the text, in heights of the frame, and the smallest legible em, pixels.
 constexpr double kTextShare = 0.034;
 constexpr int kLeastText = 9;
-/// Heights in ems: of a line of text with its baseline in it, of a line of scales, of the bar of
-/// progress with the room around it, and of that bar without it.
+/// Heights in ems: of a text line with its baseline, of a line of scales, of the progress bar with
+/// the space around it, and of the bar only.
 constexpr double kStripLineEms = 1.5;
 constexpr double kLineBaselineEms = 1.1;
 constexpr double kScalesEms = 1.8;
 constexpr double kProgressEms = 1.2;
 constexpr double kProgressBarEms = 0.35;
-/// What captions, and a bar of progress, may take of the frame's width; and the longest length.
+/// Maximum fractions of the frame's width for captions or a progress bar, and for a length.
 constexpr double kUsedWidth = 0.94;
 constexpr double kLongestLength = 0.25;
-/// How much of the text's colour shows in what is left of a bar of progress.
+/// Opacity of the remaining part of a progress bar.
 constexpr double kFaint = 0.2;
 
-/// Half away from zero.
+/// Rounds half away from zero.
 int rounded(double pixels) {
   return static_cast<int>(std::lround(pixels));
 }
@@ -343,7 +343,7 @@ Colour between(Colour from, Colour to, double share) {
           mix(from.alpha, to.alpha)};
 }
 
-/// The size at which the widest caption fits.
+/// Text size at which the widest caption fits.
 int textSize(FrameSize whole, const std::string& longest) {
   const int wanted = std::max(kLeastText, rounded(kTextShare * whole.height));
   if (longest.empty()) return wanted;
@@ -384,7 +384,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   picture.pixels.insert(picture.pixels.end(), strip.pixels.begin(), strip.pixels.end());
   picture.size = whole_;
   if (writer_) {
-    // From the same place in every frame: letters do not jump.
+    // At the same position in every frame, so letters do not jump.
     writer_->draw(picture, text.caption, captionLeft_, upper + rounded(kLineBaselineEms * em_),
                   text_);
     upper += rounded(kStripLineEms * em_);
@@ -396,7 +396,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
   if (parts_.progressBar) drawProgress(picture, upper, text.progress);
 }
 
-/// One next to the other if there are both.
+/// Next to each other if there are both.
 void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
                        const std::vector<LegendEntry>& legend,
                        const std::optional<double>& metresPerPixel) const {
@@ -427,32 +427,32 @@ void Strip::drawProgress(Frame& frame, int upper, double progress) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Three ways to colour bricks:
+// Three kinds of colourings:
 //
-// - kinds: a number for each shape of tile. Two tiles are congruent when their sorted sides and
+// - kinds: a number for each shape of tile. Two tiles are congruent if their sorted sides and
 //   sorted shortest diagonals agree to 1e-4. Mirror images have the same lengths. (Different
-//   polygons of many corners may agree by chance; for colours that does not matter.)
-// - states: at its start, on its way, at its target, within 1% of a tile's mean edge.
-// - measures: a value for each brick and a scale from 0 to the largest of the run, the same for all
-//   pictures. Before a run, as for the first frame of a live one, the largest is guessed.
+//   polygons of many corners may agree by chance, which does not matter for colours.)
+// - states: at its start, in motion, at its target, within 1% of a tile's mean edge.
+// - measures: a value for each brick and a scale from 0 to the maximum of the run, the same for all
+//   pictures. Before a run, for example for the first live frame, the maximum is estimated.
 
 namespace {
 
-/// Lengths of congruent tiles may differ by this part.
+/// Relative tolerance of the lengths of congruent tiles.
 constexpr double kCongruence = 1e-4;
 
-/// Shapes that colours can tell apart.
+/// Maximum number of distinct colours of shapes.
 constexpr int kMostKinds = 7;
 
-/// A brick is at its start or its target within this part of a tile's mean edge.
+/// A brick is at its start or its target within this fraction of a tile's mean edge.
 constexpr double kArrival = 0.01;
 
 constexpr Colour kAtStart = {168, 178, 192};
 constexpr Colour kMoving = {246, 184, 96};
 constexpr Colour kAtTarget = {110, 186, 150};
 
-/// Sides and shortest diagonals in order of length: equal for congruent polygons. Twice as many
-/// numbers as corners, metres.
+/// Sides and shortest diagonals by length, metres: equal for congruent polygons. Twice as many
+/// numbers as corners.
 std::vector<double> signature(const std::vector<Vector3>& corners) {
   const std::size_t count = corners.size();
   std::vector<double> sides, diagonals;
@@ -472,9 +472,9 @@ bool alike(const std::vector<double>& a, const std::vector<double>& b) {
   });
 }
 
-/// The number of each entry in the list of entries that differ, in order of appearance.
+/// The number of each entry in the list of distinct entries, in order of appearance.
 template <typename T, typename Same>
-/// Compares each entry with all kinds so far; there are few.
+/// Compares each entry with all previous kinds; there are few.
 std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
   std::vector<T> known;
   std::vector<int> numbers;
@@ -487,7 +487,7 @@ std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
   return numbers;
 }
 
-/// Metres; 1 where there are no bricks.
+/// Metres; 1 without bricks.
 double meanEdge(const std::vector<model::Brick>& bricks) {
   double sum = 0;
   int count = 0;
@@ -527,7 +527,7 @@ const char* titleOf(Colouring colouring) {
   }
 }
 
-/// 0 for none.
+/// 0 for an empty list.
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
@@ -572,7 +572,7 @@ std::vector<int> shapeKinds(const std::vector<model::Brick>& bricks) {
 
 namespace {
 
-/// Throws InputError when an option names tiles that are not there.
+/// Throws InputError if an option refers to tiles that do not exist.
 void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t count) {
   for (const int tile : tiles) {
     if (tile < static_cast<int>(count)) continue;
@@ -645,7 +645,7 @@ void BrickPalette::colourTiles(const Look& look) {
   if (kinds_.empty()) kinds_.assign(own_.size(), plainColours(look));
 }
 
-/// Fills colours and legend; kinds are in order of appearance, so a new one is always the next
+/// Fills colours and legend. Kinds are in order of appearance, so a new kind always has the next
 /// number.
 void BrickPalette::colourShapes() {
   const std::vector<int> kinds = shapeKinds(content_.bricks);
@@ -667,19 +667,19 @@ void BrickPalette::colourShapes() {
   }
 }
 
-/// The largest value in the states of the run; 0 before it.
+/// The maximum in the states of the run; 0 before it.
 double BrickPalette::largestOfRun() const {
   double most = 0;
   for (const Poses& poses : content_.states) most = std::max(most, largest(values(poses)));
   return most;
 }
 
-/// What is to be expected before the run, in the scale's unit.
+/// The expected maximum before the run, in the scale's unit.
 double BrickPalette::largestExpected() const {
   switch (colouring_) {
     case Colouring::TargetError:
     case Colouring::Displacement:
-      // All the way to the target, or without one half of what is in sight.
+      // The whole distance to the target, or without a target half the size of the view.
       return content_.target ? largest(trajectory::brickTargetErrors(
                                    *content_.target, content_.bricks, content_.start))
                              : 0.5 * diagonal(content_.points);
@@ -689,12 +689,12 @@ double BrickPalette::largestExpected() const {
     case Colouring::Energy:
       return 1;
     default:
-      // Exact joints stay far below this, a baseline solver's do not.
+      // Exact joints stay far below this, those of the baseline solver do not.
       return 1e-6 * meanEdge(content_.bricks);
   }
 }
 
-/// One a brick, in the unit of titleOf().
+/// One per brick, in the unit of titleOf().
 std::vector<double> BrickPalette::values(const Poses& poses) const {
   switch (colouring_) {
     case Colouring::TargetError:
@@ -715,7 +715,7 @@ std::vector<double> BrickPalette::values(const Poses& poses) const {
   }
 }
 
-/// At the target counts before at the start: a sheet whose target is its start shows as arrived.
+/// The target has priority over the start: a sheet whose target is its start has arrived.
 std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
   const double near = kArrival * meanEdge(content_.bricks);
   const std::vector<double> moved = trajectory::brickDisplacements(content_.start, poses);

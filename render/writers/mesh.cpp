@@ -1,13 +1,13 @@
-// Three formats by way of assimp's exporters (assimp 5), with exact coordinates:
+// Three formats through assimp's exporters (assimp 5), with exact coordinates:
 //
-// - OBJ: text; "g TILE_00000", "v x y z", "vn x y z", "f 1//1 2//1 ...". Polygons stay whole.
-// - PLY: text; a header that ends in "end_header", then one row a vertex, then "3 a b c" a
-//   triangle. "property float" becomes "property double", since the digits are those of doubles.
-// - STL: binary; 80 bytes of header, a count (uint32), then 50 bytes a triangle: normal and three
-//   corners as floats, and two bytes that are 0.
+// - OBJ: text; "g TILE_00000", "v x y z", "vn x y z", "f 1//1 2//1 ...". Polygons are kept.
+// - PLY: text; a header that ends in "end_header", one row per vertex, one row "3 a b c" per
+//   triangle. "property float" becomes "property double", because the digits are those of doubles.
+// - STL: binary; 80 bytes of header, a count (uint32), then 50 bytes per triangle: normal and three
+//   corners as floats, and two zero bytes.
 //
-// A brick of n sides has 2 n corners: the bottom's, then the top's. Faces are listed anticlockwise
-// as seen from outside. Normals by the right-hand rule point outwards: the bottom runs backwards,
+// A brick of n sides has 2 n corners: the bottom's, then the top's. Faces are anticlockwise seen
+// from outside, so their normals point outwards by the right-hand rule. The bottom is reversed,
 // sides are (k, k+1, n+k+1, n+k).
 #include "render/writers/mesh.h"
 
@@ -37,22 +37,22 @@
 namespace kirireel::writers {
 namespace {
 
-// assimp stores and prints coordinates in single precision and welds vertices that look equal. So
-// it is given the numbers of the corners for x, and its rows are filled with the coordinates after.
+// assimp stores and prints coordinates in single precision and merges equal vertices. It therefore
+// gets the numbers of the corners as x, and its rows are filled with the coordinates afterwards.
 
 using Face = std::vector<unsigned>;
 
-/// Whole numbers that a float holds exactly.
+/// Integers that a float holds exactly.
 constexpr std::size_t kMostCorners = 1U << 24U;
 
-/// The corners of all bricks in world axes: of each brick its bottom, then its top. Metres.
+/// The corners of all bricks in world axes, metres: for each brick its bottom, then its top.
 std::vector<Vector3> worldCorners(const std::vector<model::Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
     for (const Vector3& point : bricks[k].top) corners.push_back(poses[k].apply(point));
   }
-  // The readers of models allow far fewer tiles than would fill this.
+  // The readers of models allow far fewer tiles.
   assert(corners.size() <= kMostCorners);
   return corners;
 }
@@ -90,12 +90,12 @@ std::vector<Face> brickTriangles(const model::Brick& brick, unsigned first) {
   return triangles;
 }
 
-/// The exporter prints this number in the place of x.
+/// The exporter prints this number in place of x.
 aiVector3D numbered(unsigned corner) {
   return {static_cast<float>(corner), 0, 0};
 }
 
-/// Unit and outward; single precision, for normals only shade.
+/// Unit and outward; in single precision, since normals only affect shading.
 aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
   const Vector3& middle = corners[face[1]];
   Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
@@ -111,14 +111,14 @@ aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
 
 // Arrays are raw because aiMesh and aiScene delete them.
 template <typename T>
-/// The caller's object owns the array from then on.
+/// Ownership of the array passes to the caller's object.
 T* copied(const std::vector<T>& values) {
   T* array = new T[values.size()];
   std::ranges::copy(values, array);
   return array;
 }
 
-/// Also sets mPrimitiveTypes, without which the exporters write broken rows.
+/// Also sets mPrimitiveTypes. The exporters would otherwise write broken rows.
 void setFaces(aiMesh& mesh, const std::vector<Face>& faces) {
   mesh.mNumFaces = static_cast<unsigned>(faces.size());
   mesh.mFaces = new aiFace[faces.size()];
@@ -141,7 +141,7 @@ std::unique_ptr<aiMesh> sharedMesh(unsigned corners, const std::vector<Face>& tr
   return mesh;
 }
 
-/// Each face has its own vertices, and so its own normal.
+/// Each face has its own vertices with its own normal.
 std::unique_ptr<aiMesh> flatMesh(const std::vector<Face>& faces,
                                  const std::vector<Vector3>& corners) {
   auto mesh = std::make_unique<aiMesh>();
@@ -164,7 +164,7 @@ std::unique_ptr<aiMesh> flatMesh(const std::vector<Face>& faces,
   return mesh;
 }
 
-/// assimp wants a material and a root node that names all meshes. The scene owns what it points to.
+/// assimp needs a material and a root node with all meshes. The scene owns its pointers.
 std::unique_ptr<aiScene> sceneOf(std::vector<std::unique_ptr<aiMesh>> meshes) {
   auto scene = std::make_unique<aiScene>();
   scene->mNumMaterials = 1;
@@ -181,7 +181,7 @@ std::unique_ptr<aiScene> sceneOf(std::vector<std::unique_ptr<aiMesh>> meshes) {
   return scene;
 }
 
-/// The bytes of a file in the format that assimp knows by this id.
+/// The bytes of a file in the format with this assimp id.
 std::string exported(const aiScene& scene, const char* format, const std::filesystem::path& path) {
   Assimp::Exporter exporter;
   // The blob belongs to the exporter, so its bytes are copied.
@@ -193,7 +193,7 @@ std::string exported(const aiScene& scene, const char* format, const std::filesy
   return {static_cast<const char*>(blob->data), blob->size};
 }
 
-/// Takes the first line, without its end, off the text.
+/// Removes the first line from the text and returns it without its end.
 std::string_view takeLine(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);
@@ -201,21 +201,21 @@ std::string_view takeLine(std::string_view& text) {
   return line;
 }
 
-/// The number of a corner that a row starts with.
+/// The corner number at the start of a row.
 std::size_t cornerOf(std::string_view row) {
   std::size_t corner = 0;
   std::from_chars(row.data(), row.data() + row.size(), corner);
   return corner;
 }
 
-/// Appends the coordinates of the corner whose number a row starts with, shortest digits that read
-/// back to the same doubles.
+/// Appends the coordinates of the corner whose number is at the start of a row, with the shortest
+/// digits that read back as the same doubles.
 void appendCorner(std::string& text, std::string_view row, const std::vector<Vector3>& corners) {
   const Vector3& point = corners.at(cornerOf(row));
   appendText(text, "{} {} {}\n", point.x(), point.y(), point.z());
 }
 
-/// Appends a row "f  1//1 2//1 3//1" with `rows` in place of the numbers of its vertices.
+/// Appends a row "f 1//1 2//1 3//1" with the vertex numbers replaced by `rows`.
 void appendFace(std::string& text, std::string_view line, const std::vector<std::size_t>& rows) {
   while (!line.empty()) {
     const std::size_t digit = std::min(line.find_first_of("0123456789"), line.size());
@@ -250,8 +250,8 @@ std::string objText(const std::vector<model::Brick>& bricks, const std::vector<V
   for (std::string_view rest = numbers; !rest.empty();) {
     checkInterruption();
     const std::string_view line = takeLine(rest);
-    // Rows "v" hold the number of a corner where x would be. assimp 5.4 repeats a corner for each
-    // of its faces, assimp 5.2 does not.
+    // Rows "v" hold the number of a corner as x. assimp 5.4 repeats a corner for each of its faces,
+    // assimp 5.2 does not.
     if (line.starts_with("v ")) {
       const std::string_view row = line.substr(line.find_first_not_of(' ', 1));
       std::size_t& place = rowOf.at(cornerOf(row));
@@ -288,8 +288,8 @@ std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
   return sceneOf(std::move(meshes));
 }
 
-/// Where single precision counts from: the origin, or the centre of points that lie so far from it
-/// that they would lose more than a digit.
+/// Origin for single precision: the world origin, or the centre of points so far from it that they
+/// would lose more than a digit.
 Vector3 singleOrigin(const std::vector<Vector3>& points) {
   constexpr double kFar = 10;  // of the diagonal
   Eigen::AlignedBox3d box;
@@ -298,8 +298,8 @@ Vector3 singleOrigin(const std::vector<Vector3>& points) {
   return isFar ? Vector3(box.center()) : Vector3::Zero();
 }
 
-/// Binary STL holds single precision and no shared vertices: nothing to fill in after. Each facet
-/// has its own normal; assimp would smooth them over shared corners.
+/// Binary STL holds single precision and no shared vertices, so nothing is filled in afterwards.
+/// Each facet has its own normal; assimp would smooth them over shared corners.
 std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
                      const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = flatMesh(allTriangles(bricks), corners);
@@ -317,11 +317,11 @@ std::string stlBytes(const std::vector<model::Brick>& bricks, const std::vector<
     header += fmt::format(", origin {:.7g} {:.7g} {:.7g}", origin.x(), origin.y(), origin.z());
   }
   header.resize(kHeader, ' ');
-  // The header must not begin with "solid", by which readers tell text from binary.
+  // The header must not begin with "solid", which marks text files.
   return bytes.replace(0, kHeader, header);
 }
 
-/// The header's counts are assimp's own and stay.
+/// Keeps assimp's counts in the header.
 std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<Vector3>& corners,
                     const LengthUnit& unit, const std::filesystem::path& path) {
   auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
@@ -329,7 +329,7 @@ std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<V
   constexpr std::string_view kPlyFloat = "property float ";
   std::string text;
   std::string_view rest = numbers;
-  // The header, line by line, with doubles in place of floats.
+  // Replaces floats by doubles in the header.
   for (std::string_view line; line != "end_header" && !rest.empty();) {
     line = takeLine(rest);
     const bool isFloat = line.starts_with(kPlyFloat);
@@ -337,7 +337,7 @@ std::string plyText(const std::vector<model::Brick>& bricks, const std::vector<V
     text.append(isFloat ? line.substr(kPlyFloat.size()) : line).append("\n");
     if (line.starts_with("format ")) appendText(text, "comment unit {}\n", unit.name);
   }
-  // Rows of vertices come in the order of the corners; the faces after them need no change.
+  // Vertex rows have the order of the corners; the faces after them stay unchanged.
   for (std::size_t k = 0; k < corners.size(); ++k) appendCorner(text, takeLine(rest), corners);
   return text.append(rest);
 }
@@ -375,25 +375,25 @@ std::string meshLibraryVersion() {
 //     length, type "JSON", JSON text filled up with spaces          chunk 0
 //     length, type "BIN\0", binary buffer filled up with zeros      chunk 1
 //
-// The JSON describes the buffer. Buffer views are ranges of bytes; accessors are typed arrays
+// The JSON describes the buffer. Buffer views are ranges of bytes. Accessors are typed arrays
 // within them: count, component type, offset. There are six views:
 //
 //     positions  3 floats a vertex     normals  3 floats a vertex     indices  1 uint32 a corner
 //     times      1 float a key         moves    3 floats a brick and key
 //     turns      4 floats a brick and key: quaternion x, y, z, w
 //
-// Each brick is a mesh in its own axes and a node with translation and rotation; the animation has
-// two channels per node. So the geometry is stored once, for any number of keys. Between keys
+// Each brick is a mesh in its own axes and a node with translation and rotation. The animation has
+// two channels per node. The geometry is therefore stored once for any number of keys. Between keys
 // viewers interpolate positions linearly and quaternions spherically.
 //
-// glTF is y up and ours z up: the root node turns by -90 degrees about x, the quaternion
+// glTF has y up, Kirireel z up: the root node rotates by -90 degrees about x, the quaternion
 // (-sqrt(1/2), 0, 0, sqrt(1/2)).
 
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
 
-// glTF's own numbers.
+// Constants of glTF.
 constexpr int kGltfFloat = 5126;
 constexpr int kUnsigned = 5125;
 constexpr int kVertexTarget = 34962;
@@ -415,7 +415,7 @@ void appendVector(std::string& bytes, const Vector3& v) {
 /// The sections of the binary part, which become glTF's buffer views.
 enum View { kPositions, kNormals, kIndices, kTimes, kMoves, kTurns, kViewCount };
 
-/// What the JSON says, and the bytes that it speaks of.
+/// The JSON and the bytes that it describes.
 struct Asset {
   Json accessors = Json::array();
   std::array<std::string, kViewCount> views;
@@ -432,8 +432,8 @@ struct Asset {
   }
 };
 
-/// Positions and their bounds, rounded to single precision as they are stored. glTF demands min and
-/// max of positions, of the stored floats and not of the doubles.
+/// Bounds of positions in single precision. glTF requires min and max of the stored floats, not of
+/// the doubles.
 class Bounds {
  public:
   void add(const Vector3& point) {
@@ -454,7 +454,7 @@ class Bounds {
 
 /// The outward normal of a face, whose corner 1 may turn inwards.
 Vector3 normalOf(const std::vector<Vector3>& face) {
-  // The fan's area vector points outwards, even if single corners do not.
+  // The fan's area vector points outwards, even if individual corners do not.
   const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
   Vector3 area = Vector3::Zero();
   for (std::size_t k = 2; k < face.size(); ++k) {
@@ -463,7 +463,7 @@ Vector3 normalOf(const std::vector<Vector3>& face) {
   return area.dot(normal) < 0 ? Vector3(-normal) : normal;
 }
 
-/// Each face has its own vertices, and so its own normal.
+/// Each face has its own vertices with its own normal.
 Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) {
   const std::vector<std::vector<Vector3>> faces = model::brickFaces(brick);
   std::size_t vertices = 0;
@@ -472,14 +472,14 @@ Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) 
     vertices += face.size();
     triangles += face.size() - 2;
   }
-  // The accessor begins where the view ends so far, and the values are appended after.
+  // The accessor starts at the current end of the view. Its values are appended afterwards.
   const auto declareNext = [&](View view, const char* type, int componentType, std::size_t count) {
     return asset.declare(view, type, componentType, count, asset.views[view].size());
   };
   const std::size_t positions = declareNext(kPositions, "VEC3", kGltfFloat, vertices);
   const std::size_t normals = declareNext(kNormals, "VEC3", kGltfFloat, vertices);
   const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
-  // Indices count within the mesh, from 0.
+  // Indices are zero-based within the mesh.
   Bounds bounds;
   std::uint32_t first = 0;
   for (const std::vector<Vector3>& face : faces) {
@@ -504,7 +504,7 @@ Json meshJson(const model::Brick& brick, const std::string& name, Asset& asset) 
                                    {"material", 0}}})}};
 }
 
-/// Puts single precision numbers at their place in a view.
+/// Writes single precision numbers at their position in a view.
 template <std::size_t count>
 void place(std::string& view, std::size_t index, const std::array<double, count>& numbers) {
   std::array<float, count> rounded{};
@@ -512,9 +512,9 @@ void place(std::string& view, std::size_t index, const std::array<double, count>
   std::memcpy(view.data() + index * sizeof rounded, rounded.data(), sizeof rounded);
 }
 
-/// Reads key by key what glTF stores brick by brick, from the `origin` of the first key on. Returns
-/// the poses of the first. Quaternions keep their sign from key to key, or viewers turn the long
-/// way.
+/// Reads keys in sequence into glTF's order by brick, relative to the `origin` of the first key.
+/// Returns the poses of the first key. Quaternions keep their sign between keys, because viewers
+/// would otherwise rotate the long way.
 Poses readKeys(const std::vector<model::Brick>& bricks, std::size_t keyCount,
                const std::function<AnimationKey(std::size_t)>& key, Asset& asset, Vector3& origin) {
   const std::size_t brickCount = bricks.size();
@@ -530,7 +530,7 @@ Poses readKeys(const std::vector<model::Brick>& bricks, std::size_t keyCount,
     for (std::size_t brick = 0; brick < brickCount; ++brick) {
       const Vector3& p = read.poses[brick].position;
       Quaternion& q = read.poses[brick].rotation;
-      // q and -q are the same rotation; the interpolation between them is not.
+      // q and -q are the same rotation, but interpolate differently.
       if (k > 0 && q.dot(last[brick].rotation) < 0) q.coeffs() = -q.coeffs();
       place<3>(asset.views[kMoves], brick * keyCount + k, {p.x(), p.y(), p.z()});
       place<4>(asset.views[kTurns], brick * keyCount + k, {q.x(), q.y(), q.z(), q.w()});
@@ -541,7 +541,7 @@ Poses readKeys(const std::vector<model::Brick>& bricks, std::size_t keyCount,
   return first;
 }
 
-/// The end time as it is stored, in single precision.
+/// The end time in single precision, as stored.
 Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, Asset& asset) {
   // All samplers share the times.
   const std::size_t times = asset.declare(kTimes, "SCALAR", kGltfFloat, keyCount, 0);
@@ -564,7 +564,7 @@ Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, 
   return {{"name", "deployment"}, {"samplers", samplers}, {"channels", channels}};
 }
 
-/// The brick's pose at the first key, for viewers that play no animation.
+/// The brick's pose at the first key, for viewers without animation.
 Json nodeJson(const Pose& pose, const std::string& name, std::size_t mesh) {
   const auto f = [](double x) { return static_cast<float>(x); };
   const Vector3& p = pose.position;
@@ -597,8 +597,8 @@ Json nodesJson(const Poses& start, const Vector3& origin) {
   return nodes;
 }
 
-/// Views follow each other in the buffer in the order of the enum. All have entries of 4 bytes, so
-/// all offsets are multiples of 4, as glTF wants.
+/// Views are in the buffer in the order of the enum. All have entries of 4 bytes, so all offsets
+/// are multiples of 4, as glTF requires.
 Json viewsJson(const Asset& asset) {
   Json views = Json::array();
   std::size_t offset = 0;
@@ -622,9 +622,9 @@ void appendChunk(std::string& file, std::uint32_t type, const std::string& bytes
   file.append(bytes).append(padding, filler);
 }
 
-/// The file's length is a number of 32 bits.
+/// The file's length is a 32-bit number.
 void requireAddressable(std::size_t bytes) {
-  constexpr std::size_t kMost = std::size_t{7} << 29U;  // leaves half a GiB to the JSON
+  constexpr std::size_t kMost = std::size_t{7} << 29U;  // leaves half a GiB for the JSON
   if (bytes <= kMost) return;
   throw InputError(
       fmt::format("error: the animation would hold {} bytes, at most {} fit into a "
@@ -632,7 +632,7 @@ void requireAddressable(std::size_t bytes) {
                   bytes, kMost));
 }
 
-/// The length in the header counts the header, too.
+/// The length in the header includes the header.
 std::string glbFile(const std::string& json, const std::string& binary) {
   std::string chunks;
   appendChunk(chunks, kJsonChunk, json, ' ');

@@ -2,22 +2,22 @@
 //
 // *Line grids* (N. G. de Bruijn, Algebraic theory of Penrose's non-periodic tilings of the plane,
 // Indagationes Mathematicae 43, 1981). Grid i of N consists of the lines d_i . y + o = k for all
-// whole numbers k: d_i a unit vector, o the offset. The plane of y falls into cells, each with one
-// whole number K_i = ceil(d_i . y + o) for every grid. A cell becomes the vertex
+// integers k, with a unit vector d_i and the offset o. They divide the plane of y into cells, each
+// with one integer K_i = ceil(d_i . y + o) per grid. A cell becomes the vertex
 //   x = sum over i of (K_i - o - 1/2) d_i
-// and the crossing of line a of grid i with line b of grid j, where four cells meet, becomes the
-// rhombus of the four vertices whose numbers differ there by one in K_i, K_j or both. Its sides are
-// d_i and d_j. Five grids at 72 degrees with offsets that add up to a whole number give Penrose's
-// tiling, four at 45 degrees Ammann and Beenker's. On average x = (N/2) y, which is `spread`.
+// Four cells meet at the crossing of line a of grid i with line b of grid j. They become the
+// vertices of a rhombus, whose numbers differ by one in K_i, K_j or both. Its sides are d_i and
+// d_j. Five grids at 72 degrees whose offsets have an integer sum give Penrose's tiling, four at 45
+// degrees that of Ammann and Beenker. On average x = (N/2) y; this factor is `spread`.
 //
 // *Honeycombs* (P. Stampfli, A dodecagonal quasiperiodic lattice in two dimensions, Helvetica
-// Physica Acta 59, 1986): two honeycombs, one turned by 30 degrees. A pair of overlapping cells is
-// a vertex, at the sum of their centres; a corner of one honeycomb within a cell of the other is a
-// triangle; two sides that cross are a rhombus, a square where they cross at right angles.
+// Physica Acta 59, 1986): two honeycombs, one rotated by 30 degrees. A pair of overlapping cells is
+// a vertex at the sum of their centres. A corner of one honeycomb in a cell of the other is a
+// triangle. Two crossing sides are a rhombus, or a square if they are perpendicular.
 //
-// Vertices are identified by integers and never by positions: rounding cannot split or merge any. A
-// patch is the tiles nearest to the centre, in whole rings of equal distance, which keeps the
-// symmetry.
+// Vertices are identified by integers, never by positions, so rounding cannot split or merge any. A
+// patch has the tiles nearest to the centre, in complete rings of equal distance. This preserves
+// the symmetry.
 #include "sim/generate/tiling.h"
 
 #include <algorithm>
@@ -48,12 +48,12 @@ double cross(Complex a, Complex b) {
   return (std::conj(a) * b).imag();
 }
 
-/// A vertex by its whole coordinates.
+/// A vertex by its integer coordinates.
 using VertexKey = std::vector<int>;
 
 /// A tile before its vertices are numbered.
 struct LooseTile {
-  std::vector<VertexKey> keys;  ///< in order round the tile
+  std::vector<VertexKey> keys;  ///< in order around the tile
   std::vector<Complex> corners;
   Complex dual;
   bool isThin = false;
@@ -63,20 +63,20 @@ struct LooseTile {
   }
 };
 
-/// The nearest whole rings with at least so many tiles, the vertices numbered.
+/// The nearest complete rings with at least this many tiles, with numbered vertices.
 Tiling assemble(std::vector<LooseTile> loose, int desired, double spread) {
-  // The angle decides among equals, and rounding decides nothing.
+  // The angle orders equal distances, so rounding has no effect.
   const auto rank = [](const LooseTile& tile) {
     const Complex centre = tile.centre();
-    // The small turn moves the cut of the argument at 180 degrees off the tiles that stand there
-    // exactly.
+    // The small rotation moves the branch cut of the argument at 180 degrees away from tiles
+    // exactly there.
     const double angle = std::arg(centre * std::polar(1.0, 1e-7));
     return std::pair(std::lround(1e6 * std::abs(centre)), std::lround(1e6 * angle));
   };
   std::stable_sort(loose.begin(), loose.end(),
                    [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   std::size_t count = std::min(loose.size(), std::size_t(desired));
-  // A ring is taken whole.
+  // A ring is added completely.
   while (count < loose.size() && rank(loose[count]).first == rank(loose[count - 1]).first) ++count;
   Tiling tiling;
   tiling.spread = spread;
@@ -100,8 +100,7 @@ Tiling assemble(std::vector<LooseTile> loose, int desired, double spread) {
   return tiling;
 }
 
-/// Superposed grids of parallel lines: grid i has the lines direction_i . y + offset = whole
-/// number.
+/// Superposed grids of parallel lines: grid i has the lines direction_i . y + offset = integer.
 class LineGrids {
  public:
   LineGrids(int count, double firstAngleStep, double offset) : offset_(offset) {
@@ -119,7 +118,7 @@ class LineGrids {
     for (const Complex& direction : directions_) {
       key.push_back(static_cast<int>(std::ceil(dot(direction, tile.dual) + offset_)));
     }
-    // The four cells round the crossing, in order round the rhombus.
+    // The four cells around the crossing, in order around the rhombus.
     for (const auto& [stepA, stepB] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
       key[std::size_t(gridA)] = lineA + stepA;
       key[std::size_t(gridB)] = lineB + stepB;
@@ -139,7 +138,7 @@ class LineGrids {
         for (int lineA = -reach; lineA <= reach; ++lineA) {
           for (int lineB = -reach; lineB <= reach; ++lineB) {
             LooseTile tile = rhombus(gridA, lineA, gridB, lineB);
-            // Further out, crossings with other grids' further lines are missing.
+            // Farther out, crossings with missing lines of other grids would be incomplete.
             if (std::abs(tile.dual) < reach - 1) tiles.push_back(std::move(tile));
           }
         }
@@ -151,14 +150,14 @@ class LineGrids {
   double spread() const { return 0.5 * static_cast<double>(directions_.size()); }
 
  private:
-  /// Numbered from the middle of the grids, which is the middle of the tiling.
+  /// Relative to the middle of the grids, which is the middle of the tiling.
   Complex position(const VertexKey& key) const {
     Complex sum;
     for (std::size_t i = 0; i < key.size(); ++i) sum += (key[i] - offset_ - 0.5) * directions_[i];
     return sum;
   }
 
-  // Of the angles between two grids.
+  // The smallest sine of the angles between two grids.
   double narrowestSine() const {
     double least = 1;
     for (const Complex& direction : directions_) {
@@ -172,9 +171,9 @@ class LineGrids {
   double offset_;
 };
 
-/// How many lines each grid needs so that so many tiles are whole.
+/// Number of lines per grid for this number of complete tiles.
 int reachFor(int tiles, double spread) {
-  // A unit of the tiling's area holds at least one tile; the rest is for the rim.
+  // A unit of the tiling's area has at least one tile. The addition is for the rim.
   return static_cast<int>(std::ceil(std::sqrt(tiles / pi) / spread)) + 4;
 }
 
@@ -203,8 +202,8 @@ class Honeycomb {
   }
 
   HexCell cellAt(Complex point) const {
-    // The cell of the lattice's parallelogram that holds the point; one of its four corners is
-    // nearest.
+    // The cell of the lattice's parallelogram that contains the point. One of its four corners is
+    // the nearest.
     const double area = cross(first_, second_);
     const int column = static_cast<int>(std::floor(cross(point, second_) / area));
     const int row = static_cast<int>(std::floor(cross(first_, point) / area));
@@ -216,7 +215,7 @@ class Honeycomb {
     return nearest;
   }
 
-  // Two for each lattice point: one for each triangle of the lattice.
+  // Two for each lattice point, one per triangle of the lattice.
   std::vector<HexCorner> corners(int reach) const {
     std::vector<HexCorner> found;
     forCells(reach, [&](int i, int j) {
@@ -262,7 +261,7 @@ class Honeycomb {
   Complex second_;
 };
 
-/// Where two segments cross.
+/// Crossing of two segments.
 std::optional<Complex> crossing(const Honeycomb::HexSide& a, const Honeycomb::HexSide& b) {
   const Complex alongA = a.ends[1] - a.ends[0];
   const Complex alongB = b.ends[1] - b.ends[0];
@@ -274,7 +273,7 @@ std::optional<Complex> crossing(const Honeycomb::HexSide& a, const Honeycomb::He
   return a.ends[0] + shareA * alongA;
 }
 
-/// The two honeycombs behind the twelvefold tiling.
+/// The two honeycombs of the twelvefold tiling.
 class HoneycombPair {
  public:
   std::vector<LooseTile> tiles(int reach) const {
@@ -284,8 +283,7 @@ class HoneycombPair {
     const std::vector<Honeycomb::HexSide> sides = honeycombs_[1].sides(reach);
     for (const Honeycomb::HexSide& a : honeycombs_[0].sides(reach)) {
       for (const Honeycomb::HexSide& b : sides) {
-        // Sides are 1/sqrt(3) long: ends farther apart than that cannot belong to sides
-        // that cross.
+        // Sides are 1/sqrt(3) long, so sides with more distant ends cannot cross.
         if (std::abs(a.ends[0] - b.ends[0]) > 2) continue;
         if (const auto place = crossing(a, b)) appendRhombus(a, b, *place, found);
       }
@@ -300,7 +298,7 @@ class HoneycombPair {
     tile.corners.push_back(honeycombs_[0].centre(a) + honeycombs_[1].centre(b));
   }
 
-  // `swapped` keeps the first honeycomb's cell first in the vertex.
+  // `swapped` puts the first honeycomb's cell first in the vertex.
   void appendTriangles(const Honeycomb& own, const Honeycomb& other, bool swapped, int reach,
                        std::vector<LooseTile>& found) const {
     for (const Honeycomb::HexCorner& corner : own.corners(reach)) {
@@ -332,7 +330,7 @@ class HoneycombPair {
 }  // namespace
 
 Tiling penroseTiling(int tiles) {
-  // Offsets that add up to a whole number make Penrose's tiling; these keep the symmetry.
+  // Offsets with an integer sum give Penrose's tiling. These preserve the symmetry.
   const LineGrids grids(5, 2 * pi / 5, 0.4);
   return assemble(grids.rhombi(reachFor(tiles, grids.spread())), tiles, grids.spread());
 }
@@ -348,23 +346,23 @@ Tiling stampfliTiling(int tiles) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Sheets made of tilings: a closed chain, a tiling without its narrow tiles, an expanded tiling.
+// Sheets from tilings: a closed chain, a tiling without its narrow tiles, an expanded tiling.
 //
-// *Chain*: a Hamiltonian cycle of the graph whose nodes are tiles and whose links are shared edges.
-// A path is grown to the free neighbour with the fewest free neighbours of its own (Warnsdorff's
-// rule for the knight's tour). Where the path is stuck at its end e, one of e's neighbours p in the
-// path is taken and the piece after p is turned round, which gives a path of the same tiles with
-// another end (L. Posa, Hamiltonian circuits in random graphs, Discrete Mathematics 14, 1976).
-// Joints alternate between the two ends of the edges that the cycle crosses.
+// *Chain*: a Hamiltonian cycle of the graph with tiles as nodes and shared edges as links. A path
+// grows to the free neighbour with the fewest free neighbours (Warnsdorff's rule for the knight's
+// tour). If the path is stuck at its end e, one of e's neighbours p in the path is chosen.
+// Reversing the part after p gives a path of the same tiles with another end (L. Posa, Hamiltonian
+// circuits in random graphs, Discrete Mathematics 14, 1976). Joints alternate between the two ends
+// of the edges that the cycle crosses.
 //
-// *Removal*: edges between the tiles that stay get one joint each, at a fixed end. The
-// sheet can open; parts that meet at a vertex are joined there.
+// *Removal*: each edge between remaining tiles gets one joint at a fixed end. The sheet can open.
+// Parts with a common vertex are joined there.
 //
-// *Expansion*: with V a vertex, D the dual of a tile (complex, m), s the spread and t = theta/2 -
-// pi/4, the corner of the tile at the vertex stands at
+// *Expansion*: with a vertex V, the dual D of a tile (complex, m), the spread s and t = theta/2 -
+// pi/4, the corner of the tile at the vertex is at
 //   v(theta) = V e^(i t) + s D e^(-i t)
-// A tile has one D and turns by t, the cell of a vertex has one V and turns by -t: both stay rigid
-// and stay joined at their common corners. At theta = pi/2 (t = 0) it is the sum of tiling and
+// A tile has one D and turns by t, the cell of a vertex has one V and turns by -t. Both stay rigid
+// and joined at their common corners. At theta = pi/2 (t = 0) the result is the sum of tiling and
 // grids. L. Liu, G. P. T. Choi, L. Mahadevan, Quasicrystal kirigami, Physical Review Research 4,
 // 2022, introduce these constructions.
 
@@ -373,7 +371,7 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 
-/// An edge that two tiles share, with the vertices as tile a runs along it.
+/// An edge shared by two tiles, with the vertices in the direction of tile a.
 struct SharedEdge {
   int a = 0;
   int b = 0;
@@ -381,7 +379,7 @@ struct SharedEdge {
   int to = 0;
 };
 
-// Among the kept tiles.
+// Only between kept tiles.
 std::vector<SharedEdge> sharedEdges(const Tiling& tiling, const std::vector<int>& kept) {
   std::map<std::pair<int, int>, int> runners;
   std::vector<SharedEdge> edges;
@@ -390,7 +388,7 @@ std::vector<SharedEdge> sharedEdges(const Tiling& tiling, const std::vector<int>
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const int from = vertices[k], to = vertices[(k + 1) % vertices.size()];
       runners[{from, to}] = tile;
-      // The neighbour runs along the same edge the other way.
+      // The neighbour has the same edge in the opposite direction.
       const auto other = runners.find({to, from});
       if (other != runners.end()) edges.push_back({tile, other->second, from, to});
     }
@@ -419,7 +417,7 @@ struct VertexJoint {
   int vertex = 0;
 };
 
-/// The kept tiles, numbered again, with these joints.
+/// The kept tiles, renumbered, with these joints.
 model::Model jointedModel(const Tiling& tiling, const std::vector<int>& kept,
                           const std::vector<VertexJoint>& joints) {
   model::Model model;
@@ -454,10 +452,10 @@ Neighbours neighboursOf(const Tiling& tiling, const std::vector<int>& kept) {
   return neighbours;
 }
 
-/// Leaves out tiles with fewer than two neighbours until none is left.
+/// Removes tiles with fewer than two neighbours until there are none.
 std::vector<int> withTwoNeighbours(const Tiling& tiling) {
   std::vector<int> kept = allTiles(tiling);
-  // Leaving out a tile may leave another with one neighbour.
+  // Removing a tile may leave another with one neighbour.
   for (std::size_t before = 0; before != kept.size();) {
     before = kept.size();
     const Neighbours neighbours = neighboursOf(tiling, kept);
@@ -466,14 +464,14 @@ std::vector<int> withTwoNeighbours(const Tiling& tiling) {
   return kept;
 }
 
-/// Looks for a closed path through all tiles by turning pieces of a path round (Posa 1976), from a
-/// fixed seed.
+/// Searches a closed path through all tiles by reversing parts of a path (Posa 1976), with a fixed
+/// seed.
 class ChainSearch {
  public:
   ChainSearch(const Neighbours& neighbours, const std::vector<int>& tiles)
       : neighbours_(neighbours), tiles_(tiles), place_(neighbours.size(), -1) {}
 
-  /// The path, or an empty one.
+  /// The path; empty if none was found.
   std::vector<int> find() {
     constexpr int kTries = 40;
     for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -498,7 +496,7 @@ class ChainSearch {
     path_.push_back(tile);
   }
 
-  // Whether the path's end is a neighbour of its beginning.
+  // Whether the path's end is a neighbour of its start.
   bool closes() const {
     const std::vector<int>& around = neighbours_[std::size_t(path_.back())];
     return path_.size() > 2 &&
@@ -512,8 +510,8 @@ class ChainSearch {
         around.begin(), around.end(), [&](int other) { return place_[std::size_t(other)] < 0; }));
   }
 
-  /// Goes on to the free neighbour with the fewest ways out, or turns the end of the path round so
-  /// that it ends elsewhere.
+  /// Extends the path to the free neighbour with the fewest exits, or reverses a part at the end,
+  /// which gives another end.
   bool step() {
     const std::vector<int>& around = neighbours_[std::size_t(path_.back())];
     int next = -1;
@@ -527,8 +525,8 @@ class ChainSearch {
     }
     const int pivot = around[generator_() % around.size()];
     const auto first = path_.begin() + place_[std::size_t(pivot)] + 1;
-    // The pivot is the end's own predecessor: nothing would be turned round. Another draw may do
-    // better.
+    // The pivot is the end's own predecessor, so the reversal would have no effect. Another random
+    // draw may succeed.
     if (first == path_.end() || std::next(first) == path_.end()) return around.size() > 1;
     std::reverse(first, path_.end());
     for (auto tile = first; tile != path_.end(); ++tile) {
@@ -544,7 +542,7 @@ class ChainSearch {
   std::mt19937 generator_{1};
 };
 
-/// Which tiles joints hold together: the same number for all tiles of a part.
+/// Connected parts of tiles: all tiles of a part have the same number.
 class Parts {
  public:
   explicit Parts(std::size_t tiles) : parents_(tiles) {
@@ -570,7 +568,7 @@ class Parts {
   std::vector<int> parents_;
 };
 
-/// The tiles round each vertex.
+/// The tiles around each vertex.
 std::vector<std::vector<int>> tilesRound(const Tiling& tiling) {
   std::vector<std::vector<int>> around(tiling.vertices.size());
   for (const int tile : allTiles(tiling)) {
@@ -581,7 +579,7 @@ std::vector<std::vector<int>> tilesRound(const Tiling& tiling) {
   return around;
 }
 
-/// Whether the tiles round a vertex leave no gap.
+/// Whether the tiles around a vertex leave no gap.
 bool isInner(const Tiling& tiling, int vertex, const std::vector<int>& around) {
   double sum = 0;
   for (const int tile : around) {
@@ -597,7 +595,7 @@ bool isInner(const Tiling& tiling, int vertex, const std::vector<int>& around) {
   return sum > 2 * pi - 1e-6;
 }
 
-/// The tiles round an inner vertex in the order of their duals round the cell.
+/// Sorts the tiles around an inner vertex by the order of their duals around the cell.
 void sortRoundCell(const Tiling& tiling, std::vector<int>& around) {
   Complex middle;
   for (const int tile : around) middle += tiling.duals[std::size_t(tile)] / double(around.size());
@@ -607,29 +605,29 @@ void sortRoundCell(const Tiling& tiling, std::vector<int>& around) {
   });
 }
 
-/// A joint for every two of the tiles that share an edge, at its clockwise end as seen from the
-/// centre; at the outer end of an edge that points away from the centre.
+/// One joint per pair of tiles with a common edge, at its clockwise end seen from the centre, or at
+/// the outer end of a radial edge.
 std::vector<VertexJoint> clockwiseJoints(const Tiling& tiling, const std::vector<int>& kept) {
   std::vector<VertexJoint> joints;
   for (const SharedEdge& edge : sharedEdges(tiling, kept)) {
     const Complex from = tiling.vertices[std::size_t(edge.from)];
     const Complex to = tiling.vertices[std::size_t(edge.to)];
     const double turn = (std::conj(from) * to).imag();
-    // An edge that points away from the centre has no clockwise end.
+    // A radial edge has no clockwise end.
     const bool atFrom = std::abs(turn) > 1e-9 ? turn > 0 : std::abs(from) > std::abs(to);
     joints.push_back({edge.a, edge.b, atFrom ? edge.from : edge.to});
   }
   return joints;
 }
 
-/// The first vertex of a that b has, too.
+/// The first vertex of a that is also in b.
 int sharedVertex(const Tiling& tiling, int a, int b) {
   const std::vector<int>& inA = tiling.tiles[std::size_t(a)];
   const std::vector<int>& inB = tiling.tiles[std::size_t(b)];
   return *std::find_first_of(inA.begin(), inA.end(), inB.begin(), inB.end());
 }
 
-/// The position of a tile's corner at a vertex after tiles and cells have turned.
+/// The position of a tile's corner at a vertex after the rotation of tiles and cells.
 Vector3 expandedCorner(const Tiling& tiling, int tile, int vertex, double angle) {
   const Complex turn = std::polar(1.0, 0.5 * angle - pi / 4);
   const Complex place = tiling.vertices[std::size_t(vertex)] * turn +
@@ -669,8 +667,8 @@ model::Model makeThinned(const Tiling& tiling) {
   std::vector<VertexJoint> joints = clockwiseJoints(tiling, kept);
   Parts parts(tiling.tiles.size());
   for (const VertexJoint& joint : joints) parts.join(joint);
-  // Parts that touch only at a vertex are linked there. Touching parts are found before any of them
-  // is linked: the order of vertices does not matter.
+  // Parts with only a common vertex are linked there. They are found before any linking, so the
+  // order of vertices does not matter.
   const Parts byEdges = parts;
   for (std::vector<int>& around : tilesRound(tiling)) {
     std::erase_if(around, isThin);
