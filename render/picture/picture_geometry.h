@@ -1,4 +1,4 @@
-/// What a picture shows, as flat polygons in space: the same for pixels and for vector graphics.
+/// The contents of a picture as flat polygons in space, for pixels and for vector graphics.
 #pragma once
 
 #include <array>
@@ -15,20 +15,20 @@
 namespace kirireel::picture {
 
 // ------------------------------------------------------------------------------------------------
-// Ambient occlusion: how much of the light that comes from all sides other bricks keep from a
-// face.
+// Ambient occlusion: the fraction of ambient light on a face that other bricks
+// block.
 
-/// Bricks as things that keep light away, one state of a run at a time.
+/// Bricks that block light, in one state of a run.
 class Occluders {
  public:
-  /// faces: of each brick, as brickFaces() has them, at their poses in world axes; bricks without
-  /// faces keep no light away. Sorts the bricks once.
+  /// faces: of each brick, as from brickFaces(), at their poses in world axes. Bricks without faces
+  /// block no light. Sorts the bricks once.
   explicit Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces);
 
-  /// The part of the light from all sides, as a face receives it, that other bricks keep away: 0 to
-  /// 1, the mean of some points of the face. brick: that the face is of; corners: of the face,
-  /// world axes; normal: unit, outward. Looks at the bricks whose centres are within the reach
-  /// along x; of these few are near.
+  /// The fraction of a face's ambient light that other bricks block, [0, 1], averaged over some
+  /// points of the face. brick: its brick; corners: its corners, world axes; normal: unit,
+  /// outward. Checks the bricks whose centres are within the reach along x, of which few are
+  /// near.
   double occlusion(int brick, std::span<const Vector3> corners, const Vector3& normal) const;
 
  private:
@@ -50,52 +50,52 @@ class Occluders {
 
   std::vector<Occluder> occluders_;  ///< by the x of their centres
   double mostRadius_ = 0;
-  double reach_ = 0;  ///< from this distance on bricks keep no light away, metres
+  double reach_ = 0;  ///< bricks at larger distances block no light, metres
 };
 
 // ------------------------------------------------------------------------------------------------
-// What a picture shows, as flat polygons in space: the same for pixels and for vector graphics.
+// The contents of a picture as flat polygons in space.
 
-/// A dot is drawn this many of its radii nearer to the eye: the bricks below do not cut into it.
+/// A dot is drawn this many radii nearer to the eye, so bricks below do not cut into it.
 inline constexpr double kDotLift = 3;
 
-/// What the camera is pointed at for one picture. Everything but the poses may be empty. Entries of
-/// lists are in the order of bricks.
+/// The items of one picture. All lists except the poses may be empty. Lists are in the order of
+/// bricks.
 struct PictureItems {
-  Poses poses;  ///< one a brick
-  /// One a brick, empty where all have the style's. A brick that is not drawn casts no shadow.
+  Poses poses;  ///< one per brick
+  /// One per brick, or empty: the style's. A brick that is not drawn casts no shadow.
   std::vector<BrickColours> colours;
-  std::vector<int> pinned;  ///< bricks drawn in the style's colours of pins, as opaque as they are
+  std::vector<int> pinned;     ///< bricks in the style's colours of pins, with their opacity
   std::vector<Vector3> marks;  ///< points with a dot, for example joints, world axes
-  /// Closed polygons whose sides are drawn as lines, dashed where bricks hide them, world axes.
+  /// Closed polygons, drawn as lines, dashed if bricks hide them, world axes.
   std::vector<model::Tile> overlay;
   std::vector<model::Tile>
-      scenery;  ///< polygons that are no bricks, seen from both sides, world axes
+      scenery;  ///< polygons that are not bricks, seen from both sides, world axes
 };
 
-/// A convex polygon of one colour that faces the camera. Its corners are stored in a geometry.
+/// A convex polygon of one colour that faces the camera. A geometry stores its corners.
 struct Facet {
   int first = 0;        ///< of its corners in the geometry's points, anticlockwise in the picture
   int count = 0;        ///< of its corners
   Colour colour;        ///< lit
-  bool isPart = false;  ///< of a concave face, which was divided
+  bool isPart = false;  ///< of a divided concave face
 };
 
-/// The sides of a face that faces the camera, to be drawn as lines.
+/// The sides of a face that faces the camera, drawn as lines.
 struct FaceOutline {
   int first = 0;       ///< of its corners in the geometry's points, anticlockwise in the picture
   int count = 0;       ///< of its corners
-  bool pale = false;   ///< whether the lines are the pale ones, as on dark bricks
+  bool pale = false;   ///< whether the lines are pale, as on dark bricks
   double opacity = 1;  ///< of its brick
 };
 
-/// All that a picture shows, in layers: each hides the ones before it.
+/// All layers of a picture. Each hides the previous layers.
 struct PictureGeometry {
   std::vector<Vector3> points;  ///< world axes
   std::vector<Facet> ground;    ///< the plate, if it is visible
   std::vector<Facet> shadow;    ///< overlapping, in painting order: from the palest to the full
-  std::vector<Facet> solid;     ///< in no order: what is nearer hides what is farther
-  /// In no order either: what is farther shows through what is nearer.
+  std::vector<Facet> solid;     ///< unordered: nearer facets hide farther ones
+  /// Also unordered: farther facets are visible through nearer ones.
   std::vector<Facet> translucent;
   std::vector<FaceOutline> outlines;  ///< of bricks, in the order of their facets
   std::vector<Facet> overlay;         ///< lines, in painting order
@@ -109,19 +109,19 @@ struct PictureGeometry {
 /// Makes the geometries of one run.
 class GeometryBuilder {
  public:
-  /// Copies what it needs of the bricks.
+  /// Copies the required data of the bricks.
   GeometryBuilder(const std::vector<model::Brick>& bricks, const Style& style);
 
-  /// Fills in the geometry of what this camera sees; what it held before is gone. Faces
-  /// that face away are left out. Cost is one pass over all faces; with occlusion each face checks
-  /// its neighbours. Throws std::out_of_range for a pinned brick that does not exist.
+  /// Replaces the geometry by what this camera sees. Faces that face away are left out. The cost is
+  /// one pass over all faces; with occlusion each face checks its neighbours. Throws
+  /// std::out_of_range for a pinned brick that does not exist.
   void draw(const PictureItems& items, const Camera& camera, PictureGeometry& geometry) const;
 
  private:
   /// A face in brick axes.
   struct Face {
     std::vector<Vector3> corners;
-    std::vector<std::array<int, 3>> triangles;  ///< of a concave face; none: it is convex
+    std::vector<std::array<int, 3>> triangles;  ///< of a concave face; empty: it is convex
     Vector3 normal;
   };
 
@@ -130,17 +130,17 @@ class GeometryBuilder {
   /// The corners of all bricks' faces in world axes, brick by brick.
   using PlacedFaces = std::vector<std::vector<std::vector<Vector3>>>;
 
-  /// Of each brick, also of those that are not drawn.
+  /// Of each brick, including those that are not drawn.
   std::vector<BrickColours> coloursOf(const PictureItems& items) const;
-  /// None of bricks that are not drawn.
+  /// Without bricks that are not drawn.
   PlacedFaces place(const Poses& poses, const std::vector<BrickColours>& colours) const;
-  /// occluders: absent where no light is kept away.
+  /// occluders: absent without occlusion.
   void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
                  const std::optional<Occluders>& occluders, PictureGeometry& geometry) const;
-  /// Points on the plate whose convex outline is the shadow of a brick or a part of one.
+  /// Points on the plate whose convex hull is the shadow of a brick or a part of one.
   struct CastPoints {
     std::vector<Vector3> points;
-    std::vector<double> heights;  ///< of the points that cast them above the plate, metres
+    std::vector<double> heights;  ///< heights above the plate of the points that cast them, metres
 
     void add(const Vector3& point, const Style& style);
   };
@@ -156,17 +156,17 @@ class GeometryBuilder {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Hidden surfaces for drawings that can only paint one thing over another: vector graphics, and
+// Hidden surface removal for drawings that only paint one item over another: vector graphics, and
 // translucent bricks in pixels.
 
-/// A convex polygon that remembers which of its sides came from cutting. `isCut` has an entry for
-/// each corner. Sides from cutting get no outline.
+/// A convex polygon with marks for sides that come from cutting. `isCut` has an entry for each
+/// corner. Sides from cutting get no outline.
 struct CutPolygon {
   std::vector<Vector3> corners;  ///< anticlockwise in the picture
   std::vector<char> isCut;       ///< for the side from corner k to corner k + 1
 };
 
-/// A facet or a part of one. Pieces of one facet share its plane: cutting never moves a face.
+/// A facet or a part of one. Pieces of a facet share its plane: cutting never moves a face.
 struct Piece {
   CutPolygon outer;   ///< world axes
   Colour colour;      ///< of the facet, lit
@@ -174,43 +174,43 @@ struct Piece {
   double offset = 0;  ///< normal . point for the points of the plane
 };
 
-/// The pieces of a layer of facets, in its order. Parts nearer to the camera
-/// than its near plane are cut away. In order of the facets, not sorted.
+/// The pieces of a layer of facets, in the order of the facets, not sorted. Parts nearer than the
+/// camera's near plane are removed.
 std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector<Facet>& facets,
                               const Camera& camera);
 
-/// The pieces of all bricks, the opaque ones first.
+/// The pieces of all bricks, opaque ones first.
 std::vector<Piece> drawnPieces(const PictureGeometry& geometry, const Camera& camera);
 
-/// A part of an outline that nothing hides, through two points or more, world axes. A closed line
-/// ends where it began.
+/// A visible part of an outline through two or more points, world axes. A closed line ends at its
+/// start.
 struct SeenLine {
   std::vector<Vector3> points;  ///< metres
-  bool isSilhouette = false;    ///< on its outer side lies what is farther away, or nothing
+  bool isSilhouette = false;    ///< its outer side shows something farther away or nothing
 };
 
-/// The lines of an outline that nothing hides.
+/// The visible lines of an outline.
 struct SeenOutline {
   std::vector<SeenLine> lines;
   bool pale = false;   ///< see FaceOutline
   double opacity = 1;  ///< of its brick
 };
 
-/// What shows of the outlines of a geometry, in their order. pieces: all of its bricks, see
-/// drawnPieces(). A side is hidden where it lies behind the plane of an opaque piece and within the
-/// piece as the camera sees it. It is a silhouette where no piece continues on its outer side, at
-/// half the width of a silhouette (in heights of the picture) and no deeper than that width; with
-/// the width 0 none is. Lines are drawn over all faces: drawn face by face, half of a line would be
-/// covered by the neighbour. What is nearer than the camera's near plane is cut away.
+/// The visible parts of a geometry's outlines, in their order. pieces: all of its bricks, see
+/// drawnPieces(). A side is hidden if it lies behind the plane of an opaque piece and, in the
+/// picture, within the piece. It is a silhouette if no piece continues on its outer side, at half
+/// the width of a silhouette (in heights of the picture) and within that depth. With width 0 there
+/// are no silhouettes. Lines are drawn over all faces: otherwise a neighbouring face would cover
+/// half of a line. Parts nearer than the camera's near plane are removed.
 std::vector<SeenOutline> seenOutlines(const PictureGeometry& geometry,
                                       const std::vector<Piece>& pieces, const Camera& camera,
                                       double silhouetteWidth);
 
-/// Puts facets that all look at the camera into an order in which each hides those before it, by
-/// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
-/// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,
-/// and what lies behind the plane comes first. Cutting may give more pieces than there were.
-/// Throws Interrupted when the user ends the program.
+/// Sorts facets that face the camera, so each may hide only previous ones. Facets on both sides of
+/// another's plane are cut (binary space partition; Fuchs, Kedem and Naylor 1980). Also correct for
+/// crossing facets. The camera is in front of a facet's plane, and everything behind the plane
+/// comes first. Cutting may increase the number of pieces. Throws Interrupted if the user ends the
+/// program.
 std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
 
 }  // namespace kirireel::picture

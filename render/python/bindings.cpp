@@ -1,10 +1,10 @@
-// Python's handler of SIGINT only sets a flag, which the interpreter checks between its own
-// instructions. A long run in C++ would ignore it. While a watch lives, our handler stands before
-// Python's: it counts, then calls Python's, which sets its flag as ever. check() compares the count
-// with that at the watch's beginning, from whichever thread works.
+// Python's SIGINT handler only sets a flag, which the interpreter checks between its own
+// instructions. It would not stop a long run in C++. During the lifetime of a watch, our handler
+// replaces Python's. It counts, then calls Python's handler, which sets its flag. check() compares
+// the count with that at the watch's start, on any thread.
 //
-// Several watches may live at the same time, on several threads; the first puts the handler in and
-// the last takes it out.
+// Several watches may exist at the same time on several threads. The first installs the handler and
+// the last removes it.
 #include "render/python/bindings.h"
 
 #include <algorithm>
@@ -42,15 +42,15 @@ std::atomic<int> interruptions = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may not wait for a lock");
 
 std::mutex handlerMutex;
-int watches = 0;                     // that live
-struct sigaction pythonAction = {};  // before the first of them
+int watches = 0;                     // number of living watches
+struct sigaction pythonAction = {};  // before the first watch
 
 extern "C" void noteAndPassOn(int signal) {
   ++interruptions;
   pythonAction.sa_handler(signal);
 }
 
-/// A handler that is neither ignored nor the default and that takes only a signal's number.
+/// Whether a handler is neither ignored nor default and takes only a signal number.
 bool isHandled(const struct sigaction& action) {
   return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN &&
          (action.sa_flags & SA_SIGINFO) == 0;
@@ -63,7 +63,7 @@ InterruptionWatch::InterruptionWatch() : before_(interruptions) {
   if (watches++ > 0) return;
   ::sigaction(SIGINT, nullptr, &pythonAction);
   if (!isHandled(pythonAction)) return;
-  // Flags and mask stay Python's.
+  // Keeps Python's flags and mask.
   struct sigaction ours = pythonAction;
   ours.sa_handler = noteAndPassOn;
   ::sigaction(SIGINT, &ours, nullptr);
@@ -79,25 +79,26 @@ void InterruptionWatch::check() const {
 }
 
 void InterruptionWatch::raise() {
-  // On the main thread this runs Python's handler, which raises; other threads end in the same way.
+  // On the main thread this runs Python's handler, which raises. Other threads end in the same
+  // manner.
   if (PyErr_CheckSignals() == 0) PyErr_SetNone(PyExc_KeyboardInterrupt);
   throw pybind11::error_already_set();
 }
 
 // ------------------------------------------------------------------------------------------------
-// Keyword arguments become the words of a command line and are parsed by the program's own parser.
-// So every option of the program works in Python with the same checks and messages, and none has to
-// be written twice; the price is that numbers pass through text, which is exact, for str() of a
-// float reads back to the same double.
+// Keyword arguments become command line words for the program's own parser. Every
+// option therefore works in Python with the same checks and messages. Numbers are
+// converted to text, which is exact, because str() of a float reads back as the same
+// double.
 
 namespace {
 
-/// NumPy arrays are not lists here; the option would refuse their text.
+/// NumPy arrays are not lists here; the option refuses their text.
 bool isList(const py::handle& value) {
   return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value);
 }
 
-/// As Python writes it, which for a float is the shortest text that reads back as the same.
+/// Python's own text, for a float the shortest text that reads back as the same number.
 std::string textOf(const py::handle& value) {
   return py::str(value);
 }
@@ -119,11 +120,11 @@ std::string joinedText(const py::handle& list) {
   return text;
 }
 
-/// Name and value are one word, joined by "=": a value may begin with a hyphen.
+/// Name and value are one word, joined by "=", because a value may begin with a hyphen.
 void appendWords(const std::string& name, const py::handle& value,
                  std::vector<std::string>& words) {
   if (value.is_none()) return;
-  // True and False before numbers: in Python bool is a kind of int.
+  // True and False before numbers, since bool is a subclass of int in Python.
   if (py::isinstance<py::bool_>(value)) {
     if (value.cast<bool>()) words.push_back(name);
   } else if (!isList(value)) {
@@ -160,9 +161,9 @@ void warn(const std::vector<std::string>& warnings) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Model in Python is a LoadedModel, with the options that it was read with: deploy() knows
-// what `kirireel record` would. Tiles, targets and joints are copied into arrays when they are
-// asked for; a model does not change.
+// A Python Model is a LoadedModel with its reading options, so deploy() has the same data as
+// `kirireel record`. Tiles, targets and joints are copied to arrays on access. A model does not
+// change.
 
 namespace {
 
@@ -176,14 +177,14 @@ py::array_t<double> pointArray(const std::vector<Vector3>& points) {
   return array;
 }
 
-/// One array a tile, since tiles have different numbers of corners.
+/// One array per tile, since tiles have different numbers of corners.
 py::list tileList(const std::vector<model::Tile>& tiles) {
   py::list list;
   for (const model::Tile& tile : tiles) list.append(pointArray(tile.vertices));
   return list;
 }
 
-/// The columns of constraints.txt, counted from 0.
+/// The columns of constraints.txt, zero-based.
 py::array_t<int> jointArray(const model::Model& model) {
   py::array_t<int> array({model.joints.size(), std::size_t{5}});
   auto entries = array.mutable_unchecked<2>();
@@ -197,8 +198,8 @@ py::array_t<int> jointArray(const model::Model& model) {
   return array;
 }
 
-/// Options are `record`'s own that decide how files are read. Warnings are issued once the
-/// interpreter is held again.
+/// Options are those of `record` for reading files. Warnings are issued when the interpreter lock
+/// is held again.
 cli::LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   const std::vector<std::string> words = optionWords(options, {});
   cli::LoadedModel loaded = withoutInterpreter([&] { return cli::loadModel(path, words); });
@@ -206,8 +207,8 @@ cli::LoadedModel read(const std::filesystem::path& path, const py::kwargs& optio
   return loaded;
 }
 
-/// The words of `kirireel generate FAMILY FOLDER`; the folder is not used, but the command line
-/// asks for one.
+/// The words of `kirireel generate FAMILY FOLDER`. The folder is unused, but the command line
+/// requires one.
 cli::LoadedModel generate(std::string family, const py::kwargs& parameters) {
   std::replace(family.begin(), family.end(), '_', '-');
   std::vector<std::string> words = {"generate", family, "nowhere"};
@@ -218,7 +219,7 @@ cli::LoadedModel generate(std::string family, const py::kwargs& parameters) {
   return loaded;
 }
 
-/// What the interpreter shows of a model.
+/// Text of a model in the interpreter.
 std::string describeModel(const cli::LoadedModel& loaded) {
   return fmt::format("<kirireel.Model {}: {} tiles, {} joints{}>", loaded.model.name,
                      loaded.model.tiles.size(), loaded.model.joints.size(),
@@ -260,16 +261,16 @@ void addModels(py::module_& module) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A run keeps its samples in arrays, which NumPy uses without a copy: the arrays keep the run
-// alive, and nobody may write to them. Deploying, painting and saving leave the interpreter to
-// other threads.
+// A run keeps its samples in arrays that NumPy uses without a copy. The arrays keep the
+// run alive and are read-only. Deploying, painting and saving release the interpreter
+// lock.
 
 namespace {
 
 using Column = const std::vector<double>& (trajectory::SampleTable::*)() const;
 
-/// A run in memory, deployed here or read from a file. `reader` reads the samples in memory as it
-/// would those of a file: painting and saving need no other code.
+/// A run in memory, deployed here or read from a file. `reader` reads its samples like those of a
+/// file, so painting and saving need no other code.
 struct MemoryRun {
   MemoryRun(const trajectory::Subject& subject, const trajectory::TrajectoryEnd& end,
             std::shared_ptr<const trajectory::SampleTable> table)
@@ -278,10 +279,10 @@ struct MemoryRun {
 
   std::shared_ptr<const trajectory::SampleTable> samples;
   trajectory::TrajectoryReader reader;
-  std::vector<double> velocities;  ///< see SampleTable; empty until they are asked for
+  std::vector<double> velocities;  ///< see SampleTable; empty until requested
 };
 
-/// A run that was deployed here. It keeps the order too, which save() needs.
+/// A run that was deployed here. It also keeps the order, which save() needs.
 struct DeployedRun : MemoryRun {
   DeployedRun(cli::RecordResult prepared, deploy::DeploymentResult ended,
               std::shared_ptr<const trajectory::SampleTable> table)
@@ -297,9 +298,9 @@ struct DeployedRun : MemoryRun {
 
 // ---- arrays
 
-/// A view of numbers in memory that `owner` keeps.
+/// A view of numbers in memory that `owner` keeps alive.
 template <typename T>
-/// NumPy's `base` is the owner: as long as an array lives, the run lives.
+/// NumPy's `base` is the owner, so an array keeps its run alive.
 py::array view(const T* data, const std::vector<py::ssize_t>& shape,
                const std::vector<py::ssize_t>& strides, const py::object& owner) {
   py::array array(py::dtype::of<T>(), shape, strides, data, owner);
@@ -307,8 +308,8 @@ py::array view(const T* data, const std::vector<py::ssize_t>& shape,
   return array;
 }
 
-/// samples x bricks x `shown` of the `stored` numbers of each brick, from `first` on. Strides are
-/// in bytes.
+/// Array of samples x bricks x `shown` numbers, from the `stored` numbers of each brick, beginning
+/// at `first`. Strides are in bytes.
 py::array brickView(const std::vector<double>& data, const trajectory::SampleTable& samples,
                     int stored, int shown, int first, const py::object& owner) {
   const auto count = static_cast<py::ssize_t>(samples.size());
@@ -318,7 +319,7 @@ py::array brickView(const std::vector<double>& data, const trajectory::SampleTab
               {bricks * stored * kBytes, stored * kBytes, kBytes}, owner);
 }
 
-/// One number a sample.
+/// One number per sample.
 py::array column(const py::object& self, Column entries) {
   const std::vector<double>& data = (*self.cast<const MemoryRun&>().samples.*entries)();
   return view(data.data(), {static_cast<py::ssize_t>(data.size())}, {sizeof(double)}, self);
@@ -336,14 +337,14 @@ py::array rotation(const py::object& self) {
   return brickView(samples.rotations(), samples, 4, 4, 0, self);
 }
 
-/// `first` is 0 for velocities (m/s), 3 for angular velocities (rad/s), of six numbers a brick.
+/// `first` is 0 for velocities (m/s), 3 for angular velocities (rad/s), of six numbers per brick.
 py::array velocity(const py::object& self, int first) {
   auto& run = self.cast<MemoryRun&>();
   if (run.velocities.empty()) run.velocities = run.samples->velocities();
   return brickView(run.velocities, *run.samples, 6, 3, first, self);
 }
 
-/// bricks x `width`, of one sample.
+/// Array of bricks x `width` of one sample.
 template <typename Write>
 py::array_t<double> poseArray(const trajectory::Sample& sample, std::size_t width, Write write) {
   py::array_t<double> array({sample.poses.size(), width});
@@ -352,7 +353,7 @@ py::array_t<double> poseArray(const trajectory::Sample& sample, std::size_t widt
   return array;
 }
 
-/// A copy, because the sample given to on_sample lives only during the call.
+/// A copy, because the sample for on_sample exists only during the call.
 py::array_t<double> samplePositions(const trajectory::Sample& sample) {
   return poseArray(sample, 3, [](const Pose& pose, double* at) {
     return std::copy_n(pose.position.data(), 3, at);
@@ -368,17 +369,17 @@ py::array_t<double> sampleRotations(const trajectory::Sample& sample) {
 
 // ---- deploying
 
-/// Tells Python each sample, and remembers what it threw. The first exception of on_sample ends the
-/// run and is thrown again when the run has ended.
+/// Passes each sample to Python, and stores its exception. The first exception of on_sample ends
+/// the run and is thrown again afterwards.
 class SampleReporter {
  public:
   explicit SampleReporter(py::object tell) : tell_(std::move(tell)) {}
 
-  /// False ends the run. To be called without the interpreter.
+  /// False ends the run. Call it without the interpreter lock.
   bool operator()(const trajectory::Sample& sample) {
     if (tell_.is_none()) return true;
-    // The run does not hold the interpreter: other threads of Python work meanwhile; it is held
-    // only for the call.
+    // The run does not hold the interpreter lock, so other Python threads continue. It holds the
+    // lock only for the call.
     const py::gil_scoped_acquire acquire;
     if (thrown_) return false;
     try {
@@ -414,7 +415,7 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
       samples->append(sample);
       return tell(sample);
     };
-    // Warnings are collected, since they may come from threads that do not hold the interpreter.
+    // Warnings are collected, since they may come from threads without the interpreter lock.
     const deploy::TrialObserver search = [&](const deploy::SearchNews& news) {
       if (!news.warning.empty()) {
         warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
@@ -430,10 +431,10 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
   return run;
 }
 
-// ---- what a run does
+// ---- methods of runs
 
-/// The index of the sample nearest to a time, the last where none is given. Of two that are equally
-/// near, the earlier.
+/// The index of the sample nearest to a time, by default the last. Of two equally near samples, the
+/// earlier one.
 std::size_t nearestSample(const std::vector<double>& times, std::optional<double> time) {
   if (!time) return times.size() - 1;
   const auto nearest = std::ranges::min_element(
@@ -441,8 +442,8 @@ std::size_t nearestSample(const std::vector<double>& times, std::optional<double
   return static_cast<std::size_t>(nearest - times.begin());
 }
 
-/// How much of the camera's orbit is behind at a time, as in a video at an even pace, 0 to 1. The
-/// whole run is needed only for an orbit.
+/// Completed fraction of the camera's orbit at a time, as in a video at an even pace, [0, 1]. Only
+/// an orbit needs the whole run.
 double orbitBehind(const MemoryRun& run, const record::PictureSettings& settings, double time) {
   if (settings.look.camera.orbit == 0) return 0;
   return record::momentAt(record::motionOf(run.reader), record::Pace::Even, time).turn;
@@ -460,7 +461,7 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
   withoutInterpreter([&] {
     if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
     const trajectory::Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
-    // As in frames: if colours show values, a bar under the picture is their scale.
+    // As in frames: if colours show values, a bar below the picture is their scale.
     picture::StatePainter painter(settings.size, settings.look,
                                   record::contentOf(run.reader, settings), {.colours = true});
     *frame = painter.paint(
@@ -469,21 +470,21 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
   const py::ssize_t width = frame->size.width;
   const py::ssize_t height = frame->size.height;
   const std::uint8_t* pixels = frame->pixels.data();
-  // The array takes the frame's pixels over; the capsule deletes the frame with the array.
+  // The array takes ownership of the frame's pixels. The capsule deletes the frame with the array.
   const py::capsule owner(frame.release(),
                           [](void* kept) { delete static_cast<picture::Frame*>(kept); });
   return py::array(py::dtype::of<std::uint8_t>(), {height, width, py::ssize_t{4}},
                    {4 * width, py::ssize_t{4}, py::ssize_t{1}}, pixels, owner);
 }
 
-/// Writes what `kirireel record` would, from the samples that are there. An interruption leaves the
-/// folder as it was.
+/// Writes the files of `kirireel record` from the existing samples. An interruption leaves the
+/// folder unchanged.
 std::vector<std::string> save(const DeployedRun& run, const std::filesystem::path& folder) {
   return withoutInterpreter([&] {
     record::RecordSettings settings = run.order.settings;
     settings.folder = folder;
-    // Stands in for the deployment: it plays the samples to record()'s observer and gives the
-    // result that is known.
+    // Replaces the deployment: passes the samples to record()'s observer and returns the known
+    // result.
     const record::Deployer again = [&run](const scene::Scene&, double,
                                           const deploy::SampleObserver& observer,
                                           const deploy::TrialObserver&, deploy::Checkpoints*) {
@@ -497,14 +498,14 @@ std::vector<std::string> save(const DeployedRun& run, const std::filesystem::pat
   });
 }
 
-/// A dict as json.loads gives it.
+/// A dict as from json.loads.
 py::object summary(const DeployedRun& run) {
   const cli::RecordResult& order = run.order;
   return py::module_::import("json").attr("loads")(
       record::summaryJson(order.scene, order.settings, order.summary));
 }
 
-/// Reads all samples into memory, so the file may vanish afterwards.
+/// Reads all samples into memory, so the file may be deleted afterwards.
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
   return withoutInterpreter([&] {
     const bool isFolder = std::filesystem::is_directory(path);
@@ -530,7 +531,7 @@ std::string describe(const MemoryRun& run) {
 
 // ---- the module
 
-/// Measures are attributes, poses are arrays made when asked for.
+/// Measures are attributes, poses are arrays made on access.
 void addSample(py::module_& module) {
   py::class_<trajectory::Sample>(module, "Sample", "The state at one time, with its measures.")
       .def_readonly("time", &trajectory::Sample::time, "simulated seconds")
@@ -558,7 +559,7 @@ void addCurves(py::class_<MemoryRun, std::shared_ptr<MemoryRun>>& trajectory) {
       "samples; deepest overlap of two bricks, metres");
 }
 
-/// Docstrings say shapes and units.
+/// Docstrings have shapes and units.
 void addTrajectory(py::module_& module) {
   py::class_<MemoryRun, std::shared_ptr<MemoryRun>> trajectory(
       module, "Trajectory",
@@ -587,7 +588,7 @@ void addTrajectory(py::module_& module) {
       .def("__repr__", &describe);
 }
 
-/// What only a deployment knows: how it ended, and how to save it.
+/// Data of deployments only: the outcome, and saving.
 void addRun(py::module_& module) {
   py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(
       module, "Run", "A deployment that deploy() made.")

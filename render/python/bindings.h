@@ -1,4 +1,4 @@
-/// What the Python module gives: models, runs and their options.
+/// The Python module: models, runs and their options.
 #pragma once
 
 #include <exception>
@@ -13,37 +13,37 @@
 namespace kirireel::python {
 
 // ------------------------------------------------------------------------------------------------
-// Ctrl-C while no Python code runs.
+// Ctrl-C during calls without Python code.
 
-/// While it lives, Ctrl-C is noticed on every thread at once, besides by Python, which would only
-/// look when the call is over. Python's own handler stays in charge, and a Ctrl-C that Python
-/// ignores is ignored.
+/// During its lifetime every thread can detect Ctrl-C at once. Python itself would only check
+/// after the call. Python's own handler stays active, and a Ctrl-C that Python ignores is
+/// ignored.
 class InterruptionWatch {
  public:
-  /// Watches for Ctrl-C from now on, on the thread that made it.
+  /// Watches for Ctrl-C during its lifetime, on the thread that made it.
   InterruptionWatch();
   ~InterruptionWatch();
   InterruptionWatch(const InterruptionWatch&) = delete;
   InterruptionWatch& operator=(const InterruptionWatch&) = delete;
 
-  /// Throws CtrlC where it came since this was made. May be asked from any thread.
+  /// Throws CtrlC if Ctrl-C was pressed since construction. Any thread may call it.
   void check() const;
 
-  /// Throws what Python makes of it: KeyboardInterrupt. Needs the interpreter.
+  /// Throws Python's exception, usually KeyboardInterrupt. Requires the interpreter lock.
   [[noreturn]] static void raise();
 
  private:
   int before_;
 };
 
-/// Nothing of a run that Python ends is kept: unlike Interrupted, nobody catches this on its way.
+/// Discards a run that Python ends: unlike Interrupted, no function catches this exception.
 class CtrlC : public std::exception {
  public:
   const char* what() const noexcept override { return "Ctrl-C"; }
 };
 
-/// Calls `work` while other threads have the interpreter; Ctrl-C ends it from within. Throws what
-/// `work` throws, and KeyboardInterrupt. `work` must not touch Python's objects.
+/// Calls `work` without the interpreter lock; Ctrl-C ends it. Throws exceptions of `work`, and
+/// KeyboardInterrupt. `work` must not use Python objects.
 template <typename Work>
 std::invoke_result_t<Work> withoutInterpreter(const Work& work) {
   const InterruptionWatch watch;
@@ -57,17 +57,17 @@ std::invoke_result_t<Work> withoutInterpreter(const Work& work) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Options as Python gives them: keyword arguments with the names that scene.toml has.
+// Options in Python: keyword arguments with the names in scene.toml.
 
-/// The equivalent words of the command line: thickness=0.02 is --thickness=0.02, ground=True is
-/// --ground, a list of numbers is 1,2,3, a list of lists or texts gives the option for each. Values
-/// of False or None are omitted. `notHere` are names that the command has but this call has not;
-/// throws InputError for them.
+/// The equivalent command line words: thickness=0.02 is --thickness=0.02, ground=True is --ground,
+/// a list of numbers is 1,2,3. A list of lists or texts repeats the option. Values of False or None
+/// are omitted. `notHere` are names of the command that this call does not accept. Throws
+/// InputError for them.
 std::vector<std::string> optionWords(const pybind11::kwargs& options,
                                      const std::vector<std::string>& notHere);
 
-/// Tells each as a UserWarning of Python. Throws what Python throws where warnings are errors.
-/// Needs the interpreter.
+/// Issues each warning as a Python UserWarning. Throws Python's exception if warnings are errors.
+/// Requires the interpreter lock.
 void warn(const std::vector<std::string>& warnings);
 
 // ------------------------------------------------------------------------------------------------
@@ -80,8 +80,8 @@ void addModels(pybind11::module_& module);
 // ------------------------------------------------------------------------------------------------
 // Runs in Python: deployed, opened, painted, saved.
 
-/// Adds Sample, Trajectory, Run, deploy() and open(). Angles are radians, lengths metres, times
-/// seconds; poses are those of bricks' centres of mass.
+/// Adds Sample, Trajectory, Run, deploy() and open(). Angles are in radians, lengths in metres,
+/// times in seconds. Poses are those of bricks' centres of mass.
 void addRuns(pybind11::module_& module);
 
 }  // namespace kirireel::python

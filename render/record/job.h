@@ -1,4 +1,4 @@
-/// What a recording is asked for, and what it reports of itself.
+/// Settings and results of a recording.
 #pragma once
 
 #include <cstdint>
@@ -21,77 +21,77 @@
 
 namespace kirireel::record {
 
-/// How the pictures of a snapshot grid are spread over a run; the first and last are always in.
+/// Distribution of a snapshot grid's pictures over a run; always includes the first and last.
 enum class SnapshotSpacing {
   Time,      ///< equal steps of simulated time
-  Progress,  ///< equal shares of the motion, see MotionCurve
+  Progress,  ///< equal fractions of the motion, see MotionCurve
 };
 
-/// How a video's time follows the run.
+/// Relation between a video's time and the run.
 enum class Pace {
-  Even,  ///< each frame brings the same motion
-  Real,  ///< each frame brings the same simulated time
+  Even,  ///< equal motion per frame
+  Real,  ///< equal simulated time per frame
 };
 
 /// A moment of a run for a separate picture.
 struct FrameChoice {
-  /// What `value` counts.
+  /// Unit of `value`.
   enum class Unit { Seconds, Share };
-  double value = 0;           ///< simulated seconds, or the share of the motion, 0 to 1
+  double value = 0;           ///< simulated seconds, or the fraction of the motion, [0, 1]
   Unit unit = Unit::Seconds;  ///< of `value`
 
   bool operator==(const FrameChoice&) const = default;
 };
 
-/// The pictures of a run: which ones, their style, and their folder. Defaults are those of the
-/// command line. Ranges are checked by record() and render().
+/// Selection, style and folder of the pictures of a run. Defaults are those of the command line.
+/// record() and render() check the ranges.
 struct PictureSettings {
-  std::optional<picture::GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
-  std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
+  std::optional<picture::GraphicsLibrary> graphics;  ///< library for drawing; absent: the default
+  std::filesystem::path folder;  ///< created if needed; files of a previous run in it are replaced
   picture::FrameSize size;       ///< of video frames and of each snapshot
   int framesPerSecond = 60;      ///< of the video, 1 to 240
-  Pace pace = Pace::Even;        ///< how time passes in the video
-  double length = 8;             ///< of a video at an even pace, seconds, without a title
+  Pace pace = Pace::Even;        ///< relation between video time and run
+  double length = 8;             ///< of a video at an even pace without title, seconds
   double speed =
-      1;  ///< simulated seconds in a second of video at real pace; below 1 is slow motion
-  /// Seconds that the video shows its first and its last frame longer; absent: 0.5 at an even pace,
-  /// else none.
+      1;  ///< simulated seconds per second of a video at real pace, > 0; < 1 is slow motion
+  /// Additional seconds of the video's first and last frame; absent: 0.5 at an even pace, else
+  /// 0.
   std::optional<double> hold;
-  /// Of a card shown before the video, UTF-8, line feeds begin new lines; no card when both are
+  /// Text of a card before the video, UTF-8, with line feeds. No card if title and subtitle are
   /// empty.
   std::string title;
   std::string subtitle;     ///< below the title, UTF-8; empty: none
   picture::Look look;       ///< of all pictures
   picture::GridShape grid;  ///< of the snapshots
-  /// Under the grid's pictures and the video's frames; absent: only under the grid, progress at an
-  /// even pace, time at real pace, nothing where its columns have heads.
+  /// Captions of the grid's pictures and the video's frames. Absent: only in the grid, progress at
+  /// an even pace, time at real pace, none if its columns have headers.
   std::optional<picture::CaptionParts> captions;
-  /// A length under the grid and the video; needs a parallel projection.
+  /// A scale bar in the grid and the video; requires a parallel projection.
   bool scaleBar = false;
   bool progressBar = false;           ///< under the video
-  std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
-  std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: as it comes
-  std::optional<double> fontPoints;   ///< size of its text in print; needs gridWidth
+  std::optional<double> dotsPerInch;  ///< stored in PNG files, for print
+  std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: not fixed
+  std::optional<double> fontPoints;   ///< size of its text in print; requires gridWidth
   std::string font;                   ///< family of all text; empty: the program's
   picture::PanelLetters letters = picture::PanelLetters::None;  ///< of the grid
-  bool sameView = false;   ///< of all rows of a figure of several runs; else each has its own
-  bool sameScale = false;  ///< the same of their scale of length
+  bool sameView = false;   ///< for all rows of a figure of several runs; else each has its own
+  bool sameScale = false;  ///< the same for their scale of length
   bool arrows = false;     ///< from each of the grid's pictures to the next in its row
-  std::vector<std::string> columnHeads;  ///< over the grid's columns, one each; none when empty
+  std::vector<std::string> columnHeads;  ///< headers of the grid's columns, one each; empty: none
   std::vector<picture::PageFormat>
-      pages;           ///< the grid as vector graphics too, as snapshots.svg, .pdf
-  std::string madeBy;  ///< who makes the pictures from what, noted in the files
-  SnapshotSpacing spacing = SnapshotSpacing::Progress;  ///< which states the snapshots show
-  bool video = true;                                    ///< whether there is one
-  std::string videoFile = output::kVideo;               ///< its ending chooses the format
+      pages;           ///< the grid as vector graphics in addition, as snapshots.svg, .pdf
+  std::string madeBy;  ///< author and source of the pictures, stored in the files
+  SnapshotSpacing spacing = SnapshotSpacing::Progress;  ///< states of the snapshots
+  bool video = true;                                    ///< whether to make a video
+  std::string videoFile = output::kVideo;               ///< its ending selects the format
   std::optional<int> crf;                               ///< of the video, see VideoSettings
   std::string preset = "auto";                          ///< of the video, see VideoSettings
   std::string encoder;                                  ///< of the video, see VideoSettings
   bool snapshots = true;                                ///< snapshots.png
   bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
   bool frames = false;  ///< frames/frame_00000.png ..., every frame of the video
-  std::vector<FrameChoice> chosenFrames;  ///< the same, only of these moments
-  /// That paint a video's frames at the same time; absent: one a core. Decides no bytes.
+  std::vector<FrameChoice> chosenFrames;  ///< the same, only at these moments
+  /// Number of painters of a video's frames; absent: one per core. No effect on the output.
   std::optional<int> painterCount;
 
   /// Whether frames of a video are painted.
@@ -104,7 +104,7 @@ struct PictureSettings {
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
   /// Seconds for which the video holds its first and last frame.
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
-  /// Of the grid in print, where it has a width.
+  /// Of the grid, if it has a width in print.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
   /// The captions of the grid's pictures.
   picture::CaptionParts captionParts() const {
@@ -114,23 +114,23 @@ struct PictureSettings {
   }
 };
 
-/// What a run leaves: its samples, its pictures, and more. The folder is made if need be; files of
-/// others in it are never overwritten, see FileSet.
+/// Outputs of a run: its samples, its pictures, and more. The folder is created if needed. Files
+/// from elsewhere in it are never overwritten, see FileSet.
 struct RecordSettings : PictureSettings {
-  std::string order;      ///< fingerprint of all that decides the run, for summary.json and for
-                          ///< checkpoints, which runs without one do not make
-  std::string sceneText;  ///< all settings as a scene file, for summary.json; empty when not known
-  /// The word that selected PyKirigami's constants for what was not given; empty: none.
+  std::string order;      ///< fingerprint of all inputs of the run, for summary.json and
+                          ///< checkpoints; without it no checkpoints
+  std::string sceneText;  ///< all settings as a scene file, for summary.json; empty if unknown
+  /// The word that selected PyKirigami's constants as defaults; empty: none.
   std::string peerSpelling;
-  std::vector<InputFile> inputs;  ///< files that the run is made from, for summary.json
-  bool resume = false;     ///< continue from the folder's checkpoint, if it is of the same order
+  std::vector<InputFile> inputs;  ///< input files of the run, for summary.json
+  bool resume = false;     ///< continue from the folder's checkpoint if it has the same order
   bool meshes = true;      ///< initial and final, OBJ and PLY
-  bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too
-  exports::ExportSettings exports;  ///< further files; none without formats
+  bool trajectory = true;  ///< trajectory.h5, required for meshes, pictures and exports
+  exports::ExportSettings exports;  ///< additional files; none without formats
 };
 
-/// What recording cost, besides the deployment's own cost. Seconds of several painters are summed
-/// and may exceed the wall time.
+/// Cost of recording, in addition to the deployment's own cost. Seconds of several painters are
+/// summed and may exceed the wall time.
 struct RecordCost {
   double cpuSecondsRender = 0;       ///< of painters and of the threads of the graphics library
   double cpuSecondsEncode = 0;       ///< of the encoder's thread
@@ -138,60 +138,60 @@ struct RecordCost {
   std::int64_t peakMemoryBytes = 0;  ///< largest resident size of the process
 };
 
-/// What was painted, and what it cost. Filled in while pictures are made; what was not made stays 0
-/// or empty.
+/// Painted pictures and their cost. Filled while pictures are made. Values of pictures that were
+/// not made stay 0 or empty.
 struct PictureReport {
   int videoFrames = 0;              ///< frames in the video
-  std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
-  std::string stoppedBy;            ///< what stopped it, as in Interruption
+  std::optional<double> stoppedAt;  ///< end of the video if the observer ended it, seconds
+  std::string stoppedBy;            ///< cause of the end, as in Interruption
   RecordCost recordCost;            ///< of pictures and video
-  /// That of all pictures; absent where camera keys move it.
+  /// View of all pictures; absent if camera keys move it.
   std::optional<picture::AutomaticView> view;
-  std::string graphics;            ///< version of OpenGL and its maker; empty when none was used
+  std::string graphics;            ///< OpenGL version and vendor; empty if unused
   std::vector<std::string> files;  ///< relative to the folder, in the order written
 };
 
 /// The contents of summary.json, without the settings.
 struct RunSummary : PictureReport {
   deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
-  std::string reason;                                    ///< one line: why it ended so
-  std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
-  std::string shortfall;         ///< why the run does not count as done; empty if it does
+  std::string reason;                                    ///< one line: reason for the end
+  std::optional<bool> atTarget;  ///< at the end; absent without a target drive
+  std::string shortfall;         ///< why the run counts as incomplete; empty if it is complete
   double forbiddenOverlap = 0;   ///< see deploy::DeploymentResult; metres
   double endTime = 0;            ///< simulated seconds
-  /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
-  /// seconds; its data go on.
+  /// Time at which the first brick was farther away than pictures show (see kFarthestShown),
+  /// simulated seconds. Its data continue.
   std::optional<double> leftOutFrom;
-  scene::Needs needs;                              ///< what was modelled, and why
-  scene::PathSettings path;                        ///< that was taken
-  std::string pathReason;                          ///< one short phrase: why
-  std::vector<deploy::PathEvaluation> candidates;  ///< kinematic paths that were tried, in order
+  scene::Needs needs;                              ///< modelled features, with reasons
+  scene::PathSettings path;                        ///< path of the run
+  std::string pathReason;                          ///< one short phrase: reason for the path
+  std::vector<deploy::PathEvaluation> candidates;  ///< tested kinematic paths, in order
   deploy::Accuracy accuracy;                       ///< gaps, errors and overlaps
   std::optional<double> timeError;                 ///< tiles; see deploy::DeploymentResult
-  double assembledError = -1;                      ///< metres; negative when not computed
-  std::vector<deploy::BlockingPair> blocking;      ///< bricks in each other's way at the target
+  double assembledError = -1;                      ///< metres; < 0 if not computed
+  std::vector<deploy::BlockingPair> blocking;      ///< bricks that block each other at the target
   std::vector<std::string> warnings;               ///< about the target, one line each
-  std::vector<trajectory::Event> events;           ///< what the timeline did, and how the run ended
+  std::vector<trajectory::Event> events;           ///< actions of the timeline, end of the run
   deploy::DeployCost deployCost;                   ///< of the run itself
   std::optional<mechanics::LoadCurve> loadCurve;   ///< of a scene with grips
-  std::optional<model::Elasticity> elasticity;     ///< absent where no hinge has a spring
-  std::string leftOut;                             ///< why an export is missing; mostly empty
+  std::optional<model::Elasticity> elasticity;     ///< absent if no hinge has a spring
+  std::string leftOut;                             ///< why an export is missing; usually empty
   std::vector<output::FileDigest> digests;         ///< of all files but summary.json
 };
 
-/// How far a run is, for a progress line. `stage` lives as long as the program.
+/// Progress of a run, for a progress line. `stage` is a string literal.
 struct Progress {
   const char* stage = "";          ///< "searching a path", "deploying", "painting" or "exporting"
-  double share = 0;                ///< of this stage, 0 to 1
-  std::string remark = {};         ///< a line to print once; mostly empty
+  double share = 0;                ///< completed fraction of this stage, [0, 1]
+  std::string remark = {};         ///< a line to print once; usually empty
   bool isRemarkInSummary = false;  ///< the remark is one of RunSummary::warnings
 };
 
-/// Who ends a stage of a run early, for example "SIGTERM"; absent: it continues.
+/// What ends a stage of a run early, for example "SIGTERM"; absent: it continues.
 using Interruption = std::optional<std::string>;
 
-/// Called after each sample and each frame; may end the stage that is under way. The run then
-/// counts as interrupted, and what exists so far is still written out.
+/// Called after each sample and each frame; may end the current stage. The run then counts as
+/// interrupted, and existing results are still written.
 using ProgressObserver = std::function<Interruption(const Progress&)>;
 
 }  // namespace kirireel::record

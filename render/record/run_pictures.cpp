@@ -1,17 +1,17 @@
-// A video is painted and encoded at the same time, by threads with short queues between them:
+// Paints and encodes a video concurrently, by threads with short queues between them:
 //
-//     reader (1 thread)    reads states in order; for each a promise of its frame
-//       orders  ->  painters (several), each on its own thread: keep the promises
+//     reader (1 thread)    reads states in order and creates a promise for each frame
+//       orders -> painters (several), each on its own thread: fulfil the promises
 //       frames  ->  encoder (1 thread): takes the frames in the order of the states
 //
-// The order of frames is that of the futures in the queue, whichever painter is done first. So the
-// bytes do not depend on how many paint. Both queues are bounded: memory holds some tens of frames,
-// however long the run is. The first error of any thread stops both queues, and finish() throws it
-// (pipeline.h).
+// The order of frames is that of the futures in the queue, for any order of completion. The output
+// bytes therefore do not depend on the number of painters. Both queues are bounded: memory holds
+// some tens of frames for any length of the run. The first error of any thread stops both queues,
+// and finish() throws it (pipeline.h).
 //
-// What cameras hold in sight is decided before: the start and the target where nothing else is
-// asked for, or about a hundred samples of the run; where the program chose the camera itself and a
-// sample would be cut off, the whole run.
+// The view of the camera is set before: the start and the target by default, or about a hundred
+// samples of the run on request. If the program chose the camera and would cut off a sample, the
+// whole run.
 #include "render/record/run_pictures.h"
 
 #include <algorithm>
@@ -39,15 +39,14 @@
 namespace kirireel::record {
 namespace {
 
-/// Number of samples for the fit of the camera: enough for any smooth motion.
+/// Number of samples for the fit of the camera, sufficient for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
-/// Between painting and encoding, in addition to one per painter, for the same reason as
-/// kWaitingSamples.
+/// Frames between painting and encoding, in addition to one per painter; see kWaitingSamples.
 constexpr std::size_t kWaitingFrames = 4;
 /// Half the picture's width and height, with a margin for rounding.
 constexpr double kBorder = 1 + 1e-9;
 
-/// The last sample is always among them.
+/// Always includes the last sample.
 void keepRunInSight(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
@@ -56,7 +55,7 @@ void keepRunInSight(picture::PictureContent& content, const trajectory::Trajecto
   picture::keepInSight(content, run.sample(count - 1).poses);
 }
 
-/// For the scale of colours: its bright end is the largest value among these.
+/// For the colour scale: its maximum is the largest value in these states.
 void keepStates(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
@@ -64,7 +63,7 @@ void keepStates(picture::PictureContent& content, const trajectory::TrajectoryRe
   content.states.push_back(run.sample(count - 1).poses);
 }
 
-/// By the start, the middle of the motion and the end.
+/// From the start, the middle of the motion and the end.
 void chooseView(const trajectory::TrajectoryReader& run, const picture::Look& look,
                 picture::PictureContent& content) {
   Replay replayed(run);
@@ -76,20 +75,20 @@ void chooseView(const trajectory::TrajectoryReader& run, const picture::Look& lo
   picture::setView(look, states, content);
 }
 
-/// Without a target there is only one end, so all of the run counts.
+/// Without a target there is only one end, so the whole run counts.
 bool fitsEnds(const model::Model& model, const PictureSettings& settings) {
   if (settings.look.fit == picture::FitScope::Auto) return model.target.has_value();
   return settings.look.fit == picture::FitScope::Ends;
 }
 
-/// Whether a camera that cuts something off is the program's mistake, not the settings' wish.
+/// Whether the program chose the camera, so it must not cut anything off.
 bool choosesCamera(const PictureSettings& settings) {
   const picture::CameraChoice& camera = settings.look.camera;
   return settings.look.fit == picture::FitScope::Auto && camera.zoom == 1 && camera.keys.empty() &&
          !camera.distance;
 }
 
-/// Clip coordinates beyond -w to w are outside the picture.
+/// Clip coordinates outside [-w, w] are outside the picture.
 bool seesAll(const picture::PictureSetup& setup, const picture::ShownState& state, double aspect) {
   const Eigen::Matrix4d clip = picture::clipFromWorld(setup.camera(state), aspect);
   const std::vector<Vector3> corners = picture::shownCorners(setup.content(), state.poses);
@@ -99,7 +98,7 @@ bool seesAll(const picture::PictureSetup& setup, const picture::ShownState& stat
   });
 }
 
-/// Whether no sample of the run leaves pictures of this content. Looks at every sample.
+/// Whether pictures of this content show every sample of the run completely. Checks every sample.
 bool seesRun(const trajectory::TrajectoryReader& run, const picture::PictureSetup& setup) {
   for (std::size_t i = 0; i < run.times().size(); ++i) {
     const trajectory::Sample sample = run.sample(i);
@@ -156,7 +155,7 @@ std::string CaptionWriter::inVideo(const FrameState& state) const {
 }
 
 std::string CaptionWriter::longest(double endTime) const {
-  constexpr double kLongLength = 8.8e-88;  // metres, in the form that has most letters
+  constexpr double kLongLength = 8.8e-88;  // metres, in the form with the most letters
   picture::CaptionValues values{1, endTime, std::numbers::pi, std::nullopt, kLongLength};
   if (hasTarget_) values.error = kLongLength;
   return picture::captionText(parts_, values);
@@ -184,7 +183,7 @@ RunPictures::RunPictures(const trajectory::TrajectoryReader& run, const PictureS
   if (settings.look.camera.view) report_.view = {*settings.look.camera.view};
 }
 
-/// This thread paints too, since its painter is there already.
+/// This thread also paints, since it already has a painter.
 void RunPictures::makeFrames(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
                              const ProgressObserver& observer) {
   const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
@@ -217,19 +216,19 @@ void RunPictures::makeFrames(const trajectory::TrajectoryReader& run, const Moti
   }
   tasks.run([&] { paint(frames_, orders, pool); });
   tasks.finish();
-  // What neither of these threads used went into painting, on whichever threads.
+  // CPU time that is not of these threads was used for painting, on any threads.
   report_.recordCost.cpuSecondsRender +=
       processCpuSeconds() - begin - reading - (report_.recordCost.cpuSecondsEncode - encoded);
 }
 
-/// Ends when the queue is closed or stopped; CPU seconds are added under the lock.
+/// Ends when the queue is closed or stopped. Adds CPU seconds under the lock.
 void RunPictures::paint(picture::StatePainter& painter, OrderQueue& orders, FramePool& pool) {
   while (std::optional<FrameOrder> order = orders.pop()) {
     try {
       order->frame.set_value(paintFrame(painter, *order->state, pool.take()));
     } catch (...) {
-      // The encoder may wait for this very frame, and learns why it does not come: a promise that
-      // is merely broken would be the first error that the group hears of.
+      // The encoder may wait for this frame, so it gets the exception. A broken promise would
+      // otherwise be the group's first error.
       order->frame.set_exception(std::current_exception());
       throw;
     }
@@ -244,7 +243,7 @@ void RunPictures::encode(FrameQueue& frames, FramePool& pool) {
   if (!title.empty()) {
     sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
   }
-  // Where a painter fails, get() throws what it threw.
+  // If a painter fails, get() throws its exception.
   while (std::optional<std::future<picture::Frame>> frame = frames.pop()) {
     picture::Frame spare = sink.put(frame->get());
     if (!spare.pixels.empty()) pool.giveBack(std::move(spare));
@@ -264,7 +263,7 @@ picture::Frame RunPictures::paintStill(const FrameState& state) {
   return paintFrame(*stills_, state);
 }
 
-/// States are interpolated at the moments of the grid, not taken from the nearest sample.
+/// Interpolates states at the times of the grid instead of using the nearest samples.
 void RunPictures::writeGrid(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
   PanelRow row{settings_.look, frames_.setup().content(), {}, {}, {}};
   Replay replayed(run);
@@ -288,7 +287,7 @@ void RunPictures::writeChosenFrames(const trajectory::TrajectoryReader& run,
   }
 }
 
-/// The pictures that the timeline asked for.
+/// The pictures that the timeline requested.
 void RunPictures::writeMoments(const trajectory::TrajectoryReader& run, const MotionCurve& motion) {
   int number = 0;
   for (const std::size_t index : samplesOf("snapshot", run)) {
@@ -308,8 +307,8 @@ void RunPictures::writeSnapshots(const trajectory::TrajectoryReader& run,
 
 // ------------------------------------------------------------------------------------------------
 // A video shows a title card for two seconds, its first frame 1 + h times, each other frame once,
-// and its last frame h times more, with h = hold x frames a second. To repeat a frame costs its
-// encoding, so it is done here and not by painting it again.
+// and its last frame h times more, with h = hold x frames per second. Frames are repeated here by
+// encoding them again, without painting.
 
 namespace {
 
@@ -374,16 +373,16 @@ void FrameSink::finish() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The title is 7% of the picture's height in its em, the subtitle 4.5%, lines are 1.35 em apart.
-// Lines are broken at 90% of the width; if all together are still too wide or too high, all shrink
-// by one factor.
+// The em of the title is 7% of the picture's height, that of the subtitle 4.5%. The line spacing is
+// 1.35 em. Lines are broken at 90% of the width. If the result is still too wide or too high, all
+// lines shrink by one factor.
 
 namespace {
 
 constexpr double kTitleSize = 0.07;      // em, in heights of the picture
 constexpr double kSubtitleSize = 0.045;  // the same
 constexpr double kCardLineEms = 1.35;    // from line to line
-constexpr double kMostWidth = 0.9;       // of the picture that text may take
+constexpr double kMostWidth = 0.9;       // of the picture, for text
 constexpr double kMostHeight = 0.9;
 
 /// A line of a card.
@@ -404,7 +403,7 @@ double widthOf(const CardLine& line) {
   return picture::LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text);
 }
 
-/// Makes all lines smaller by what the widest, or all together, take too much.
+/// Reduces all lines by the largest excess of a width or of the total height.
 void shrinkToFit(std::vector<CardLine>& lines, picture::FrameSize size) {
   double widest = 1, height = 1;
   for (const CardLine& line : lines) {
@@ -443,18 +442,18 @@ picture::Frame titleCard(const Title& title, picture::FrameSize size, picture::C
 }
 
 // ------------------------------------------------------------------------------------------------
-// A sheet is made in this order: all pictures are painted at the size that was asked for; margins
-// that all of them leave empty are found (filledPart). Where the sheet has a width in print, the
-// enlargement that gives it is computed and all pictures are painted again, larger: enlarging
-// pixels would blur them. Then they are cut alike, laid out, and written as PNG; SVG and PDF draw
-// the same layout from the geometries, without pixels.
+// A sheet is made in this order. All pictures are painted at the requested size. Their common empty
+// margins are found (filledPart). If the sheet has a width in print, all pictures are painted again
+// at the resulting enlargement, because enlarging pixels would blur them. Then all are cut equally,
+// laid out, and written as PNG. SVG and PDF draw the same layout from the geometries, without
+// pixels.
 //
-// With W millimetres and d dots an inch the sheet is W d / 25.4 pixels wide; text of p points is p
-// / 72 inches high, for any width.
+// With W millimetres and d dots per inch the sheet is W d / 25.4 pixels wide. Text of p points is p
+// / 72 inches high at any width.
 
 namespace {
 
-/// Outlines are as wide as in the pictures, in pixels of their height.
+/// Outlines have the same width as in the pictures, in pixels of their height.
 picture::PageSettings pageSettings(const picture::PictureSetup& setup, picture::FrameSize size,
                                    const std::string& description) {
   const picture::Style& style = setup.style();
@@ -478,7 +477,7 @@ picture::ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
-/// All pictures again, each row in its size, uncut.
+/// Paints all pictures again, each row in its size, uncut.
 void PanelSheet::paintAll(const std::vector<Cut>& cuts, std::optional<double> pixelsPerInch) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
   painters_.clear();
@@ -496,8 +495,8 @@ void PanelSheet::paintAll(const std::vector<Cut>& cuts, std::optional<double> pi
   }
 }
 
-/// Of pictures that are painted in the size of the settings. Each row of several fills its cells,
-/// which are as wide as the widest part, and no higher than three quarters of that.
+/// Of pictures painted at the requested size. Each of several rows fills its cells. Cells are as
+/// wide as the widest part, and at most three quarters of that high.
 std::vector<PanelSheet::Cut> PanelSheet::findCuts() {
   constexpr double kMostAspect = 0.75;
   std::vector<Cut> cuts;
@@ -529,7 +528,7 @@ std::vector<PanelSheet::Cut> PanelSheet::enlarged(std::vector<Cut> cuts, double 
   return cuts;
 }
 
-/// Scales are those of the first row, which all rows share but where each has its own.
+/// The scales of the first row, unless each row has its own.
 picture::GridStyle PanelSheet::gridStyle(const std::vector<Cut>& cuts) const {
   const picture::PictureSetup& setup = painters_.front()->setup();
   picture::GridStyle style;
@@ -558,7 +557,7 @@ picture::GridStyle PanelSheet::gridStyle(const std::vector<Cut>& cuts) const {
   return style;
 }
 
-/// The layout of the cut pictures; sets the style's size of text.
+/// The layout of the cut pictures. Sets the style's text size.
 picture::GridLayout PanelSheet::layOut(const std::vector<Cut>& cuts,
                                        picture::GridStyle& style) const {
   picture::FrameSize largest;
@@ -590,8 +589,8 @@ void PanelSheet::writeDrawings() {
   }
 }
 
-/// How much larger pictures must be painted for the sheet to be as wide as in print, with no fewer
-/// dots per inch than requested; less if pictures would be too large.
+/// Enlargement of pictures for the sheet's width in print, with at least the requested dots per
+/// inch; less if pictures would be too large.
 double PanelSheet::enlargement(const std::vector<Cut>& cuts) const {
   const double requested =
       *settings_.gridWidth / picture::kMillimetresPerInch * settings_.gridDotsPerInch();
@@ -607,7 +606,7 @@ double PanelSheet::enlargement(const std::vector<Cut>& cuts) const {
   }
   double factor = std::min(most, requested / widthAt(1));
   factor = std::min(most, factor * requested / widthAt(factor));
-  // Whole pixels of each part of the sheet may be missing.
+  // Rounding to whole pixels may make parts of the sheet too small.
   while (factor < most && widthAt(factor) < requested) {
     factor = std::min(most, factor * (1 + 0.5 / requested));
   }
@@ -625,7 +624,7 @@ int PanelSheet::textSize(const picture::GridLayout& layout) const {
                                                   pixelsPerInch(layout))));
 }
 
-/// Each picture is cut off at its part, as cutAlike() does with pixels.
+/// Each picture is clipped to its part, as cutAlike() does with pixels.
 void PanelSheet::writePage(picture::PageFormat format, const std::vector<Cut>& cuts,
                            const picture::GridLayout& layout, const picture::GridStyle& style) {
   picture::PageSettings page =
@@ -660,7 +659,7 @@ void PanelSheet::write() {
   paintAll(std::vector<Cut>(rows_.size()), std::nullopt);
   if (settings_.svg) writeDrawings();
   std::vector<Cut> cuts = findCuts();
-  // Lines are as wide in all rows.
+  // Lines have the same width in all rows.
   double resolution = picture::pixelsPerInchOf(settings_.size);
   if (settings_.gridWidth) {
     cuts = enlarged(cuts, enlargement(cuts));
@@ -686,14 +685,14 @@ void PanelSheet::write() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Each of several runs in one figure has its own view and scale, unless one of all is requested.
-// One scale of length needs a parallel projection: each row's camera is fitted to its own model
-// first; with h its picture's height in metres and H the largest of them, the zooms are multiplied
-// by h / H. The scale of colours ends at the largest value of all rows.
+// Each of several runs in one figure has its own view and scale, unless a common one is requested.
+// A common scale of length needs a parallel projection. Each row's camera is first fitted to its
+// own model. With its picture's height h in metres and the largest height H, the zooms are
+// multiplied by h / H. The scale of colours ends at the largest value of all rows.
 
 namespace {
 
-/// Throws InputError where one scale is requested of a perspective or a moving camera.
+/// Throws InputError if a common scale is requested for a perspective or a moving camera.
 picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> runs,
                          const PictureSettings& settings) {
   picture::Look look = settings.look;
@@ -714,7 +713,7 @@ picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> ru
   return look;
 }
 
-/// Reads the run for its motion, and for the states of its pictures.
+/// Reads the motion of the run and the states for its pictures.
 PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings& settings) {
   PanelRow row{settings.look, contentOf(run, settings), {}, {}, {}};
   const MotionCurve motion = motionOf(run);
@@ -728,7 +727,7 @@ PanelRow makeRow(const trajectory::TrajectoryReader& run, const PictureSettings&
   return row;
 }
 
-/// Cameras as far away, and scales of colours as long, as the largest of the rows needs.
+/// Sets the camera distance and the colour scale for the largest need of the rows.
 void shareScales(const PictureSettings& settings, std::vector<PanelRow>& rows) {
   std::vector<double> heights;
   double most = 0;

@@ -1,9 +1,9 @@
-// A planar start is rotated to face +z: q n = z with n the normal of tile 0. Then z is dropped. All
-// heights may differ by 1e-6 of the model's size at most.
+// A planar start is rotated to face +z: q n = z with the normal n of tile 0. Then z is dropped.
+// Heights may differ by at most 1e-6 of the model's size.
 //
-// A gap at a corner is the turn from the edge of one tile that arrives there, looked back along, to
-// the edge of the other that leaves, anticlockwise, 0 to 2 pi. The other gap of the joint is found
-// with the tiles exchanged.
+// The gap angle at a corner is measured anticlockwise from the reversed edge that arrives there
+// (first tile) to the edge that leaves (second tile), 0 to 2 pi. Exchanging the tiles gives the
+// other gap of the joint.
 #include "render/writers/flat_sheet.h"
 
 #include <algorithm>
@@ -26,9 +26,10 @@
 namespace kirireel::writers {
 namespace {
 
-constexpr double kPlanarStart = 1e-6;  ///< of the model size, that vertices may be off the plane
+constexpr double kPlanarStart = 1e-6;  ///< of the model size, allowed deviation of vertices from
+                                       ///< the plane
 
-/// Looks at every vertex.
+/// Checks every vertex.
 void requireFlat(const model::Model& model, const Vector3& normal) {
   const Vector3& origin = model.tiles[0].vertices[0];
   const double allowed = kPlanarStart * model::modelSize(model);
@@ -51,8 +52,8 @@ void requireFlat(const model::Model& model, const Vector3& normal) {
   }
 }
 
-/// A gap that is closed but for rounding may come out as slightly less than 0; it counts as 0 and
-/// not as a full turn.
+/// Rounding can make the angle of a closed gap slightly negative. It counts as 0 and not as a full
+/// turn.
 CornerGap gapBetween(const std::vector<FlatTile>& tiles, const model::Corner& a,
                      const model::Corner& b) {
   const int sides = static_cast<int>(tiles[a.tile].size());
@@ -67,7 +68,7 @@ CornerGap gapBetween(const std::vector<FlatTile>& tiles, const model::Corner& a,
   return gap;
 }
 
-/// The shortest turn of a unit normal onto z. A sheet that faces down is turned over about x.
+/// The shortest rotation of a unit normal to z. A sheet that faces down is turned over about x.
 Quaternion turnUp(const Vector3& normal) {
   const Vector3 axis = normal.cross(Vector3::UnitZ());
   const double sine = axis.norm();
@@ -112,27 +113,27 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// From a planar start to lines for a cutter:
+// Converts a planar start to lines for a cutter:
 //
-// - 1. At each joint a hinge of material stays. The narrower gap between the two tiles has the
-//   angle g. The cut along its edges ends at t = w / cos(g / 2) before the joint: the neck across
-//   the gap's bisector is w long (w: hinge width, metres). An open gap gets a cut across its
-//   end.
+// - 1. At each joint a hinge of material remains. The narrower gap between the two tiles has the
+//   angle g. The cut along its edges ends at t = w / cos(g / 2) before the joint. The neck across
+//   the gap's bisector then has the width w (hinge width, metres). An open gap gets a cut across
+//   its end.
 // - 2. Each edge is shortened by the largest t of the joints at its ends.
-// - 3. Edges of two tiles that coincide are one slit, drawn once; they are found by their middles
-//   in a grid of cells as wide as the tolerance (1e-4 of the tile size), of which 3 x 3 are looked
-//   at.
+// - 3. Coinciding edges of two tiles are one slit, drawn once. They are found by their middles in a
+//   grid whose cells are as wide as the tolerance (1e-4 of the tile size), with a search of 3 x 3
+//   cells.
 //
-// SVG is in millimetres with y down; DXF is ASCII R12 (AC1009; Autodesk, DXF Reference): pairs of
-// lines, a group code and a value: 0 begins an entity, 8 names its layer, 10/20 and 11/21 are its
+// SVG is in millimetres with y down. DXF is ASCII R12 (AC1009; Autodesk, DXF Reference), pairs of
+// lines with a group code and a value: 0 begins an entity, 8 is its layer, 10/20 and 11/21 are its
 // ends, 62 a colour, $INSUNITS the unit. R12 needs no tables of handles.
 
 namespace {
 
 constexpr double kSameEdge = 1e-4;     ///< of the tile size, within which edges coincide
-constexpr double kHingeOfTile = 0.05;  ///< width of a hinge of which nothing is said
+constexpr double kHingeOfTile = 0.05;  ///< default width of a hinge
 
-/// How much shorter edges are at their ends than in the model, metres.
+/// Shortening of edges at their ends relative to the model, metres.
 using Trims = std::map<EdgeEnd, double>;
 
 /// 0 at ends without a joint.
@@ -179,7 +180,7 @@ class PatternMaker {
     if (gap.angle > kClosedAngle) lines_.push_back({PatternLayer::Cuts, ends[0], ends[1]});
   }
 
-  /// The same edge of another tile, which runs the other way; found by its middle.
+  /// The coinciding edge of another tile, with opposite direction; found by its middle.
   std::optional<std::pair<int, int>> twinOf(int tile, int edge) const {
     const Vector2 from = tiles_[tile][edge];
     const Vector2 to = tiles_[tile][after(tile, edge)];
@@ -283,7 +284,7 @@ std::string patternSvg(const std::vector<PatternLine>& lines) {
   Eigen::AlignedBox2d box;
   for (const PatternLine& line : lines) box.extend(line.from).extend(line.to);
   const Vector2 size = kMillimetres * box.sizes() + Vector2::Constant(2 * kMargin);
-  // Hairlines once the sheet is scaled to fit a cutter, and still to be seen before.
+  // Hairlines when scaled to fit a cutter, still visible before.
   const double stroke = size.maxCoeff() / kStrokesAcross;
   std::string text = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}mm\" height=\"{1}mm\" "
@@ -325,8 +326,8 @@ std::string patternDxf(const std::vector<PatternLine>& lines, const LengthUnit& 
 }
 
 // ------------------------------------------------------------------------------------------------
-// OBJ as PyKirigami writes it: "v x y z" for every corner of every tile, an empty line, "f 1 2 3 4"
-// for every tile, numbers from 1.
+// OBJ in PyKirigami's format: "v x y z" for every corner of every tile, an empty line, "f 1 2 3 4"
+// for every tile, one-based.
 
 std::string planarObjText(const std::vector<model::Tile>& tiles) {
   std::size_t vertices = 0;
@@ -346,35 +347,37 @@ std::string planarObjText(const std::vector<model::Tile>& tiles) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Each joint is seen in its own axes: the joint at the origin, the bisector of the narrower gap up
-// (y), one tile right (x > 0) and the other left, mirrored. With half the gap's angle h, the lower
-// edge of the tile at the angle b from the bisector and half the kerf i, the tile's edges are lines
+// Each joint has its own axes: the joint at the origin, the bisector of the narrower gap up (y),
+// one tile on the right (x > 0) and the other mirrored on the left. With half the gap's angle h,
+// the angle b of the tile's lower edge from the bisector and half the kerf i, the tile's edges are
+// the lines
 //
 //     upper: x cos h - y sin h = i,    lower: y sin b - x cos b = i  (angles from the bisector).
 //
-// A neck of length l and width w is the strip |x| <= l / 2, y0 <= y <= y0 + w; y0 is -w / 2, lower
-// where the tiles end too soon above, and never below the height at which both have begun. Where a
-// tile reaches into |x| < l / 2 above or below the strip, a slot is cut out of it, as deep as the
-// largest of width, radius and kerf. Fillets are quarter circles of six lines each.
+// A neck of length l and width w is the strip |x| <= l / 2, y0 <= y <= y0 + w. y0 is -w / 2, lower
+// if the tiles end too soon above, and never below the height at which both have begun. If a tile
+// extends into |x| < l / 2 above or below the strip, a slot is cut out of it. Its depth is the
+// maximum of width, radius and kerf. Fillets are quarter circles of six lines each.
 //
-// A corner of a tile becomes a chain of points, which takes its place in the tile's outline; chains
-// of neighbouring corners are joined by what is left of the edge between them. A point that tile
-// and neck share is one point: Gmsh makes one mesh.
+// A chain of points replaces a corner of a tile in its outline. The remaining parts of edges
+// connect the chains of neighbouring corners. A common point of tile and neck is one point, so Gmsh
+// makes one mesh.
 //
-// A shape that does not fit throws Misfit, which says what is too large. The message then offers a
-// value that does: it is found by bisection in twelve steps, each of which makes the whole outline.
+// A shape that does not fit throws Misfit with the length that is too large. The message then
+// suggests a value that fits, found by bisection in twelve steps. Each step makes the whole
+// outline.
 
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kShortestLine = 1e-9;  ///< of the tile size: shorter lines are left out
-constexpr int kArcLines = 6;            ///< of a quarter circle
+constexpr int kArcLines = 6;            ///< per quarter circle
 
-/// What a shape cannot have, and where. Caught only within this file.
+/// Fault of a shape, with its location. Caught only within this file.
 struct Misfit {
   enum Kind { TooWide, TooShort, TooRound } kind = TooWide;
   std::string where;
-  NeckShape shape;  ///< of the neck, or of the widest where several may be meant
+  NeckShape shape;  ///< of the neck, or of the widest of several possible ones
 };
 
 /// The z of the cross product.
@@ -382,14 +385,14 @@ double cross(const Vector2& a, const Vector2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// How a tile lies at a joint: the gap's bisector is up (y), the tile right of it (x > 0). Its two
-/// edges, moved inwards by half the kerf, are straight lines.
+/// Position of a tile at a joint: the gap's bisector is up (y), the tile on the right (x > 0). Its
+/// two edges are straight lines, moved inwards by half the kerf.
 struct Wedge {
   double half = 0;    ///< of the gap, radians: from the bisector to the upper edge
   double lowest = 0;  ///< from the bisector to the lower edge
   double inset = 0;   ///< half the kerf
 
-  /// Between which heights the tile lies at this x.
+  /// Range of heights of the tile at this x.
   double top(double x) const {
     const double sine = std::sin(half);
     return sine < kClosedAngle ? kInfinite : (x * std::cos(half) - inset) / sine;
@@ -400,7 +403,7 @@ struct Wedge {
                                                             : (inset + x * std::cos(lowest)) / sine;
   }
 
-  /// Where its edges are at this height.
+  /// Positions of its edges at this height.
   double upperEdge(double y) const { return (inset + y * std::sin(half)) / std::cos(half); }
   double lowerEdge(double y) const { return (y * std::sin(lowest) - inset) / std::cos(lowest); }
 };
@@ -408,23 +411,23 @@ struct Wedge {
 /// The lines of a tile near one neck, in the joint's axes, from the upper edge to the lower.
 struct NeckEnd {
   std::vector<Vector2> above;  ///< the slot above
-  Vector2 high;                ///< the line that tile and neck share
+  Vector2 high;                ///< common line of tile and neck
   Vector2 low;
   std::vector<Vector2> below;
   bool roundAbove = false;  ///< whether there is a fillet
   bool roundBelow = false;
 };
 
-/// What replaces a corner of a tile: points from the edge that arrives to the edge that leaves.
-/// Without a joint it stays empty, and the corner itself is taken.
+/// The replacement for a corner of a tile: points from the arriving edge to the leaving edge. Empty
+/// without a joint; then the corner itself is used.
 struct CornerPoints {
   std::vector<int> arriving;
-  int middle = -1;  ///< of necks without length: the joint
+  int middle = -1;  ///< of necks of length 0: the joint
   std::vector<int> leaving;
-  bool isCut = false;  ///< `arriving` is all of it
+  bool isCut = false;  ///< `arriving` has all points
 };
 
-/// Made for one outline.
+/// Use for one outline only.
 class OutlineMaker {
  public:
   OutlineMaker(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape)
@@ -458,7 +461,7 @@ class OutlineMaker {
  private:
   const std::vector<FlatTile>& tiles() const { return outline_.sheet.tiles; }
 
-  /// Of a tile, edge or joint, in messages.
+  /// Number of a tile, edge or joint in messages.
   int numberOf(std::size_t index) const {
     return model_.fileOrder.countsFrom + static_cast<int>(index);
   }
@@ -480,8 +483,8 @@ class OutlineMaker {
                   tiles()[gap.second.tile][vertexOf(gap.second)]);
   }
 
-  /// A neck without length: a line across a shut slit, a triangle across an open gap. The cut ends
-  /// w / cos(g / 2) from the joint, as in flat_sheet.cpp.
+  /// A neck of length 0: a line across a shut slit, a triangle across an open gap. The cut ends at
+  /// w / cos(g / 2) from the joint, see above.
   void addWeb(const CornerGap& gap) {
     CornerPoints& first = cornerAt(gap.first);
     CornerPoints& second = cornerAt(gap.second);
@@ -498,7 +501,7 @@ class OutlineMaker {
     if (!isShut) outline_.necks.push_back({middle, a, b});
   }
 
-  /// One point for the corners of both tiles, and of all that are joined to them already.
+  /// One point for the corners of both tiles, and of all tiles already joined to them.
   int joinMiddles(CornerPoints& first, CornerPoints& second, const Vector2& joint) {
     if (first.middle < 0 && second.middle < 0) first.middle = addPoint(joint, true);
     if (first.middle < 0) first.middle = second.middle;
@@ -514,7 +517,7 @@ class OutlineMaker {
     return first.middle;
   }
 
-  /// The tile's own angle at the corner is taken from its two edges, 0 to 2 pi.
+  /// The tile's own angle at the corner follows from its two edges, 0 to 2 pi.
   Wedge wedgeOf(const EdgeEnd& end, double half) const {
     const FlatTile& tile = tiles()[end.tile];
     const int sides = static_cast<int>(tile.size());
@@ -526,8 +529,8 @@ class OutlineMaker {
     return {half, half + angle, kerf_ / 2};
   }
 
-  /// A neck with length: a strip between two ports that are cut into the tiles. The second tile is
-  /// mirrored, x and -x: both use the same code.
+  /// A neck with a length: a strip between two ports cut into the tiles. The second tile is
+  /// mirrored, x and -x, so both use the same code.
   void addBeam(const CornerGap& gap, std::size_t joint) {
     CornerPoints& first = cornerAt(gap.first);
     CornerPoints& second = cornerAt(gap.second);
@@ -571,7 +574,7 @@ class OutlineMaker {
     addStrip(ports, ends, low, place);
   }
 
-  /// The end of a neck at a tile right of the joint; the strip begins at the height `low`.
+  /// The end of a neck at a tile on the right of the joint. The strip begins at the height `low`.
   NeckEnd endOf(const Wedge& wedge, double low, std::size_t joint) const {
     const double x = shape_.length / 2;
     const double high = low + shape_.width;
@@ -630,7 +633,7 @@ class OutlineMaker {
     outline_.necks.push_back(loop);
   }
 
-  /// A corner without a joint: the tile's own, moved inwards by half the kerf.
+  /// A corner without a joint: the tile's corner, moved inwards by half the kerf.
   int insetCorner(int tile, int vertex) {
     const FlatTile& points = tiles()[tile];
     const int sides = static_cast<int>(points.size());
@@ -643,7 +646,7 @@ class OutlineMaker {
     return addPoint(points[vertex] + kerf_ / 2 * (a + b) / (1 + a.dot(b)), false);
   }
 
-  /// Chains in the order of corners make the tile's loop.
+  /// Joins the chains in the order of corners to the tile's loop.
   void addTile(int tile) {
     const int sides = static_cast<int>(tiles()[tile].size());
     std::vector<std::vector<int>> chains;
@@ -664,7 +667,7 @@ class OutlineMaker {
     outline_.tiles.push_back(loop);
   }
 
-  /// Something of each edge must be left to cut.
+  /// A part of each edge must remain to be cut.
   void requireRest(int tile, int edge, int from, int to) const {
     const FlatTile& points = tiles()[tile];
     const Vector2 along = points[(edge + 1) % points.size()] - points[edge];
@@ -699,8 +702,8 @@ class OutlineMaker {
 
   const model::Model& model_;
   std::vector<NeckShape> shapes_;  ///< of each joint
-  NeckShape shape_;                ///< of the joint at hand
-  double kerf_;                    ///< the widest of all, metres
+  NeckShape shape_;                ///< of the current joint
+  double kerf_;                    ///< the maximum, metres
   double tiny_;                    ///< metres
   NeckOutline outline_;
   std::vector<std::vector<CornerPoints>> corners_;
@@ -723,7 +726,7 @@ void requirePossible(const NeckShape& shape) {
       shape.radius, length, length / 2, 2 * shape.radius));
 }
 
-/// Costs a whole outline.
+/// Makes a whole outline.
 bool fits(const model::Model& model, const FlatSheet& sheet, const NeckShape& shape) {
   try {
     OutlineMaker(model, sheet, shape).make();
@@ -733,7 +736,7 @@ bool fits(const model::Model& model, const FlatSheet& sheet, const NeckShape& sh
   }
 }
 
-/// The bound up to which a length fits, between one that does and one that does not; three digits.
+/// The limit of a length that fits, to three digits, between one that fits and one that does not.
 std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet, NeckShape shape,
                               double NeckShape::*length, double good) {
   double bad = shape.*length;
@@ -746,7 +749,7 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
     shape.*length = 0.5 * (good + bad);
     (fits(model, sheet, shape) ? good : bad) = shape.*length;
   }
-  // Not the bound itself, which rounding could miss.
+  // Not the limit itself, which rounding could exceed.
   return good < bad ? 0.99 * good : 1.01 * good;
 }
 
@@ -762,7 +765,7 @@ std::optional<double> boundOf(const model::Model& model, const FlatSheet& sheet,
   if (misfit.kind == Misfit::TooRound) {
     offer(&NeckShape::radius, 0, "a --neck-radius of");
   } else if (misfit.kind == Misfit::TooShort) {
-    // The least of the lengths doubled from width / 64 that fits, or else one that does not.
+    // The smallest length that fits, of doublings from width / 64; or else one that does not fit.
     NeckShape longer = shape;
     longer.length = misfit.shape.width / 64;
     while (longer.length < size && !fits(model, sheet, longer)) longer.length *= 2;

@@ -110,7 +110,7 @@ std::string planarObjText(const std::vector<model::Tile>& tiles);
 
 // ------------------------------------------------------------------------------------------------
 // The outline of a sheet as it is cut: tiles in one piece with the necks of material at their
-// joints, slits open by the kerf.
+// joints, with slits as wide as the kerf.
 //
 //       F    |   | S        A neck of width w and length l lies across the narrower gap between
 //            |   |          two tiles F and S, as near to their joint as the tiles' corners let a
@@ -120,8 +120,8 @@ std::string planarObjText(const std::vector<model::Tile>& tiles);
 //        (joint below)      Without length and kerf the neck is what the slit leaves: the line, or
 //                           the triangle across an open gap, between the joint and the slit's end.
 
-/// The material that stays between two tiles. Lengths in metres. A width, length or kerf of 0 is
-/// that of each joint's neck in the model (model::Neck), if it has one.
+/// The remaining material between two tiles. Lengths in metres. A width, length or kerf of 0 means
+/// the value of each joint's neck in the model (model::Neck), if it has one.
 struct NeckShape {
   double width = 0;   ///< of the neck, > 0
   double length = 0;  ///< from tile to tile, at least the kerf

@@ -8,16 +8,16 @@
 //           <Cells>     connectivity, offsets, types; faces and faceoffsets of polyhedra
 //           <PointData> <CellData>
 //
-// An array is base 64 of a header of four uint64 (number of blocks, size of a block, size of the
-// last block where it is not full, compressed size of the block), then base 64 of the block. We
-// write one block an array.
+// An array is base 64 of a header of four uint64 (number of blocks, block size, size of an
+// incomplete last block, compressed block size), followed by base 64 of the block. This file writes
+// one block per array.
 //
-// Cells: a hexahedron has its bottom's corners, then its top's. A wedge's first triangle has its
-// normal pointing out of the cell. A polyhedron has its points in the connectivity and its faces in
-// a list of their own: number of faces, then size and points of each. "faceoffsets" says where each
-// cell's faces end, -1 for cells that have none.
+// Cells: a hexahedron has its bottom corners, then its top corners. The normal of a wedge's first
+// triangle points out of the cell. A polyhedron has its points in the connectivity and its faces in
+// a separate list: number of faces, then size and points of each. "faceoffsets" has the end of each
+// cell's faces, -1 for cells without faces.
 //
-// Binary and compressed, because text would be several times as long.
+// Binary and compressed, because text would be several times larger.
 #include "render/writers/vtk.h"
 
 #include <array>
@@ -38,7 +38,7 @@ static_assert(std::endian::native == std::endian::little,
               "arrays are written as they lie in memory");
 static_assert(sizeof(Vector3) == 3 * sizeof(double));
 
-// VTK's numbers for kinds of cells.
+// VTK's cell type numbers.
 constexpr int kHexahedronCell = 12;
 constexpr int kWedge = 13;
 constexpr int kPolyhedron = 42;
@@ -58,8 +58,8 @@ constexpr int kComponents = 1;
 template <>
 constexpr int kComponents<Vector3> = 3;
 
-/// An array as VTK compresses it: how many blocks there are, their size, that of a last one that is
-/// not full, and the compressed size of each; then the blocks. Ours is one full block.
+/// An array in VTK's compressed form: number of blocks, their size, the size of an incomplete last
+/// block, and the compressed size of each, followed by the blocks. Here one full block.
 template <typename T>
 void appendArray(std::string& text, const char* name, const std::vector<T>& values) {
   appendText(text,
@@ -76,7 +76,7 @@ void appendArray(std::string& text, const char* name, const std::vector<T>& valu
   text += "\n</DataArray>\n";
 }
 
-/// A single number, as text that reads back to the same double.
+/// A single number, as text that reads back as the same double.
 void appendNumber(std::string& text, const char* name, double value) {
   appendText(text,
              "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}"
@@ -84,7 +84,7 @@ void appendNumber(std::string& text, const char* name, double value) {
              name, value);
 }
 
-/// Bottom, then top corners of all bricks: as brickCorners, for any poses.
+/// Visits the bottom, then the top corners of all bricks, as brickCorners does, for any poses.
 template <typename Function>
 void forEachCorner(const std::vector<model::Brick>& bricks, const Function& function) {
   for (std::size_t tile = 0; tile < bricks.size(); ++tile) {
@@ -94,17 +94,17 @@ void forEachCorner(const std::vector<model::Brick>& bricks, const Function& func
   }
 }
 
-/// Cells as VTK lists them: point numbers, where each cell ends, and the faces of polyhedra.
+/// Cells in VTK's form: point numbers, the end of each cell, and the faces of polyhedra.
 struct Cells {
   std::vector<int> connectivity;
   std::vector<int> offsets;
   std::vector<int> types;
   std::vector<int> faces;
   std::vector<int> faceOffsets;
-  std::vector<int> bricks;  ///< that each cell belongs to
+  std::vector<int> bricks;  ///< brick of each cell
 };
 
-/// The number of faces, then of each face its size and points.
+/// The number of faces, followed by the size and points of each.
 void appendFaces(Cells& cells, int n, int first) {
   cells.faces.push_back(n + 2);
   for (const int base : {0, n}) {
@@ -119,7 +119,7 @@ void appendFaces(Cells& cells, int n, int first) {
   }
 }
 
-/// Closes a cell whose points are in the connectivity.
+/// Completes a cell whose points are in the connectivity.
 void finishCell(Cells& cells, int type, int brick) {
   cells.offsets.push_back(static_cast<int>(cells.connectivity.size()));
   cells.types.push_back(type);
@@ -128,8 +128,8 @@ void finishCell(Cells& cells, int type, int brick) {
   cells.bricks.push_back(brick);
 }
 
-/// A wedge on a triangle of a brick's bottom. VTK's begin with the triangle whose normal points
-/// out.
+/// A wedge on a triangle of a brick's bottom. VTK's wedges begin with the triangle whose normal
+/// points outwards.
 void appendWedge(Cells& cells, const std::array<int, 3>& triangle, int n, int first, int brick) {
   const auto [a, b, c] = triangle;
   for (const int corner : {a, c, b, n + a, n + c, n + b}) {
@@ -138,8 +138,8 @@ void appendWedge(Cells& cells, const std::array<int, 3>& triangle, int n, int fi
   finishCell(cells, kWedge, brick);
 }
 
-/// One cell a brick; of concave ones, since VTK's cells are convex, one a triangle of the bottom.
-/// Points are numbered as forEachCorner goes through them.
+/// One cell per brick. Since VTK's cells are convex, concave bricks have one cell per triangle of
+/// the bottom. Points are numbered in the order of forEachCorner.
 Cells cellsOf(const std::vector<model::Brick>& bricks) {
   Cells cells;
   int first = 0;
@@ -160,7 +160,7 @@ Cells cellsOf(const std::vector<model::Brick>& bricks) {
   return cells;
 }
 
-/// Lists of faces are left out where no cell is a polyhedron.
+/// Omits lists of faces if no cell is a polyhedron.
 void appendCells(std::string& text, const Cells& cells) {
   text += "<Cells>\n";
   appendArray(text, "connectivity", cells.connectivity);
@@ -185,7 +185,7 @@ void appendPoints(std::string& text, const trajectory::Subject& subject, const P
   text += "</Points>\n";
 }
 
-/// What each brick has, for each of its cells.
+/// Values of bricks, repeated for each of their cells.
 std::vector<double> byCells(const std::vector<double>& byBricks, const Cells& cells) {
   std::vector<double> values;
   for (const int brick : cells.bricks) values.push_back(byBricks[brick]);
@@ -205,7 +205,8 @@ void appendCellFields(std::string& text, const trajectory::Subject& subject, con
   text += "</CellData>\n";
 }
 
-/// Top and bottom of a corner share the distance of the bottom's, which is the tile's vertex.
+/// Top and bottom of a corner have the same distance, that of the bottom, which is the tile's
+/// vertex.
 void appendPointFields(std::string& text, const trajectory::Subject& subject, const Poses& start,
                        const Poses& poses, const LengthUnit& unit) {
   const std::optional<std::vector<model::Tile>>& target = subject.model.target;
@@ -223,7 +224,7 @@ void appendPointFields(std::string& text, const trajectory::Subject& subject, co
   text += "</PointData>\n";
 }
 
-/// TimeValue is the name by which ParaView knows the time of a file.
+/// ParaView reads the time of a file from TimeValue.
 void appendMeasures(std::string& text, const trajectory::Subject& subject,
                     const trajectory::Sample& sample, const LengthUnit& unit) {
   text += "<FieldData>\n";

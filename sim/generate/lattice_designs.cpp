@@ -1,17 +1,17 @@
-// Planar designs: which constants F of a turning field (lattice.h) give a sheet of the desired
-// outline in one state and of another in a second state.
+// Planar designs: finds the constants F of a turning field (lattice.h) for a sheet with given
+// outlines in two states.
 //
-// A corner's place v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) is linear in the
-// constants. A void closes at theta = 0 and pi where F11 - F00 = s lambda (F10 - F01). So with
-// lambda = 1 (rhombic voids) everything is linear and the best sheet comes of one solve: fan, heart
-// and irregular quads. With lambda free, log lambda becomes an unknown, which keeps it positive,
-// and the fit is nonlinear: square to disk, square to circle.
+// A corner's position v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) is linear in the
+// constants. A void is closed at theta = 0 and pi if F11 - F00 = s lambda (F10 - F01). With lambda
+// = 1 (rhombic voids) all equations are linear, and one solve gives the best sheet: fan, heart and
+// irregular quads. With variable lambda, log lambda becomes an unknown, which keeps lambda
+// positive, and the fit is nonlinear: square to disk, square to circle.
 //
-// Half voids at the sides have lambda = 1. A sheet that is to be closed in both states needs all of
-// them; one whose second state may stay open only those that close at theta = 0.
+// Half voids at the sides have lambda = 1. A sheet that is closed in both states needs all of them.
+// A sheet whose second state may be open needs only those that close at theta = 0.
 //
-// Weights of the soft equations were found by trial: they choose one sheet among many, none of them
-// holds exactly. A square without evenly spaced nodes, for one, loses its corner tiles.
+// The weights of the soft equations were found by trial. They select one of many sheets, and none
+// of them holds exactly. For example, a square without evenly spaced nodes loses its corner tiles.
 #include "sim/generate/lattice_designs.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ model::TurningField unitField(const model::Lattice& lattice) {
   return model::regularField(lattice, 1, model::Complex(0, 1));
 }
 
-// A fit whose exact equations hold; throws InputError where they do not.
+// A fit that fulfils its exact equations; throws InputError otherwise.
 Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorXd start,
            const FitSettings& settings) {
   Fit fit = fitDesign(source, std::move(start), settings);
@@ -68,14 +68,14 @@ void addDesiredPoint(EquationRows& rows, const LatticeUnknowns& unknowns,
   unknowns.addPosition(rows, field, corner, angle, model::Complex(0, 1), point.imag());
 }
 
-/// A corner and where it should go.
+/// A corner and its desired position.
 struct DesiredPoint {
   LatticeCorner corner;
   model::Complex point;
 };
 
 /// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
-/// desired points. All equations are linear: the fit is one step.
+/// desired points. All equations are linear, so the fit is one step.
 model::TurningField rhombicField(const std::string& family, const model::Lattice& lattice,
                                  double angle, const std::vector<DesiredPoint>& desired) {
   const LatticeUnknowns unknowns(lattice);
@@ -86,19 +86,19 @@ model::TurningField rhombicField(const std::string& family, const model::Lattice
     for (const DesiredPoint& point : desired) {
       addDesiredPoint(equations.desired, unknowns, field, point.corner, angle, point.point);
     }
-    // What the corners leave open stays small.
+    // Keeps small what the corners do not determine.
     unknowns.addConstants(equations.desired, field, zero, 1e-2);
   };
   FitSettings settings;
-  // Nothing to damp: the equations are linear.
+  // Linear equations need no damping.
   settings.damping = 1e-9;
   settings.rounds = 10;
   const Eigen::VectorXd start = unknowns.pack(unitField(lattice), 0);
   return unknowns.field(fitted(family, source, start, settings).unknowns);
 }
 
-/// A point of the heart curve x = 16 sin a |sin a|, y = 13 cos a - 5 cos 2a - 2 cos 3a (over 8),
-/// from the lower tip anticlockwise as t goes from 0 to 1.
+/// A point of the heart curve x = 16 sin a |sin a|, y = 13 cos a - 5 cos 2a - 2 cos 3a (divided by
+/// 8), anticlockwise from the lower tip for t in [0, 1].
 model::Complex heartPoint(double t) {
   const double a = pi - 2 * pi * t;
   const double x = 16 * std::sin(a) * std::abs(std::sin(a));
@@ -106,10 +106,10 @@ model::Complex heartPoint(double t) {
   return model::Complex(x, y) / 8.0;
 }
 
-/// Points at equal distances along a closed curve given over [0, 1].
+/// Equidistant points along a closed curve given over [0, 1].
 std::vector<model::Complex> evenPoints(const std::function<model::Complex(double)>& curve,
                                        int count) {
-  // Chords of that many pieces measure the curve to about 1e-8 of its length.
+  // This number of chords measures the curve to about 1e-8 of its length.
   constexpr int kPieces = 20000;
   std::vector<double> lengths{0};
   for (int k = 0; k < kPieces; ++k) {
@@ -119,7 +119,7 @@ std::vector<model::Complex> evenPoints(const std::function<model::Complex(double
   std::vector<model::Complex> points;
   for (int k = 0; k < count; ++k) {
     const double desired = lengths.back() * k / count;
-    // Along a straight piece, which is exact enough at this number of pieces.
+    // Linear interpolation, which is accurate enough with this number of pieces.
     const auto above = std::upper_bound(lengths.begin(), lengths.end(), desired);
     const double piece = static_cast<double>(above - lengths.begin() - 1);
     const double share = (desired - *(above - 1)) / (*above - *(above - 1));
@@ -140,8 +140,7 @@ model::Complex halfExtent(const model::TurningField& field, double angle) {
   return {x, y};
 }
 
-/// Round figures of a sheet with voids of any ratio: the exact conditions that the two designs
-/// share.
+/// Round sheets with voids of any ratio: the exact conditions of two designs.
 class RoundDesign {
  public:
   RoundDesign(std::string family, int size, double angle, std::vector<TileBlock> sideBlocks)
@@ -169,8 +168,8 @@ class RoundDesign {
       unknowns_.addBlock(rows, field, blocks_[k], values, logarithm(k));
     }
     addRhombicBlocks(rows, unknowns_, field, sideBlocks_, values);
-    // A tip on the circle: its component along its present direction is the radius. The direction
-    // is taken again in each round: in the end it is the position's own.
+    // A tip on the circle: its component along its current direction is the radius. Each round
+    // updates the direction, so it finally is the position's own.
     for (const LatticeCorner& tip : tips_) {
       const model::Complex position = field.corner(tip.cell, tip.corner, angle_);
       const model::Complex outwards = position / std::abs(position);
@@ -179,7 +178,7 @@ class RoundDesign {
     }
   }
 
-  // `firstRadius` in metres: of the circle that the tips shall lie on.
+  // `firstRadius`: initial radius of the tips' circle, metres.
   model::TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
     const int further = static_cast<int>(blocks_.size()) + 1;
     Eigen::VectorXd start = unknowns_.pack(unitField(lattice_), further);
@@ -199,12 +198,12 @@ class RoundDesign {
   double angle_;
 };
 
-/// The place of node k of the closed boundary on a square of half side h about the origin.
+/// The position of node k of the closed boundary on a square of half side h about the origin.
 model::Complex squarePoint(const model::Lattice& lattice, int node) {
   const int size = lattice.columns;
   const double half = 0.5 * size;
   const int side = node / size;
-  // Each further side is the bottom turned by a quarter.
+  // Each further side is the bottom, rotated by a quarter turn.
   const model::Complex onBottom(node % size - half, -half);
   return onBottom * std::pow(model::Complex(0, 1), side);
 }
@@ -234,10 +233,10 @@ model::TurningField fanField(const FanShape& shape) {
       const model::Complex position = regular.corner(cell, k, pi);
       const double x = position.real() / half.real();
       const double y = position.imag() / half.imag();
-      // Only corners on the outline of the open sheet are guided; the inside follows from the exact
-      // equations.
+      // Only corners on the outline of the open sheet have desired positions. The inside follows
+      // from the exact equations.
       if (std::max(std::abs(x), std::abs(y)) < 1 - 1e-9) continue;
-      // y runs from the inner to the outer radius, x over the sector's angle from left to right.
+      // y goes from the inner to the outer radius, x over the sector's angle from left to right.
       const double distance =
           shape.innerRadius + 0.5 * (1 + y) * (shape.outerRadius - shape.innerRadius);
       desired.push_back({{cell, k}, std::polar(distance, pi / 2 - shape.halfAngle * x)});
@@ -250,8 +249,8 @@ model::TurningField heartField(const model::Lattice& lattice) {
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
   const int count = static_cast<int>(nodes.size());
   const std::vector<model::Complex> points = evenPoints(heartPoint, count);
-  // The lower tip is in the middle of the left side. Nodes count from the bottom left: the left
-  // side begins after bottom, right and top, and runs down.
+  // The lower tip is in the middle of the left side. Nodes count from the bottom left. The left
+  // side comes after bottom, right and top, and goes down.
   const int tip = 2 * lattice.columns + lattice.rows + lattice.rows / 2;
   std::vector<DesiredPoint> desired;
   for (int k = 0; k < count; ++k) {
@@ -269,7 +268,7 @@ model::TurningField squareToDiskField(int size) {
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
     const model::TurningField field = unknowns.field(values);
     design.addExact(equations.exact, field, values);
-    // Evenly spaced nodes: without that the tiles at the square's corners collapse.
+    // Evenly spaced nodes: otherwise the tiles at the square's corners collapse.
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       addDesiredPoint(equations.exact, unknowns, field, nodes[k], 0,
                       squarePoint(lattice, static_cast<int>(k)));
@@ -277,13 +276,13 @@ model::TurningField squareToDiskField(int size) {
     unknowns.addConstants(equations.desired, field, regular, 0.1);
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {
       const int logarithm = design.logarithm(k);
-      // Voids alternate between narrow and wide ones, about e^-0.8 and e^0.8.
+      // Voids alternate between narrow and wide, about e^-0.8 and e^0.8.
       const double desired = model::isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
       addValue(equations.desired, logarithm, values[logarithm], desired, 0.3);
     }
   };
-  // The disk has the square's area: R = size / sqrt(pi) = 0.56 size, and a little more, since it is
-  // a polygon.
+  // The disk has the square's area: R = size / sqrt(pi) = 0.56 size, plus a little because it is a
+  // polygon.
   return design.fit(source, 0.58 * size, 0.1);
 }
 
@@ -312,7 +311,7 @@ model::TurningField squareToCircleField(int size) {
       unknowns.addPosition(equations.desired, field, nodes[k], 0, along,
                            (std::conj(along) * point).real(), 0.2);
     }
-    // Tips spread round the circle as the square maps to the disk.
+    // Tips are distributed around the circle by the map from square to disk.
     for (const LatticeCorner& tip : design.tipCorners()) {
       const model::Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
       const double u = box.real(), v = box.imag();
@@ -335,11 +334,11 @@ model::TurningField irregularField(const model::Lattice& lattice, double irregul
                                    unsigned seed) {
   const model::TurningField regular = unitField(lattice);
   std::mt19937 generator(seed);
-  // Whole numbers of the generator are the same on every machine, those of a distribution are not.
+  // The generator's integers are the same on every machine, unlike those of a distribution.
   const auto random = [&] { return irregularity * (generator() / 2147483648.0 - 1); };
   std::vector<DesiredPoint> desired;
   for (const LatticeCorner& node : closedBoundary(lattice)) {
-    // One after the other: the order in which arguments are evaluated is open.
+    // In two statements, because the evaluation order of arguments is unspecified.
     const double x = random();
     const double y = random();
     const model::Complex place = regular.corner(node.cell, node.corner, 0);
@@ -349,15 +348,15 @@ model::TurningField irregularField(const model::Lattice& lattice, double irregul
 }
 
 // ------------------------------------------------------------------------------------------------
-// Rows of equations on a turning field's constants, with their slopes.
+// Rows of equations for a turning field's constants, with their derivatives.
 //
-// Places and constants are complex numbers; the unknowns are their real and imaginary parts. A row
-// takes the component along a direction d, d . z = Re(conj(d) z), of a sum of c F over places. Its
-// slopes are d . c along Re F and d . (i c) along Im F, for c = e^(-i theta/2) at the odd and e^(i
-// theta/2) at the even place of a corner, or +-1 and +-lambda in a block.
+// Positions and constants are complex numbers. The unknowns are their real and imaginary parts. A
+// row is the component along a direction d, d . z = Re(conj(d) z), of a sum of c F over positions.
+// Its derivatives are d . c by Re F and d . (i c) by Im F. c is e^(-i theta/2) at the odd and e^(i
+// theta/2) at the even position of a corner, or +-1 and +-lambda in a block.
 //
-// Places just outside the sheet have constants too: they decide where the free corners at its sides
-// stand. The four places diagonally outside belong to no corner and to no block that is used.
+// Positions just outside the sheet also have constants, which define the free corners at its sides.
+// The four diagonally outside positions belong to no corner and to no used block.
 
 namespace {
 
@@ -366,21 +365,21 @@ double scalarProduct(model::Complex a, model::Complex b) {
   return (std::conj(a) * b).real();
 }
 
-// Places diagonally outside, which nothing refers to.
+// Diagonally outside positions, which no equation uses.
 bool isGhostCorner(const model::Lattice& lattice, const model::Cell& cell) {
   const bool outsideColumns = cell.column < 0 || cell.column >= lattice.columns;
   const bool outsideRows = cell.row < 0 || cell.row >= lattice.rows;
   return outsideColumns && outsideRows;
 }
 
-/// Half blocks whose lower left places are even on the sides to the left and right and odd at the
-/// bottom and the top, or the other way round.
+/// Half blocks with even lower left positions on the left and right sides and odd ones at the
+/// bottom and the top, or vice versa.
 std::vector<TileBlock> sideBlocks(const model::Lattice& lattice, bool evenAtLeftAndRight) {
   std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (const int row : {-1, lattice.rows - 1}) {
-      // A block's parity is that of its lower left place. Sides at the bottom and the top take the
-      // other parity, since neighbouring sides have their mouths at different nodes.
+      // A block's parity is that of its lower left position. Bottom and top use the other parity,
+      // since neighbouring sides have their mouths at different nodes.
       if (model::isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
     }
   }
@@ -405,7 +404,7 @@ std::vector<LatticeCorner> closedBoundary(const model::Lattice& lattice) {
   return nodes;
 }
 
-// Side by side, as closedBoundary() goes round.
+// In the order of closedBoundary().
 std::vector<LatticeCorner> tips(const model::Lattice& lattice) {
   const int right = lattice.columns - 1;
   const int top = lattice.rows - 1;
@@ -413,7 +412,7 @@ std::vector<LatticeCorner> tips(const model::Lattice& lattice) {
   const auto append = [&](const model::Cell& cell, int stepColumn, int stepRow) {
     for (int k = 0; k < 4; ++k) {
       const model::Cell beyond = model::cornerNeighbour(cell, k);
-      // A corner whose neighbour lies outside has no joint.
+      // A corner whose neighbour is outside has no joint.
       const bool isThere =
           beyond.column == cell.column + stepColumn && beyond.row == cell.row + stepRow;
       if (isThere) found.push_back({cell, k});
@@ -465,7 +464,7 @@ model::TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) cons
   return field;
 }
 
-// The slope along both parts of a constant that enters as factor * F, taken along a direction.
+// Adds the derivatives by both parts of a constant in a term factor * F, along a direction.
 void LatticeUnknowns::addSlope(EquationRows& rows, const model::Cell& cell, model::Complex factor,
                                model::Complex direction) const {
   const int place = places_.placeAt(cell);
@@ -499,7 +498,7 @@ void LatticeUnknowns::addBlock(EquationRows& rows, const model::TurningField& fi
     addSlope(rows, block.at(0, 0), -1, direction);
     addSlope(rows, block.at(1, 0), -signedRatio, direction);
     addSlope(rows, block.at(0, 1), signedRatio, direction);
-    // d lambda / d log lambda = lambda, which signedRatio holds already.
+    // d lambda / d log lambda = lambda, which signedRatio already contains.
     if (logarithm >= 0) rows.slope(logarithm, -scalarProduct(direction, signedRatio * across));
   }
 }

@@ -1,4 +1,4 @@
-/// Lines in the plane, cut at each other, and the faces between them.
+/// Arrangement of lines in the plane: their intersections, and the faces between them.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,15 @@
 
 namespace kirireel::model {
 
-/// Points of the plane, those within a tolerance as one, by number.
+/// Numbered points of the plane. Points within a tolerance are one.
 class PointNumbers {
  public:
-  /// Cells are counted from `origin`, a point of the drawing, so that their numbers stay small.
+  /// Cells are relative to `origin`, a point of the drawing, which keeps their numbers small.
   PointNumbers(double tolerance, const Vector2& origin) : tolerance_(tolerance), origin_(origin) {}
 
-  /// The number of the known point there; none where there is none.
+  /// The number of the known point at this position; absent if there is none.
   std::optional<int> find(const Vector2& point) const;
-  /// The number of the point, which is a new one where none is near.
+  /// The number of the point; a new one if no known point is near.
   int add(const Vector2& point);
 
   const Vector2& operator[](int number) const { return points_[number]; }
@@ -35,7 +35,7 @@ class PointNumbers {
   std::unordered_map<long, std::vector<int>> cells_;
 };
 
-/// A straight piece, metres.
+/// A straight segment, metres.
 using PlaneSegment = std::pair<Vector2, Vector2>;
 
 /// The z of the cross product.
@@ -43,37 +43,37 @@ inline double crossOf(const Vector2& a, const Vector2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Calls visit(i, j), i != j, once for each two segments whose boxes come within the reach, metres.
+/// Calls visit(i, j), i != j, once per pair of segments whose boxes are within reach, metres.
 template <typename Visit>
 void visitNearSegments(const std::vector<PlaneSegment>& segments, double reach, Visit visit);
 
-/// The planar subdivision that segments make. Ends and crossings within the tolerance are one
-/// node; an end within the tolerance of another segment lies on it; pieces that coincide are one
-/// edge. Edge e has the half edges 2 e, from first to second, and 2 e + 1, back.
+/// The planar subdivision by segments. Ends and crossings within the tolerance are one node. An end
+/// within the tolerance of another segment lies on it. Coinciding pieces are one edge. Edge e has
+/// the half edges 2 e, from first to second, and 2 e + 1, in reverse.
 class Arrangement {
  public:
-  /// Costs a sort, and each pair of segments whose boxes meet.
+  /// The cost is a sort, and a test of each pair of segments with overlapping boxes.
   Arrangement(const std::vector<PlaneSegment>& segments, double tolerance);
 
   const std::vector<Vector2>& nodes() const { return numbers_.points(); }
   const std::vector<std::pair<int, int>>& edges() const { return edges_; }
-  /// The node at a place; none where there is none.
+  /// The node at a position; absent if there is none.
   std::optional<int> nodeAt(const Vector2& place) const { return numbers_.find(place); }
-  /// Half edges that leave a node, anticlockwise.
+  /// Half edges that start at a node, anticlockwise.
   const std::vector<int>& leaving(int node) const { return leaving_[node]; }
   int from(int half) const { return half % 2 ? edges_[half / 2].second : edges_[half / 2].first; }
   int to(int half) const { return from(half ^ 1); }
   const Vector2& at(int node) const { return numbers_[node]; }
 
-  /// Drops edges that have one face on both sides: open ends, and bridges.
+  /// Drops edges with the same face on both sides: open ends and bridges.
   void dropBridges();
 
-  /// The cycles of half edges with a face on their left; cycles that run clockwise are the
-  /// outsides of connected parts.
+  /// The cycles of half edges with a face on their left. Clockwise cycles are the outer boundaries
+  /// of connected parts.
   const std::vector<std::vector<int>>& cycles() const { return cycles_; }
   /// The number of the cycle of a half edge.
   int cycleOf(int half) const { return cycleOf_[half]; }
-  /// The area that a cycle goes round, square metres; below 0 of those that run clockwise.
+  /// The area inside a cycle, square metres; < 0 for clockwise cycles.
   double areaOf(int cycle) const;
   /// The number of each node's connected part.
   std::vector<int> parts() const;
@@ -91,11 +91,11 @@ class Arrangement {
 /// Whether the point is within a closed polygon, by the crossings of a ray along x.
 bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point);
 
-/// The area of a closed polygon, positive where it runs anticlockwise.
+/// The area of a closed polygon, > 0 if anticlockwise.
 double ringArea(const std::vector<Vector2>& ring);
 
-/// Which points of a chain to keep so that it stays within the tolerance, with both its ends (D. H.
-/// Douglas, T. K. Peucker 1973).
+/// The points of a chain to keep, including both ends, for a simplification within the tolerance
+/// (D. H. Douglas, T. K. Peucker 1973).
 std::vector<bool> simplifiedChain(const std::vector<Vector2>& chain, double tolerance);
 
 // ------------------------------------------------------------------------------------------------

@@ -1,16 +1,15 @@
 // Tiles thickened to prisms: shape, mass, inertia, pivots.
 //
-// A prism over a polygon with the area S (m^2) and the thickness t (m) has, for the mass 1, the
-// covariance
+// A prism over a polygon with area S (m^2) and thickness t (m) has, for mass 1, the covariance
 //   C = (1/S) integral of x x^T over the area + t^2 / 12 n n^T          m^2
-// about its centre of mass, n the unit normal; the second term is that of a rod along n. The
-// inertia is I = trace(C) 1 - C, times the mass. The integral over the polygon is the sum over the
-// triangles between its centroid and its edges, each exact, with signs, so that concave polygons
-// need no triangulation.
+// about its centre of mass, with the unit normal n. The second term is that of a rod along n. The
+// inertia is I = trace(C) 1 - C, times the mass. The integral over the polygon is the exact signed
+// sum over the triangles between its centroid and its edges. Concave polygons need no
+// triangulation.
 //
-// A fixed joint becomes three point joints. Three points that are not on one line take all six
-// relative freedoms; the nine rows that they make repeat each other, which the solver takes without
-// harm.
+// A fixed joint becomes three point joints. Three non-collinear points constrain all
+// six relative degrees of freedom. Their nine rows are redundant, which the solver
+// handles.
 #include "sim/model/brick.h"
 
 #include <cmath>
@@ -60,7 +59,7 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
     const Brick& brick = bricks[corner.tile];
     return face == JointFace::Top ? brick.top[corner.vertex] : brick.bottom[corner.vertex];
   };
-  // A joint on the top alone is no second pivot of anything.
+  // A joint only on the top is not a second pivot.
   const bool isUpper = joint.face == JointFace::Both && face == JointFace::Top;
   return {joint.a.tile, joint.b.tile,   point(joint.a), point(joint.b),    jointIndex, 0,
           isUpper,      joint.a.vertex, joint.b.vertex, joint.isWithinTile};
@@ -69,7 +68,7 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
 Pivot makeLinkPivot(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks) {
   Pivot pivot = makePivot(joint, jointIndex, JointFace::Bottom, bricks);
   pivot.distance = joint.apart.norm();
-  // Linked bricks share no corner, so that nothing is cut off where they meet.
+  // Linked bricks share no corner, so no pivot zone is cut off.
   pivot.cornerA = pivot.cornerB = kNoCorner;
   return pivot;
 }
@@ -85,13 +84,13 @@ std::size_t cornerAcrossFirstEdge(const std::vector<Vector3>& corners) {
   return farthest;
 }
 
-/// Three shared points that are not in line hold two bricks together: three corners of A, which B
-/// carries along.
+/// Three non-collinear common points hold two bricks together: three corners of A, which B carries
+/// along.
 void appendFixedPivots(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks,
                        std::vector<Pivot>& pivots) {
   const std::vector<Vector3>& corners = bricks[joint.a.tile].bottom;
-  // From the centre of brick B to that of brick A at the start. Axes are parallel then, so that a
-  // point r of A is the point r plus this vector, with its sign, of B.
+  // Vector from the centre of brick B to that of brick A at the start. The axes are parallel then,
+  // so a point r of A is r plus this vector in brick B.
   const Vector3 betweenCentres =
       corners[joint.a.vertex] - joint.apart - bricks[joint.b.tile].bottom[joint.b.vertex];
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, cornerAcrossFirstEdge(corners)}) {
@@ -111,7 +110,7 @@ Brick makeBrick(const Tile& tile, const BrickRule& rule) {
   brick.inertia = brick.mass * unitInertia(tile, rule.thickness);
   const Vector3 centre = centreOfMass(tile, rule.thickness);
   for (const Vector3& vertex : tile.vertices) {
-    // Brick axes are the world's at the start: only the origin moves.
+    // Brick axes are parallel to the world axes at the start: only the origin moves.
     brick.bottom.push_back(vertex - centre);
     brick.top.push_back(brick.bottom.back() + rule.thickness * brick.normal);
   }
@@ -120,7 +119,7 @@ Brick makeBrick(const Tile& tile, const BrickRule& rule) {
 }
 
 std::vector<PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom, const Vector3& normal) {
-  // What readers refuse can only come from a damaged trajectory, and would take long.
+  // Readers refuse such tiles. They can only come from a damaged trajectory, and would be slow.
   if (bottom.size() > kMostTileVertices || isConvexPolygon(bottom, normal)) return {};
   return convexParts(bottom, normal);
 }
@@ -175,7 +174,7 @@ std::vector<std::vector<Vector3>> brickFaces(const Brick& brick) {
   const size_t count = brick.bottom.size();
   std::vector<std::vector<Vector3>> faces;
   faces.reserve(count + 2);
-  // The bottom looks against the normal, so its vertices run the other way round.
+  // The bottom faces against the normal, so its vertices are reversed.
   faces.emplace_back(brick.bottom.rbegin(), brick.bottom.rend());
   faces.push_back(brick.top);
   for (size_t k = 0; k < count; ++k) {
@@ -213,7 +212,7 @@ std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vecto
       pivots.push_back(makeLinkPivot(joints[i], index, bricks));
       continue;
     }
-    // The bottom pivot comes before the top one, which planar scenes leave out.
+    // The bottom pivot comes before the top one, which planar scenes omit.
     if (joints[i].face != JointFace::Top) {
       pivots.push_back(makePivot(joints[i], index, JointFace::Bottom, bricks));
     }

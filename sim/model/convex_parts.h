@@ -1,4 +1,4 @@
-/// Tiles in parts: convex parts of concave tiles, rigid parts of tiles that bend.
+/// Parts of tiles: convex parts of concave tiles, rigid parts of tiles that bend.
 #pragma once
 
 #include <array>
@@ -13,59 +13,59 @@
 namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
-// Concave polygons as convex parts, for all that needs convex shapes: contacts, depths, painting,
-// meshes of elements.
+// Divides concave polygons into convex parts, for all code that needs convex shapes: contacts,
+// overlap depths, painting, element meshes.
 //
-// 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): a corner that turns left and whose
-//    triangle with its two neighbours holds no other corner is cut off; a simple polygon always
-//    has one. Of all ears the one with the largest least sine goes first, so that triangles are
-//    not thinner than need be. n corners give n - 2 triangles in O(n^3), n is 300 at most.
-// 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal goes where both its ends stay convex without
-//    it. What is left has at most four times the least number of parts.
+// 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): an ear is a left corner whose triangle
+//    with its two neighbours contains no other corner. A simple polygon always has one. The ear
+//    with the largest minimum sine is cut off first, which avoids unnecessarily thin triangles. n
+//    corners give n - 2 triangles in O(n^3), n <= 300.
+// 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal is removed if both its ends stay convex. The
+//    result has at most four times the least number of parts.
 //
-// All corners stay, also those in the middle of a straight side, since joints may hold them.
+// All corners are kept, including those within a straight side, since joints may use them.
 
 /// Corner numbers of a part, anticlockwise.
 using PolygonPart = std::vector<int>;
 
-/// Whether a polygon that is anticlockwise seen from `normal` counts as convex: corners turn
-/// inwards by no more than what optimised designs carry (a sine of 0.03 each, 0.06 in all).
+/// Whether a polygon that is anticlockwise seen from `normal` counts as convex: its inward turns
+/// are within the range of optimised designs (a sine of at most 0.03 each, 0.06 in total).
 bool isConvexPolygon(std::span<const Vector3> corners, const Vector3& normal);
 
-/// Two sides of a polygon that meet where they must not, by the numbers of their first corners;
-/// none where the polygon is simple. Seen along `normal`. Sides that follow each other may only
-/// share their corner. `tolerance` in metres: sides nearer than that touch.
+/// Two sides of a polygon that cross or touch, by the numbers of their first corners. Absent if the
+/// polygon is simple. Seen along `normal`. Consecutive sides may only share their corner.
+/// `tolerance` in metres: nearer sides touch.
 std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corners,
                                                  const Vector3& normal, double tolerance);
 
-/// The triangles of a simple polygon, anticlockwise seen from `normal`; a fan from corner 0 where
-/// it is convex.
-/// A polygon whose sides cross gives triangles that overlap; crossingSides() is to be asked first.
+/// The triangles of a simple polygon, anticlockwise seen from `normal`. A convex polygon gives a
+/// fan from corner 0. A polygon with crossing sides gives overlapping triangles; check
+/// crossingSides() first.
 std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
                                             const Vector3& normal);
 
-/// The convex parts of a simple polygon; one with all corners where it is convex.
-/// Each diagonal that is left is a side of two parts, in opposite directions.
+/// The convex parts of a simple polygon. A convex polygon gives one part with all corners.
+/// Each remaining diagonal is a side of two parts, in opposite directions.
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
 
-/// The corners of the convex outline of points in the plane, anticlockwise, none in the middle of a
-/// side; no points have none. Andrew's monotone chain (Information Processing Letters 9, 1979),
-/// O(n log n).
+/// The corners of the convex hull of points in the plane, anticlockwise, without corners within a
+/// side. Empty for no points. Andrew's monotone chain (Information Processing Letters 9, 1979), O(n
+/// log n).
 std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points);
 
 // ------------------------------------------------------------------------------------------------
-// Tiles that bend: rigid parts hinged along their common edges.
+// Tiles that bend: rigid parts with hinges along their common edges.
 
-/// The triangles that a tile is split into, its corner numbers anticlockwise: by the diagonals from
-/// the corner whose diagonals are shortest, concave tiles into ears.
+/// The triangles of a split tile, with anticlockwise corner numbers. Cuts along the diagonals from
+/// the corner with the shortest diagonals. Concave tiles are cut into ears.
 std::vector<std::array<int, 3>> tileTriangles(const Tile& tile);
 
-/// The model with the given tiles, in the numbers of its file, (all, when empty) split into
-/// triangles by the diagonals from the corner whose diagonals are shortest, concave ones into ears;
-/// triangles stay whole. Parts are joined at both ends of a common diagonal on the bottom face, a
-/// hinge. The first part keeps the tile's number, the others follow after the last tile; joints
-/// hold the first part that has their corner, targets are split alike, and all parts of a pulled
-/// tile are pulled. Throws InputError for a tile that does not exist.
+/// The model with these tiles (numbers of its file; empty: all) split into triangles as in
+/// tileTriangles(). Triangles stay whole. Parts are joined at both ends of a common diagonal on
+/// the bottom face, which is a hinge. The first part keeps the tile's number, the others follow
+/// after the last tile. Joints hold the first part with their corner. Targets are split in the
+/// same manner. All parts of a pulled tile are pulled. Throws InputError for a tile that does not
+/// exist.
 Model splitTiles(const Model& model, const std::vector<int>& tiles);
 
 }  // namespace kirireel::model

@@ -1,4 +1,4 @@
-/// Drawings of lines: SVG and DXF files as geometry, whatever program wrote them.
+/// Drawings of lines: SVG and DXF files from any program as geometry.
 #pragma once
 
 #include <array>
@@ -15,46 +15,46 @@
 
 namespace kirireel::model {
 
-/// A place in the plane, metres.
+/// A position in the plane, metres.
 using Vector2 = Eigen::Vector2d;
 
 /// One line of a drawing; curves are chains of straight pieces.
 struct DrawnPath {
-  std::vector<Vector2> points;     ///< metres, y upwards; at least 2, a closed one repeats none
-  bool isClosed = false;           ///< the last point leads back to the first
-  std::string colour;              ///< "#ff0000"; "fill #ff0000" of a shape without a stroke
-  std::string layer;               ///< layer, or outermost group with a name; may be empty
-  std::vector<std::string> names;  ///< ids, labels and classes of it and of its groups
+  std::vector<Vector2> points;     ///< metres, y upwards; at least 2; closed paths repeat none
+  bool isClosed = false;           ///< the last point is connected to the first
+  std::string colour;              ///< "#ff0000"; "fill #ff0000" for a shape without stroke
+  std::string layer;               ///< layer, or outermost named group; may be empty
+  std::vector<std::string> names;  ///< its ids, labels and classes, and those of its groups
   bool isDashed = false;           ///< drawn with a dash pattern
 };
 
-/// A drawing. Lengths are metres; the drawing's own coordinates are for messages.
+/// A drawing. Lengths are in metres. The drawing's own coordinates are used in messages.
 struct Drawing {
   std::vector<DrawnPath> paths;        ///< in the order of the file
-  std::map<std::string, int> ignored;  ///< what is no line, and how often: {"text", 2}
-  double unit = 1;                     ///< metres of one unit of the drawing's coordinates
-  std::string unitName;                ///< "mm"; "px" and "units" where the file names no length
-  bool isDownwards = false;            ///< the drawing's y runs down
+  std::map<std::string, int> ignored;  ///< other elements than lines, with counts: {"text", 2}
+  double unit = 1;                     ///< metres per unit of the drawing's coordinates
+  std::string unitName;                ///< "mm"; "px" or "units" if the file has no unit of length
+  bool isDownwards = false;            ///< the drawing's y axis points down
   Vector2 origin = Vector2::Zero();    ///< of the drawing's coordinates, metres
-  double rounding = 0;  ///< the last digit of its coordinates, metres; 0 where they have all digits
-  double flattening = 0;  ///< how far straight pieces are off their curves, metres; 0: no curves
+  double rounding = 0;                 ///< last digit of its coordinates, metres; 0: all digits
+  double flattening = 0;  ///< deviation of straight pieces from their curves, metres; 0: no curves
 
-  /// "(12.3, 4) mm": a place in the drawing's own coordinates.
+  /// "(12.3, 4) mm": a position in the drawing's own coordinates.
   std::string place(const Vector2& point) const;
-  /// The diagonal of the box round all lines, metres; 0 without lines.
+  /// Diagonal of the bounding box of all lines, metres; 0 without lines.
   double size() const;
 };
 
-/// A drawing that is no sheet: a picture shows the fault better than a message.
+/// Error for a drawing that is not a sheet. The caller can draw the fault.
 class DrawingFault : public InputError {
  public:
-  /// With the message, the drawing's lines, and where the fault is, metres.
+  /// The drawing's lines, and the positions of the fault, metres.
   DrawingFault(const InputError& error, std::vector<DrawnPath> lines, std::vector<Vector2> places)
       : InputError(error), lines_(std::move(lines)), places_(std::move(places)) {}
 
   /// All lines of the drawing.
   const std::vector<DrawnPath>& lines() const { return lines_; }
-  /// One place or more, metres.
+  /// One or more positions, metres.
   const std::vector<Vector2>& places() const { return places_; }
 
  private:
@@ -62,27 +62,27 @@ class DrawingFault : public InputError {
   std::vector<Vector2> places_;
 };
 
-/// Whether a file is a drawing by its ending.
+/// Whether a file is a drawing, by its ending.
 bool isDrawing(const std::filesystem::path& file);
 
-/// Reads an SVG or DXF file by its ending. Throws InputError for text that is neither, numbers that
-/// are none, and drawings of more than 2 million points.
+/// Reads an SVG or DXF file by its ending. Throws InputError for text that is neither, invalid
+/// numbers, and drawings with more than 2 million points.
 Drawing readDrawing(const std::filesystem::path& file);
 
-/// Reads SVG 1.1 and what SVG 2 adds to lines: all shapes, transforms, nested svg, use, units,
-/// viewBox, style sheets with simple selectors. Curves are flattened to within so many metres.
+/// Reads SVG 1.1 and the line elements of SVG 2: all shapes, transforms, nested svg, use, units,
+/// viewBox, style sheets with simple selectors. Curves are flattened to a tolerance in metres.
 Drawing readSvgDrawing(const std::filesystem::path& file, const std::string& text,
                        double flattening);
 
-/// Reads DXF in ASCII, R12 to 2018: LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE, SPLINE, and
-/// INSERT of blocks, on layers that are on.
+/// Reads ASCII DXF, R12 to 2018: LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE, SPLINE, and
+/// INSERT of blocks, on visible layers.
 Drawing readDxfDrawing(const std::filesystem::path& file, const std::string& text,
                        double flattening);
 
 // ------------------------------------------------------------------------------------------------
-// What both readers use.
+// Functions of both readers.
 
-/// Most points of a drawing: a bound on what blocks within blocks can ask for.
+/// Maximum number of points of a drawing, a limit for nested blocks.
 inline constexpr std::size_t kMostDrawnPoints = 2'000'000;
 
 /// Adds a path in metres. Repeated points and paths without length are dropped.
@@ -92,22 +92,22 @@ void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file
 void addArc(std::vector<Vector2>& points, const Vector2& centre, const Vector2& first,
             const Vector2& second, double from, double sweep, double flattening);
 
-/// In lower case, for names and colours, which are compared so.
+/// Lower case text, for comparisons of names and colours.
 std::string lowerCase(std::string_view text);
 
-/// "#rrggbb" of any spelling of a colour in SVG; other words in lower case.
+/// "#rrggbb" for any spelling of a colour in SVG; other words in lower case.
 std::string normalColour(std::string_view text);
 
-/// How many decimals the coordinates of a drawing are written with.
+/// Statistics of the decimals of a drawing's coordinates.
 struct DecimalCounts {
-  std::array<int, 16> numbers{};  ///< how many have 0, 1, ... decimals, or 15 and more
+  std::array<int, 16> numbers{};  ///< count of coordinates with 0, 1, ... decimals, or 15 and more
 
-  /// The last place that most of those with decimals have; 0 where they have 7 or more.
+  /// The last place of most numbers with decimals; 0 if they have 7 or more decimals.
   double lastPlace() const;
 };
 
-/// A number with '.' or ',' before its decimals, leading '+' allowed. Throws InputError that names
-/// the file.
+/// A number with '.' or ',' before its decimals, possibly with a leading '+'. Throws InputError
+/// with the name of the file.
 double drawnNumber(std::string_view text, const std::filesystem::path& file,
                    DecimalCounts* decimals = nullptr);
 

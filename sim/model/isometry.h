@@ -10,64 +10,64 @@
 namespace kirireel::model {
 
 // ------------------------------------------------------------------------------------------------
-// Best rigid fits between point sets (Kabsch 1976), and turning a model's start into its target's
-// axes.
+// Best rigid fits between point sets (Kabsch 1976), and the alignment of a model's start to its
+// target.
 
 /// A proper rigid motion x -> rotation * x + translation.
 struct RigidMotion {
   Matrix3 rotation = Matrix3::Identity();  ///< proper
   Vector3 translation = Vector3::Zero();   ///< after the rotation, metres
 
-  /// Where a point goes, metres.
+  /// The image of a point, metres.
   Vector3 apply(const Vector3& point) const { return rotation * point + translation; }
 };
 
-/// The rigid motion that brings `from` nearest to `to` in the sum of squares; never a reflection.
-/// Same length, at least one point.
+/// The rigid motion of `from` nearest to `to` in the sum of squares; never a reflection. Both have
+/// the same length, at least one point.
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to);
 
-/// The same with squares that count by weights, one a point, from 0 and not all 0.
-/// Nothing is checked here: with other lengths or with weights of sum 0 the result is not defined.
+/// The same with weights, one per point, >= 0 and not all 0.
+/// Not checked: the result is undefined for other lengths or a weight sum of 0.
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
                             std::span<const double> weights);
 
-/// Moves the start tiles of a model with a target onto the target by the best rigid motion of all
-/// vertices together, as PyKirigami does, or, where some tiles will be held where they are, of the
-/// vertices of these `held` tiles alone. A start and target that each lie in a horizontal plane are
-/// turned about the vertical alone (never flipped over). Returns the motion applied; identity
-/// without target.
+/// Moves a model's start onto its target by the best rigid motion of all vertices together,
+/// as PyKirigami does. If some tiles are held at their position, only vertices of these
+/// `held` tiles count. If start and target each lie in a horizontal plane, the rotation is
+/// only about the vertical, without turning over. Returns the motion; identity without a
+/// target.
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held = {});
 
 // ------------------------------------------------------------------------------------------------
-// The symmetries of a model, and states that have them.
+// The symmetries of a model, and symmetric states.
 
 /// An isometry about the common centre of the tiles that maps a model onto itself.
 struct Symmetry {
-  Matrix3 turn = Matrix3::Identity();  ///< orthogonal: a turn, or a turn with a reflection
-  std::vector<int> images;             ///< the tile that each tile is mapped to
+  Matrix3 turn = Matrix3::Identity();  ///< orthogonal: a rotation, possibly with a reflection
+  std::vector<int> images;             ///< image of each tile
 };
 
-/// The group of all isometries that map the start onto itself, and with the same permutation of the
-/// tiles the target, the tiles' normals, joints and pulled tiles; the identity first. Start and
-/// target are to be aligned: an isometry maps both by the same turn, each about its own centre.
-/// Places are the same up to 1e-9 of a tile. Tiles with one place in both states count as
-/// one: a model that has such tiles has the identity alone.
+/// The group of all isometries that map the start to itself, and with the same permutation of tiles
+/// also the target, the normals, joints and pulled tiles. The identity is first. Start and target
+/// must be aligned: an isometry rotates both equally, each about its own centre. Positions are
+/// equal up to 1e-9 of a tile. Tiles that coincide in both states are indistinguishable. A model
+/// with such tiles has only the identity.
 std::vector<Symmetry> symmetriesOf(const Model& model);
 
 /// Moves the vertices of start and target to the means of their images under the model's
-/// symmetries: a model that has them within symmetriesOf()'s tolerance has them to rounding then.
-/// One that has them to rounding already, and one whose tiles were rounded, stays as it is.
+/// symmetries. Symmetries within symmetriesOf()'s tolerance then hold up to rounding. Does not
+/// change a model that is already symmetric up to rounding, or whose tiles were rounded.
 void symmetrise(Model& model);
 
-/// How far a state's images under the symmetries are from it, the farthest centre of mass, metres,
-/// or turn times `radius`.
+/// The deviation of a state's images under the symmetries: the largest distance of a centre of
+/// mass, metres, or rotation angle times `radius`.
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius);
 
-/// The mean of a state's images under a group of symmetries, about the state's own centre: it has
-/// them all to rounding. Near the state where that nearly has them.
+/// The mean of a state's images under a group of symmetries, about the state's own centre. It is
+/// symmetric up to rounding, and near the state if that is nearly symmetric.
 Poses symmetricMean(const Poses& poses, std::span<const Symmetry> group);
 
-/// The same for velocities, one a tile.
+/// The same for velocities, one per tile.
 std::vector<Velocity> symmetricMean(const std::vector<Velocity>& velocities,
                                     std::span<const Symmetry> group);
 

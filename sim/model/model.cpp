@@ -1,15 +1,15 @@
 // Measures of polygons and sheets, and the order of a file's vertices.
 //
-// A polygon with the vertices p_0 ... p_(n-1), anticlockwise seen from its normal, is taken as the
-// fan of triangles (p_0, p_k, p_(k+1)). With u_k = p_k - p_0, in metres:
+// A polygon with the vertices p_0 ... p_(n-1), anticlockwise seen from its normal, is a fan of
+// triangles (p_0, p_k, p_(k+1)). With u_k = p_k - p_0, in metres:
 //   a = sum over k of u_k x u_(k+1)                          twice the vector area, m^2
 //   n = a / |a|                                              unit normal (Newell's method)
 //   S = |a| / 2                                              area, m^2
 //   c = p_0 + sum w_k (u_k + u_(k+1)) / 3 / sum w_k          centroid, w_k = (u_k x u_(k+1)) . n
-// Triangles outside a concave polygon have negative weights w_k, which take away what other
-// triangles count too much. So one formula serves convex and concave polygons, and no triangulation
-// is needed. I. E. Sutherland, R. F. Sproull, R. A. Schumacker, A characterization of ten
-// hidden-surface algorithms, ACM Computing Surveys 6, 1974, describe Newell's method.
+// Triangles outside a concave polygon have negative weights w_k, which compensate the excess of
+// other triangles. The formula therefore holds for convex and concave polygons without
+// triangulation. Newell's method is described in I. E. Sutherland, R. F. Sproull, R. A. Schumacker,
+// A characterization of ten hidden-surface algorithms, ACM Computing Surveys 6, 1974.
 #include "sim/model/model.h"
 
 #include <algorithm>
@@ -24,8 +24,8 @@
 namespace kirireel::model {
 namespace {
 
-/// Newell's sum over edges, taken about the first vertex so that far-away tiles lose no digits; its
-/// length is twice the area.
+/// Newell's sum over edges, relative to the first vertex, which keeps the precision of distant
+/// tiles. Its length is twice the area.
 Vector3 doubledVectorArea(const Tile& tile) {
   const Vector3& origin = tile.vertices.front();
   Vector3 sum = Vector3::Zero();
@@ -39,7 +39,7 @@ Vector3 doubledVectorArea(const Tile& tile) {
 
 Corner FileOrder::across(const Corner& corner, const std::vector<Tile>& tiles) const {
   if (isReversed.empty() || !isReversed[corner.tile]) return corner;
-  // Reversal takes vertex k of n to n - 1 - k, and is its own inverse.
+  // Reversal maps vertex k of n to n - 1 - k, and is its own inverse.
   return {corner.tile, static_cast<int>(tiles[corner.tile].vertices.size()) - 1 - corner.vertex};
 }
 
@@ -55,8 +55,8 @@ std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order) {
 }
 
 Model inFileOrder(Model model) {
-  // Corners are renumbered while model.tiles still has the vertex counts that across() needs; the
-  // order of the two does not matter otherwise, since reversal keeps the counts.
+  // Corners are renumbered while model.tiles still has the vertex counts that across() needs.
+  // Otherwise the order does not matter, since reversal keeps the counts.
   const auto turn = [&](Corner& corner) { corner = model.fileOrder.across(corner, model.tiles); };
   for (Joint& joint : model.joints) {
     turn(joint.a);
@@ -69,13 +69,13 @@ Model inFileOrder(Model model) {
   for (std::vector<Tile>& state : model.waypoints) {
     state = inFileOrder(std::move(state), model.fileOrder);
   }
-  // A second call must not turn the tiles back.
+  // A second call must not reverse the tiles again.
   model.fileOrder.isReversed.clear();
   return model;
 }
 
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB) {
-  // Which corners are named does not matter for a rigid connection. The first ones give it a place.
+  // Any corners suffice for a rigid connection. The first ones give it a position.
   const Vector3 apart = tiles[tileA].vertices.front() - tiles[tileB].vertices.front();
   return {{tileA, 0}, {tileB, 0}, JointFace::Bottom, JointKind::Fixed, apart};
 }
@@ -98,7 +98,7 @@ Vector3 tileCentroid(const Tile& tile) {
   const Vector3 normal = tileNormal(tile);
   Vector3 weighted = Vector3::Zero();
   double doubledArea = 0;
-  // Triangles round the first vertex; signed, so that any simple polygon comes out right.
+  // Triangles around the first vertex; signed areas are correct for any simple polygon.
   for (size_t k = 1; k + 1 < tile.vertices.size(); ++k) {
     const Vector3 left = tile.vertices[k] - origin;
     const Vector3 right = tile.vertices[k + 1] - origin;
@@ -109,7 +109,7 @@ Vector3 tileCentroid(const Tile& tile) {
   return origin + weighted / doubledArea;
 }
 
-// The target does not count: it may be far away.
+// Ignores the target, which may be far away.
 double modelSize(const Model& model) {
   Eigen::AlignedBox3d box;
   for (const Tile& tile : model.tiles) {
@@ -118,7 +118,7 @@ double modelSize(const Model& model) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
-// Long and short edges count alike, whichever tile they are of.
+// Long and short edges have equal weight, for every tile.
 double tileSize(const Model& model) {
   double sum = 0;
   size_t edges = 0;
@@ -135,7 +135,7 @@ double tileSize(const Model& model) {
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target) {
   int count = 0;
   for (std::size_t i = 0; i < start.size(); ++i) {
-    // The sign of the cosine between the normals tells more than 90 degrees from less.
+    // The sign of the cosine shows whether the normals differ by more than 90 degrees.
     if (tileNormal(start[i]).dot(tileNormal(target[i])) < 0) ++count;
   }
   return count;
@@ -162,18 +162,18 @@ std::vector<int> piecesOf(const Model& model) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The convex outline by Andrew's monotone chain.
+// Convex hull by Andrew's monotone chain.
 //
-// The points are sorted by x, then by y. Walking them once from left to right, each new point takes
-// away those before it at which the chain would turn right; what stays is the lower half of the
-// outline. Walking back gives the upper half. This costs O(n log n) for the sorting and O(n) for
-// the walks. Corners on a straight side stay, as they are corners of the sheet that springs may
-// pull. A. M. Andrew, Another efficient algorithm for convex hulls in two dimensions, Information
-// Processing Letters 9, 1979.
+// The points are sorted by x, then by y, and processed from left to right. Each new point removes
+// previous points at which the chain would turn right. This gives the lower half of the hull. The
+// reverse pass gives the upper half. The cost is O(n log n) for sorting and O(n) for both passes.
+// Corners on a straight side are kept, because springs may pull these corners of the sheet. A. M.
+// Andrew, Another efficient algorithm for convex hulls in two dimensions, Information Processing
+// Letters 9, 1979.
 
 namespace {
 
-/// Coordinates nearer than this part of the sheet's larger side are one.
+/// Coordinates nearer than this fraction of the sheet's larger side are equal.
 constexpr double kSameCoordinate = 1e-9;
 
 struct TilePoint {
@@ -181,8 +181,8 @@ struct TilePoint {
   Corner corner;
 };
 
-/// Replaces each value by the least of those from which only gaps up to `least` separate it: sheets
-/// that are turned or far away hold one coordinate as several that differ by rounding.
+/// Merges values that are connected by gaps of at most `least` into their minimum. In rotated or
+/// distant sheets one coordinate occurs as several that differ by rounding.
 void joinNearValues(std::vector<TilePoint>& points, double TilePoint::*value, double least) {
   std::vector<double*> rising;
   for (TilePoint& point : points) rising.push_back(&(point.*value));
@@ -195,7 +195,7 @@ void joinNearValues(std::vector<TilePoint>& points, double TilePoint::*value, do
   }
 }
 
-// By x, then y; a stable sort keeps the first corner of each place first.
+// By x, then y. A stable sort keeps the first corner at each position first.
 std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
   std::vector<TilePoint> points;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -215,13 +215,13 @@ std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
   return points;
 }
 
-/// Twice the area of a triangle; positive when a, b, c turn left.
+/// Twice the area of a triangle; > 0 if a, b, c turn left.
 double turn(const TilePoint& a, const TilePoint& b, const TilePoint& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The points that nowhere turn right, one half of the outline (Andrew 1979); the last is left out,
-/// it begins the other half.
+/// One half of the hull: points without right turns (Andrew 1979). Omits the last point, which
+/// begins the other half.
 template <typename Iterator>
 void appendHalf(Iterator begin, Iterator end, double rounding, std::vector<Corner>& outline) {
   std::vector<TilePoint> half;
@@ -243,7 +243,7 @@ std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
   };
   points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
   const double width = points.back().x - points.front().x;
-  // Areas smaller than this come from rounding: then a point counts as being on the straight side.
+  // Smaller areas come from rounding: the point then counts as on the straight side.
   const double rounding = kSameCoordinate * width * width;
   std::vector<Corner> outline;
   appendHalf(points.begin(), points.end(), rounding, outline);

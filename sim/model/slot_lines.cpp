@@ -1,17 +1,17 @@
-// From slots to their centre lines.
+// Converts slots to their centre lines.
 //
-// 1. *Material* M is the outlines of sheets less all rings in them (GEOS, so that slots may overlap
-//    each other and the outline). A ring round one outline that itself has rings in it is the frame
-//    of a page, and is left out.
-// 2. *Facing edges*: two edges of M's border that run in opposite directions with nothing but
-//    removed material between them. Their distance, the median over their lengths, is the kerf k.
-// 3. *Centre lines* run midway between facing edges, where both are there.
-// 4. *Outline*: M closed by 0.6 k or more (dilation and erosion with mitred corners, J. Serra,
-//    Image Analysis and Mathematical Morphology, 1982), which fills slots and their mouths and
-//    gives straight edges back as they were. Holes that stay are wider than slots.
+// 1. *Material* M is the outlines of sheets minus all rings in them (by GEOS, so slots may overlap
+//    each other and the outline). A ring around one outline that itself contains rings is the frame
+//    of a page and is ignored.
+// 2. *Facing edges*: two edges of M's border with opposite directions and only removed material
+//    between them. The median of their distances over their lengths is the kerf k.
+// 3. *Centre lines* lie midway between facing edges, where these overlap.
+// 4. *Outline*: closing M by at least 0.6 k (dilation and erosion with mitred corners, J. Serra,
+//    Image Analysis and Mathematical Morphology, 1982) fills slots and their mouths and preserves
+//    straight edges. Remaining holes are wider than slots.
 //
-// Where slots meet, centre lines end half a kerf before each other: sheetOfCuts() extends them, as
-// it extends all ends, and finds no material on the way.
+// At junctions of slots, centre lines end half a kerf before each other. sheetOfCuts() extends all
+// ends and finds no material in between.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -27,7 +27,7 @@ namespace {
 
 using SlotRing = std::vector<Vector2>;
 
-/// How often a ring goes round a point, anticlockwise.
+/// Number of anticlockwise turns of a ring around a point.
 int windingNumber(const SlotRing& ring, const Vector2& point) {
   int turns = 0;
   for (std::size_t k = 0; k < ring.size(); ++k) {
@@ -40,7 +40,7 @@ int windingNumber(const SlotRing& ring, const Vector2& point) {
   return turns;
 }
 
-/// A calculation of GEOS with what it made.
+/// A GEOS context with the objects that it made.
 class GeosPlane {
  public:
   GeosPlane() : handle_(GEOS_init_r()) {}
@@ -95,7 +95,7 @@ class GeosPlane {
   }
 
  private:
-  /// Of an outline that crosses or touches itself: all that it goes round, in either sense.
+  /// The whole area inside an outline that crosses or touches itself, for either orientation.
   GEOSGeometry* wound(const GEOSGeometry* whole, const SlotRing& ring) {
     const GEOSGeometry* line = keep(GEOSBoundary_r(handle_, whole));
     const GEOSGeometry* noded = keep(GEOSUnaryUnion_r(handle_, line));
@@ -167,7 +167,7 @@ std::vector<FacingEdges> facingEdges(const std::vector<PlaneSegment>& border, do
     const Vector2 a = border[i].first, b = border[i].second;
     const Vector2 c = border[j].first, d = border[j].second;
     const Vector2 u = (b - a).normalized(), v = (d - c).normalized();
-    if (u.dot(v) > -0.985) return;  // ten degrees
+    if (u.dot(v) > -0.985) return;  // cosine of ten degrees
     // Removed material is on the right of both.
     const Vector2 right(u.y(), -u.x());
     const double from = std::max(0.0, (d - a).dot(u));
@@ -183,12 +183,12 @@ std::vector<FacingEdges> facingEdges(const std::vector<PlaneSegment>& border, do
     if (near <= tolerance || far <= tolerance || width > reach) return;
     found.push_back(
         {{0.5 * (a + from * u + first), 0.5 * (a + to * u + last)}, width, to - from, {i, j}});
-    // Short overlaps are of ends and corners.
+    // Short overlaps come from ends and corners.
     if (to - from < width) return;
     nearest[i] = std::min(nearest[i], width);
     nearest[j] = std::min(nearest[j], width);
   });
-  // Further ones have other edges between them.
+  // More distant pairs have other edges between them.
   std::erase_if(found, [&](const FacingEdges& pair) {
     return pair.width > 1.5 * nearest[pair.edges[0]] || pair.width > 1.5 * nearest[pair.edges[1]];
   });
@@ -205,9 +205,9 @@ double medianWidth(std::vector<FacingEdges> pairs) {
   return 0;
 }
 
-/// Where two centre lines meet that end near a place: where they cross, if that is nearby.
+/// Junction of two centre lines that end near a position: their crossing if it is near.
 Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, double near) {
-  constexpr double kLeastBend = 0.01;  // radians; straighter lines cross anywhere
+  constexpr double kLeastBend = 0.01;  // radians; straighter lines cross far away
   if (lines.size() != 2) return place;
   const Vector2 u = (lines[0].second - lines[0].first).normalized();
   const Vector2 v = (lines[1].second - lines[1].first).normalized();
@@ -218,7 +218,7 @@ Vector2 bendOf(const std::vector<PlaneSegment>& lines, const Vector2& place, dou
   return (bend - place).norm() <= near ? bend : place;
 }
 
-/// Rings round one outline that itself has rings in it. The largest ring comes first.
+/// Removes rings around one outline that itself contains rings. The largest ring comes first.
 void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
   const auto holdsFrom = [&](std::size_t outer) {
     return std::all_of(rings.begin() + static_cast<std::ptrdiff_t>(outer) + 1, rings.end(),
@@ -252,7 +252,7 @@ std::vector<SlotRing> closedRings(const std::vector<const DrawnPath*>& paths, do
     at[ends.back().second].push_back(static_cast<int>(k));
   }
   std::vector<bool> isTaken(open.size(), false);
-  // Where more than two lines end, as where outlines touch or overlap, the straightest goes on.
+  // If more than two lines end here, for example at touching outlines, the straightest continues.
   const auto nextAt = [&](int node, const Vector2& along) {
     int next = -1;
     double straightest = -2;
@@ -345,7 +345,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
     const auto holdsIt = [&](const SlotRing& ring) { return isWithinRing(ring, middle); };
     return std::ranges::any_of(outlines, holdsIt) && std::ranges::none_of(holes, holdsIt);
   };
-  // Mitred buffers of GEOS may be wrong: then slots stay open, and another distance does better.
+  // Mitred buffers of GEOS may be wrong. Slots then stay open, and another distance works better.
   for (const double share : {0.6, 0.7, 0.85, 1.0}) {
     holes.clear();
     const double distance = share * cuts.kerf;
@@ -354,7 +354,7 @@ CutLines slotLines(const std::vector<SlotRing>& rings, double tolerance) {
   }
   for (const PlaneSegment& one : segmentsOf(outlines)) cuts.lines.push_back(one);
   for (const SlotRing& hole : holes) {
-    // A hole at the end of one slot relieves it; several slots may end at a hole of the design.
+    // A hole at the end of one slot is a relief. Several slots may end at a hole of the design.
     int slots = 0;
     for (int k = 0; k < ends.count(); ++k) {
       if (linesAt[k].size() != 1) continue;

@@ -1,10 +1,10 @@
-// SVG files as lines (W3C, Scalable Vector Graphics 1.1, chapters 5 to 10).
+// Reads the lines of SVG files (W3C, Scalable Vector Graphics 1.1, chapters 5 to 10).
 //
-// The tree is walked once with a transform and a style that children inherit. Lengths: the root's
-// width and height with their units against its viewBox give metres of a user unit; without them a
-// user unit is a pixel of 1/96 inch. Style: attributes of presentation, then rules of style sheets
-// (selectors of one tag, class or id), then the style attribute. Elliptical arcs are found by
-// their centre (appendix F.6.5).
+// The tree is traversed once with a transform and a style that children inherit. Lengths: the
+// root's width and height with units relative to its viewBox give metres per user unit. Without
+// them a user unit is a pixel of 1/96 inch. Style: presentation attributes, then style sheet rules
+// (selectors of one tag, class or id), then the style attribute. Elliptical arcs are converted to
+// their centre form (appendix F.6.5).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,7 +67,7 @@ std::map<std::string, std::string> declarations(std::string_view text) {
   return found;
 }
 
-/// The grammar of path data and of lists of numbers.
+/// Scanner for path data and lists of numbers.
 class NumberScanner {
  public:
   NumberScanner(std::string_view text, const fs::path& file, DecimalCounts* decimals = nullptr)
@@ -77,7 +77,7 @@ class NumberScanner {
     skip();
     return at_ >= text_.size();
   }
-  /// The letter here, which is taken; 0 where a number begins.
+  /// Consumes and returns a letter; 0 if a number begins.
   char letter() {
     skip();
     const char here = text_[at_];
@@ -102,10 +102,10 @@ class NumberScanner {
       at_ += 2;
       digits();
     }
-    if (at_ == begin) at_ = std::min(at_ + 12, text_.size());  // to be shown in the message
+    if (at_ == begin) at_ = std::min(at_ + 12, text_.size());  // shown in the message
     return drawnNumber(text_.substr(begin, at_ - begin), file_, decimals_);
   }
-  /// A flag of an arc is one digit, after which a number may follow without a blank.
+  /// A flag of an arc is one digit. A number may follow it without a blank.
   bool flag() {
     skip();
     if (at_ < text_.size() && (text_[at_] == '0' || text_[at_] == '1')) return text_[at_++] == '1';
@@ -126,7 +126,7 @@ class NumberScanner {
   std::size_t at_ = 0;
 };
 
-/// What children inherit.
+/// Inherited properties.
 struct SvgStyle {
   std::string stroke = "none";
   std::string fill = "#000000";
@@ -165,7 +165,7 @@ class SvgReader {
   }
 
  private:
-  /// Elements by id, and rules of style sheets.
+  /// Collects elements by id, and rules of style sheets.
   void collect(const pugi::xml_node& node, int depth) {
     if (depth > kDeepestElement) return;
     for (const pugi::xml_node& child : node.children()) {
@@ -199,7 +199,7 @@ class SvgReader {
     }
   }
 
-  /// A property of an element; none where it says nothing of it.
+  /// A property of an element; absent if the element does not set it.
   std::optional<std::string> property(const pugi::xml_node& node, const std::string& name) const {
     const auto inlined = declarations(node.attribute("style").value());
     if (const auto found = inlined.find(name); found != inlined.end()) return found->second;
@@ -268,7 +268,7 @@ class SvgReader {
     return style;
   }
 
-  /// A length of an attribute in user units; percentages of `whole`.
+  /// A length of an attribute in user units; percentages refer to `whole`.
   double length(const pugi::xml_node& node, const char* name, double whole, double otherwise = 0) {
     const std::string_view text = trimmed(node.attribute(name).value());
     if (text.empty() || text == "auto") return otherwise;
@@ -297,7 +297,7 @@ class SvgReader {
     return found;
   }
 
-  /// What viewBox and preserveAspectRatio make of an element's own coordinates.
+  /// Transform of an element's own coordinates by viewBox and preserveAspectRatio.
   SvgTransform viewTransform(const pugi::xml_node& node, double width, double height) {
     SvgTransform transform = SvgTransform::Identity();
     const std::vector<double> box = numbers(node.attribute("viewBox").value());
@@ -311,7 +311,7 @@ class SvgReader {
     double y = height > 0 ? height / box[3] : x;
     const std::string_view ratio = trimmed(node.attribute("preserveAspectRatio").value());
     if (!ratio.starts_with("none")) {
-      // Ratios of printed digits that are equal but for rounding count as equal.
+      // Ratios of printed digits count as equal up to rounding.
       const bool isSlice = ratio.find("slice") != ratio.npos;
       x = y = std::abs(x - y) < 1e-4 * x ? x : isSlice ? std::max(x, y) : std::min(x, y);
     }
@@ -319,7 +319,7 @@ class SvgReader {
     return transform;
   }
 
-  /// Metres of the root's user units, y upwards. The drawing's origin stays where it is.
+  /// Converts the root's user units to metres, y upwards. Keeps the drawing's origin.
   SvgTransform rootTransform(const pugi::xml_node& root) {
     const std::vector<double> box = numbers(root.attribute("viewBox").value());
     const bool hasBox = box.size() == 4;
@@ -331,7 +331,7 @@ class SvgReader {
     const double height = isShare("height") ? 0 : length(root, "height", 0);
     SvgTransform transform = viewTransform(root, width, height);
     if (!hasBox && !(view_.x() > 0)) view_ = {100, 100};
-    // In one multiplication, so that millimetres become metres without rounding.
+    // With one multiplication, which converts millimetres to metres without rounding.
     const auto metres = [&](int axis) {
       const double scale = transform.linear()(axis, axis);
       const double millimetres = scale * kPixel / 1e-3;
@@ -435,7 +435,7 @@ class SvgReader {
     const std::vector<double> box = numbers(node.attribute("viewBox").value());
     if (box.size() == 4 &&
         !std::string_view(node.attribute("preserveAspectRatio").value()).starts_with("none")) {
-      // What is left over in one direction is split, as xMidYMid says.
+      // Excess length in one direction is split equally, as in xMidYMid.
       const Vector2 used(inner.linear()(0, 0) * box[2], inner.linear()(1, 1) * box[3]);
       transform.translate(0.5 * (Vector2(width, height) - used));
     }
@@ -465,7 +465,7 @@ class SvgReader {
     }
   }
 
-  /// Whether the element is a shape; its lines are added.
+  /// Whether the element is a shape; adds its lines.
   bool addShape(const pugi::xml_node& node, const std::string& tag, const SvgTransform& transform,
                 const SvgStyle& style) {
     transform_ = &transform;
@@ -555,12 +555,13 @@ class SvgReader {
     addPath(drawing_, std::move(path), file_);
   }
 
-  /// Whether a smooth curve continues one of its degree.
+  /// Whether a smooth curve continues a curve of the same degree.
   static bool isSmoothAfter(char kind, char before) {
     return (kind == 'S' && before == 'C') || (kind == 'T' && before == 'Q');
   }
 
-  /// The commands C, S, Q and T. Returns the curve's end; `control` is its last control point.
+  /// Handles the commands C, S, Q and T. Returns the curve's end; `control` is its last control
+  /// point.
   template <typename ReadPoint>
   Vector2 addCurve(std::vector<Vector2>& points, char kind, bool continues, const Vector2& at,
                    Vector2& control, ReadPoint point) {
@@ -578,7 +579,7 @@ class SvgReader {
     return end;
   }
 
-  /// The command A. Returns the arc's end.
+  /// Handles the command A. Returns the arc's end.
   template <typename ReadPoint>
   Vector2 addArcCommand(std::vector<Vector2>& points, NumberScanner& scanner, const Vector2& at,
                         ReadPoint point) {
@@ -589,7 +590,7 @@ class SvgReader {
     return end;
   }
 
-  /// All commands of path data (chapter 8.3).
+  /// Handles all commands of path data (chapter 8.3).
   void addPathData(std::string_view data) {
     NumberScanner scanner(data, file_, counts_);
     std::vector<Vector2> points;
@@ -656,14 +657,14 @@ class SvgReader {
     const double bend = 6 * std::max((from - 2 * a + b).norm(), (a - 2 * b + to).norm());
     int pieces = std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / (8 * localFlattening_)))),
                             bend > 0 ? 4 : 1, 400);
-    pieces += bend > 0 ? pieces % 2 : 0;  // an S has its turning point in the middle
+    pieces += bend > 0 ? pieces % 2 : 0;  // an S has its inflection in the middle
     for (int k = 1; k <= pieces; ++k) {
       const double t = static_cast<double>(k) / pieces, s = 1 - t;
       points.push_back(k == pieces ? to
                                    : Vector2(s * s * s * from + 3 * s * s * t * a +
                                              3 * s * t * t * b + t * t * t * to));
     }
-    // A straight one needs no second reading.
+    // A straight curve needs no second reading.
     if (bend > 0) drawing_.flattening = flattening_;
   }
 
@@ -693,7 +694,7 @@ class SvgReader {
     points.back() = to;
   }
 
-  /// Filled shapes are areas where other lines have strokes: backgrounds, letters, logos.
+  /// If other lines have strokes, removes filled shapes: backgrounds, letters, logos.
   void keepStrokes() {
     const auto isFill = [](const DrawnPath& path) { return path.colour.starts_with("fill "); };
     const auto isNothing = [](const DrawnPath& path) {
@@ -711,7 +712,7 @@ class SvgReader {
   double flattening_;  // metres
   double localFlattening_ = 1;
   Drawing drawing_;
-  Vector2 view_ = Vector2::Zero();  // of percentages, user units
+  Vector2 view_ = Vector2::Zero();  // reference of percentages, user units
   std::unordered_map<std::string, pugi::xml_node> elements_;
   std::map<std::string, std::map<std::string, std::string>> rules_;
   const SvgTransform* transform_ = nullptr;

@@ -1,4 +1,4 @@
-/// Text files of numbers: lines and fields that know where they stand.
+/// Text files of numbers, with the position of each line and field.
 #pragma once
 
 #include <filesystem>
@@ -12,49 +12,49 @@ namespace kirireel::model {
 
 /// One word of a line.
 struct TextField {
-  std::string_view text;  ///< lives as long as its TextTable
-  int column = 0;         ///< of its first character, from 1
-  int line = 0;           ///< from 1
+  std::string_view text;  ///< valid as long as its TextTable
+  int column = 0;         ///< of its first character, >= 1
+  int line = 0;           ///< >= 1
 };
 
-/// One line that holds data.
+/// One line with data.
 struct TextLine {
-  int number = 0;                 ///< from 1; of the first one if the file continues it
+  int number = 0;                 ///< >= 1; of the first line if the file continues it
   std::vector<TextField> fields;  ///< at least 1
 };
 
-/// A text file in memory, read line by line. Blank lines and, unless asked for, what follows '#',
-/// '%' or "//" are passed over; line ends of any system, a byte-order mark and commas between
-/// numbers are accepted.
+/// A text file in memory, read line by line. Ignores blank lines and, by default, text after
+/// '#', '%' or "//". Accepts line ends of any system, a byte-order mark, and commas between
+/// numbers.
 class TextTable {
  public:
-  /// Most fields on a line: a tile of 300 vertices.
+  /// Maximum number of fields on a line: a tile of 300 vertices.
   static constexpr size_t kMaxFields = 900;
 
-  /// What becomes of comments, and of commas.
+  /// Treatment of comments and commas.
   enum class Comments {
-    Skip,  ///< comments are left out, commas part numbers
-    Keep,  ///< as in OBJ: a line that begins with '#' is one of data, commas are parts of fields,
-           ///< and a backslash at the end of a line continues it
+    Skip,  ///< ignore comments; commas separate numbers
+    Keep,  ///< as in OBJ: lines that begin with '#' are data, commas are parts of fields, and a
+           ///< backslash at the end of a line continues it
   };
 
-  /// Reads the whole file. `purpose` ends the message about a missing file: what it should hold.
-  /// Throws InputError when the file is missing, unreadable, no regular file or larger than
+  /// Reads the whole file. `purpose` ends the message about a missing file: its expected contents.
+  /// Throws InputError if the file is missing, unreadable, not a regular file, or larger than
   /// kMostTextBytes.
   TextTable(std::filesystem::path file, const std::string& purpose,
             Comments comments = Comments::Skip);
 
-  /// Gives the next line that holds data; false at the end. Throws InputError above kMaxFields.
-  /// The fields of the last line stay valid, since they point into the file's text.
+  /// Gives the next line with data; false at the end. Throws InputError above kMaxFields. The
+  /// fields of the last line stay valid, since they point to the file's text.
   bool next(TextLine& line);
 
-  /// Whether a comment was passed over: the file was left without data on purpose.
+  /// Whether a comment was ignored, which shows that a file is empty on purpose.
   bool hasComment() const { return hasComment_; }
 
-  /// As it was given.
+  /// Path as given by the user.
   const std::filesystem::path& file() const { return file_; }
 
-  /// Where a field of the line stands.
+  /// Position of a field of the line.
   FileLocation at(const TextLine& line, const TextField& field) const {
     return {file_, field.line > 0 ? field.line : line.number, field.column};
   }
@@ -71,28 +71,28 @@ class TextTable {
   bool hasComment_ = false;
 };
 
-/// Largest coordinate that is accepted, metres; beyond it a number is a slip of the pen, and
-/// distances of tiles would lose the digits that joints need.
+/// Largest accepted coordinate, metres. A larger number is a typing error, and distances of tiles
+/// would lose the precision that joints need.
 inline constexpr double kMaxCoordinate = 1e6;
 
-/// Reads a number, also with a leading plus or with the exponent of Fortran (1.0D+00). All of the
-/// text has to be the number; false if it is not. Out of range gives an infinity.
+/// Reads a number, also with a leading plus or a Fortran exponent (1.0D+00). False if the text is
+/// not completely a number. Out of range gives an infinity.
 bool readNumber(std::string_view text, double& value);
 
-/// Whether a word stands for a missing number: NaN in any case, with or without a sign.
+/// Whether a word is a missing number: NaN in upper or lower case, with or without a sign.
 bool isNan(std::string_view text);
 
-/// The coordinate in a field, metres, at most kMaxCoordinate in size. Throws InputError for
+/// The coordinate in a field, metres, [-kMaxCoordinate, kMaxCoordinate]. Throws InputError for
 /// letters, NaN, infinities and numbers out of range.
 double parseCoordinate(const TextField& field, const FileLocation& location);
 
-/// The number in a field, from `least` to `most`. Throws InputError when it is none; `meaning`
-/// names what it should be, e.g. "a stiffness, from 0 to 1e12 N m/rad".
+/// The number in a field, in [least, most]. Throws InputError for other text; `meaning` describes
+/// the allowed values, e.g. "a stiffness, from 0 to 1e12 N m/rad".
 double parseNumberWithin(const TextField& field, const FileLocation& location, double least,
                          double most, const std::string& meaning);
 
-/// The whole number in a field, also as 3.0 or 3e0. Throws InputError when it is none; `meaning`
-/// names what it should be, e.g. "a tile number".
+/// The whole number in a field, also as 3.0 or 3e0. Throws InputError for other text; `meaning`
+/// describes the expected value, e.g. "a tile number".
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning);
 
