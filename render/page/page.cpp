@@ -7,7 +7,7 @@
 //     <!--data-->                                  JSON: styles for both themes, colour map, runs
 //
 // The file contains everything, because it is sent by mail and opened from a disk, where browsers
-// refuse to load neighbours of a file. The still picture shows where WebGL is missing.
+// refuse to load neighbouring files. The still picture is for browsers without WebGL.
 //
 // Text from a model (names, warnings) is escaped; the JSON is in a script element, which ends
 // at "</", so every "<" is written as \u003c.
@@ -39,7 +39,7 @@
 namespace kirireel::page {
 namespace {
 
-/// In the order in which they need each other.
+/// In the order of their dependence.
 constexpr const char* kScripts[] = {"three.min.js", "OrbitControls.js", "packed.js",    "bricks.js",
                                     "drawing.js",   "stage.js",         "colouring.js", "curves.js",
                                     "player.js",    "page.js"};
@@ -49,8 +49,8 @@ constexpr std::uintmax_t kMostEmbedded = 1u << 30;
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
-/// A template with each "<!--name-->" replaced. Names without a word vanish. What is filled in is
-/// not looked through again.
+/// A template with each "<!--name-->" replaced. Names without a word are removed. The replacements
+/// themselves are not searched.
 std::string filled(std::string_view form, const Words& words) {
   std::string text;
   while (true) {
@@ -66,7 +66,7 @@ std::string filled(std::string_view form, const Words& words) {
   }
 }
 
-/// Its notice travels with every copy; the minified file has none.
+/// Every copy must contain its licence notice, which the minified file lacks.
 constexpr const char* kThreeNotice =
     "<script>\n/*! three.js r111, copyright 2010-2020 three.js authors, MIT licence: "
     "https://threejs.org/license */\n</script>\n";
@@ -79,7 +79,7 @@ std::string scripts() {
   return text;
 }
 
-/// JSON that no HTML parser takes for the end of its element.
+/// JSON in which no HTML parser finds the end of its element.
 std::string safeJson(const Json& json) {
   std::string text = jsonText(json);
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
@@ -113,7 +113,8 @@ std::string stageHtml(const trajectory::TrajectoryReader& run, const picture::Lo
                 {{"name", htmlText(run.subject().model.name)}, {"picture", picture}});
 }
 
-/// The type of a file by its ending, as browsers know it. Other endings are saved and not shown.
+/// The media type of a file by its ending, for browsers. Files with other endings are saved and not
+/// shown.
 std::string mediaType(const std::filesystem::path& file) {
   const std::pair<const char*, const char*> types[] = {
       {".mp4", "video/mp4"},   {".webm", "video/webm"}, {".png", "image/png"},
@@ -124,8 +125,8 @@ std::string mediaType(const std::filesystem::path& file) {
   return "application/octet-stream";
 }
 
-/// A file within the page: a video, a picture, or a link that saves it. Bytes become a data: URL
-/// (RFC 2397), a third longer than the file.
+/// A file within the page: a video, a picture, or a download link. Bytes become a data: URL (RFC
+/// 2397), a third larger than the file.
 std::string embeddedHtml(const std::filesystem::path& file) {
   const std::string bytes = readTextFile(file, "name files of the run with --embed", kMostEmbedded);
   const std::string type = mediaType(file), name = htmlText(file.filename().string());
@@ -152,13 +153,13 @@ std::string wordsHtml(const trajectory::TrajectoryReader& run, const std::filesy
                                              {"files", files}});
 }
 
-/// `dataBytes`: what of the page grows with its states, of which it has so many. The message offers
-/// as many states as would fit.
+/// `dataBytes`: the part of the page that grows with its `states`. The message suggests a number of
+/// states that would fit.
 void requireSize(const std::string& page, std::size_t dataBytes, std::size_t states,
                  const WebPageSettings& settings) {
   const double most = 1e6 * settings.mostMegabytes, size = static_cast<double>(page.size());
   if (size <= most) return;
-  // Fewer states are farther apart: each takes a little more.
+  // Fewer states are farther apart, and each takes a little more space.
   // The data must shrink by the excess; `share` is the fraction of them that may stay.
   const double share = 0.8 * ((most - size) / static_cast<double>(dataBytes) + 1);
   const auto fewer = static_cast<int>(share * static_cast<double>(states));
@@ -227,8 +228,8 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Makes the JSON of a run that stage.js and the other scripts read. Its style (colours, lights,
-// widths, cameras) comes from render/picture: a page and our pictures agree.
+// Makes the JSON of a run for stage.js and the other scripts. Its style (colours, lights, widths,
+// cameras) comes from render/picture, so a page agrees with our pictures.
 //
 //     name; bricks: counts, corners, rises, triangles of concave ones; states: times, progress,
 //     gap, error, poses, gaps, errors; joints: bricks, points; target; obstacles; plate; views;
@@ -237,14 +238,14 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 // Lengths are metres, times seconds. Bricks are in their own axes as floats: a float has 24 bits,
 // 500 times finer than a step of positions.
 //
-// The states of a page are at equal shares of motion and not of time: they are dense where
-// something moves.
+// The states of a page are at equal fractions of motion and not of time. They are dense during
+// motion.
 
 namespace {
 
 /// Of each of the three pictures, pixels.
 constexpr picture::FrameSize kStillSize{480, 360};
-// Of a colour map: an odd number, which includes the middle.
+// Of a colour map: odd, to include the middle.
 constexpr int kShades = 129;
 constexpr std::array<double, 3> kStillShares = {0, 0.5, 1};
 
@@ -264,18 +265,18 @@ Json lightsJson(const picture::Style& style) {
   return {{"ambient", style.ambient}, {"key", light(style.key)}, {"fill", light(style.fill)}};
 }
 
-/// A content of one brick: what a style needs that does not depend on the run.
+/// A content of one brick: the data that a style needs independent of the run.
 picture::PictureContent anyContent() {
   picture::PictureContent content;
   content.points = {Vector3::Zero(), Vector3::Ones()};
   return content;
 }
 
-/// Without settings of single tiles, which no style holds.
+/// Without settings of single tiles, which a style does not contain.
 picture::Style styleOf(picture::Look look) {
   look.tileColours.clear();
   look.tileOpacities.clear();
-  // So large that no line is thickened: the page does that for its own size.
+  // Large enough that no line is thickened: the page does that for its own size.
   return picture::PictureSetup(look, anyContent(), {picture::kMaxFrameSide, picture::kMaxFrameSide})
       .style();
 }
@@ -284,7 +285,7 @@ void appendPoint(std::vector<float>& numbers, const Vector3& point) {
   for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(point[axis]));
 }
 
-/// The corners of all polygons one after the other, and how many each has.
+/// The corners of all polygons in sequence, and their number per polygon.
 Json polygonsJson(const std::vector<model::Tile>& tiles) {
   std::vector<float> corners;
   std::vector<std::int32_t> counts;
@@ -297,7 +298,7 @@ Json polygonsJson(const std::vector<model::Tile>& tiles) {
 }
 
 /// The bricks' bottoms in their own axes, and the offsets to their tops. A brick is a prism: its
-/// top is its bottom moved by one vector. One vector per brick is enough.
+/// top is its bottom moved by one vector. One vector per brick is sufficient.
 Json bricksJson(const std::vector<model::Brick>& bricks) {
   std::vector<model::Tile> bottoms;
   std::vector<float> rises;
@@ -306,7 +307,7 @@ Json bricksJson(const std::vector<model::Brick>& bricks) {
     const model::Brick& brick = bricks[i];
     bottoms.push_back({brick.bottom});
     appendPoint(rises, brick.top[0] - brick.bottom[0]);
-    // The page fans convex polygons by itself.
+    // The page itself divides convex polygons into fans.
     if (model::isConvexPolygon(brick.bottom, brick.normal)) continue;
     triangles[std::to_string(i)] = model::trianglesOf(brick.bottom, brick.normal);
   }
@@ -316,8 +317,8 @@ Json bricksJson(const std::vector<model::Brick>& bricks) {
   return json;
 }
 
-/// The places of dots on joints: a brick, and a point in its axes. The points of the first brick of
-/// each pivot.
+/// The positions of dots on joints: a brick, and a point in its axes. Uses the first brick of each
+/// pivot.
 Json joinsJson(const std::vector<model::Pivot>& pivots) {
   std::vector<std::int32_t> bricks;
   std::vector<float> points;
@@ -340,8 +341,8 @@ double largestRadius(const std::vector<model::Brick>& bricks) {
   return radius;
 }
 
-/// The states of a page and what is measured of them, taken one by one. The content must outlive
-/// it.
+/// Collects the states of a page and their measures one by one. The content must outlive this
+/// object.
 class StateCollector {
  public:
   StateCollector(const picture::PictureContent& content, const PageStates& states)
@@ -353,7 +354,7 @@ class StateCollector {
     gap_.push_back(sample.jointGap);
     error_.push_back(sample.targetError);
     poses_.add(sample.poses);
-    // One value a brick and state; the page colours bricks by them.
+    // One value per brick and state; the page colours bricks by them.
     append(gaps_, trajectory::brickJointGaps(content_.pivots, sample.poses));
     if (content_.target) {
       append(errors_,
@@ -387,11 +388,11 @@ class StateCollector {
 
   const picture::PictureContent& content_;
   PosePacker poses_;
-  std::vector<double> times_, progress_, gap_, error_;  ///< one a state
-  std::vector<double> gaps_, errors_;                   ///< state by state, one a brick
+  std::vector<double> times_, progress_, gap_, error_;  ///< one per state
+  std::vector<double> gaps_, errors_;                   ///< by state, one per brick
 };
 
-/// States between two samples are interpolated with their joints closed, see Replay.
+/// States between two samples are interpolated with closed joints, see Replay.
 Json statesJson(const trajectory::TrajectoryReader& run, const picture::PictureContent& content,
                 const PageStates& states) {
   const record::MotionCurve motion = record::motionOf(run);
@@ -405,15 +406,15 @@ Json statesJson(const trajectory::TrajectoryReader& run, const picture::PictureC
   record::Replay replay(run);
   for (int k = 0; k < states.samples; ++k) {
     const double share = static_cast<double>(k) / (states.samples - 1);
-    // A run in which nothing moves has its states at equal times.
+    // A run without motion has its states at equal times.
     const double time = motion.length() > 0 ? motion.timeAt(share) : share * motion.endTime();
     collector.add(replay.at(time), share);
   }
   return collector.json();
 }
 
-/// Whether a diagram of a group shows something: its values are not all the same. Differences of
-/// the size of rounding are none; of what is always small, such as gaps, the size matters.
+/// Whether a diagram of a group is useful: its values vary by more than rounding. For values that
+/// are always small, such as gaps, the size is useful.
 bool isWorthShowing(const trajectory::CurveGroup& group) {
   constexpr double kRounding = 1e-12;
   double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -429,15 +430,15 @@ bool isWorthShowing(const trajectory::CurveGroup& group) {
   return most - least > kRounding * scale;
 }
 
-/// The values with the digits that a diagram can show. Groups without anything to show are omitted;
-/// a value that does not exist is null.
+/// The values with the digits that a diagram can show. Groups without useful diagrams are omitted;
+/// missing values are null.
 Json curvesJson(const trajectory::RunCurves& curves) {
   Json groups = Json::array();
   for (const trajectory::CurveGroup& group : curves.groups) {
     if (!group.hasValues() || !isWorthShowing(group)) continue;
     Json lines = Json::array();
     for (const trajectory::Curve& curve : group.curves) {
-      // A sheet that leaves its plane has some measures only at its start.
+      // A spatial sheet has some measures only at its start.
       const auto missing =
           std::ranges::count_if(curve.values, [](double value) { return std::isnan(value); });
       if (2 * missing >= static_cast<long>(curve.values.size())) continue;
@@ -456,7 +457,7 @@ Json curvesJson(const trajectory::RunCurves& curves) {
   return groups;
 }
 
-/// Metres; null where nothing lies under the bricks.
+/// Metres; null if there is no plate.
 Json plateJson(const std::optional<picture::GroundPlate>& plate) {
   if (!plate) return nullptr;
   return {{"height", plate->height},
@@ -547,13 +548,13 @@ std::string stillPicture(const trajectory::TrajectoryReader& run, const picture:
 }
 
 // ------------------------------------------------------------------------------------------------
-// Says in words what the run was, only from trajectory.h5: a page can be made even if summary.json
-// is missing. "Findings" is the JSON text that record() stores in the trajectory (path, warnings);
-// files of older versions have none.
+// Describes a run in text, only from trajectory.h5: a page can be made even without summary.json.
+// "Findings" is the JSON text that record() stores in the trajectory (path, warnings). Files of
+// older versions have none.
 
 namespace {
 
-/// What the run found out; nothing in old files.
+/// The findings of the run; empty for old files.
 Json findingsOf(const trajectory::TrajectoryReader& run) {
   const Json findings = parseJsonOrDiscard(run.end().findings);
   return findings.is_object() ? findings : Json::object();
@@ -574,7 +575,7 @@ std::string sizeText(const std::vector<model::Tile>& tiles, const LengthUnit& un
   return fmt::format("{:.4g} × {:.4g} × {:.4g} {}", sides.x(), sides.y(), sides.z(), unit.name);
 }
 
-/// Nothing for models without a target.
+/// Adds nothing for models without a target.
 void addErrors(const trajectory::TrajectoryReader& run, Facts& facts) {
   const model::Model& model = run.subject().model;
   if (!model.target) return;
@@ -586,7 +587,7 @@ void addErrors(const trajectory::TrajectoryReader& run, Facts& facts) {
                      model::lengthInTiles(last.targetError, model, 3));
 }
 
-/// Joint gaps are known of every step, overlaps only of the samples.
+/// Joint gaps are known for every step, overlaps only for the samples.
 void addAccuracy(const trajectory::TrajectoryReader& run, Facts& facts) {
   const model::Model& model = run.subject().model;
   double gap = 0, overlap = 0;
@@ -655,17 +656,17 @@ std::string htmlText(const std::string& text) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A page's canvas may have any shape, but a camera that shows the whole run depends on it. So for
-// each view five cameras are computed here, by the fit of our own pictures, and the page takes the
-// widest whose aspect its canvas holds; a wider canvas shows more at the sides.
+// A page's canvas may have any shape, and the camera that shows the whole run depends on it. For
+// each view this code computes five cameras with the fit of our own pictures. The page uses the
+// widest one that fits in its canvas. A wider canvas shows more at the sides.
 //
-// A camera is eye, centre and up (metres, world axes) with either the vertical field of view
-// (radians) or the height of what is in sight (metres).
+// A camera is eye, centre and up (metres, world axes) with the vertical field of view (radians) or
+// the height of the visible region (metres).
 
 namespace {
 
-/// Sizes whose aspects canvases are taken for: a telephone upright to a wide screen. The last is
-/// that of our pictures.
+/// Sizes with the aspects of typical canvases, from an upright telephone to a wide screen. The last
+/// is that of our pictures.
 constexpr std::array<picture::FrameSize, 5> kSizes = {
     {{450, 800}, {600, 800}, {800, 800}, {800, 600}, {1280, 720}}};
 
@@ -708,9 +709,9 @@ Json camerasJson(const picture::Look& look, const picture::PictureContent& conte
 }
 
 // ------------------------------------------------------------------------------------------------
-// How poses become text. Positions are counted in steps of s = size / 32768 (metres) from an
-// origin, parts of quaternions in steps of r = s / (2 radius). A corner at the distance `radius`
-// from its brick's centre then moves by at most
+// Encodes poses as text. Positions are counted in steps of s = size / 32768 (metres) from an
+// origin, components of quaternions in steps of r = s / (2 radius). A corner at the distance
+// `radius` from its brick's centre then moves by at most
 //
 //     sqrt(3) s / 2              by rounding the position,
 //     2 radius (2 r / 2) = s     by rounding the four parts of the quaternion, half a step each,
@@ -727,11 +728,11 @@ Json camerasJson(const picture::Look& look, const picture::PictureContent& conte
 
 namespace {
 
-/// Parts of what is in sight that a step of positions is.
+/// Number of position steps across the visible region.
 constexpr double kPositionSteps = 32768;
 
 template <typename Number>
-/// Any number of entries, none too.
+/// Any number of entries, including zero.
 Json packedAs(const char* type, std::span<const Number> entries) {
   const std::span<const std::byte> bytes = std::as_bytes(entries);
   std::vector<std::byte> planes;
@@ -745,8 +746,8 @@ Json packedAs(const char* type, std::span<const Number> entries) {
       {"type", type}, {"count", entries.size()}, {"data", base64(std::as_bytes(std::span(small)))}};
 }
 
-/// Quaternions q and -q are one rotation: the one that is nearer to that of the sample before.
-/// Chosen by the sign of the dot product.
+/// q and -q are the same rotation. Returns the one nearer to that of the previous sample, by the
+/// sign of the dot product.
 Quaternion following(const Quaternion& rotation, const Quaternion& before) {
   return rotation.dot(before) < 0 ? Quaternion(-rotation.coeffs()) : rotation;
 }
@@ -784,7 +785,7 @@ PoseSteps finePoseSteps(const Vector3& origin, double size, double radius) {
 }
 
 void PosePacker::add(const Poses& poses) {
-  // The first sample follows itself.
+  // The first sample has itself as predecessor.
   if (before_.empty()) before_ = poses;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     before_[i] = {poses[i].position, following(poses[i].rotation, before_[i].rotation)};
@@ -810,7 +811,7 @@ void PosePacker::add(const Poses& poses) {
 }
 
 void PosePacker::addRounded(const std::vector<double>& entries) {
-  // What flies away is shown no farther than numbers go.
+  // Limits the positions of bricks that fly away to the range of numbers.
   constexpr double kMost = std::numeric_limits<std::int32_t>::max();
   last_.resize(entries.size());
   lastButOne_.resize(entries.size());
@@ -849,7 +850,7 @@ Json packedMagnitudes(std::span<const double> values) {
     if (value > 0) least = std::min(least, value);
   }
   if (most == 0) least = most = 1;
-  // Where all values are equal the range is 0; any small number does then.
+  // If all values are equal the range is 0, and any small number is correct.
   const double range = std::max(std::log(most / least), 1e-12);
   std::vector<std::uint8_t> codes;
   codes.reserve(values.size());

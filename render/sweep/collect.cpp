@@ -1,14 +1,14 @@
-// A run is made in OUT/runs/HASH.part and renamed to OUT/runs/HASH when it is whole. rename(2) is
-// atomic within a file system, so a finished folder is either there with all its files or not at
-// all.
+// A run is made in OUT/runs/HASH.part and renamed to OUT/runs/HASH when it is complete. rename(2)
+// is atomic within a file system, so a finished folder has either all its files or does not
+// exist.
 //
-// Who makes a run holds an advisory lock (flock(2)) on HASH.part/lock. The kernel drops it when the
-// process ends in any way, so no stale lock has to be guessed by its age. On NFS Linux turns
-// flock into locks of the server, which holds across machines.
+// The process that makes a run holds an advisory lock (flock(2)) on HASH.part/lock. The kernel
+// releases it when the process ends in any way, so stale locks do not occur. On NFS Linux converts
+// flock to server locks, which work across machines.
 //
-// The order in take() matters. Between the first check and the lock another process may finish the
-// run: it renames the folder, with the lock in it. So after locking, isOf() checks that the locked
-// file still is the one that the name leads to, and the finished folder is checked again.
+// The order in take() matters. Another process may finish the run between the first check and the
+// lock, and rename the folder with the lock in it. After locking, isOf() therefore checks that the
+// path still refers to the locked file. The finished folder is then checked again.
 #include "render/sweep/collect.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ namespace fs = std::filesystem;
 constexpr const char* kRecord = "run.json";
 constexpr const char* kLock = "lock";
 
-/// The folder that it replaces must not exist, or be empty (rename(2)).
+/// The target folder must not exist or must be empty (rename(2)).
 void putInPlace(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
@@ -53,7 +53,7 @@ void putInPlace(const fs::path& from, const fs::path& to) {
       fmt::format("{}: error: cannot be put in place ({})", to.string(), error.message()));
 }
 
-/// Empties a folder but for its lock: what a killed run has left.
+/// Empties a folder except its lock: files of a killed run.
 void removeLeftovers(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.path().filename() != kLock) fs::remove_all(entry.path());
@@ -79,14 +79,14 @@ std::string recordText(const RunRecord& record) {
 
 std::optional<FileLock> FileLock::take(const fs::path& file, IfHeld ifHeld) {
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  // The folder may just have been put in place by the one who held the lock.
+  // The former lock holder may have just moved the folder into place.
   if (descriptor < 0 && errno == ENOENT && ifHeld == IfHeld::GiveUp) return std::nullopt;
   if (descriptor < 0) {
     throw OutputError(
         fmt::format("{}: error: cannot be made ({}); choose another folder with --out",
                     file.string(), std::strerror(errno)));
   }
-  // From here on the descriptor is closed in any case.
+  // From here on the descriptor is always closed.
   FileLock lock(descriptor);
   const int patience = ifHeld == IfHeld::GiveUp ? LOCK_NB : 0;
   int result = 0;
@@ -101,7 +101,7 @@ std::optional<FileLock> FileLock::take(const fs::path& file, IfHeld ifHeld) {
                   file.string(), std::strerror(errno)));
 }
 
-/// A file that was renamed keeps its inode, and the name then refers to another file or to none.
+/// A renamed file keeps its inode. The old name then refers to another file or to none.
 bool FileLock::isOf(const fs::path& file) const {
   struct stat held = {};
   struct stat named = {};
@@ -141,7 +141,8 @@ std::optional<RunClaim> RunClaim::take(const fs::path& runs, const std::string& 
   makeFolder(folder);
   std::optional<FileLock> lock = FileLock::take(folder / kLock, FileLock::IfHeld::GiveUp);
   if (!lock) return std::nullopt;
-  // Another process may have finished it since the first check; then this folder is only ours.
+  // Another process may have finished it since the first check. This folder then belongs only to
+  // us.
   if (!isOpen(finished, retryFailed)) {
     fs::remove_all(folder);
     return std::nullopt;
@@ -156,8 +157,8 @@ void RunClaim::clear() const {
 
 void RunClaim::finish(const RunRecord& record) {
   writeTextFile(folder_ / kRecord, recordText(record));
-  // A failed run that is made again has a folder already. It is moved aside first and removed last:
-  // one of the two always exists.
+  // A repeated failed run already has a folder. It is moved aside first and removed last, so one of
+  // the two always exists.
   const fs::path former = finished_.string() + ".old.part";
   std::error_code ignored;
   fs::remove_all(former, ignored);
@@ -168,37 +169,37 @@ void RunClaim::finish(const RunRecord& record) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Gathers the summaries of all finished runs in the order of the plan: the same runs give the same
-// table, in whichever order they were made. The result is two tables:
-//
+// Collects the summaries of all finished runs in the order of the plan. The
+// table does not depend on the order in which runs were made. The result is two
+// tables:
 //     results   run, parameters..., status, reason, measures...
 //     costs     run, seconds and bytes of each stage
 //
-// Costs are apart because they differ from time to time; the results of two machines can be
+// Costs are separate because they vary between executions. The results of two machines can be
 // compared byte by byte.
 //
-// The measures are read from summary.json by JSON pointers (RFC 6901): all that a version has under
-// /accuracy, and some more. Their names are those of the first run
-// that is done; runs that failed have empty cells there.
+// The measures are read from summary.json by JSON pointers (RFC 6901): all values of a version
+// under /accuracy, and some more. Their names are those of the first finished run; failed runs have
+// empty cells there.
 //
 // Only the cells are kept, not the summaries: memory grows with the table.
 //
 // HDF5: each column is a data set in the root group. A column of numbers is an array of doubles
-// with NaN where a cell is empty; one with any other text is an array of texts.
+// with NaN for empty cells. A column with any other text is an array of texts.
 
 namespace {
 
 namespace fs = std::filesystem;
-/// A table's pictures need it, in metres.
+/// Thickness for the pictures of a table, in metres.
 const Json::json_pointer kThickness("/settings/model/thickness");
 
-/// A column of the results and where summary.json has it.
+/// A column of the results and its location in summary.json.
 struct Figure {
   std::string column;
   Json::json_pointer place;
 };
 
-/// Columns that are called as their key below `parent`.
+/// Columns whose name is their key below `parent`.
 std::vector<Figure> figuresOf(const std::string& parent, const std::vector<std::string>& names) {
   std::vector<Figure> figures;
   for (const std::string& name : names) {
@@ -207,8 +208,8 @@ std::vector<Figure> figuresOf(const std::string& parent, const std::vector<std::
   return figures;
 }
 
-/// The measures of a run; all that its accuracy states are among them. Their names are not those of
-/// parameters, of which "tiles" and "path" are some.
+/// The measures of a run, including all accuracy values. Their names differ from those of
+/// parameters such as "tiles" and "path".
 std::vector<Figure> measures(const Json& summary) {
   std::vector<Figure> figures = {{"outcome", Json::json_pointer("/outcome")},
                                  {"end_time", Json::json_pointer("/end_time")},
@@ -230,7 +231,7 @@ const std::vector<Figure>& costFigures() {
   return figures;
 }
 
-/// Parsing throws nothing: anything but an object is refused below.
+/// Parsing does not throw: anything but an object is refused below.
 Json readRunSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
   std::ifstream stream = openInputFile(file);
@@ -250,16 +251,15 @@ std::string cellOf(const Json& summary, const Figure& figure) {
   return value.is_string() ? value.get<std::string>() : jsonText(value);
 }
 
-/// A table that grows by rows, each a cell for each name. All columns have as many cells as there
-/// are rows, at any time.
+/// A table that grows by rows. All columns always have as many cells as there are rows.
 class TableBuilder {
  public:
   void addColumns(const std::vector<std::string>& names) {
-    // Rows that came before have nothing there.
+    // Earlier rows have empty cells there.
     for (const std::string& name : names) table_.push_back({name, {rows_, ""}});
   }
 
-  /// Columns that the row does not reach stay empty.
+  /// Missing cells at the end of a row are empty.
   void addRow(std::vector<std::string> cells) {
     cells.resize(table_.size());
     for (std::size_t k = 0; k < cells.size(); ++k) table_[k].cells.push_back(std::move(cells[k]));
@@ -284,7 +284,7 @@ void appendCells(const Json& summary, const std::vector<Figure>& figures,
   for (const Figure& figure : figures) cells.push_back(cellOf(summary, figure));
 }
 
-/// Takes finished runs one after the other and keeps only their figures, not their summaries.
+/// Adds finished runs one by one and keeps only their numbers, not their summaries.
 class Gatherer {
  public:
   explicit Gatherer(const std::vector<std::string>& keys) {
@@ -295,7 +295,7 @@ class Gatherer {
     costs_.addColumns(namesOf(costFigures()));
   }
 
-  /// summary: null when the run failed.
+  /// summary: null for a failed run.
   void add(const SweepRow& run, const std::string& reason, const Json& summary) {
     std::vector<std::string> cells = {run.name};
     cells.insert(cells.end(), run.values.begin(), run.values.end());
@@ -317,13 +317,13 @@ class Gatherer {
   SweepTable takeCosts() { return costs_.take(); }
 
  private:
-  std::vector<Figure> measures_;  ///< known from the first run that is done
+  std::vector<Figure> measures_;  ///< set by the first finished run
   TableBuilder results_;
   TableBuilder costs_;
 };
 
 /// RFC 4180, section 2: cells with commas, quotation marks or line breaks are in quotation marks,
-/// and marks within are doubled. Names of files may hold any of these.
+/// and inner marks are doubled. File names may contain any of these.
 std::string quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
   std::string text = "\"";
@@ -332,7 +332,7 @@ std::string quoted(const std::string& cell) {
   return text + "\"";
 }
 
-/// NaN for an empty cell; nothing for a text.
+/// NaN for an empty cell; absent for a text.
 std::optional<double> numberInCell(const std::string& cell) {
   return cell.empty() ? std::numeric_limits<double>::quiet_NaN() : numberIn(cell);
 }
@@ -342,16 +342,16 @@ void writeColumn(const TableColumn& column, trajectory::ArrayWriter& writer) {
   bool isText = true;
   for (const std::string& cell : column.cells) {
     const std::optional<double> number = numberInCell(cell);
-    // One text makes the whole column texts.
+    // A single text makes the whole column texts.
     if (!number) {
       writer.write(column.name, column.cells);
       return;
     }
-    // It stays true where all cells are empty.
+    // Stays true if all cells are empty.
     isText = isText && std::isnan(*number);
     numbers.push_back(*number);
   }
-  // Empty reasons are texts, too.
+  // A column of empty reasons is also text.
   if (isText) {
     writer.write(column.name, column.cells);
   } else {
@@ -367,7 +367,7 @@ Gathered gather(const SweepListing& listing) {
   for (std::uint64_t index = 0; index < listing.count; ++index) {
     SweepRow run{listing.name(index), listing.values(index)};
     const std::optional<RunRecord> record = readRunRecord(listing.runs / run.name);
-    // No record: never made, in work, or its worker was killed.
+    // No record: the run was not made, is in progress, or its worker was killed.
     if (!record) {
       ++gathered.missing;
       continue;
@@ -417,15 +417,15 @@ void writeTableArrays(const SweepTable& table, const fs::path& file) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The page is chosen in two steps: which runs, then how many columns.
+// Selects the pictures of the page in two steps: the runs, then the number of columns.
 //
-// A series is a run of neighbours in the table that differ only in the last parameter; of a grid
-// of a x b values there are a series of b. When all n runs fit (n <= 100), all are shown. Otherwise
-// every so many series, and of each every so many runs, first and last among them: the ends of both
-// parameters are on the page.
+// A series is a sequence of neighbours in the table that differ only in the last parameter. A grid
+// of a x b values has series of b. If all n runs fit (n <= 100), all are shown. Otherwise every
+// k-th series and every m-th run of each, including the first and the last. The page thus shows the
+// ends of both parameters.
 //
-// With series of s pictures, a row of c columns keeps what is alike in one column when c divides s
-// or s divides c. Among these c the page whose sides differ least is taken, if they differ by less
+// With series of s pictures, a row of c columns keeps equal values in one column if c divides s or
+// s divides c. Among these c the page with the most similar sides is used, if they differ by less
 // than a factor of 4; otherwise c = ceil(sqrt n).
 //
 // Each picture has its own scale, because models of a sweep may differ in size by orders of
@@ -433,22 +433,21 @@ void writeTableArrays(const SweepTable& table, const fs::path& file) {
 
 namespace {
 
-/// Pixels. A hundred of them make a page of 3200 x 2400 and a little more for captions.
+/// Pixels. A hundred of them make a page of 3200 x 2400 plus captions.
 constexpr picture::FrameSize kPictureSize = {320, 240};
 
 /// Of a longer series, if not all pictures fit. Ten by ten pictures is kMostContacts.
 constexpr std::size_t kMostOfSeries = 10;
 
-/// Rows may end where series do when the page is at most this many times longer than it is wide, or
-/// wider than it is long.
+/// Rows may end with series if the ratio of the page's sides is at most this.
 constexpr double kMostStretch = 4;
 
 /// Paints end states, all in one graphics context.
 class EndStatePainter {
  public:
-  /// Bricks made of the final tiles show the deployed bricks.
+  /// Bricks made from the final tiles show the deployed bricks.
   picture::Frame paint(const ContactPicture& picture) {
-    // An empty picture in the colour of the page keeps the place of a run that failed.
+    // A failed run has an empty picture in the colour of the page.
     if (picture.vertices.empty())
       return picture::makeFrame(kPictureSize, picture::Style().background);
     model::Model model;
@@ -456,7 +455,7 @@ class EndStatePainter {
     model::BrickRule rule;
     rule.thickness = picture.thickness;
     const picture::PictureContent content = picture::makeContent(model, rule, std::nullopt);
-    // A graphics context takes longer to make than a small picture to paint.
+    // Making a graphics context takes longer than painting a small picture.
     if (painter_) {
       painter_->show({}, content);
     } else {
@@ -469,7 +468,7 @@ class EndStatePainter {
   std::optional<picture::StatePainter> painter_;
 };
 
-/// At most so many indices >= 0, evenly spaced, with the first and the last.
+/// At most `most` indices >= 0, evenly spaced, including the first and the last.
 std::vector<std::size_t> chooseEvenly(std::size_t count, std::size_t most) {
   const std::size_t chosen = std::min(count, most);
   std::vector<std::size_t> numbers;
@@ -480,14 +479,14 @@ std::vector<std::size_t> chooseEvenly(std::size_t count, std::size_t most) {
   return numbers;
 }
 
-/// How many times longer one side of the page is than the other.
+/// Ratio of the longer to the shorter side of the page.
 double stretch(std::size_t columns, std::size_t count) {
   const double rows = std::ceil(static_cast<double>(count) / static_cast<double>(columns));
   const double ratio = rows / static_cast<double>(columns);
   return std::max(ratio, 1 / ratio);
 }
 
-/// As many columns as rows, or as near as it goes with rows that end where series do.
+/// As many columns as rows, or as near as possible with rows that end with series.
 picture::GridShape shapeFor(std::size_t count, std::size_t series) {
   auto best = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
   double least = kMostStretch;
@@ -500,7 +499,7 @@ picture::GridShape shapeFor(std::size_t count, std::size_t series) {
   return {static_cast<int>((count + best - 1) / best), static_cast<int>(best)};
 }
 
-/// How many pictures come in a series; 1 unless all series have equally many.
+/// Number of pictures in a series; 1 if series have different lengths.
 std::size_t seriesLength(const std::vector<ContactPicture>& pictures) {
   const auto isAlike = [](const ContactPicture& a, const ContactPicture& b) {
     return std::equal(a.values.begin(), a.values.end() - 1, b.values.begin());
@@ -551,15 +550,15 @@ picture::Frame composeContactSheet(const std::vector<std::string>& keys,
 }
 
 // ------------------------------------------------------------------------------------------------
-// Finds the fewest digits, from three on, that still distinguish different values, one parameter at
-// a time. Values of a range have nine digits (12.6991457), and captions with all of them would not
-// fit under small pictures.
+// Finds the fewest digits, at least three, that still distinguish different values, for one
+// parameter at a time. Values of a range have nine digits (12.6991457), which would not fit in
+// captions of small pictures.
 
 namespace {
 
 constexpr int kFewestDigits = 3;
-/// As many as the numbers of a range have. SweepRange::at() writes nine; with as many, texts are
-/// taken as they are.
+/// Digits of the numbers of a range, as SweepRange::at() writes them. With this number, texts stay
+/// unchanged.
 constexpr int kMostDigits = 9;
 
 /// Whole numbers and texts stay as they are.
@@ -567,21 +566,21 @@ std::string rounded(const std::string& text, int digits) {
   double number = 0;
   const char* const end = text.data() + text.size();
   const auto [next, error] = std::from_chars(text.data(), end, number);
-  // A number with neither point nor exponent is whole. "0,0,-9.81" is read up to its first comma,
-  // so it counts as a text.
+  // A number with neither point nor exponent is an integer. "0,0,-9.81" is parsed up to its first
+  // comma, so it counts as a text.
   if (error != std::errc() || next != end || text.find_first_of(".e") == std::string::npos) {
     return text;
   }
   return fmt::format("{:.{}g}", number, digits);
 }
 
-/// Values that differ get texts that differ.
+/// Different values get different texts.
 std::vector<std::string> shortened(const std::vector<std::string>& values) {
   const std::set<std::string> distinct(values.begin(), values.end());
   for (int digits = kFewestDigits; digits < kMostDigits; ++digits) {
     std::set<std::string> texts;
     for (const std::string& value : distinct) texts.insert(rounded(value, digits));
-    // Two values have become one text: a digit more is needed.
+    // Two values have the same text, so one more digit is needed.
     if (texts.size() < distinct.size()) continue;
     std::vector<std::string> chosen;
     chosen.reserve(values.size());
@@ -591,7 +590,7 @@ std::vector<std::string> shortened(const std::vector<std::string>& values) {
   return values;
 }
 
-/// As a person writes it.
+/// In a human-readable spelling.
 std::string spoken(std::string key) {
   std::replace(key.begin(), key.end(), '_', ' ');
   return key;

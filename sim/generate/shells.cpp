@@ -1,21 +1,20 @@
 // Sheets that deploy to a cylinder, a twisted band, a saddle.
 //
-// *Cylinder*: exact without a fit. The regular field of rectangles l x w is closed at theta = 0, M
-// l wide, and at pi, M w wide (M columns, even). Each closed state is wrapped round the regular
-// prism of M sides whose edges are as far apart as columns are wide: every tile lies flat
-// on a side of it. Tiles that are joined across the seam are joined as within the sheet, as the
-// pattern repeats after two columns.
+// *Cylinder*: exact without a fit. The regular field of rectangles l x w is closed at theta = 0
+// with the width M l, and at pi with the width M w (M columns, even). Each closed state is wrapped
+// around the regular prism of M sides whose edge distance is the column width: every tile lies flat
+// on a side. Tiles across the seam are joined as within the sheet, since the pattern repeats after
+// two columns.
 //
-// *Band*: the fit of shells.cpp with another open state. The start bends the open sheet onto the
-// band
+// *Band*: the same fit with another open state. The start bends the open sheet to the band
 //   p(t, s) = ((R - s cos w) cos 2 pi t, (R - s cos w) sin 2 pi t, s sin w),   w = pi n t
-// t in [0, 1] along the strip, s across it (m), n the number of half twists, R the radius (m). Tips
-// at both ends are made to coincide, crosswise for odd n; no joints hold them.
+// t in [0, 1] along the strip, s across it (m), n half twists, R the radius (m). Tips at both ends
+// are made to coincide, crosswise for odd n, without joints.
 //
-// *Sphere to saddle*: both states are curved and closed. Each node should be on its surface, at the
-// distance f(p) / |grad f|, to first order. Curved surfaces are too far from the flat start, so
-// that their curvature is raised in four stages, each begun with the last stage's sheet lifted onto
-// the surfaces of the next. The sphere lies below the origin, z = sqrt(R^2 - x^2 - y^2) - R; the
+// *Sphere to saddle*: both states are curved and closed. Each node should be on its surface, with
+// the distance f(p) / |grad f| to first order. Curved surfaces are too far from the flat start. The
+// curvature is therefore increased in four stages. Each starts from the previous stage's sheet,
+// lifted to its own surfaces. The sphere is below the origin, z = sqrt(R^2 - x^2 - y^2) - R; the
 // saddle is z = c (x^2 - y^2).
 #include "sim/generate/shells.h"
 
@@ -37,7 +36,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Wraps a flat sheet round a regular prism whose sides are `side` wide: x, >= 0, runs round it.
+/// Wraps a flat sheet around a regular prism with sides of width `side`. x >= 0 is the direction
+/// around it.
 std::vector<model::Tile> wrapped(std::vector<model::Tile> flat, int sides, double side) {
   // The circumscribed circle of a regular polygon with that side.
   const double radius = 0.5 * side / std::sin(pi / sides);
@@ -47,7 +47,7 @@ std::vector<model::Tile> wrapped(std::vector<model::Tile> flat, int sides, doubl
   return mapped(std::move(flat), [&](const Vector3& point) {
     // x runs from -M side / 2 to M side / 2.
     const double around = point.x() / side + 0.5 * sides;
-    // Vertices are at the prism's edges or between two of them, to rounding.
+    // Vertices are at the prism's edges or between two of them, up to rounding.
     const int before = static_cast<int>(std::floor(around + 1e-9));
     const double share = around - before;
     const int next = (before + 1) % sides;
@@ -58,8 +58,8 @@ std::vector<model::Tile> wrapped(std::vector<model::Tile> flat, int sides, doubl
   });
 }
 
-/// Places a strip round a circle with half twists, its middle line on the circle; without twists it
-/// faces up.
+/// Places a strip around a circle with half twists, its middle line on the circle. Without twists
+/// it faces up.
 Vector3 onBand(const BandShape& shape, double around, double across) {
   const double twist = pi * shape.halfTwists * around;
   const double turn = 2 * pi * around;
@@ -74,7 +74,7 @@ struct SurfacePoint {
   Vector3 gradient;
 };
 
-/// The sphere's cap and the saddle at share f of their curvature.
+/// The sphere's cap and the saddle at the fraction f of their curvature.
 class SaddleDesign {
  public:
   SaddleDesign(const SaddleShape& shape, double share)
@@ -93,7 +93,7 @@ class SaddleDesign {
     return unknowns;
   }
 
-  /// The design nearest to the given one with its nodes lifted onto the surfaces.
+  /// The design nearest to the given one, with its nodes lifted to the surfaces.
   Eigen::VectorXd solve(const Eigen::VectorXd& previous) const {
     const Eigen::VectorXd start = lifted(previous);
     const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
@@ -121,18 +121,18 @@ class SaddleDesign {
   }
 
  private:
-  // Of the surface over a point of the plane, metres.
+  // Height of the surface over a point of the plane, metres.
   double heightAt(double x, double y, bool onSphere) const {
     if (!onSphere) return curvature_ * (x * x - y * y);
     return std::sqrt(radius_ * radius_ - x * x - y * y) - radius_;
   }
 
-  // The nodes with their heights set onto the surfaces.
+  // The nodes with heights on the surfaces.
   Eigen::VectorXd lifted(Eigen::VectorXd unknowns) const {
     for (const StateUnknowns* state : {&sphere_, &saddle_}) {
       for (int node = 0; node < state->nodes.nodeCount; ++node) {
         const UnknownPoint point = state->point(unknowns, node);
-        // Only heights are set; x and y stay as the last stage left them.
+        // Only heights change; x and y are those of the previous stage.
         unknowns[point.first + 2] = heightAt(point.value.x(), point.value.y(), state == &sphere_);
       }
     }
@@ -237,7 +237,7 @@ model::Model makeMoebiusBand(const BandShape& shape) {
   return model;
 }
 
-// The curvature grows in stages, each begun from the sheet before.
+// The curvature grows in stages. Each starts from the previous sheet.
 model::Model makeSphereToSaddle(const SaddleShape& shape) {
   // Four stages are enough for the default curvature.
   constexpr int kStages = 4;
@@ -257,31 +257,33 @@ model::Model makeSphereToSaddle(const SaddleShape& shape) {
 // ------------------------------------------------------------------------------------------------
 // Flat squares that become caps of a sphere, and six of them as a cube that becomes a sphere.
 //
-// The design is a least squares problem under exact equations (constrained_fit.h). The unknowns are
+// The design is a least squares problem with exact equations (constrained_fit.h). The unknowns are
 // the nodes of the flat, closed square (x, y; m), the nodes of the open cap (x, y, z; m) and half
-// the square's side h (m). Joints need no equations, since joined corners are one node. Exact:
-// every quad has the same shape in both states and is planar in the cap; the square's boundary lies
-// on |x| = h or |y| = h; each tip t of the cap (a corner that no joint holds) lies on the sphere
-// and on the plane of its side,
+// the square's side h (m). Joints need no equations, since joined corners are one node. Exact
+// equations: every quad has the same shape in both states and is planar in the cap; the square's
+// boundary lies on |x| = h or |y| = h; each tip t of the cap (a corner without joint) lies on the
+// sphere and on the plane of its side,
 //   |t| = R,     t . (o - tan(a) e_z) = 0
-// with R the radius, a the angle between pole and side, o the direction out of the side; and tips
-// and boundary nodes mirror each other across x = 0 and y = 0. Wanted: all other nodes near the
-// sphere (weight 0.3), near their start (0.05), and an even grid in the square (0.05). The weights
-// were found by trial; they only choose among sheets that satisfy the exact equations.
+// with the radius R, the angle a between pole and side, and the outward direction o of the side.
+// Tips and boundary nodes mirror each other across x = 0 and y = 0. Soft equations: all other nodes
+// are near the
+// sphere (weight 0.3) and near their start (0.05), and the square has an even grid (0.05). The
+// weights were found by trial. They only select among sheets that satisfy the exact equations.
 //
-// The start is the regular sheet opened to 0.4 pi, with its bounding box mapped to the cap by
-// central projection: u, v in [-1, 1] go to R (tan(a u), tan(a v), 1) / |.|, which takes the sides
-// of the box into the planes of the sides.
+// The start is the regular sheet opened to 0.4 pi. Central projection maps its bounding box to the
+// cap: u, v in [-1, 1] become R (tan(a u), tan(a v), 1) / |.|, which maps the sides of the box to
+// the planes of the sides.
 //
-// The idea of fitting both states at once: G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming
-// shape using kirigami tessellations, Nature Materials 18, 2019, who use other equations and a
-// general optimiser.
+// Fitting both states at once is the idea of G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming
+// shape using kirigami tessellations, Nature Materials 18, 2019, with other equations and a general
+// optimiser.
 
 namespace {
 
 using std::numbers::pi;
 
-/// Adds that two points mirror each other in the plane through the origin across an axis.
+/// Adds the equation that two points mirror each other in the plane through the origin across an
+/// axis.
 void addMirror(EquationRows& rows, const UnknownPoint& a, const UnknownPoint& b, int axis) {
   for (int k = 0; k < std::min(a.dimension, b.dimension); ++k) {
     // The mirror changes the sign of one coordinate and keeps the others.
@@ -313,10 +315,10 @@ class CapDesign {
     half_ = square_.count() + cap_.count();
   }
 
-  // From the start to both states.
+  // Solves for both states from the start.
   CapPair solve() const {
     const std::vector<model::Tile> start = startCap();
-    // The square is given the edge lengths of the cap that it starts from.
+    // The square gets the mean edge length of the initial cap.
     const double half = 0.5 * shape_.size * meanEdge(start);
     Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(half_ + 1);
     cap_.pack(start, unknowns);
@@ -335,7 +337,7 @@ class CapDesign {
   }
 
  private:
-  /// The regular open sheet, its box mapped to the cap's.
+  /// The regular open sheet, with its box mapped to the cap's.
   std::vector<model::Tile> startCap() const {
     const std::vector<model::Tile> flat = unitTiles(lattice_, 0.4 * pi);
     const Vector3 half = generate::halfExtent(flat);
@@ -346,13 +348,13 @@ class CapDesign {
     });
   }
 
-  // A free corner of the cap, counted round the sheet.
+  // A free corner of the cap, numbered around the sheet.
   UnknownPoint tip(const Eigen::VectorXd& values, int number) const {
     const LatticeCorner& corner = tips_[std::size_t(number)];
     return cap_.point(values, lattice_.tileAt(corner.cell), corner.corner);
   }
 
-  // What both states must be.
+  // Exact equations of both states.
   void addExact(EquationRows& rows, const FlatRectangle& rectangle,
                 const Eigen::VectorXd& values) const {
     addCongruence(rows, square_, cap_, values);
@@ -367,17 +369,17 @@ class CapDesign {
     addMirrors(rows, rectangle, values);
   }
 
-  /// The number of the tip or boundary node that is the mirror image across x = 0 or y = 0: they
-  /// are counted round the square, tips from 1/2.
+  /// The number of the mirror image of a tip or boundary node across x = 0 or y = 0. They are
+  /// numbered around the square, tips from 1/2.
   int mirrored(int number, int axis, bool isTip) const {
     const int count = 4 * shape_.size;
-    // Mirror images have numbers that add up to a constant: across x = 0 the middle of the bottom
-    // stays, across y = 0 the middle of the left side.
+    // Mirror images have numbers with a constant sum: across x = 0 the middle of the bottom is
+    // fixed, across y = 0 the middle of the left side.
     const int sum = (axis == 0 ? shape_.size : 3 * shape_.size) - (isTip ? 1 : 0);
     return ((sum - number) % count + count) % count;
   }
 
-  /// Mirrored tips and boundary nodes: caps meet each other on a cube.
+  /// Mirrors tips and boundary nodes, because caps are adjacent on a cube.
   void addMirrors(EquationRows& rows, const FlatRectangle& rectangle,
                   const Eigen::VectorXd& values) const {
     for (int k = 0; k < 4 * shape_.size; ++k) {
@@ -389,7 +391,7 @@ class CapDesign {
     }
   }
 
-  // What chooses among the sheets that are possible.
+  // Soft equations, which select among the possible sheets.
   void addDesired(EquationRows& rows, const FlatRectangle& rectangle, const Eigen::VectorXd& start,
                   const Eigen::VectorXd& values) const {
     for (int node = 0; node < cap_.nodes.nodeCount; ++node) {
@@ -409,20 +411,20 @@ class CapDesign {
   int half_ = 0;
 };
 
-/// The rotations that bring a cap about +z to all six faces of a cube. The ones to the sides are
-/// chosen so that the tips of as many caps as can be meet in both states.
+/// The rotations of a cap about +z to all six faces of a cube. Those to the sides maximise the
+/// number of tips that coincide in both states.
 std::array<Matrix3, 6> cubeFaces() {
   const auto halfTurn = [](double x, double y, double z) {
     return Matrix3(Eigen::AngleAxisd(pi, Vector3(x, y, z).normalized()).toRotationMatrix());
   };
-  // A half turn about the bisector of two axes swaps them.
+  // A half turn about the bisector of two axes exchanges them.
   const Matrix3 toY = halfTurn(0, 1, 1);
   return {Matrix3::Identity(), halfTurn(1, 0, 0),       toY,
           halfTurn(0, -1, 1),  halfTurn(1, 1, 0) * toY, halfTurn(-1, 1, 0) * toY};
 }
 
-/// A corner's place at the start and at the target, in units in which all corners that coincide
-/// round to the same numbers.
+/// A corner's position at the start and at the target, in units in which coinciding corners round
+/// to the same integers.
 std::array<long, 6> placeOf(const model::Model& model, const model::Corner& corner, double unit) {
   std::array<long, 6> place{};
   const std::size_t tile = std::size_t(corner.tile), vertex = std::size_t(corner.vertex);
@@ -440,7 +442,7 @@ void joinCaps(model::Model& model, const model::Lattice& lattice) {
   for (int face = 0; face < 6; ++face) {
     for (const LatticeCorner& tip : tips(lattice)) {
       const model::Corner corner{face * lattice.tileCount() + lattice.tileAt(tip.cell), tip.corner};
-      // A third tip at the same place would be joined to the first, too.
+      // A third tip at the same position would also be joined to the first.
       const auto [entry, isNew] = known.try_emplace(placeOf(model, corner, unit), corner);
       if (!isNew) model.joints.push_back({entry->second, corner, model::JointFace::Bottom});
     }
@@ -474,7 +476,8 @@ model::Model makeCubeToSphere(const CapShape& shape) {
       joint.b.tile += first;
       model.joints.push_back(joint);
     }
-    // The flat square becomes the face z = h of the cube; the cap is centred on the origin already.
+    // Moves the flat square to the face z = h of the cube. The cap is already centred on the
+    // origin.
     const Vector3 lift(0, 0, pair.half);
     const auto place = [&](const Vector3& v) { return Vector3(turn * (v + lift)); };
     for (const model::Tile& tile : mapped(pair.square, place)) model.tiles.push_back(tile);
@@ -486,12 +489,12 @@ model::Model makeCubeToSphere(const CapShape& shape) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Parts that the fits of shells share: a start of unit squares, the exact rectangle of a flat
-// state, and the message of a fit that failed.
+// Common parts of the fits of shells: a start of unit squares, the exact rectangle of a flat state,
+// and the message of a failed fit.
 //
-// The rectangle is |x| = a, |y| = b with unknown half sides a and b (m): its own size is free,
-// since the sheet's size follows from the curved state. Every boundary node of side s satisfies o_s
-// . p = a or b, with o_s the direction out of the side; a corner node satisfies both.
+// The rectangle is |x| = a, |y| = b with unknown half sides a and b (m), since the curved state
+// determines the sheet's size. Every boundary node of side s satisfies o_s . p = a or b, with the
+// outward direction o_s of the side. A corner node satisfies both.
 
 Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                           Eigen::VectorXd start, const FitSettings& settings) {
@@ -507,7 +510,7 @@ std::vector<model::Tile> unitTiles(const model::Lattice& lattice, double angle) 
   return model::regularField(lattice, 1, model::Complex(0, 1)).tiles(angle);
 }
 
-// From the origin: an asymmetric sheet has its larger side.
+// Relative to the origin: for an asymmetric sheet the larger side counts.
 Vector3 halfExtent(const std::vector<model::Tile>& tiles) {
   Vector3 half = Vector3::Zero();
   for (const model::Tile& tile : tiles) {
@@ -523,7 +526,7 @@ double meanEdge(const std::vector<model::Tile>& tiles) {
 }
 
 int sideOf(const model::Lattice& lattice, int number) {
-  // Numbers at which the bottom, the right and the top side end.
+  // Numbers at the ends of the bottom, the right and the top side.
   const int ends[] = {lattice.columns, lattice.columns + lattice.rows,
                       2 * lattice.columns + lattice.rows};
   return static_cast<int>(std::upper_bound(std::begin(ends), std::end(ends), number) -
@@ -548,7 +551,7 @@ void FlatRectangle::addExact(EquationRows& rows, const Eigen::VectorXd& unknowns
   for (int number = 0; number < count; ++number) {
     const int side = sideOf(lattice_, number);
     addOnSide(rows, unknowns, number, side);
-    // A node at a corner lies on the side before it, too.
+    // A node at a corner also lies on the previous side.
     const int before = sideOf(lattice_, (number + count - 1) % count);
     if (before != side) addOnSide(rows, unknowns, number, before);
   }
@@ -586,13 +589,13 @@ void FlatRectangle::addOnSide(EquationRows& rows, const Eigen::VectorXd& unknown
 // ------------------------------------------------------------------------------------------------
 // Unknown nodes of two states of one sheet, and the equations that make the states congruent.
 //
-// With a = p_1 - p_0, b = p_2 - p_0, c = p_3 - p_0 for the corners p_k of a quad (m), the shape of
-// a planar quad is known from five inner products,
+// With a = p_1 - p_0, b = p_2 - p_0, c = p_3 - p_0 for the corners p_k of a quad (m), five inner
+// products define the shape of a planar quad,
 //   a . a,   a . c,   c . c,   b . a,   b . c                  m^2
-// the first three fix the triangle p_0 p_1 p_3, the other two the components of b in its plane.
-// Each is set equal in both states. Edge lengths with one diagonal would be five equations too, but
-// they allow the quad to fold over its diagonal, and fits fell into that. A quad in space is planar
-// where a . (b x c) = 0 (m^3). The slopes follow by the product rule: d(u . w) = w . du + u . dw.
+// The first three define the triangle p_0 p_1 p_3, the other two the components of b in its plane.
+// Each is equal in both states. Edge lengths and one diagonal would also be five equations, but
+// they allow the quad to fold about its diagonal, which occurred in fits. A quad in space is planar
+// if a . (b x c) = 0 (m^3). Derivatives follow from the product rule: d(u . w) = w . du + u . dw.
 
 namespace {
 
@@ -622,7 +625,7 @@ class JoinedCorners {
   }
 
  private:
-  // Groups have four corners at most: their trees stay flat without further care.
+  // Groups have at most four corners, so their trees stay flat.
   int find(int corner) {
     while (parents_[std::size_t(corner)] != corner) corner = parents_[std::size_t(corner)];
     return corner;
@@ -685,7 +688,7 @@ NodeMap nodesClosedAtEnd(const model::Lattice& lattice) {
   for (const model::Tile& tile : closed) {
     std::vector<int>& nodes = map.nodeOf.emplace_back();
     for (const Vector3& vertex : tile.vertices) {
-      // Sheets with an even and an odd number of tiles have corners at whole or at half numbers.
+      // Sheets with an even or odd number of tiles have corners at integers or at half-integers.
       const std::pair place{std::lround(2 * vertex.x()), std::lround(2 * vertex.y())};
       const auto [entry, isNew] = numbers.try_emplace(place, map.nodeCount);
       map.nodeCount += isNew ? 1 : 0;

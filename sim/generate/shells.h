@@ -1,4 +1,4 @@
-/// Sheets that deploy to curved surfaces, and what their designs have in common.
+/// Sheets that deploy to curved surfaces, and the common parts of their designs.
 #pragma once
 
 #include <array>
@@ -16,16 +16,16 @@ namespace kirireel::generate {
 // ------------------------------------------------------------------------------------------------
 // Sheets of quads that deploy to curved surfaces. Lengths in metres, angles in radians.
 //
-// Each function throws InputError when no such sheet was found, which happens for shapes that are
-// far from the defaults.
+// Each function throws InputError if no such sheet was found, which occurs for shapes far from the
+// defaults.
 
-/// A rectangular tube that becomes a slimmer, longer one: columns x rows rectangles wrapped round a
+/// A rectangular tube that becomes slimmer and longer: columns x rows rectangles wrapped around a
 /// regular prism with as many sides as columns.
 struct CylinderShape {
-  int columns = 6;    ///< even, at least 4
-  int rows = 6;       ///< at least 1
-  double length = 2;  ///< of a tile round the tube at the start, positive
-  double width = 1;   ///< of a tile along the tube at the start, positive
+  int columns = 6;    ///< even, >= 4
+  int rows = 6;       ///< >= 1
+  double length = 2;  ///< of a tile around the tube at the start, > 0
+  double width = 1;   ///< of a tile along the tube at the start, > 0
 };
 /// Such a model, its start and its target.
 model::Model makeCylinder(const CylinderShape& shape);
@@ -39,17 +39,17 @@ struct CapShape {
 /// Such a model, its start and its target.
 model::Model makeSphericalCap(const CapShape& shape);
 
-/// A cube of six square sheets that becomes a sphere: six caps, joined where their tips meet in
-/// both states. The angle of the shape is not used; it is pi / 4.
+/// A cube of six square sheets that becomes a sphere: six caps, joined at tips that coincide in
+/// both states. The shape's angle is not used; it is pi / 4.
 model::Model makeCubeToSphere(const CapShape& shape);
 
 /// A flat strip that becomes a twisted band.
 struct BandShape {
   int columns = 12;             ///< along the strip, even
   int rows = 2;                 ///< across, even
-  int halfTwists = 1;           ///< from 0
+  int halfTwists = 1;           ///< >= 0
   double radius = 3;            ///< of the band's middle line
-  double angle = 1.2217304764;  ///< by which neighbours open, about
+  double angle = 1.2217304764;  ///< approximate opening angle of neighbours
 };
 /// Such a model, its start and its target.
 model::Model makeMoebiusBand(const BandShape& shape);
@@ -60,7 +60,7 @@ struct SaddleShape {
   int rows = 10;           ///< even
   double radius = 6.9;     ///< of the sphere
   double curvature = 0.4;  ///< of the saddle, 1/m
-  double width = 6;        ///< of the sheet's longer side before it is lifted
+  double width = 6;        ///< of the sheet's longer side before lifting
 };
 /// Such a model, its start and its target.
 model::Model makeSphereToSaddle(const SaddleShape& shape);
@@ -68,35 +68,35 @@ model::Model makeSphereToSaddle(const SaddleShape& shape);
 // ------------------------------------------------------------------------------------------------
 // Two congruent states of one sheet of quads, as unknowns of a fit.
 
-/// Which corners of a sheet share a node: joints are shared nodes. They are closed exactly.
+/// Shared nodes of a sheet's corners. Joints are shared nodes, so they are closed exactly.
 struct NodeMap {
-  std::vector<std::vector<int>> nodeOf;  ///< [tile][corner], from 0
-  int nodeCount = 0;                     ///< of different nodes
+  std::vector<std::vector<int>> nodeOf;  ///< [tile][corner], zero-based
+  int nodeCount = 0;                     ///< number of different nodes
 };
 
-/// The nodes of the open sheet: corners that joints hold together.
+/// The nodes of the open sheet: joined corners share a node.
 NodeMap openNodes(const model::Lattice& lattice);
 
 /// The nodes of the sheet closed at the start (theta = 0): a grid of columns + 1 by rows + 1.
 NodeMap nodesClosedAtStart(const model::Lattice& lattice);
 
-/// The nodes of the sheet closed again after all tiles have turned (theta = pi).
+/// The nodes of the sheet closed again after all tiles have rotated (theta = pi).
 NodeMap nodesClosedAtEnd(const model::Lattice& lattice);
 
 /// A point whose coordinates are unknowns.
 struct UnknownPoint {
-  Vector3 value = Vector3::Zero();  ///< its coordinates now, metres
-  int first = 0;                    ///< the unknown that is x; y and z follow
+  Vector3 value = Vector3::Zero();  ///< current coordinates, metres
+  int first = 0;                    ///< index of the unknown x; y and z follow
   int dimension = 3;                ///< 2 for a point in the plane z = 0
 };
 
 /// The nodes of one state as unknowns.
 struct StateUnknowns {
-  NodeMap nodes;      ///< which corners share one
+  NodeMap nodes;      ///< shared nodes of corners
   int dimension = 3;  ///< 2 for a state in the plane z = 0
-  int first = 0;      ///< the unknown that is x of node 0
+  int first = 0;      ///< index of the unknown x of node 0
 
-  /// How many unknowns the state has.
+  /// Number of unknowns of the state.
   int count() const { return dimension * nodes.nodeCount; }
   /// A node, by its number from 0.
   UnknownPoint point(const Eigen::VectorXd& unknowns, int node) const;
