@@ -1,14 +1,14 @@
-// Writes man(7): a line that begins with a point is a request to troff, a backslash begins an
-// escape, and a plain hyphen may become a dash on paper. Everything else is text.
+// Writes man(7): a line that begins with a point is a troff request, a backslash begins an escape,
+// and a plain hyphen may become a dash in print. All other text is literal.
 //
-// A page has the sections NAME, SYNOPSIS, ARGUMENTS, COMMANDS, OPTIONS (with a subsection for each
-// group of the help), NOTES or EXAMPLES from the footer, and SEE ALSO (man-pages(7)). Requests in
-// use:
+// A page has the sections NAME, SYNOPSIS, ARGUMENTS, COMMANDS, OPTIONS (with a subsection per group
+//    of the help), NOTES or EXAMPLES from the footer, and SEE ALSO (man-pages(7)). It uses the
+//    requests
 //
 //     .TH TITLE SECTION DATE SOURCE MANUAL    .SH heading    .SS heading within    .TP tagged entry
 //     .nf / .fi  lines as they are / filled   .sp  an empty line    \fB bold  \fI italic  \fR roman
 //
-// Pages have no date: the same source gives the same bytes on any day.
+// Pages have no date: the same source always gives the same bytes.
 #include "render/cli/manual.h"
 
 #include <algorithm>
@@ -36,12 +36,12 @@ std::string escaped(const std::string& text) {
       result += letter;
     }
   }
-  // A zero-width space keeps a line from being a request.
+  // A zero-width space prevents that a line is read as a request.
   const bool isRequest = result.starts_with('.') || result.starts_with('\'');
   return isRequest ? "\\&" + result : result;
 }
 
-/// ASCII letters only: names of commands have no others.
+/// ASCII letters only, as in names of commands.
 std::string upperCase(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
   return text;
@@ -52,14 +52,14 @@ std::string pageName(const CommandDescription& program, const CommandDescription
   return fmt::format("{}-{}", program.name, command.name);
 }
 
-/// The NAME line is what whatis(1) and apropos(1) index.
+/// whatis(1) and apropos(1) index the NAME line.
 std::string header(const std::string& page, const std::string& purpose,
                    const std::string& version) {
   return fmt::format(".TH {} 1 \"\" \"kirireel {}\" \"Kirireel\"\n.SH NAME\n{} \\- {}\n",
                      escaped(upperCase(page)), escaped(version), escaped(page), escaped(purpose));
 }
 
-/// .TP takes the next line as a tag and the one after it as the text.
+/// .TP uses the next line as a tag and the one after it as the text.
 std::string optionText(const OptionDescription& option) {
   std::string names;
   for (const std::string& name : option.names) {
@@ -87,7 +87,7 @@ std::string optionsText(const CommandDescription& command, const char* headingMa
   return text;
 }
 
-/// Arguments without a name of an option, such as MODEL.
+/// Positional arguments, such as MODEL.
 std::string placesText(const CommandDescription& command) {
   std::string text;
   for (const PlaceDescription& place : command.places) {
@@ -116,11 +116,11 @@ std::string commandsText(const std::vector<CommandDescription>& commands) {
   return text;
 }
 
-/// Paragraphs that begin "Examples:" become sections of that name, others notes; lines stay. Lines
+/// Paragraphs that begin with "Examples:" become sections of that name, others notes. Line breaks
 /// are kept (.nf), since examples are commands to be copied.
 std::string footerText(const std::string& footer) {
   std::string text;
-  // What to write before the next line of text: nothing, an empty line, or a heading.
+  // Text before the next line: nothing, an empty line, or a heading.
   std::string gap;
   std::string heading = "NOTES";
   std::string written;
@@ -156,7 +156,7 @@ std::string sectionText(const CommandDescription& command) {
                      placesText(command), optionsText(command, ".SS"));
 }
 
-/// Commands below it have no page of their own, since they are many and short.
+/// Subcommands are many and short, so they have no page of their own.
 std::string commandPage(const CommandDescription& program, const CommandDescription& command,
                         const std::string& version) {
   const std::string fullName = fmt::format("{} {}", program.name, command.name);
@@ -193,23 +193,24 @@ std::vector<NamedText> manPages(const CommandDescription& program, const std::st
 }
 
 // ------------------------------------------------------------------------------------------------
-// Three shells, three languages, one source: the descriptions of all commands (command_line.h).
+// Completion scripts for three shells from one source: the descriptions of all commands
+// (command_line.h).
 //
 // - bash (GNU Bash manual, "Programmable Completion"): three functions that map words to lists by
-//   `case`, and one that finds out which command stands on the line and what its last word may be.
-//   "kirireel generate" is the command "generate"; options are looked up by "COMMAND OPTION".
+//   `case`, and one that finds the command on the line and the possible last words. "kirireel
+//   generate" is the command "generate"; options are looked up by "COMMAND OPTION".
 // - zsh (zshcompsys(1)): a specification for _arguments for each command,
 //   "--name=[help]:UNIT:(words)" or ":_files".
-// - fish (fish documentation, "complete"): one `complete` line an option, with a condition that
-//   tells which commands were given.
+// - fish (fish documentation, "complete"): one `complete` line per option, with a condition for the
+//   given commands.
 //
-// The scripts are complete tables and do not call the program. A key press costs no start of it,
-// and a broken build cannot break a shell.
+// The scripts are complete tables and do not call the program. A key press does not start it, and a
+// broken build cannot break a shell.
 
 namespace {
 
-/// Whether an option's value, or an argument, names a file or a folder. Units are the words in
-/// capitals that the help shows.
+/// Whether an option's value, or an argument, is a file or a folder. Units are the capitalised
+/// words in the help.
 bool namesFile(const std::string& unit) {
   static const std::set<std::string> kUnits = {"FILE",  "FOLDER", "MODEL", "TRAJECTORY",
                                                "SWEEP", "IN",     "OUT"};
@@ -217,7 +218,7 @@ bool namesFile(const std::string& unit) {
 }
 
 /// Calls `visit` with each command and its words ("generate tessellation"; "" for the program).
-/// Depth first, the command itself before those below it.
+/// Depth first, a command before its subcommands.
 void visitAll(const CommandDescription& command, const std::string& words,
               const std::function<void(const CommandDescription&, const std::string&)>& visit) {
   visit(command, words);
@@ -243,8 +244,8 @@ std::string shellQuoted(const std::string& text) {
 
 // ---- bash
 
-/// What follows an option: words, "FILES", or nothing for a value that only the user knows. One row
-/// of a `case`: the option's names after its command.
+/// The values of an option: words, "FILES", or nothing for a value that only the user knows. One
+/// row of a `case`: the option's names after its command.
 std::string valueLine(const std::string& words, const OptionDescription& option) {
   std::vector<std::string> patterns;
   for (const std::string& name : option.names) patterns.push_back(shellQuoted(words + " " + name));
@@ -253,7 +254,7 @@ std::string valueLine(const std::string& words, const OptionDescription& option)
   return fmt::format("    {}) values={} ;;\n", fmt::join(patterns, "|"), shellQuoted(values));
 }
 
-/// Switches have no row among the values. The word after a switch is completed as an argument.
+/// Switches have no row of values. The word after a switch is completed as an argument.
 std::string bashTables(const CommandDescription& program) {
   std::string commands;
   std::string options;
@@ -318,7 +319,7 @@ complete -F _kirireel kirireel
 
 // ---- zsh
 
-/// Within the brackets of a specification of _arguments, where some letters have a meaning.
+/// Text within the brackets of an _arguments specification, in which some letters are special.
 std::string zshText(const std::string& text) {
   std::string result;
   for (const char letter : text) {
@@ -369,7 +370,7 @@ _kirireel "$@"
 
 // ---- fish
 
-/// True where exactly these commands were given.
+/// Condition for exactly these commands.
 std::string fishCondition(const CommandDescription& command, const std::string& words) {
   std::string condition = words.empty() ? "__fish_use_subcommand" : "";
   std::size_t start = 0;
@@ -386,7 +387,7 @@ std::string fishCondition(const CommandDescription& command, const std::string& 
   return condition;
 }
 
-/// Only quotes and backslashes have a meaning within single quotes.
+/// Only quotes and backslashes are special within single quotes.
 std::string fishText(const std::string& text) {
   std::string result = "'";
   for (const char letter : text) {
@@ -396,7 +397,7 @@ std::string fishText(const std::string& text) {
   return result + "'";
 }
 
-/// -r: needs a value; -f: which is no file.
+/// -r: requires a value; -f: the value is not a file.
 std::string fishOption(const OptionDescription& option, const std::string& condition) {
   std::string line = fmt::format("complete -c kirireel -n {}", fishText(condition));
   for (const std::string& name : option.names) {
@@ -449,12 +450,12 @@ std::string fishCompletion(const CommandDescription& program) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The Python module takes the program's options as keyword arguments, so their documentation is the
-// program's own: docstrings list options by group with unit and help, and the stub (PEP 484, PEP
-// 561) types them. A switch is bool, an option with a list of words is Literal[...], everything
-// else is what Python's text of the value is to the program (_Value).
+// The Python module accepts the program's options as keyword arguments, so they share the
+// documentation. Docstrings list options by group with unit and help. The stub (PEP 484, PEP 561)
+// types them. A switch is bool, an option with a list of words is Literal[...]. Any other option is
+// _Value: Python's text of the value is passed to the program.
 //
-// The classes' own properties are written out in kStubHead and kStubRun and have to follow
+// kStubHead and kStubRun contain the classes' own properties and must match
 // render/python/bindings.cpp; a test compares the two.
 
 namespace {
@@ -474,7 +475,7 @@ std::string optionLine(const OptionDescription& option) {
                      option.help);
 }
 
-/// A heading where the group changes; options of a group follow each other.
+/// A heading at each change of group; options of a group are consecutive.
 std::string optionsDoc(const std::vector<OptionDescription>& options) {
   std::string text;
   std::string group;
@@ -486,8 +487,7 @@ std::string optionsDoc(const std::vector<OptionDescription>& options) {
   return text;
 }
 
-/// An underscore for each hyphen, as names of Python have it. "spring-stiffness" is
-/// spring_stiffness.
+/// Hyphens become underscores, as in Python names: "spring-stiffness" is spring_stiffness.
 std::string pythonName(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -500,7 +500,7 @@ std::string typeOf(const OptionDescription& option) {
   return fmt::format("Literal[\"{}\"]", fmt::join(option.words, "\", \""));
 }
 
-/// Every option is optional. None means that it is not given.
+/// Every option is optional. None means that it is not set.
 std::string parameters(const std::vector<OptionDescription>& options) {
   std::string text;
   for (const OptionDescription& option : options) {
@@ -509,8 +509,8 @@ std::string parameters(const std::vector<OptionDescription>& options) {
   return text;
 }
 
-/// One overload a family, because each has its own parameters. Names with hyphens are accepted with
-/// underscores, too.
+/// One overload per family, because each has its own parameters. Underscores are accepted in place
+/// of hyphens.
 std::string familyStub(const CommandDescription& family) {
   return fmt::format(
       "@overload\ndef generate(\n    family: Literal[{}],\n    *,\n{}) -> Model: ...\n",

@@ -21,13 +21,13 @@ namespace kirireel::cli {
 // ------------------------------------------------------------------------------------------------
 // `kirireel generate FAMILY FOLDER`.
 
-/// A model to be made, and the place that it goes to. Lengths of parameters are metres, angles
-/// degrees, as in the family's list.
+/// Request to generate a model. Lengths of parameters are in metres, angles in degrees, as in the
+/// family's list.
 struct GenerateOrder {
-  std::string family;                    ///< as sim/generate/families.h names it
-  std::map<std::string, double> values;  ///< of the family's parameters, those that were given
+  std::string family;                    ///< name in sim/generate/families.h
+  std::map<std::string, double> values;  ///< given parameters of the family
   std::optional<model::JointFace> face;  ///< of all joints; absent: chosen from the deployed shape
-  std::filesystem::path folder;          ///< where the model goes; made when absent
+  std::filesystem::path folder;          ///< output folder; created if absent
 };
 
 /// Adds `generate` with its families. The order must outlive the parsing.
@@ -39,60 +39,60 @@ inline constexpr const char* kShapeGroup = "Shape";
 /// Adds one family with its parameters. The order must outlive the parsing. Returns its command.
 CLI::App* addFamily(CLI::App& generate, const generate::Family& family, GenerateOrder& order);
 
-/// Throws InputError when no family or no folder was given. To be called after parsing.
+/// Throws InputError if no family or no folder was given. Call it after parsing.
 void completeOrder(const CLI::App& generate, GenerateOrder& order);
 
-/// Makes the model; the order needs no folder. Throws as generateModel().
+/// Makes the model; the order needs no folder. Throws like generateModel().
 model::Model makeModel(const GenerateOrder& order);
 
-/// Makes the model and writes its folder. Returns the exit code. Prints how many tiles and joints
-/// it has. Throws OutputError where the folder cannot be written.
+/// Makes the model and writes its folder. Prints its number of tiles and joints. Returns the exit
+/// code. Throws OutputError if the folder cannot be written.
 int carryOut(const GenerateOrder& order);
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel convert IN OUT`.
 
-/// A model to be written in another format. The file names decide the formats.
+/// Request to convert a model. The file names determine the formats.
 struct ConvertOrder {
   std::filesystem::path input;   ///< the model, a folder or a file
-  model::ReadSettings reading;   ///< how it is read
-  std::filesystem::path target;  ///< another model whose start is the target; empty for none
-  std::filesystem::path output;  ///< its ending decides the format
+  model::ReadSettings reading;   ///< options for reading
+  std::filesystem::path target;  ///< another model whose start is the target; empty: none
+  std::filesystem::path output;  ///< its ending determines the format
 };
 
 /// Adds `convert`. The order must outlive the parsing.
 CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, ConvertOrder& order);
 
-/// Reads and writes. Returns the exit code. Throws InputError for a model that cannot be read,
-/// OutputError for a file that cannot be written.
+/// Reads and writes the model. Returns the exit code. Throws InputError for a model that cannot be
+/// read, OutputError for a file that cannot be written.
 int carryOut(const ConvertOrder& order);
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel inspect MODEL`.
 
-/// A model to be inspected. The scene's thickness is an option, because mobility and needs depend
-/// on it.
+/// Request to inspect a model. The scene's thickness is an option, because mobility and needs
+/// depend on it.
 struct InspectOrder {
   std::filesystem::path model;    ///< a folder or a file
-  model::ReadSettings reading;    ///< how it is read
-  std::filesystem::path target;   ///< another model whose start is the target; empty for none
-  std::filesystem::path picture;  ///< where a numbered picture goes; empty for none
-  scene::Scene scene;             ///< everything but the model
+  model::ReadSettings reading;    ///< options for reading
+  std::filesystem::path target;   ///< another model whose start is the target; empty: none
+  std::filesystem::path picture;  ///< file for a numbered picture; empty: none
+  scene::Scene scene;             ///< all settings without the model
   bool printJson = false;         ///< the report as JSON on standard output, instead of text
 };
 
 /// Adds `inspect`. The order must outlive the parsing.
 CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, InspectOrder& order);
 
-/// Reads the model, prints what it is, paints it if asked. Returns the exit code. Throws InputError
-/// for a model that cannot be read; for one with a tile that crosses itself the picture is written
-/// first.
+/// Reads the model, prints the inspection, and paints it on request. Returns the exit code. Throws
+/// InputError for a model that cannot be read. For a tile that crosses itself, the picture is
+/// written before.
 int carryOut(const InspectOrder& order);
 
 // ------------------------------------------------------------------------------------------------
@@ -113,22 +113,22 @@ int carryOut(const ModelsOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel study NAME`.
 
-/// A study to be run. The name is a text; its type is a path because it is a positional argument
-/// like other commands'.
+/// Request to run a study. The name is a text. Its type is a path because positional arguments of
+/// all commands are paths.
 struct StudyOrder {
-  std::filesystem::path name;     ///< of a study, or "all"
-  study::StudySettings settings;  ///< everything but the caption's texts
+  std::filesystem::path name;     ///< name of a study, or "all"
+  study::StudySettings settings;  ///< all settings except the caption's texts
   bool list = false;              ///< list the studies instead
 };
 
 /// Adds `study`. The order must outlive the parsing.
 CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, StudyOrder& order);
 
-/// Runs one study or all, and prints what they come down to. Returns the exit code. Takes minutes
-/// to hours. 4 when a signal ended it.
+/// Runs one study or all, and prints the results. Takes minutes to hours. Returns the exit code, 4
+/// after a signal.
 int carryOut(const StudyOrder& order);
 
 }  // namespace kirireel::cli

@@ -1,6 +1,6 @@
-// Options that make up a scene: all settings of sim/scene/settings.h, which are added without being
-// named here, and what belongs to a model (targets, pins, fixed pairs, links), whose values are
-// lists. The scene file comes last: it sets the options that the command line did not give.
+// Options of a scene: all settings of sim/scene/settings.h, which are added without listing them
+// here, and additions to a model (targets, pins, fixed pairs, links), whose values are lists. The
+// scene file comes last: it sets options that the command line did not give.
 #include "render/cli/scene_options.h"
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::vector<int> parseIndices(const scene::TypedValue& value, std::size_t count,
   return numbers;
 }
 
-/// "red,rgb(0,0,255),cuts" at its commas, but for those in parentheses.
+/// Splits "red,rgb(0,0,255),cuts" at commas outside parentheses.
 std::vector<std::string> splitNames(const scene::TypedValue& typed) {
   std::vector<std::string> names(1);
   int depth = 0;
@@ -58,7 +58,7 @@ std::vector<std::string> splitNames(const scene::TypedValue& typed) {
 }
 
 template <typename List>
-/// Each list as "3,4", all of them as a scene file has them.
+/// Each list as "3,4", all of them in scene file syntax.
 std::string listsText(const std::vector<List>& lists) {
   std::vector<std::string> texts;
   for (const List& list : lists)
@@ -84,7 +84,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
              [&request](const scene::TypedValue& typed) { request.file = typed.text; })
       .excludeFromFingerprint();  // its content is in the fingerprint
   OptionGroup group(command, "Model", "model");
-  // Numbers stay as they were typed; completeScene() knows from where the model's file counts.
+  // Numbers stay as typed; completeScene() knows the base of the model's file.
   scene::SceneParts& parts = request.parts;
   group
       .values("--target", "MODEL",
@@ -142,7 +142,7 @@ scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path&
   std::error_code ignored;
   // A named file must exist; scene.toml in the model's folder is optional.
   if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
-  // Settings went into the options; lists have no options and are taken here.
+  // Settings were written to the options. Lists have no options and are used here.
   scene::SceneFile read = applySceneFile(command, file);
   scene.timeline = read.timeline;
   scene.environment.obstacles = read.obstacles;
@@ -152,17 +152,16 @@ scene::SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path&
 }
 
 // ------------------------------------------------------------------------------------------------
-// A key of scene.toml is the long name of an option with underscores, in the table that the
-// option's group names. Every option of a run can be in the file, and the file needs no list of its
-// own. Values go through the option's own reader, as text, and are refused in its words, with the
-// place in the file in front.
+// A key of scene.toml is the long name of an option with underscores, in the table of the
+// option's group. Every option of a run can be in the file without another list of keys. Values
+// are passed as text to the option's own reader. Its error message gets the file position as
+// prefix.
 //
-// An option that the command line gave keeps its value: what is typed counts more than what is
-// stored.
+// An option on the command line has priority over the file.
 
 namespace {
 
-/// Of one table, for suggestions.
+/// Keys of one table, for suggestions.
 std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
   std::vector<std::string> keys;
   for (CLI::Option* option : command.get_options()) {
@@ -171,14 +170,14 @@ std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
   return keys;
 }
 
-/// The first option with this key and table; a key of another table gets a message of its own,
-/// since it is the most frequent mistake.
+/// The first option with this key and table. A key of another table gets its own message, since it
+/// is the most frequent mistake.
 CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
   for (CLI::Option* option : command.get_options()) {
     if (settingKey(*option) != setting.key) continue;
     const std::string table = settingTable(*option);
     if (table == setting.table) return *option;
-    // No scene file can set it, so it counts as unknown.
+    // A scene file cannot set it, so it counts as unknown.
     if (table.empty()) break;
     throw inputErrorAt(setting.where, fmt::format("{} belongs in [{}], not in [{}]", setting.key,
                                                   table, setting.table));
@@ -192,14 +191,14 @@ CLI::Option& findOption(CLI::App& command, const scene::SceneSetting& setting) {
                   command.get_name()));
 }
 
-/// An option without a value is set by true; false does nothing.
+/// An option without a value is set by true; false has no effect.
 void requireKindOfValue(const scene::SceneSetting& setting, bool isSwitch) {
   if (isSwitch == setting.isSwitch) return;
   throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
                                              : fmt::format("{} needs a value", setting.key));
 }
 
-/// The message of an option without the "error: " that its place in the file brings along.
+/// An option's message without "error: ", which the file position already contains.
 std::string withoutMark(const std::string& message) {
   constexpr std::string_view kMark = "error: ";
   return message.starts_with(kMark) ? message.substr(kMark.size()) : message;
@@ -219,7 +218,7 @@ void applySetting(CLI::Option& option, const scene::SceneSetting& setting) {
   requireKindOfValue(setting, isSwitch);
   const bool isGiven = option.count() > 0;
   if (isGiven || (isSwitch && setting.values.front() == "false")) return;
-  // Arrays give one value an element, as if the option were given as often.
+  // An array gives one value per element, like a repeated option.
   for (const std::string& value : setting.values) option.add_result(value);
   try {
     option.run_callback();
@@ -236,15 +235,15 @@ scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& 
 }
 
 // ------------------------------------------------------------------------------------------------
-// Models as they are named on the command line.
+// Models on the command line.
 
 namespace {
 
 /// Overlapping tiles are a mistake, or intended in a sheet that is folded flat. The depth is the
-/// distance by which two tiles would have to move apart, metres. One line reports the deepest pair
-/// and how many there are.
+/// distance by which two tiles would have to be separated, metres. One line reports the deepest
+/// pair and the number of pairs.
 void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warnings) {
-  constexpr double kShareOfTile = 1e-3;  // less cannot be seen
+  constexpr double kShareOfTile = 1e-3;  // smaller overlaps are not visible
   const std::vector<trajectory::TileOverlap> overlaps =
       trajectory::tileOverlaps(model.tiles, kShareOfTile * model::tileSize(model));
   if (overlaps.empty()) return;
@@ -257,14 +256,14 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
       overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
 }
 
-/// Where findModel() searches: first near the current folder, then where models are installed.
+/// Search path of findModel(): first near the current folder, then the installed models.
 constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
 
-/// Refuses a mistyped name of a known model; other names are for the reader to refuse.
+/// Refuses a mistyped name of a known model; the reader refuses other names.
 void requireNoSlip(const std::filesystem::path& named) {
   std::error_code ignored;
   if (std::filesystem::exists(findModel(named), ignored)) return;
-  // A folder may be typed with a slash at its end.
+  // A folder name may end in a slash.
   const std::filesystem::path name = named.has_filename() ? named : named.parent_path();
   std::vector<std::string> names;
   for (const auto& [known, place] : knownModels()) names.push_back(known);
@@ -303,7 +302,7 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
 
 namespace {
 
-/// Of SVG and DXF files.
+/// Options of SVG and DXF files.
 void addDrawingOptions(OptionGroup& group, model::ReadSettings& settings, bool hasNecks) {
   const auto names = [&group](const char* option, const char* defaultText, const char* help,
                               std::vector<std::string>& chosen) {
@@ -389,7 +388,7 @@ model::Model readModelAt(const std::filesystem::path& place, const std::filesyst
                          const model::ReadSettings& settings, std::vector<std::string>& warnings) {
   requireNoSlip(place);
   std::optional<std::filesystem::path> named;
-  // A target of another model is searched in the same places.
+  // The target's model is searched in the same places.
   if (!target.empty()) named = findModel(target);
   model::Model model = model::readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);

@@ -1,5 +1,5 @@
-// Writes the ASCII format MSH 4.1 (Gmsh reference manual, "MSH file format"). Sections in this
-// order:
+// Writes the ASCII format MSH 4.1 (Gmsh reference manual, "MSH file format"). The order of sections
+// is:
 //
 //     $MeshFormat      4.1 0 8: version, 0 for ASCII, 8 bytes a real
 //     $PhysicalNames   count; then dimension, number, "name" of each group
@@ -10,11 +10,11 @@
 //     $Elements        blocks, elements, least and largest number; by block: dimension, entity,
 //                      kind, count, then number and nodes of each
 //
-// An element belongs to an entity and an entity to groups: an element need not be in the file once
-// for each of its groups, as in the older format 2.2. A node is in one block only:
-// the first that has it, points of joints before parts.
+// An element belongs to an entity and an entity to groups. An element therefore occurs once in the
+// file and not once per group, unlike in the older format 2.2. A node is in one block only: the
+// first that contains it, points of joints before parts.
 //
-// Groups are few by default, because Gmsh reads thousands of them slowly.
+// There are few groups by default, because Gmsh reads thousands of them slowly.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,16 +27,16 @@
 namespace kirireel::fea {
 namespace {
 
-// Gmsh's numbers for kinds of elements.
+// Gmsh's element type numbers.
 constexpr int kPoint = 15;
-/// Numbers 3 and 16 have 4 and 8 nodes, 5 and 17 have 8 and 20.
+/// Types 3 and 16 have 4 and 8 nodes, 5 and 17 have 8 and 20.
 constexpr int kQuadrilateral[] = {3, 16};  ///< linear, quadratic
 constexpr int kHexahedron[] = {5, 17};
 constexpr int kLine[] = {1, 8};
 
-/// The places of Gmsh's edge nodes of a hexahedron in Abaqus's order. Gmsh counts edges by their
-/// lower corner: 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7. Abaqus has those of
-/// the bottom (8 to 11), of the top (12 to 15), the upright (16 to 19).
+/// Positions of Gmsh's hexahedron edge nodes in Abaqus's order. Gmsh orders edges by their lower
+/// corner: 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7. Abaqus has those of the
+/// bottom (8 to 11), of the top (12 to 15), the upright ones (16 to 19).
 constexpr std::array<int, 12> kHexahedronEdges = {8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14};
 
 /// An element's nodes in Gmsh's order.
@@ -58,7 +58,7 @@ std::vector<int> face(const Element& element, const std::array<int, 8>& places, 
 constexpr std::array<int, 8> kBottomFace = {0, 3, 2, 1, 11, 10, 9, 8};
 constexpr std::array<int, 8> kTopFace = {4, 5, 6, 7, 12, 13, 14, 15};
 
-/// `side` is 0 to 3. Of the middles: bottom edge, upright edge of the next corner, top edge,
+/// `side` is 0 to 3. Order of middles: bottom edge, upright edge of the next corner, top edge,
 /// upright edge of this corner.
 std::array<int, 8> sideFace(int side) {
   const int next = (side + 1) % 4;
@@ -70,17 +70,17 @@ struct Block {
   int dimension = 0;
   int entity = 0;
   int kind = 0;
-  std::vector<std::vector<int>> elements;  ///< their nodes, from 0
+  std::vector<std::vector<int>> elements;  ///< their nodes, zero-based
 };
 
-/// A named group and its number, which counts by dimension.
+/// A named group with its number, counted per dimension.
 struct Group {
   int dimension = 0;
   int number = 0;
   std::string name;
 };
 
-/// Sides of a part that have one name.
+/// Sides of a part with the same name.
 struct SideEntity {
   int part = 0;
   std::vector<int> groups;
@@ -92,7 +92,7 @@ class GmshText {
   GmshText(const ElementMesh& mesh, SetChoice sets, const LengthUnit& unit)
       : mesh_(mesh), sets_(sets), unit_(unit), positions_(separatedNodes(mesh)) {
     for (Vector3& position : positions_) position = inUnit(position, unit);
-    // Entities count through tiles and necks, so necks follow the last tile.
+    // Entities are numbered tiles first, then necks.
     for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
     for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
     addGroup(bodyDimension(), "TILES");
@@ -130,7 +130,7 @@ class GmshText {
     return groups_.back().number;
   }
 
-  /// One entity for each node of a joint, for any number of joints that share it.
+  /// One entity per node of joints, independent of the number of joints that share it.
   void addJoints() {
     for (std::size_t j = 0; j < mesh_.joints.size(); ++j) {
       for (const auto& [nodes, ending] :
@@ -139,7 +139,7 @@ class GmshText {
         const int group = isNamed ? addGroup(0, fmt::format("JOINT_{:05}_{}", j, ending)) : 0;
         for (const int node : *nodes) {
           std::vector<int>& groups = pointGroups_[node];
-          // Group 1 of dimension 0 is JOINTS, the first that was added.
+          // Group 1 of dimension 0 is JOINTS, which was added first.
           if (groups.empty()) groups.push_back(1);
           if (isNamed) groups.push_back(group);
         }
@@ -171,8 +171,8 @@ class GmshText {
     namePart(number);
   }
 
-  /// The sides of a sheet with necks: XMIN to YMAX, and SLITS for all others. An entity for each
-  /// part and name, after the other surfaces; of shells and plane elements they are curves.
+  /// The sides of a sheet with necks: XMIN to YMAX, and SLITS for all others. One entity per part
+  /// and name, after the other surfaces. Shells and plane elements have curves.
   void addNamedSides() {
     std::map<std::pair<int, int>, std::size_t> nameOf;  // of element and side
     for (std::size_t end = 0; end < 4; ++end) {
@@ -207,7 +207,7 @@ class GmshText {
     }
   }
 
-  /// A side of an element as an element of its own.
+  /// A side of an element as a separate element.
   std::vector<int> sideElement(const ElementFace& side) const {
     const Element& element = mesh_.elements[side.element];
     if (isSolid()) return face(element, sideFace(side.side), mesh_.rule.quadratic);
@@ -232,7 +232,7 @@ class GmshText {
           face(mesh_.elements[side.element], sideFace(side.side), quadratic));
     }
     for (Block& block : faces) {
-      // A surface without elements would be an entity that no program can show.
+      // No program can show a surface without elements.
       const bool isSide = &block == &faces[2];
       const bool hasSides =
           sets_ == SetChoice::All && mesh_.rule.joints != JointStyle::Neck;
@@ -253,7 +253,7 @@ class GmshText {
     }
   }
 
-  /// Points have a position, all others the box round their part. Curves: none.
+  /// Points have a position, all others the bounding box of their part. No curves.
   void appendEntities(std::string& text) const {
     const int parts = static_cast<int>(parts_.size());
     const int sides = static_cast<int>(sideEntities_.size());
@@ -295,7 +295,7 @@ class GmshText {
                 : appendText(text, "2 {} {} 0\n", kind, own[number]);
   }
 
-  /// An entity's number, from 1, and the box round its part.
+  /// An entity's one-based number and the bounding box of its part.
   void appendBox(std::string& text, int number, int part) const {
     Eigen::AlignedBox3d box;
     for (const int node : parts_[part]->nodes) box.extend(positions_[node]);
@@ -305,7 +305,7 @@ class GmshText {
 
   void appendNodes(std::string& text) const {
     std::vector<bool> isWritten(mesh_.nodes.size());
-    // Nodes keep the numbers of the mesh, from 1, in any block.
+    // Nodes keep the mesh's numbers, one-based, in any block.
     appendText(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
                mesh_.nodes.size());
     const auto appendBlock = [&](int dimension, int entity, const std::vector<int>& nodes) {
@@ -353,8 +353,8 @@ class GmshText {
   std::vector<Group> groups_;
   std::array<int, 4> groupsOf_{};                ///< by dimension
   std::map<int, std::vector<int>> pointGroups_;  ///< by node
-  std::vector<int> surfaceGroups_;               ///< of single faces, in order of entities
-  std::vector<int> bodyGroups_;                  ///< of single tiles and necks
+  std::vector<int> surfaceGroups_;               ///< of individual faces, in order of entities
+  std::vector<int> bodyGroups_;                  ///< of individual tiles and necks
   std::vector<SideEntity> sideEntities_;         ///< of sheets with necks
   std::vector<Block> blocks_;
 };
@@ -366,23 +366,24 @@ std::string gmshMesh(const ElementMesh& mesh, SetChoice sets, const LengthUnit& 
 }
 
 // ------------------------------------------------------------------------------------------------
-// Nodes are sorted by their places along a direction that no grid has: only neighbours in
-// that order need to be compared. Where tiles overlap, both nodes may move alike: then one of them
-// moves on.
+// Nodes are sorted by their projections on a direction that no grid has. Only neighbours in that
+// order need to be compared. Where tiles overlap, two nodes may move equally: then one of them is
+// moved again.
 //
-// Let s be the diagonal of the box round the nodes. Two nodes are in one place when they are less
-// than 4e-8 s apart. Such a node moves by 1e-7 s towards the mean of its elements' middles, within
-// the plane of its tile: it stays on the tile's face; one bank of a slit moves one way, the
-// other bank the other way.
+// Let s be the diagonal of the nodes' bounding box. Two nodes coincide if they are less than
+// 4e-8 s apart. Such a node moves by 1e-7 s towards the mean of its elements' middles within the
+// plane of its tile. It stays on the tile's face. The two sides of a slit move in opposite
+// directions.
 //
-// The projections along the direction (1, sqrt 2, sqrt 3) / sqrt 6 of nodes that are d apart differ
-// by d at most, so a node is compared with those whose projections are within 4e-8 s. In a grid,
-// nodes of one row or column have different projections, and such a list is short: n log n in all.
+// For nodes at a distance d, projections on (1, sqrt 2, sqrt 3) / sqrt 6 differ by at most d. A
+// node is therefore compared with those whose projections are within 4e-8 s. In a grid, nodes of a
+// row or column have different projections, so such a list is short: n log n in total.
 
 namespace {
 
 constexpr double kMove = 1e-7;      ///< of the sheet's size
-constexpr double kOnePlace = 4e-8;  ///< of the size; less than two moves, or some would collide
+constexpr double kOnePlace = 4e-8;  ///< of the size; less than two moves, to prevent new
+                                    ///< coincidences
 
 double sizeOf(const std::vector<Vector3>& nodes) {
   Eigen::AlignedBox3d box;
@@ -390,7 +391,7 @@ double sizeOf(const std::vector<Vector3>& nodes) {
   return nodes.empty() ? 0 : box.sizes().norm();
 }
 
-/// For each node whether another lies in its place; `laterAlone`: another one before it.
+/// For each node whether another coincides with it; `laterAlone`: an earlier one.
 std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolerance,
                                 bool laterAlone) {
   const Vector3 direction = Vector3(1, std::sqrt(2.0), std::sqrt(3.0)) / std::sqrt(6.0);
@@ -423,7 +424,7 @@ Vector3 inwards(const ElementMesh& mesh, const Element& element, int node) {
   const Vector3 bottom = middleOf(mesh, element, 0);
   Vector3 way = bottom - mesh.nodes[node];
   if (mesh.rule.family == ElementFamily::Solid) {
-    // The part of the way along the thickness is taken out.
+    // Remove the component along the thickness.
     const Vector3 up = (middleOf(mesh, element, 4) - bottom).normalized();
     way -= up.dot(way) * up;
   }
@@ -437,8 +438,8 @@ std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
   const double size = sizeOf(mesh.nodes);
   std::vector<Vector3> nodes = mesh.nodes;
   for (int pass = 0; pass < kPasses; ++pass) {
-    // From the second pass on only the later of two nodes moves, since both together would meet
-    // again.
+    // From the second pass on, only the later of two nodes moves, since both together would
+    // coincide again.
     const std::vector<bool> moves = isAmongOthers(nodes, kOnePlace * size, pass > 0);
     if (std::ranges::find(moves, true) == moves.end()) break;
     std::vector<Vector3> ways(nodes.size(), Vector3::Zero());

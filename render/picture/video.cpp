@@ -1,23 +1,23 @@
-// How a frame becomes part of a file, with FFmpeg's libraries (libavfilter, libavcodec,
-// libavformat; ffmpeg.org, "Doxygen Documentation"):
+// Encodes frames to a file with FFmpeg's libraries (libavfilter, libavcodec, libavformat;
+// ffmpeg.org, "Doxygen Documentation"):
 //
 //     Frame (sRGB, RGBA)
 //       -> toVideoColours (MP4, WebM), or a filter graph "buffer -> conversion -> buffersink"
 //       -> encoder: avcodec_send_frame, avcodec_receive_packet until it asks for more
 //       -> container: av_interleaved_write_frame
 //
-// The time base is 1 / frames a second, and frame k has the time k.
+// The time base is 1 / frames per second, and frame k has the time k.
 //
-// MP4. While frames come, the file is fragmented (ISO/IEC 14496-12, movie fragments): an index
-// without samples, then a fragment for each packet: the file of a killed process plays up to there.
-// finish() copies the packets, without encoding again, into a file whose index is before the
-// samples ("faststart"), for players that begin before they have all of it.
+// MP4. During encoding the file is fragmented (ISO/IEC 14496-12, movie fragments): an index without
+// samples, then a fragment per packet. The file of a killed process is playable up to there.
+// finish() copies the packets, without encoding, to a file with the index before the samples
+// ("faststart"). Players can then start before they have the whole file.
 //
-// Same frames, same bytes: one thread an encoder, the flags "bitexact", no times of creation, and
-// x264's macroblock tree off where it reads unset memory (kTreeWidth).
+// Equal frames give equal bytes: one thread per encoder, the flags "bitexact", no creation times,
+// and no macroblock tree in x264 if it would read uninitialised memory (kTreeWidth).
 //
-// libav reports errors by negative numbers. check() turns them into OutputError; that a buffer has
-// nothing yet (EAGAIN) or nothing more (EOF) is no error.
+// libav reports errors by negative numbers. check() converts them to OutputError. An empty buffer
+// (EAGAIN) and its end (EOF) are not errors.
 #include "render/picture/video.h"
 
 #include <algorithm>
@@ -45,16 +45,17 @@ extern "C" {
 namespace kirireel::picture {
 namespace {
 
-// x264's macroblock tree (a bit-rate saving) reads unset memory, and so gives other bytes from run
-// to run, where a row of macroblocks is no whole number of its vectors: 8 macroblocks of 16 pixels.
+// x264's macroblock tree (a bit-rate saving) reads uninitialised memory if the number of
+// macroblocks per row is not a multiple of its vectors: 8 macroblocks of 16 pixels. Its output
+// bytes then vary between runs.
 constexpr int kTreeWidth = 128;
 
-// A third less CPU than "veryfast" at the same SSIM for a tenth more bytes (100 rotating squares,
-// 1280 x 720, crf 18: 4.9 and 8.0 ms per frame, 0.9962 and 0.9963, 4.2 and 3.7 MB). The places of
-// B-frames are not searched: even places suit an even motion.
+// A third less CPU time than "veryfast" at the same SSIM for a tenth more bytes (100 rotating
+// squares, 1280 x 720, crf 18: 4.9 and 8.0 ms per frame, 0.9962 and 0.9963, 4.2 and 3.7 MB). There
+// is no search for positions of B-frames: regular positions suit an even motion.
 constexpr const char* kQuickSearch = "me=dia:subme=1:weightp=0:b-adapt=0";
 
-// libav's objects are freed through a pointer to their pointer.
+// libav frees objects through a pointer to their pointer.
 struct Free {
   void operator()(AVCodecContext* encoder) const { avcodec_free_context(&encoder); }
   void operator()(AVFrame* image) const { av_frame_free(&image); }
@@ -79,12 +80,12 @@ std::string reasonOf(int code) {
   return text.data();
 }
 
-/// The name of a file as libav takes it: without the prefix, "a:b.mp4" would be a protocol "a".
+/// A file name for libav: without the prefix, "a:b.mp4" would be a protocol "a".
 std::string urlOf(const std::filesystem::path& file) {
   return "file:" + file.string();
 }
 
-/// Throws OutputError if there is none of this name.
+/// Throws OutputError if there is no encoder with this name.
 const AVCodec* findEncoder(const std::filesystem::path& file, const std::string& name) {
   const AVCodec* codec = avcodec_find_encoder_by_name(name.c_str());
   if (codec != nullptr) return codec;
@@ -95,7 +96,7 @@ const AVCodec* findEncoder(const std::filesystem::path& file, const std::string&
                   file.string(), name));
 }
 
-/// `image` is RGBA and of the frame's size.
+/// `image` is RGBA and has the frame's size.
 void copyPixels(const Frame& frame, bool keepAlpha, AVFrame& image) {
   for (int y = 0; y < frame.size.height; ++y) {
     const std::uint8_t* from = frame.pixels.data() + frame.rowStart(y);
@@ -133,7 +134,7 @@ class Options {
 
 }  // namespace
 
-/// Members are made in the order of the list: the filters know the format that the encoder gets.
+/// Members are constructed in this order: filters need the encoder's format.
 struct VideoWriter::Internals {
   Internals(std::filesystem::path path, const VideoSettings& videoSettings);
 
@@ -151,15 +152,15 @@ struct VideoWriter::Internals {
   void noteDescription();
   void moveIndexToFront();
 
-  /// Throws OutputError when a libav call reported an error.
+  /// Throws OutputError if a libav call reported an error.
   void check(int code) const;
-  /// The same, where the size is what may be wrong.
+  /// The same for calls that may fail because of the size.
   void requireAccepted(int code) const;
   bool isMp4() const { return std::strcmp(format.muxer, "mp4") == 0; }
 
   VideoSettings settings;
   const VideoFormat& format;
-  const char* conversion = nullptr;  ///< of the format, with alpha or without
+  const char* conversion = nullptr;  ///< of the format, with or without alpha
   PendingFile file;
   Owned<AVFilterGraph> filters;
   Owned<AVCodecContext> encoder;
@@ -167,11 +168,11 @@ struct VideoWriter::Internals {
   Owned<AVFrame> image;     ///< as given
   Owned<AVFrame> filtered;  ///< as encoded
   Owned<AVPacket> packet;
-  AVFilterContext* source = nullptr;  ///< owned by the filters; null where there are none
+  AVFilterContext* source = nullptr;  ///< owned by the filters; null without filters
   AVFilterContext* sink = nullptr;    ///< the same
   AVStream* stream = nullptr;         ///< owned by the container
   std::int64_t frames = 0;            ///< written so far
-  bool hasIndex = false;              ///< of fragments, in the file
+  bool hasIndex = false;              ///< whether the file has the index of fragments
   bool finished = false;
 };
 
@@ -182,7 +183,7 @@ VideoWriter::Internals::Internals(std::filesystem::path path, const VideoSetting
       image(av_frame_alloc()),
       filtered(av_frame_alloc()),
       packet(av_packet_alloc()) {
-  // libav prints on the error stream by itself; what matters is thrown.
+  // libav prints to standard error by itself; relevant errors are thrown.
   av_log_set_level(AV_LOG_QUIET);
   if (settings.encoder.empty()) settings.encoder = format.encoder;
   conversion = settings.transparent ? format.alphaConversion : format.conversion;
@@ -208,7 +209,7 @@ void VideoWriter::Internals::requireAccepted(int code) const {
                   settings.size.height, reasonOf(code)));
 }
 
-/// "in" and "out" are the open ends of the conversion's text.
+/// "in" and "out" are the open ends of the filter text.
 void VideoWriter::Internals::openFilters() {
   filters.reset(avfilter_graph_alloc());
   filters->nb_threads = 1;
@@ -242,7 +243,7 @@ void VideoWriter::Internals::makeImage() {
   requireAccepted(av_frame_get_buffer(image.get(), 0));
 }
 
-/// Each encoder takes the options that it knows and leaves the others.
+/// Each encoder uses the options that it knows and ignores the others.
 void VideoWriter::Internals::setQuality() const {
   void* options = encoder->priv_data;
   const int crf = settings.crf.value_or(format.usualCrf);
@@ -259,7 +260,7 @@ void VideoWriter::Internals::setQuality() const {
   }
 }
 
-/// Colours that are not RGB are BT.709, limited range, and tagged so.
+/// Colours other than RGB are BT.709, limited range, and tagged so.
 void VideoWriter::Internals::openEncoder() {
   const AVCodec* codec = findEncoder(file.finalPath(), settings.encoder);
   encoder.reset(avcodec_alloc_context3(codec));
@@ -283,7 +284,7 @@ void VideoWriter::Internals::openEncoder() {
     encoder->color_range = AVCOL_RANGE_MPEG;
     if (pixels->log2_chroma_w == 1) encoder->chroma_sample_location = AVCHROMA_LOC_LEFT;
   }
-  // x264 with several threads gives other bytes for another number of them.
+  // x264 with several threads gives different bytes for different numbers of threads.
   encoder->thread_count = 1;
   encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
   setQuality();
@@ -291,12 +292,12 @@ void VideoWriter::Internals::openEncoder() {
   requireAccepted(code);
 }
 
-/// Called with the first packet: a video that fails before leaves no file.
+/// Called with the first packet: a video that fails earlier leaves no file.
 void VideoWriter::Internals::openContainer() {
   AVFormatContext* made = nullptr;
   check(avformat_alloc_output_context2(&made, nullptr, format.muxer, urlOf(file.path()).c_str()));
   container.reset(made);
-  // No creation time, no library version: the same frames give the same bytes.
+  // No creation time and no library version: equal frames give equal bytes.
   container->flags |= AVFMT_FLAG_BITEXACT;
   stream = avformat_new_stream(container.get(), nullptr);
   stream->time_base = encoder->time_base;
@@ -308,12 +309,12 @@ void VideoWriter::Internals::openContainer() {
   if (isMp4()) {
     options.set("movflags", "+delay_moov+default_base_moof+frag_custom");
   }
-  if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // again and again
+  if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // infinite loop
   container->flush_packets = 1;
   check(avformat_write_header(container.get(), options.get()));
 }
 
-/// Writes out what has been encoded. The first call writes only the index.
+/// Writes all encoded packets. The first call writes only the index.
 void VideoWriter::Internals::flushFragment() {
   check(av_write_frame(container.get(), nullptr));
   if (!std::exchange(hasIndex, true)) check(av_write_frame(container.get(), nullptr));
@@ -325,9 +326,9 @@ void VideoWriter::Internals::requireOpen() const {
       fmt::format("{}: error: the video is finished already", file.finalPath().string()));
 }
 
-/// The picture's own buffer is used for all frames.
+/// All frames use the same image buffer.
 void VideoWriter::Internals::put(const Frame& frame) {
-  // The filters or the encoder may still hold the buffer of the frame before.
+  // The filters or the encoder may still use the buffer of the previous frame.
   check(av_frame_make_writable(image.get()));
   image->pts = frames++;
   if (source == nullptr) {
@@ -340,14 +341,14 @@ void VideoWriter::Internals::put(const Frame& frame) {
   pullFiltered();
 }
 
-/// Encodes what has come through the filters.
+/// Encodes the output of the filters.
 void VideoWriter::Internals::pullFiltered() {
   while (true) {
     const int code = av_buffersink_get_frame(sink, filtered.get());
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     check(code);
     filtered->pict_type = AV_PICTURE_TYPE_NONE;
-    // ProRes notes the colours of frames.
+    // ProRes stores the colours of frames.
     filtered->color_primaries = encoder->color_primaries;
     filtered->color_trc = encoder->color_trc;
     filtered->colorspace = encoder->colorspace;
@@ -357,16 +358,16 @@ void VideoWriter::Internals::pullFiltered() {
   }
 }
 
-/// A null frame flushes the encoder: it gives what it still holds.
+/// A null frame flushes the encoder: it returns all remaining packets.
 void VideoWriter::Internals::encode(const AVFrame* input) {
   check(avcodec_send_frame(encoder.get(), input));
   while (true) {
     const int code = avcodec_receive_packet(encoder.get(), packet.get());
     checkInterruption();
-    // It wants more frames, or has given all.
+    // The encoder needs more frames, or has returned all packets.
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     check(code);
-    // A file without a frame would be no video.
+    // A file without frames would not be a video.
     if (!container) openContainer();
     packet->stream_index = stream->index;
     packet->duration = 1;
@@ -377,8 +378,8 @@ void VideoWriter::Internals::encode(const AVFrame* input) {
   }
 }
 
-/// First the filters, then the encoder, then the container, since each may hold frames of the one
-/// before.
+/// Flushes the filters, then the encoder, then the container, since each may hold frames of the
+/// previous one.
 void VideoWriter::Internals::close() {
   if (source != nullptr) {
     check(av_buffersrc_add_frame(source, nullptr));
@@ -390,14 +391,14 @@ void VideoWriter::Internals::close() {
   check(avio_closep(&container->pb));
 }
 
-/// Who made the file from what, as its comment.
+/// Stores the author and source as the file's comment.
 void VideoWriter::Internals::noteDescription() {
   if (settings.description.empty()) return;
   check(av_dict_set(&container->metadata, "comment", settings.description.c_str(), 0));
 }
 
-/// Copies the fragments into one file that starts with its index. Players can start before they
-/// have the whole file.
+/// Copies the fragments to one file that starts with its index. Players can start before they have
+/// the whole file.
 void VideoWriter::Internals::moveIndexToFront() {
   AVFormatContext* opened = nullptr;
   check(avformat_open_input(&opened, urlOf(file.path()).c_str(), nullptr, nullptr));
@@ -489,21 +490,21 @@ std::string encoderLibraryVersion() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The table of formats. To add one, give its ending, its muxer and encoder as `ffmpeg -muxers` and
-// `ffmpeg -encoders` name them, and the filters that lead from RGBA to a pixel format of the
+// The table of formats. A new format needs its ending, its muxer and encoder as named by
+// `ffmpeg -muxers` and `ffmpeg -encoders`, and the filters from RGBA to a pixel format of the
 // encoder.
 //
-// GIF: 256 colours a frame at most; palettegen finds them for each frame by itself
-// (stats_mode=single), and paletteuse without dither keeps flat faces flat. Its times are
-// hundredths of a second, and many players show frames that are shorter than two of them more
-// slowly, so at most 50 frames a second are written.
+// GIF: at most 256 colours per frame. palettegen finds them for each frame separately
+// (stats_mode=single), and paletteuse without dither keeps flat faces flat. Its times are in
+// hundredths of a second. Many players slow down frames shorter than two hundredths, so at most 50
+// frames per second are written.
 
 namespace {
 
 constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
                                  "medium",    "slow",      "slower",   "veryslow", "placebo"};
 
-// GIF counts hundredths of a second, and players slow down what has fewer than two a frame.
+// GIF counts hundredths of a second, and players slow down frames shorter than two hundredths.
 // Without dither, flat faces stay flat.
 constexpr const char* kToPalette =
     "fps=fps='min(source_fps,50)':eof_action=pass,format=rgb24,split[a][b];"
@@ -525,7 +526,7 @@ std::string nameAll(const std::vector<VideoFormat>& formats) {
   return fmt::format("{}", fmt::join(endings, ", "));
 }
 
-/// Colour planes of half the size need even sides; padding by a row would show as a line.
+/// Colour planes of half size need even sides; a padding row would be visible as a line.
 void requireFittingSize(const VideoFormat& format, FrameSize size) {
   requireValidSize(size);
   const auto [width, height] = size;
@@ -561,7 +562,7 @@ const std::vector<VideoFormat>& videoFormats() {
   return formats;
 }
 
-/// Throws InputError where a video has no alpha.
+/// Throws InputError if the video format has no alpha.
 void requireAlpha(const VideoFormat& format) {
   if (format.alphaConversion != nullptr) return;
   std::vector<VideoFormat> others = videoFormats();

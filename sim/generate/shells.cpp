@@ -266,9 +266,9 @@ model::Model makeSphereToSaddle(const SaddleShape& shape) {
 //   |t| = R,     t . (o - tan(a) e_z) = 0
 // with the radius R, the angle a between pole and side, and the outward direction o of the side.
 // Tips and boundary nodes mirror each other across x = 0 and y = 0. Soft equations: all other nodes
-// are near the
-// sphere (weight 0.3) and near their start (0.05), and the square has an even grid (0.05). The
-// weights were found by trial. They only select among sheets that satisfy the exact equations.
+// are near the sphere (weight 0.3) and near their start (0.05), and the square has an even grid
+// (0.05). The weights were found by trial. They only select among sheets that satisfy the exact
+// equations.
 //
 // The start is the regular sheet opened to 0.4 pi. Central projection maps its bounding box to the
 // cap: u, v in [-1, 1] become R (tan(a u), tan(a v), 1) / |.|, which maps the sides of the box to

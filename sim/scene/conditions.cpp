@@ -1,5 +1,5 @@
-// Numbers of tiles as in files. An index is a whole number >= 0. The range depends on the model,
-// which may count from 0 or 1.
+// Tile numbers of files. An index is an integer >= 0. Its range depends on the model, whose numbers
+// may be zero- or one-based.
 #include "sim/scene/conditions.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace kirireel::scene {
 
-// Throws InputError for anything but a whole number that an int holds, >= 0.
+// Throws InputError for values other than integers >= 0 in the range of int.
 int readIndex(const TomlValue& value, const std::string& allowed) {
   const std::int64_t* number = value.whole();
   if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
@@ -26,7 +26,7 @@ int readIndex(const TomlValue& value, const std::string& allowed) {
   return static_cast<int>(*number);
 }
 
-// An empty list is refused: elsewhere it means all tiles, which would be a surprise here.
+// Refuses an empty list: elsewhere it means all tiles, which would be unexpected here.
 std::vector<int> readIndices(const TomlValue& value, const std::string& allowed,
                              const std::string& allowedElement) {
   const std::vector<TomlValue>* array = value.array();
@@ -36,7 +36,7 @@ std::vector<int> readIndices(const TomlValue& value, const std::string& allowed,
   return numbers;
 }
 
-// Throws InputError where the model has no such tile, with the numbers that it has.
+// Throws InputError if the model has no such tile, with the range of its numbers.
 int tileOfModel(int number, const model::Model& model, const FileLocation& where) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
@@ -46,19 +46,19 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
 }
 
 // ------------------------------------------------------------------------------------------------
-// [[grip]] entries of a scene file: which parts of a sheet are held, moved or pushed while the load
+// [[grip]] entries of a scene file: parts of a sheet that are held, moved or pushed while the load
 // grows from 0 to 1.
 //
-// An entry is read key by key, and what the keys mean together is checked afterwards: tiles are
-// given in one of two ways, a point of them in one of two ways or not at all, and the grip either
-// moves (metres, degrees) or pushes (newtons, N m). A coordinate that is not named stays free,
-// while one that is named as 0 holds still: x, y, z and turn are therefore optional values and not
-// zeros. Numbers of tiles and vertices stay those of the model's file until numberAsModel() has the
-// model to compare them with.
+// An entry is read key by key, and the combination of keys is checked afterwards. There are
+// two keys for tiles, and two optional keys for a point of them. The grip either moves
+// (metres, degrees) or pushes (newtons, N m). A missing coordinate is free, while a coordinate
+// of 0 is fixed. x, y, z and turn are therefore optional values and not zeros. Numbers of
+// tiles and vertices are those of the model's file until numberAsModel() compares them with
+// the model.
 
 namespace {
 
-// A bound against slips of the pen, and against products that overflow; no real load comes near it.
+// A bound against typing errors and overflow of products; real loads are far below it.
 constexpr double kMostAmount = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
 const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
@@ -83,7 +83,7 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
     } else if (amount.key == "z") {
       grip.z = read();
     } else if (amount.key == "turn") {
-      // A moment is in N m, a turn is typed in degrees.
+      // A moment is in N m, a rotation in degrees.
       grip.turn = read() * (grip.isForce ? 1 : kDegree);
     } else {
       refuseKey(amount, "key of a grip's " + entry.key, kAmountKeys);
@@ -91,7 +91,7 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   }
 }
 
-// One key; what the keys mean together is checked by readGrip().
+// One key; readGrip() checks the combination of keys.
 void readGripKey(const TomlEntry& entry, GripSetting& grip) {
   if (entry.key == "tile") {
     grip.tiles = {readIndex(entry.value, "a tile number")};
@@ -132,7 +132,7 @@ GripSetting readGrip(const TomlValue& value) {
                        "a grip moves or pushes; give one of move = {x = 0.1} and force "
                        "= {x = 1.5}");
   }
-  // A point has no direction that could turn.
+  // A point has no direction, so it cannot rotate.
   if (grip.turn && !grip.vertices.empty()) {
     throw inputErrorAt(value.where, "points do not turn; remove turn, or vertex and edge");
   }
@@ -159,7 +159,7 @@ void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model) {
   const int first = model.fileOrder.countsFrom;
   const int tiles = static_cast<int>(model.tiles.size());
   for (GripSetting& grip : grips) {
-    // Called again, the list would grow.
+    // A second call would otherwise extend the list.
     grip.corners.clear();
     for (int& tile : grip.tiles) {
       if (tile < first || tile >= first + tiles) {
@@ -173,30 +173,32 @@ void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model) {
         }
         grip.corners.push_back(model.fileOrder.toModel({tile, vertex}, model.tiles));
       }
-      // The vertices needed the file's number of the tile; from here on the model's own counts.
+      // The vertices needed the file's number of the tile; from here on the model's own number is
+      // used.
       tile -= first;
     }
   }
 }
 
 // ------------------------------------------------------------------------------------------------
-// Surfaces of obstacles as polygons, for pictures, and the floor that a box is thickened from. A
-// sphere's polygons have their corners on the sphere, and lie within it by up to about one per cent
-// of the radius; collisions use the exact sphere (contacts/contact_finder.h).
+// Surfaces of obstacles as polygons, for pictures, and the floor that is thickened to a box. A
+// sphere's polygons have their corners on the sphere and lie within it by up to about 1% of the
+// radius. Collisions use the exact sphere (contacts/contact_finder.h).
 
 namespace {
 
-// Of the polyhedron that shows a sphere in pictures: bands from pole to pole, and twice as many
-// round it.
+// Bands from pole to pole of the polyhedron for a sphere in pictures; twice as many sectors around
+// it.
 constexpr int kBands = 16;
 
-// A polygon in an obstacle's axes as one in the world's.
+// A polygon transformed from an obstacle's axes to world axes.
 model::Tile placed(const Pose& pose, model::Tile tile) {
   for (Vector3& vertex : tile.vertices) vertex = pose.apply(vertex);
   return tile;
 }
 
-// The corner at a band's border (0 is the upper pole, kBands the lower one) and a sector's, metres.
+// The corner at the borders of a band (0 is the upper pole, kBands the lower one) and a sector,
+// metres.
 Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
   const double polar = std::numbers::pi * band / kBands;
   const double around = std::numbers::pi * sector / kBands;
@@ -205,15 +207,15 @@ Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
                                                         std::cos(polar));
 }
 
-// Corners go round each face counter-clockwise as seen from outside: down, along, up, back.
+// Corners are anticlockwise around each face seen from outside: down, along, up, back.
 std::vector<model::Tile> sphereFaces(const Obstacle& sphere) {
   std::vector<model::Tile> faces;
   for (int band = 0; band < kBands; ++band) {
     for (int sector = 0; sector < 2 * kBands; ++sector) {
       model::Tile& face = faces.emplace_back();
       face.vertices = {onSphere(sphere, band, sector), onSphere(sphere, band + 1, sector)};
-      // At a pole the two corners of a band's border coincide. One of them is omitted. Triangles at
-      // the poles.
+      // At a pole the two corners of a band's border coincide, and one is omitted. Faces at the
+      // poles are triangles.
       if (band + 1 < kBands) face.vertices.push_back(onSphere(sphere, band + 1, sector + 1));
       if (band > 0) face.vertices.push_back(onSphere(sphere, band, sector + 1));
     }
@@ -221,10 +223,10 @@ std::vector<model::Tile> sphereFaces(const Obstacle& sphere) {
   return faces;
 }
 
-// Floor and walls of a box in the world's axes.
+// Floor and walls of a box in world axes.
 std::vector<model::Tile> boxFaces(const Obstacle& box) {
   const model::Tile floor = boxFloor(box, box.size);
-  // The brick of the floor is the box: pictures and contacts have the same faces.
+  // The brick of the floor is the box, so pictures and contacts have the same faces.
   const model::Brick brick = model::makeBrick(floor, {.thickness = box.size.z()});
   std::vector<model::Tile> faces;
   for (std::vector<Vector3>& corners : model::brickFaces(brick)) {
@@ -235,8 +237,8 @@ std::vector<model::Tile> boxFaces(const Obstacle& box) {
 
 }  // namespace
 
-// The lower side of a box of that size, with its corners counter-clockwise from above in the box's
-// own axes. `size` may differ from the obstacle's.
+// The lower side of a box of that size, anticlockwise seen from above in the box's own axes. `size`
+// may differ from the obstacle's.
 model::Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
   const Vector3 half = 0.5 * size;
   return placed(obstacle.pose, {{{-half.x(), -half.y(), -half.z()},
@@ -268,15 +270,15 @@ std::vector<model::Tile> obstacleFaces(const std::vector<Obstacle>& obstacles) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Speeds at the start: a group of tiles begins to move as one rigid body. With the common centre of
-// mass c (m), the velocity v of c (m/s) and the angular velocity w (rad/s), the tile at x has
+// Initial velocities: a group of tiles starts as one rigid body. With the common centre of mass c
+// (m), the velocity v of c (m/s) and the angular velocity w (rad/s), the tile at x has
 //   v_x = v + w x (x - c),     w_x = w
-// Velocities of several entries for one tile add up. What joints do not allow is taken away by the
-// first projection of the run, which keeps momentum.
+// Velocities of several entries for one tile are added. The first projection of the run removes
+// components that joints prevent, and conserves momentum.
 
 namespace {
 
-// No tiles named means all.
+// An empty list means all tiles.
 std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
   if (!velocity.tiles.empty()) return velocity.tiles;
   std::vector<int> all(count);
@@ -286,15 +288,14 @@ std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
 
 }  // namespace
 
-// From the file's numbers to the model's. Throws InputError for a tile that the model does not
-// have.
+// Converts the file's numbers to the model's. Throws InputError for a tile that does not exist.
 void numberAsModel(std::vector<InitialVelocity>& velocities, const model::Model& model) {
   for (InitialVelocity& velocity : velocities) {
     for (int& tile : velocity.tiles) tile = tileOfModel(tile, model, velocity.where);
   }
 }
 
-// Tiles must be numbered as the model's. One velocity a brick, zero where no entry names it.
+// Tiles must have the model's numbers. One velocity per brick, zero without an entry.
 std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
                                         const std::vector<model::Brick>& bricks,
                                         const Poses& poses) {
@@ -307,7 +308,7 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
       mass += bricks[tile].mass;
       centre += bricks[tile].mass * poses[tile].position;
     }
-    // Masses are positive, and a group has one tile at least.
+    // Masses are positive, and a group has at least one tile.
     centre /= mass;
     for (const int tile : tiles) {
       const Vector3 arm = poses[tile].position - centre;
@@ -319,9 +320,9 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
 }
 
 // ------------------------------------------------------------------------------------------------
-// Checks of a timeline against its model, in the numbers of the model's file, and the change to the
-// model's own numbers. The order matters: checking needs the file's numbers for its messages, and
-// everything after it the model's.
+// Checks a timeline against its model with the numbers of the model's file, then converts these to
+// the model's own. The order matters: messages of checks need the file's numbers, all later code
+// the model's.
 
 namespace {
 
@@ -330,7 +331,7 @@ void requireTiles(const std::vector<int>& tiles, const model::Model& model,
   for (const int tile : tiles) tileOfModel(tile, model, where);
 }
 
-// The tile must have been checked before: its vertices are counted here.
+// The tile must have been checked before, since its vertices are counted here.
 void requireVertex(const timeline::Drag& drag, const model::Model& model,
                    const FileLocation& where) {
   // The centre of mass of any brick can be dragged.
@@ -342,7 +343,7 @@ void requireVertex(const timeline::Drag& drag, const model::Model& model,
                                         drag.tile, first, end - 1, *drag.vertex));
 }
 
-// Only these three actions name tiles.
+// Only these three actions refer to tiles.
 void check(const TimelineEntry& entry, const model::Model& model) {
   if (const auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
     requireTiles(pin->tiles, model, entry.where);
@@ -354,7 +355,7 @@ void check(const TimelineEntry& entry, const model::Model& model) {
   }
 }
 
-// Whether an entry waits for, or goes to, the target that the model has.
+// Whether an entry waits for the model's target or selects it.
 bool needsTarget(const TimelineEntry& entry) {
   const Trigger::Kind kind = entry.when.kind;
   const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
@@ -371,8 +372,8 @@ std::string actionName(const timeline::Action& action) {
   return kNames[action.index()];
 }
 
-// Throws InputError for the first invalid entry. Entries are checked in their order, because one
-// may set the target that a later one waits for.
+// Throws InputError for the first invalid entry. Entries are checked in order, because one may set
+// the target for a later one.
 void checkTimeline(const Timeline& timeline, const model::Model& model) {
   bool hasTarget = model.target.has_value();
   for (const TimelineEntry& entry : timeline) {
@@ -382,12 +383,12 @@ void checkTimeline(const Timeline& timeline, const model::Model& model) {
                          "this waits for a target, but there is none; add target.txt to the model "
                          "or name one with `target`");
     }
-    // From this entry on there is a target to wait for.
+    // After this entry there is a target to wait for.
     hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);
   }
 }
 
-// To be called once, after checkTimeline(): a second call would count from the wrong number.
+// Call it once, after checkTimeline(): a second call would start from the wrong numbers.
 void numberAsModel(Timeline& timeline, const model::Model& model) {
   const int first = model.fileOrder.countsFrom;
   for (TimelineEntry& entry : timeline) {
@@ -399,7 +400,7 @@ void numberAsModel(Timeline& timeline, const model::Model& model) {
       const model::Corner corner =
           model.fileOrder.toModel({drag->tile, drag->vertex.value_or(first)}, model.tiles);
       drag->tile = corner.tile;
-      // Of a tile that was turned round, the file's vertex has another number in the model.
+      // In a reversed tile, the file's vertex has another number in the model.
       if (drag->vertex) drag->vertex = corner.vertex;
     }
   }

@@ -11,46 +11,46 @@
 
 namespace kirireel::scene {
 
-/// One key of one table, as text: what the key means is for those who own the setting.
+/// One key of one table, as text. The owner of the setting interprets it.
 struct SceneSetting {
   std::string table;                ///< "model", "environment", ...
   std::string key;                  ///< as written
-  std::vector<std::string> values;  ///< one, or one an element for arrays of texts or of arrays;
-                                    ///< an array of numbers is one text, "0,0,-9.81"
+  std::vector<std::string> values;  ///< one, or one per element for arrays of texts or arrays; an
+                                    ///< array of numbers is one text, "0,0,-9.81"
   bool isSwitch = false;            ///< true or false, see values.front()
   FileLocation where;               ///< of the value
 };
 
-/// What a scene file holds.
+/// Contents of a scene file.
 struct SceneFile {
   std::filesystem::path path;          ///< of the scene file
   std::vector<SceneSetting> settings;  ///< by table and key
-  Timeline timeline;                   ///< targets are named, not read yet; files are relative to
-                                       ///< the folder of the scene file
+  Timeline timeline;                   ///< targets are named but not read yet; file paths are
+                                       ///< relative to the scene file's folder
   std::vector<Obstacle> obstacles;
   std::vector<InitialVelocity> velocities;  ///< of tiles at the start
   std::vector<GripSetting> grips;           ///< in the numbers of the model's file
   TomlTable entries;                        ///< the lists of tables, in file order
 };
 
-/// The entries of these lists as a scene file has them, in one spelling; without the names of the
-/// files that they read where only what these hold counts.
+/// The entries of these lists in scene file syntax with one spelling. Without file names if only
+/// the contents of the files matter.
 std::string entriesText(const SceneFile& file, bool withFileNames);
 
 /// Reads a scene file: the tables [model] [environment] [actuation] [solver] [stop] [camera]
 /// [style] [recording], and [[timeline]], [[obstacle]], [[velocity]], [[grip]] (see readGrips()).
 ///
 /// A velocity is linear = [X, Y, Z] (m/s), angular = [X, Y, Z] (rad/s) or both, of tiles = [TILES],
-/// by default of all, which begin to move so as one.
+/// by default of all. They start as one rigid body.
 ///
 /// An obstacle is shape = "box" with size = [X, Y, Z], "sphere" with radius, or "mesh" with file =
-/// "FILE.obj" (flat convex faces), at position = [X, Y, Z], turned by rotation = [X, Y, Z] (degrees
-/// about the axes, x first), with friction.
+/// "FILE.obj" (flat convex faces). It is at position = [X, Y, Z], rotated by rotation = [X, Y, Z]
+/// (degrees about the axes, x first), with friction.
 ///
 /// The time of a timeline entry is one of
 ///   at = SECONDS, at = "rest", at = "target", after = SECONDS (0), error_below = METRES,
 ///   progress = SHARE,
-/// and what, by one of
+/// and its action one of
 ///   pin = [TILES], unpin = [TILES] or "all", drag = {tile, vertex, path, seconds, stiffness,
 ///   damping}, forces = "on" or "off", pause = SECONDS, target = "FILE" or "model",
 ///   snapshot = true, export = true, reset = true, quit = true.

@@ -1,14 +1,14 @@
-// The needs of a scene: decided from the scene only, before anything moves, each with the reason
-// that the summary states.
+// The needs of a scene: determined only from the scene before a run, each with its reason for the
+// summary.
 //
-// *Planar* scenes have three degrees of freedom a tile in place of six, which makes a step about
-// three times as cheap. A scene is planar where nothing can push a brick out of its plane: start
-// and all targets lie in the plane of the sheet frame (to 1e-9 of the model's size), no tile is
-// turned over on the way, no speed, drag, obstacle or gravity points out of the plane, unless the
-// ground carries gravity's part. *Quasi-static* scenes need no dynamics: only geometry decides where the
-// sheet goes. Its mechanism can be followed without masses and time. Everything that a user gives
-// beyond the model and the numbers of the output (a drive, a timeline, springs, friction, ...)
-// speaks of dynamics.
+// *Planar* scenes have three degrees of freedom per tile instead of six. A step is then about
+// three times faster. A scene is planar if nothing can push a brick out of its plane: start and
+// all targets lie in the plane of the sheet frame (to 1e-9 of the model's size), no tile is
+// turned over, and no speed, drag, obstacle or gravity points out of the plane, unless the
+// ground balances gravity. *Quasi-static* scenes need no dynamics: geometry determines the path
+// of the sheet, and its mechanism can be followed without masses and time. All user settings in
+// addition to the model and the output (a drive, a timeline, springs, friction, ...) require
+// dynamics.
 #include "sim/scene/scene_needs.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 namespace kirireel::scene {
 namespace {
 
-// Of a vector's length: a part out of the plane that is rounding of its file.
+// Relative to a vector's length: a smaller out-of-plane part is rounding in its file.
 constexpr double kRounding = 1e-12;
 
 double height(const model::SheetFrame& frame, const std::vector<model::Tile>& tiles) {
@@ -36,7 +36,7 @@ bool isInPlane(const model::SheetFrame& frame, const Vector3& vector) {
   return std::abs(frame.normal.dot(vector)) <= kRounding * vector.norm();
 }
 
-/// All targets that the bricks may be pulled to.
+/// All targets of the springs.
 std::vector<const std::vector<model::Tile>*> targets(const Scene& scene) {
   std::vector<const std::vector<model::Tile>*> found;
   // Other drives ignore the targets.
@@ -49,10 +49,10 @@ std::vector<const std::vector<model::Tile>*> targets(const Scene& scene) {
   return found;
 }
 
-/// Whether a drag leaves the heights of the sheet's bricks.
+/// Whether a drag leaves the height range of the sheet's bricks.
 bool dragsOutOfPlane(const Scene& scene, const model::SheetFrame& frame, double tolerance) {
   const double bottom = height(frame, scene.model.tiles) - tolerance;
-  // A drag within the thickness of the bricks is taken as one in their plane.
+  // A drag within the thickness of the bricks counts as in-plane.
   const double top = bottom + scene.brick.thickness + 2 * tolerance;
   for (const TimelineEntry& entry : scene.timeline) {
     const auto* drag = std::get_if<timeline::Drag>(&entry.action);
@@ -71,7 +71,7 @@ bool leavesPlane(const model::SheetFrame& frame, const InitialVelocity& velocity
          along.norm() > kRounding * velocity.angular.norm();
 }
 
-/// Why gravity and the ground move a flat sheet in space; empty if they do not.
+/// Why gravity and the ground cause spatial motion of a flat sheet; empty if they do not.
 std::string whyGravityLifts(const Scene& scene, const model::SheetFrame& frame, double tolerance) {
   const Vector3& gravity = scene.environment.gravity;
   const std::optional<Ground>& ground = scene.environment.ground;
@@ -80,7 +80,7 @@ std::string whyGravityLifts(const Scene& scene, const model::SheetFrame& frame, 
     return gravity.isZero(0) ? "" : "gravity pulls at a sheet that is not horizontal";
   }
   if (!isVertical(gravity)) return "gravity is not vertical";
-  // Gravity down onto the ground is a normal force; anything else lifts or drops the sheet.
+  // Gravity towards the ground is balanced by a normal force. Otherwise the sheet rises or falls.
   if (gravity.z() > 0 || (gravity.z() < 0 && !ground)) return "gravity pulls out of the plane";
   const double level = frame.origin.z();
   if (gravity.z() < 0 && std::abs(ground->height - level) > tolerance) {
@@ -89,8 +89,8 @@ std::string whyGravityLifts(const Scene& scene, const model::SheetFrame& frame, 
   return "";
 }
 
-/// Whether springs at folds rest out of the plane: where the model's file folds them, or by an
-/// angle of their own to the same side.
+/// Whether springs at folds rest out of the plane: by the model's file, or by their own angle to
+/// one side.
 bool foldsOutOfPlane(const Scene& scene) {
   constexpr double kFlatFoldAngle = 1e-6 * kDegree;
   const bool isFlat = scene.hinges.rest && std::abs(*scene.hinges.rest) <= kFlatFoldAngle;
@@ -100,9 +100,9 @@ bool foldsOutOfPlane(const Scene& scene) {
          });
 }
 
-// Reports the first reason found. The order is from the most to the least basic.
+// Reports the first reason, ordered from basic to special.
 Need planarNeed(const Scene& scene) {
-  // A user's choice is final.
+  // The user's choice has priority.
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   if (!scene.spaceReason.empty()) return {false, scene.spaceReason};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};
@@ -170,7 +170,7 @@ Need obstacleNeed(const Scene& scene) {
   return {true, "bricks may touch them"};
 }
 
-/// --pin is an entry of the timeline, too.
+/// --pin is also an entry of the timeline.
 const char* timelineReason(const Timeline& timeline) {
   const auto pins = [](const TimelineEntry& entry) {
     return std::holds_alternative<timeline::Pin>(entry.action);
@@ -181,7 +181,7 @@ const char* timelineReason(const Timeline& timeline) {
 }  // namespace
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
-  // Full extension has no end where a part is held by nothing.
+  // Full extension has no end state if a part is unconnected.
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? timelineReason(scene.timeline)
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
@@ -203,7 +203,7 @@ Needs sceneNeeds(const Scene& scene) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A planar scene in the axes of its sheet.
+// Planar scenes in the axes of their sheet.
 
 std::optional<model::SheetFrame> ownAxes(const Scene& scene) {
   if (scene.model.tiles.empty()) return std::nullopt;

@@ -1,10 +1,10 @@
 // The list of settings. Each setting is one expression: a pattern (`number`, `whole`, `choice`,
-// `flag`, or `special` with functions of its own) with the path of members that leads to its field,
-// its key, range, unit and help, followed by what it goes with (`with`, `without`) and whether it
-// makes a scene need dynamics (`needsDynamics`).
+// `flag`, or `special` with its own functions) with the member path of its field, its key, range,
+// unit and help. Conditions (`with`, `without`) and the need for dynamics (`needsDynamics`)
+// follow.
 //
-// Defaults are not written down a second time: they are read off openScene(). So the help, the
-// range checks and the values of a scene made in code cannot disagree.
+// Defaults come from openScene() and are not repeated. The help, the range checks and the values of
+// a scene made in code are therefore consistent.
 #include "sim/scene/settings.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 namespace kirireel::scene {
 namespace {
 
-// A bound against slips of the pen; springs of 1e12 N/m are beyond any material at these sizes.
+// A bound against typing errors; springs of 1e12 N/m are beyond any material at these sizes.
 constexpr Range kFromZero{0, 1e12};
 
 /// Whether the path is one on which joints may be compliant.
@@ -72,9 +72,9 @@ constexpr const char* kGuided = "`path = guided`";
 constexpr const char* kOtherSprings = "springs or damping were given";
 constexpr const char* kOtherSolver = "the solver was given";
 
-/// The field of a scene that a path of members leads to.
-// `Path` are pointers to members, applied one after the other: number<&Scene::path,
-// &PathSettings::guideTime>(...) is the field scene.path.guideTime.
+/// The field of a scene with this member path. `Path` are pointers to members, applied in
+/// sequence: number<&Scene::path, &PathSettings::guideTime>(...) is the field
+/// scene.path.guideTime.
 template <auto... Path>
 auto& fieldOf(auto&& scene) {
   return (scene.*....*Path);
@@ -125,7 +125,7 @@ Setting choice(const std::string& key, const Choices<T>& choices, const std::str
   return setting;
 }
 
-/// What no pattern above serves.
+/// A setting that fits none of the patterns above.
 Setting special(const std::string& key, const std::string& unit, const std::string& defaultText,
                 const std::string& help, std::function<void(Scene&, const TypedValue&)> read,
                 std::function<std::string(const Scene&)> write) {
@@ -142,7 +142,7 @@ Setting specialNumber(const std::string& key, const std::string& unit,
   return setting;
 }
 
-/// A switch, which sets a truth to `given`.
+/// A switch, which sets a boolean to `given`.
 template <auto... Path>
 Setting flag(const std::string& key, const std::string& help, bool given = true) {
   Setting setting{key, "", help};
@@ -198,7 +198,7 @@ SettingGroup actuationSettings() {
                .with(pullsToCurve, "`actuation = boundary`")}};
 }
 
-/// A strength of the springs in newtons, which follows from the model unless it is given.
+/// A strength of the springs in newtons; the model determines its default.
 template <auto... Path>
 Setting givenStrength(const std::string& key, const std::string& unit,
                       const std::string& defaultText, const std::string& help) {
@@ -355,9 +355,9 @@ SettingGroup pathSettings() {
            "how much work the search for a path may do, over the usual")}};
 }
 
-/// The ground, put there if there is none yet.
+/// The ground; added if there is none yet.
 Ground& groundOf(Scene& scene) {
-  // Any setting of the ground puts one there; its height is found later, from the model.
+  // Any setting of the ground adds one. Its default height comes later, from the model.
   std::optional<Ground>& ground = scene.environment.ground;
   return ground ? *ground : ground.emplace();
 }
@@ -468,11 +468,11 @@ SettingGroup solverSettings() {
                "seed of the perturbation that breaks symmetric starts")}};
 }
 
-/// Whether a setting is what it is unless told otherwise, in the program or in code.
+/// Whether a setting has its default, in the program or in code.
 bool isDefault(const Setting& setting, const Scene& scene) {
   const std::string text = setting.write(scene);
-  // Scenes made in code begin with the defaults of their structs, those of the program with
-  // openScene(): neither is a wish of the user.
+  // Scenes made in code have the defaults of their structs, those of the program have
+  // openScene()'s. Neither is a choice of the user.
   return text == setting.write(openScene()) || text == setting.write({});
 }
 
@@ -518,8 +518,8 @@ void requireRanges(const Scene& scene) {
   Scene read;
   for (const SettingGroup& group : sceneSettings()) {
     for (const Setting& setting : group.settings) {
-      // Writing a value and reading it again checks it against its range, with the message that a
-      // user would get.
+      // Writing a value and reading it again checks it against its range, with the message for the
+      // user.
       const std::string text = setting.isNumber ? setting.write(scene) : "";
       if (!text.empty()) setting.read(read, {setting.key, text});
     }
@@ -545,20 +545,20 @@ std::string whyDynamics(const Scene& scene) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Texts to values and back. Numbers are read by std::from_chars, which knows no locale, and written
-// with the fewest digits that read back as the same double. A value that was converted (degrees to
-// radians) is written so that converting it again gives the same bits: candidates with 6 to 17
-// digits are tried, then the doubles next to the guess.
+// Conversion of texts to values and back. std::from_chars reads numbers independent of the locale.
+// They are written with the fewest digits that read back as the same double. A converted value
+// (degrees to radians) is written so that converting it again gives the same bits: first with 6 to
+// 17 digits, then with the doubles next to the guess.
 
 namespace {
 
 template <typename T>
 std::optional<T> readAll(std::string_view text) {
-  // from_chars knows no plus sign, people do.
+  // from_chars does not accept a plus sign, but users write it.
   if (text.starts_with('+')) text.remove_prefix(1);
   T number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  // The whole text has to be the number.
+  // The whole text must be the number.
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
@@ -581,7 +581,7 @@ std::optional<long> readWhole(std::string_view text) {
   return readAll<long>(text);
 }
 
-// The pieces refer to the text, which must outlive them.
+// The parts refer to the text, which must outlive them.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (;;) {
@@ -594,7 +594,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 double parseNumber(const TypedValue& value, Range range) {
   const std::optional<double> number = readNumber(value.text);
-  // from_chars reads "inf" and "nan" too.
+  // from_chars also reads "inf" and "nan".
   const bool fits = number && std::isfinite(*number) && range.holds(*number);
   if (!fits) throw valueError(value, describe(range, "a number"));
   return *number;
@@ -628,7 +628,7 @@ HingeNeck parseNeck(const TypedValue& value) {
   const auto part = [&](std::size_t k, const Range& range) {
     return parseNumber({value.name, std::string(parts[k])}, range);
   };
-  // Up to two numbers are the material alone.
+  // Up to two numbers are only the material.
   const std::size_t material = parts.size() > 2 ? 2 : 0;
   HingeNeck neck;
   if (material > 0) {
@@ -674,12 +674,12 @@ std::string quotedList(const std::vector<std::string>& values) {
 }
 
 double numberReadAs(double requested, double guess, const std::function<double(double)>& read) {
-  // 17 digits tell any two doubles apart, fewer are nicer to read.
+  // 17 digits distinguish any two doubles, fewer are more readable.
   for (int digits = 6; digits <= 17; ++digits) {
     const double shorter = std::stod(fmt::format("{:.{}g}", guess, digits));
     if (read(shorter) == requested) return shorter;
   }
-  // The conversion rounds: a number next to the guess is the one.
+  // The conversion rounds, so a number next to the guess may be the right one.
   constexpr int kNeighbours = 8;
   double below = guess;
   double above = guess;

@@ -1,8 +1,8 @@
-// TOML by the library toml++, made safe against files that nobody would write, and translated into
-// our own values: no other file needs its headers, which take seconds to compile.
+// Reads TOML with the library toml++, with protection against malicious files. Translates it to our
+// own values. No other file needs its headers, which take seconds to compile.
 //
-// Three bounds are set before and while the library works: 8 MiB of text, 64 dots in a key (each
-// makes a table within a table, and the parser recurses), 16 levels of tables and arrays.
+// There are three limits: 8 MiB of text, 64 dots in a key (each makes a nested table, and the
+// parser is recursive), 16 levels of tables and arrays.
 #include "sim/scene/toml_file.h"
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-// What the parser asserts of a file (a key after "[", say) it assumes with NDEBUG, and letters
-// between U+00A1 and U+0499 outside quotes it takes to be impossible: such files lead anywhere.
-// With neither, it finds the fault and reports it.
+// With NDEBUG the parser assumes what it otherwise asserts (such as a key after "["). It also
+// assumes that letters from U+00A1 to U+0499 outside quotes are impossible. Files that violate this
+// cause undefined behaviour. These two settings make it find and report such faults.
 #undef NDEBUG
 #define TOML_ASSERT(expression) static_cast<void>(0)
 #define TOML_HEADER_ONLY 1
@@ -34,7 +34,8 @@
 namespace kirireel::scene {
 namespace {
 
-// A timeline of 100,000 entries; what the parser makes of a byte can take a hundred.
+// Sufficient for a timeline of 100,000 entries. The parser can use a hundred bytes of memory per
+// byte of text.
 constexpr std::uintmax_t kMostBytes = 8u << 20;
 constexpr int kMostDots = 64;
 constexpr int kDeepest = 16;
@@ -43,8 +44,8 @@ FileLocation placeIn(const std::filesystem::path& file, const toml::source_regio
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-/// Refuses keys such as a.b.c of many parts: each makes a table within a table, and the parser,
-/// which bounds the depth of brackets alone, would not come back from a million.
+/// Refuses keys such as a.b.c with many parts: each makes a nested table. The parser limits only
+/// the depth of brackets and would overflow the stack for a million parts.
 void requireShortKeys(const std::filesystem::path& file, std::string_view text) {
   int line = 1;
   int dots = 0;
@@ -52,7 +53,7 @@ void requireShortKeys(const std::filesystem::path& file, std::string_view text) 
   for (const char letter : text) {
     if (letter == ' ' || letter == '\t') continue;
     if (letter == '\n') ++line;
-    if (letter == '.' && before != '.') ++dots;  // rows of dots adorn comments
+    if (letter == '.' && before != '.') ++dots;  // rows of dots decorate comments
     if (std::string_view("\n=,[]{}#").find(letter) != std::string_view::npos) dots = 0;
     before = letter;
     if (dots < kMostDots) continue;
@@ -62,7 +63,7 @@ void requireShortKeys(const std::filesystem::path& file, std::string_view text) 
   }
 }
 
-/// Turns what the parser found into our own values.
+/// Converts the parser's result to our own values.
 class Translator {
  public:
   explicit Translator(std::filesystem::path file) : file_(std::move(file)) {}
@@ -79,7 +80,7 @@ class Translator {
  private:
   TomlValue valueOf(const toml::node& node, int depth) const {
     TomlValue value{{}, placeIn(file_, node.source())};
-    // Translation is recursive too.
+    // The conversion is recursive too.
     if (depth > kDeepest) {
       throw inputErrorAt(value.where,
                          fmt::format("tables and arrays are more than {} deep here; nothing needs "
@@ -141,7 +142,7 @@ std::string tomlText(const std::string& text) {
   for (const char letter : text) {
     const auto code = static_cast<unsigned char>(letter);
     if (letter == '"' || letter == '\\') marked += '\\';
-    // Control characters have no place in a TOML text but as escapes.
+    // Control characters are only allowed as escapes in TOML.
     marked += code < 0x20 || code == 0x7f ? fmt::format("\\u{:04X}", code) : std::string(1, letter);
   }
   return '"' + marked + '"';
