@@ -26,7 +26,7 @@ namespace kirireel::cli {
 struct GenerateOrder {
   std::string family;                    ///< name in sim/generate/families.h
   std::map<std::string, double> values;  ///< given parameters of the family
-  std::optional<model::JointFace> face;  ///< of all joints; absent: chosen from the deployed shape
+  std::optional<model::JointFace> face;  ///< of all joints; absent: by the deployed shape
   std::filesystem::path folder;          ///< output folder; created if absent
 };
 

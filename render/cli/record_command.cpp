@@ -1,15 +1,15 @@
-// `record` and `simulate` differ in what they leave, not in how they run: both fill a RecordOrder.
-// Its way:
+// `record` and `simulate` differ in their outputs, not in the run: both fill a RecordOrder. The
+// steps are:
 //
-// - completeOrder: the scene file is read into the options, contradictions are refused, all
-//   settings are written down in one spelling (record_command.h).
-// - readScene: the model is read, parts are added (targets, pins, links), lengths get their unit,
-//   faces and splits are applied, the ground is put below the lowest point.
+// - completeOrder: reads the scene file to the options, refuses contradictions, writes all settings
+//   in one spelling (record_command.h).
+// - readScene: reads the model, adds parts (targets, pins, links), converts lengths, applies faces
+//   and splits, puts the ground below the lowest point.
 // - record(): the run itself (render/record).
-// - exitCode: what scripts learn of it.
+// - exitCode: the result for scripts.
 //
-// With --resume a finished run of the same fingerprint is left as it is, and an unfinished one goes
-// on from its checkpoint.
+// With --resume a finished run with the same fingerprint is kept, and an unfinished one continues
+// from its checkpoint.
 //
 // Units. --unit U is the unit of the model's files and of all lengths that the user gives. They are
 // converted to metres once, in readScene. Other quantities are given in SI units.
@@ -37,7 +37,7 @@
 namespace kirireel::cli {
 namespace {
 
-/// None of them changes a byte of what is left, so none is in the fingerprint.
+/// None of them changes the output bytes, so none is in the fingerprint.
 void addFolderOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Output", "recording");
   group
@@ -97,7 +97,7 @@ constexpr const char* kPeerNote =
     "(--contacts unjoined), --filter_collision (--contacts none). They, and --like\n"
     "pykirigami, select its dynamics, constants and collisions.\n\n";
 
-/// What a run can live with is appended to the warnings; everything else throws.
+/// Harmless faults are added to the warnings; all others throw.
 scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   scene::Scene scene = order.scene;
   scene.model =
@@ -126,7 +126,7 @@ int exitCode(const std::string& outcome, bool isShort) {
   return isShort ? kExitShort : kExitDone;
 }
 
-/// The folders that an order names in place of files. Files within them count by their names in the
+/// Folders that an order uses in place of files. The names of their files are part of the
 /// fingerprint, see roleOf there.
 std::vector<std::filesystem::path> foldersOf(const RecordOrder& order) {
   std::vector<std::filesystem::path> folders = {findModel(order.model)};
@@ -148,11 +148,11 @@ RecordResult prepareLoudly(const RecordOrder& order) {
   return result;
 }
 
-/// A kill may have come while a whole run was put in place, or just before its checkpoint went.
-/// Nothing where the folder holds another run, an unfinished one, or files that have changed.
+/// A process may be killed while it moves a complete run into place, or just before it removes the
+/// checkpoint. Absent if the folder has another run, an unfinished one, or modified files.
 std::optional<record::FinishedRun> findFinished(const record::RecordSettings& settings) {
   std::optional<output::FileSet> files;
-  // Opening the set finishes what a kill has left to move.
+  // Opening the set completes moves of a killed process.
   if (std::filesystem::exists(settings.folder / output::kUnfinished)) {
     files.emplace(settings.folder, output::kSummary);
   }
@@ -162,7 +162,7 @@ std::optional<record::FinishedRun> findFinished(const record::RecordSettings& se
   return finished;
 }
 
-/// A file named by its path, or by its name in the model's folder.
+/// A file given by its path, or by its name in the model's folder.
 std::filesystem::path besideModel(const std::filesystem::path& file,
                                   const std::filesystem::path& model) {
   if (file.empty() || model.empty() || std::filesystem::exists(file)) return file;
@@ -204,10 +204,10 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   return command;
 }
 
-/// Options that a PyKirigami command line does not give have PyKirigami's defaults, unless the
-/// scene file sets them: springs move masses of 1 kg, and nothing where there is no target; springs
-/// are in N/m, alike for all bricks; bricks collide and are 0.02 m thick; steps are of fixed length
-/// (tolerance 0).
+/// Sets PyKirigami's defaults for options that its command line does not give, unless the scene
+/// file sets them. Springs move masses of 1 kg, or nothing without a target. Springs are in N/m,
+/// equal for all bricks. Bricks collide and are 0.02 m thick. Steps have fixed length (tolerance
+/// 0).
 void applyPeerDefaults(CLI::App& command) {
   const scene::TargetSpringSettings springs = scene::paperSprings();
   struct PeerDefault {
@@ -234,11 +234,12 @@ void applyPeerDefaults(CLI::App& command) {
 void completeOrder(CLI::App& command, RecordOrder& order) {
   if (!order.madeModel) requireGiven(order.model, "MODEL", command);
   const std::set<std::string> typed = givenOptions(command);
-  // What the scene file reads is noted in the order's inputs while the record lives.
+  // During the lifetime of the record, files that the scene file reads are added to the order's
+  // inputs.
   scene::SceneFile file;
   {
     const InputRecord record(order.inputs);
-    // A model that was not read has no folder for a scene file.
+    // A model that was not read from a file has no folder for a scene file.
     if (!order.model.empty() || !order.request.file.empty()) {
       file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
     }
@@ -252,12 +253,12 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
   requireEffect({.command = &command,
                  .pictures = paints ? &order.settings : nullptr,
                  .exports = &order.settings.exports,
-                 // PyKirigami accepts its options in any company.
+                 // PyKirigami accepts any combination of its options.
                  .scene = isLikePeer ? nullptr : &order.scene,
                  .page = order.page},
                 typed);
   order.text = orderText(command, order.scene, file);
-  // After the text was made: that has the name as it was typed.
+  // After the text was made, which has the name as typed.
   order.scene.hinges.file = besideModel(order.scene.hinges.file, order.model);
 }
 
@@ -307,13 +308,13 @@ RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& wa
 
 RecordResult runOrder(const RecordOrder& order, const record::ProgressObserver& observer) {
   RecordResult result = prepareLoudly(order);
-  // A caller in code keeps no checkpoints: without a fingerprint nothing can be resumed.
+  // A caller in code keeps no checkpoints: a run without a fingerprint cannot be resumed.
   result.settings.order.clear();
   result.summary = record::record(result.scene, result.settings, observer);
   return result;
 }
 
-/// The page of a run whose files are in place.
+/// Makes the page of a run with completed files.
 void addPage(const RecordOrder& order, const std::filesystem::path& folder) {
   if (!order.page) return;
   page::WebPageSettings settings;
@@ -327,7 +328,7 @@ int carryOut(const RecordOrder& order) {
   // Before the run, which may take hours.
   if (order.page) page::requirePages();
   RecordResult result = prepareLoudly(order);
-  // The model has been read, since its bytes decide whether the finished run is this one.
+  // The model must be read first, since its bytes identify the finished run.
   if (order.settings.resume) {
     const auto finished = findFinished(result.settings);
     if (finished) {
@@ -360,29 +361,29 @@ int carryOut(const RecordOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Two orders are the same when they make the same bytes. The fingerprint is the SHA-256 (FIPS
-// 180-4) of a text:
+// Two orders are equal if they give the same bytes. The fingerprint is the SHA-256 (FIPS 180-4) of
+// a text:
 //
 //     versions of the program and its libraries
 //     command
-//     key = value          every option that has an effect, by table, as it is now
+//     key = value          every effective option, by table, with its current value
 //     [[timeline]] ...     the scene file's lists, in one spelling
 //     model NAME
 //     SHA-256 ROLE         each input file, in the order in which it was read
 //
-// Values are taken after parsing, defaults too. It does not matter how a setting was given, and a
+// Values are taken after parsing, including defaults. It does not matter how a setting was given. A
 // default that changes with a version changes the fingerprint. Options without effect in this scene
-// are left out, and so are those that decide no byte (--out, --painters). Names of files are
-// replaced by their hashes: a copy of a model elsewhere is the same model. Within a folder the
-// names count, because the reader finds vertices.txt by its name.
+// and options that do not change the output (--out, --painters) are left out. Hashes replace file
+// names: a copy of a model elsewhere is the same model. Within a folder the names count, because
+// the reader finds vertices.txt by its name.
 //
-// Hashing the typed words would be simpler and wrong: the same order can be typed in many ways.
+// Hashing the typed words would be simpler but wrong: the same order has many spellings.
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether an option's values are names of files.
+/// Whether an option's values are file names.
 bool namesFiles(const std::string& key) {
   return key == "target" || key == "joints_file" || key == "hinge_file";
 }
@@ -392,8 +393,8 @@ std::string withoutNames(const CLI::Option& option) {
   return fmt::format("{} files", option.count());
 }
 
-/// The tables of a scene file; options that no scene file can set are under "". A scene file in its
-/// form; the order of tables is that of their names.
+/// The tables of a scene file, in the order of their names. Options that a scene file cannot set
+/// are under "".
 std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFileNames) {
   // Sorted by name; within a table options keep the order in which they were added.
   std::map<std::string, std::string> tables;
@@ -414,8 +415,8 @@ std::string tablesText(CLI::App& command, const scene::Scene& scene, bool withFi
   return text;
 }
 
-/// Files of a folder have fixed names, which count. Of other files only the ending counts. For a
-/// file in a folder its name, for another its ending.
+/// The identity of an input file. Files of a folder have fixed names, which count: the name. For
+/// other files only the ending counts.
 std::string roleOf(const fs::path& file, const std::vector<fs::path>& folders) {
   const bool isInFolder = std::ranges::any_of(folders, [&](const fs::path& folder) {
     return !folder.empty() && folder / file.filename() == file;

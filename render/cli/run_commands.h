@@ -66,22 +66,22 @@ int carryOut(const ExportOrder& order);
 // ------------------------------------------------------------------------------------------------
 // `kirireel curves RUN`.
 
-/// The run whose curves are written, and the formats. completeOrder() puts the file of a folder in
-/// its place.
+/// Runs whose curves are written, and the formats. completeOrder() replaces a folder by its
+/// trajectory file.
 struct CurvesOrder {
-  std::vector<std::filesystem::path> runs;  ///< trajectory.h5 files, or the folders they are in
-  record::CurvesSettings settings;          ///< the folder is empty when --out was not given
+  std::vector<std::filesystem::path> runs;  ///< trajectory.h5 files, or their folders
+  record::CurvesSettings settings;          ///< folder is empty if --out was not given
 };
 
 /// Adds `curves`. The order must outlive the parsing.
 CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, CurvesOrder& order);
 
-/// Writes the files, prints their names. Returns the exit code. A run without dynamics has no
-/// energies and forces: it prints a note on standard error. Throws what TrajectoryReader and
-/// writeCurves throw.
+/// Writes the files and prints their names. Returns the exit code. A run without dynamics has no
+/// energies and forces, which is noted on standard error. Throws like TrajectoryReader and
+/// writeCurves.
 int carryOut(const CurvesOrder& order);
 
 // ------------------------------------------------------------------------------------------------
@@ -89,8 +89,8 @@ int carryOut(const CurvesOrder& order);
 
 /// The runs of a page, and its settings. At least one run, at most kMostPageRuns.
 struct PageOrder {
-  std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or the folder that it is in
-  page::WebPageSettings settings;           ///< the folder is empty when --out was not given
+  std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or its folder
+  page::WebPageSettings settings;           ///< folder is empty if --out was not given
 };
 
 /// Adds the options of a page. The settings must outlive the parsing.
@@ -99,12 +99,12 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings);
 /// Adds `page`. The order must outlive the parsing.
 CLI::App* addPageCommand(CLI::App& program, PageOrder& order);
 
-/// Throws InputError where something is missing or too much. To be called after parsing.
+/// Throws InputError if an argument is missing or excessive. Call it after parsing.
 void completeOrder(const CLI::App& command, PageOrder& order);
 
-/// Writes the page, and prints its name. Returns the exit code. The size is in megabytes of 10^6
-/// bytes. Throws InputError for a folder without a trajectory or a page above --most-size, and what
-/// writePage throws.
+/// Writes the page, and prints its name and its size in megabytes of 10^6 bytes. Returns the exit
+/// code. Throws InputError for a folder without a trajectory or a page above --most-size, and like
+/// writePage.
 int carryOut(const PageOrder& order);
 
 // ------------------------------------------------------------------------------------------------
@@ -118,10 +118,10 @@ struct VerifyOrder {
 /// Adds `verify`. The order must outlive the parsing.
 CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, VerifyOrder& order);
 
-/// Checks, and prints what does not agree. Returns the exit code. Reads every file of the run and
+/// Checks the run and prints differences. Returns the exit code. Reads every file of the run and
 /// the whole trajectory. Throws InputError for a folder without a finished run.
 int carryOut(const VerifyOrder& order);
 

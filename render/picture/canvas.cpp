@@ -1,11 +1,11 @@
-// SVG 1.1 (W3C Recommendation) as text. In this order: the root with its size, <desc>, one <style>
-// with classes for faces, seams, outlines and text, then groups. A group at the top is a layer to
-// Inkscape (inkscape:groupmode="layer"), which other programs ignore. Coordinates have two decimals
-// of a pixel, which at 300 dots an inch is a micrometre of print.
+// SVG 1.1 (W3C Recommendation) as text: the root with its size, <desc>, one <style> with classes
+// for faces, seams, outlines and text, then groups. A top-level group is a layer in Inkscape
+// (inkscape:groupmode="layer"), which other programs ignore. Coordinates have two decimals of a
+// pixel, which at 300 dots per inch is a micrometre in print.
 //
 // Shapes are paths "M x y L x y ... Z" with the fill of their face. Only the style sheet has the
-// style of lines: an editor changes all outlines at once. Text stays text in the font of
-// that name; a reader without it takes Arial or Helvetica.
+// line style, so an editor can change all outlines at once. Text stays text in the font of that
+// name; a reader without the font uses Arial or Helvetica.
 #include "render/picture/canvas.h"
 
 #include <algorithm>
@@ -30,18 +30,18 @@
 namespace kirireel::picture {
 namespace {
 
-/// Alpha is written apart, as an opacity.
+/// Alpha is written separately, as an opacity.
 std::string hex(Colour colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue);
 }
 
-/// A length on the page: pixels where they are those of the screen, else millimetres.
+/// A length on the page: pixels for screens, else millimetres.
 std::string lengthOf(int pixels, const PageSettings& settings) {
   if (settings.pixelsPerInch == PageSettings().pixelsPerInch) return fmt::format("{}", pixels);
   return fmt::format("{:.6g}mm", pixels * 25.4 / settings.pixelsPerInch);
 }
 
-/// Nothing for opaque colours, which most are.
+/// Empty for opaque colours, the most frequent case.
 std::string opacityText(double opacity) {
   return opacity < 1 ? fmt::format(" opacity=\"{:.4g}\"", opacity) : std::string();
 }
@@ -75,7 +75,7 @@ std::string pathOf(const Canvas::Points& points) {
   return path;
 }
 
-/// Its last point is its first.
+/// Whether its last point equals its first.
 bool isClosed(const Canvas::Points& line) {
   return line.size() > 2 && line.front() == line.back();
 }
@@ -116,7 +116,7 @@ class SvgCanvas : public Canvas {
 
   std::string file_;
   double silhouetteWidth_;
-  int depth_ = 0;  ///< of groups
+  int depth_ = 0;  ///< of open groups
   int clips_ = 0;
 };
 
@@ -219,15 +219,15 @@ std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Cairo (cairographics.org) draws a page once, on a PDF or on an image surface; both share all of
-// the drawing. Units are the pixels of the settings, scaled to points (1/72 inch) in a PDF. Strokes
-// have round joins and end where their lines do.
+// Cairo (cairographics.org) draws a page to a PDF or an image surface with the same code. Units are
+// the pixels of the settings, scaled to points (1/72 inch) in a PDF. Strokes have round joins and
+// end at the ends of their lines.
 //
-// Antialiasing leaves hairlines between polygons side by side, because each covers a part of the
-// pixel and the background shines through; polygons are therefore also stroked in their own colour,
-// by 0.3 pixels or more.
+// Antialiasing leaves hairlines between adjacent polygons, because each covers a part of the pixel
+// and the background is visible. Polygons are therefore also stroked in their own colour with a
+// width of at least 0.3 pixels.
 //
-// A PDF holds a date; a fixed one is set: the same page gives the same bytes. The file still has
+// A PDF contains a date. A fixed date makes equal pages have equal bytes. The file still contains
 // Cairo's version.
 
 namespace {
@@ -238,8 +238,8 @@ cairo_status_t appendBytes(void* file, const unsigned char* bytes, unsigned coun
   return CAIRO_STATUS_SUCCESS;
 }
 
-/// Cairo keeps the first error of a surface and draws nothing afterwards, so it is enough to ask at
-/// the end.
+/// Cairo keeps the first error of a surface and draws nothing afterwards, so one check at the end
+/// is sufficient.
 void requireDrawn(cairo_surface_t* surface, const char* what) {
   const cairo_status_t status = cairo_surface_status(surface);
   if (status == CAIRO_STATUS_SUCCESS) return;
@@ -247,7 +247,7 @@ void requireDrawn(cairo_surface_t* surface, const char* what) {
       fmt::format("error: Cairo cannot write the {} ({})", what, cairo_status_to_string(status)));
 }
 
-/// A pixel of Cairo's without the factor of its alpha.
+/// Converts a pixel of Cairo from premultiplied alpha.
 Colour straightColour(std::uint32_t pixel) {
   const std::uint32_t alpha = pixel >> 24;
   const auto channel = [&](int shift) {
@@ -257,7 +257,7 @@ Colour straightColour(std::uint32_t pixel) {
   return {channel(16), channel(8), channel(0), static_cast<std::uint8_t>(alpha)};
 }
 
-/// What both have in common: how Cairo draws.
+/// Common drawing code with Cairo.
 class CairoCanvas : public Canvas {
  public:
   ~CairoCanvas() override;
@@ -284,7 +284,7 @@ class CairoCanvas : public Canvas {
   std::unique_ptr<Internals> internals_;  ///< made by the constructors below
 };
 
-/// Destroyed before the bytes that the surface writes into.
+/// Destroyed before the bytes that the surface writes to.
 struct CairoCanvas::Internals {
   cairo_surface_t* surface = nullptr;
   cairo_t* pen = nullptr;
@@ -294,10 +294,10 @@ struct CairoCanvas::Internals {
   double silhouetteWidth = 1;
   double seam = 0;
   double cutSeam = 0;
-  std::vector<double> opacities;  ///< of the parts that are open
+  std::vector<double> opacities;  ///< of the open parts
   std::string fontFamily;
 
-  /// Takes the surface, on which `scale` units are a pixel of the settings.
+  /// Owns the surface, on which `scale` units are a pixel of the settings.
   Internals(cairo_surface_t* made, double scale, const PageSettings& settings)
       : surface(made),
         pen(cairo_create(made)),
@@ -346,7 +346,7 @@ CairoCanvas::CairoCanvas() = default;
 
 CairoCanvas::~CairoCanvas() = default;
 
-/// A part with opacity is drawn aside as a group and painted at once: overlaps in it are not
+/// A part with opacity is drawn separately as a group and painted at once, so its overlaps are not
 /// darker.
 void CairoCanvas::begin(const std::string&, double opacity) {
   cairo_save(internals_->pen);
@@ -372,8 +372,8 @@ void CairoCanvas::end() {
   cairo_restore(internals_->pen);
 }
 
-/// Filled and stroked in one colour: the stroke covers the hairline to its neighbours. Both
-/// together are as opaque as the colour.
+/// Filled and stroked in one colour: the stroke covers the hairline to its neighbours. The combined
+/// opacity is that of the colour.
 void CairoCanvas::polygon(const Points& corners, Colour colour) {
   if (colour.alpha < 255) {
     begin({}, colour.alpha / 255.0);
@@ -420,7 +420,7 @@ void CairoCanvas::box(double left, double upper, double width, double height, Co
   cairo_fill(internals_->pen);
 }
 
-/// Cairo's simple interface for text: no shaping beyond single glyphs.
+/// Cairo's simple text interface: no shaping beyond single glyphs.
 void CairoCanvas::text(const std::string& line, double left, double baseline, int em, Colour colour,
                        Weight weight) {
   internals_->choose(colour);
@@ -441,21 +441,21 @@ class PdfCanvas : public CairoCanvas {
   std::string finish() override;
 
  private:
-  std::unique_ptr<std::string> file_;  ///< that Cairo writes into
+  std::unique_ptr<std::string> file_;  ///< output of Cairo
 };
 
 PdfCanvas::PdfCanvas(const PageSettings& settings) : file_(std::make_unique<std::string>()) {
   const double points = kPointsPerInch / settings.pixelsPerInch;
   cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
       appendBytes, file_.get(), settings.size.width * points, settings.size.height * points);
-  // Dates would make each run's bytes different.
+  // Real dates would make the bytes of each run different.
   cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
   cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_SUBJECT, settings.description.c_str());
   internals_ = std::make_unique<Internals>(surface, points, settings);
 }
 
 PdfCanvas::~PdfCanvas() {
-  // Cairo writes its last bytes when the surface goes.
+  // Cairo writes its last bytes when the surface is destroyed.
   internals_.reset();
 }
 
@@ -490,7 +490,7 @@ std::string PngCanvas::finish() {
   Frame frame = makeFrame(settings_.size, settings_.background);
   for (int y = 0; y < settings_.size.height; ++y) {
     for (int x = 0; x < settings_.size.width; ++x) {
-      std::uint32_t pixel = 0;  // alpha, red, green, blue from the highest byte on; premultiplied
+      std::uint32_t pixel = 0;  // alpha, red, green, blue from the highest byte; premultiplied
       std::memcpy(&pixel, rows + y * stride + 4 * x, sizeof pixel);
       frame.set(x, y, straightColour(pixel));
     }
@@ -522,13 +522,13 @@ std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settin
 }
 
 // ------------------------------------------------------------------------------------------------
-// Faces are painted over each other in the order of farthestFirst(), each filled whole and closed
-// against what it was cut from. Over all of them what shows of their own sides (seenOutlines()) is
-// drawn as lines of one width; sides that came from cutting a face are none of its own.
+// Faces are painted in the order of farthestFirst(), each filled completely and closed along its
+// cuts. The visible parts of their own sides (seenOutlines()) are drawn over all of them as lines
+// of constant width. Sides that come from cutting are not drawn.
 
 namespace {
 
-/// Brings points of space into the picture.
+/// Projects points of space to the picture.
 class Projector {
  public:
   Projector(const Camera& camera, FrameSize size, const Eigen::Vector2d& corner)
@@ -552,11 +552,11 @@ class Projector {
   Eigen::Vector2d corner_;
 };
 
-/// The sides that came from cutting; sides in a row are one line.
+/// The sides that come from cutting; consecutive sides are one line.
 std::vector<Canvas::Points> cutSides(const CutPolygon& polygon, const Canvas::Points& corners) {
   const std::size_t count = corners.size();
   const auto isCut = [&](std::size_t side) { return polygon.isCut[side] != 0; };
-  std::size_t first = 0;  // a corner after a side that was not cut, where a line begins
+  std::size_t first = 0;  // a corner after an uncut side, which begins a line
   while (first < count && isCut((first + count - 1) % count)) ++first;
   if (first == count) first = 0;
   std::vector<Canvas::Points> lines;
@@ -572,7 +572,7 @@ std::vector<Canvas::Points> cutSides(const CutPolygon& polygon, const Canvas::Po
   return lines;
 }
 
-/// In their order, each over those before.
+/// In their order, each over the previous ones.
 void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canvas& canvas) {
   for (const Piece& piece : pieces) {
     checkInterruption();
@@ -583,7 +583,7 @@ void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canv
   }
 }
 
-/// Pieces of one colour that follow each other, together.
+/// Groups of consecutive pieces of one colour.
 std::vector<std::vector<Piece>> byColour(std::vector<Piece> pieces) {
   std::vector<std::vector<Piece>> groups;
   for (Piece& piece : pieces) {
@@ -593,9 +593,9 @@ std::vector<std::vector<Piece>> byColour(std::vector<Piece> pieces) {
   return groups;
 }
 
-/// The steps of a shadow from the palest on, each transparent as a whole so that what overlaps in
-/// it is as dark as one. Steps with opacities o1, o2, ... hide 1 - (1 - o1)(1 - o2) ... together; a
-/// piece's alpha says how much that is up to its own step.
+/// The steps of a shadow from the palest on. Each is transparent as a whole, so overlaps in it are
+/// as dark as one. Steps with opacities o1, o2, ... hide 1 - (1 - o1)(1 - o2) ... together. A
+/// piece's alpha is this value up to its own step.
 void drawShadow(std::vector<Piece> pieces, const Projector& project, const std::string& name,
                 Canvas& canvas) {
   canvas.begin(name);

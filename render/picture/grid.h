@@ -10,22 +10,22 @@
 
 namespace kirireel::picture {
 
-/// Drawn from a picture to the next one.
+/// Drawn between consecutive pictures.
 inline constexpr const char* kArrow = "\u2192";
 
 /// Rows and columns of a grid, each at least 1.
 struct GridShape {
-  int rows = 3;     ///< from 1
-  int columns = 3;  ///< from 1
+  int rows = 3;     ///< >= 1
+  int columns = 3;  ///< >= 1
 
-  /// How many pictures fit.
+  /// Number of cells.
   int cells() const { return rows * columns; }
   bool operator==(const GridShape&) const = default;
 };
 
 /// One cell of a grid.
 struct GridPicture {
-  Frame frame;          ///< all of it
+  Frame frame;          ///< the whole picture
   std::string caption;  ///< printed centred under the picture, UTF-8; may be empty
 };
 
@@ -35,7 +35,7 @@ struct PictureBox {
   int upper = 0;   ///< pixels from its upper side
   FrameSize size;  ///< of the picture
 
-  /// The same part of a picture that is `scale` times as large.
+  /// The same part of a picture enlarged by `scale`.
   PictureBox scaled(double scale) const;
 };
 
@@ -44,14 +44,14 @@ struct PictureBox {
 /// one or more, must have one size.
 PictureBox filledPart(const std::vector<GridPicture>& pictures);
 
-/// The part of a picture, within which it must lie.
+/// The part of a picture; it must lie within the picture.
 Frame cutOut(const Frame& frame, const PictureBox& part);
 
 /// Letters that name pictures, or rows of a figure.
 enum class PanelLetters {
   None,
   Plain,      ///< (a), (b), ... over each picture
-  Bracketed,  ///< the same in bold; of a figure of several runs one per row, as are the next
+  Bracketed,  ///< the same in bold; in a figure of several runs one per row, as for the next
   Small,      ///< a, b, ... in bold
   Capital,    ///< A, B, ... in bold
 };
@@ -60,52 +60,52 @@ enum class PanelLetters {
 struct GridRow {
   FrameSize picture;  ///< of each of its pictures, at most as wide as a cell
   std::string head;   ///< over the row, UTF-8
-  /// Of its pictures, where rows have scales of their own: a bar of a round length is at its head.
+  /// Of its pictures, if rows have their own scales: its header has a bar of a round length.
   std::optional<double> metresPerPixel;
 };
 
-/// The style of a grid. Lengths are in heights of one picture: grids of any size look alike.
+/// The style of a grid. Lengths are in heights of one picture, so grids of any size appear similar.
 struct GridStyle {
   Colour background = {255, 255, 255};  ///< between and around pictures
   Colour text = {30, 30, 30};           ///< of captions
-  double captionSize = 0.065;  ///< height of the text (its em); captions that need less get less
-  double gap = 0.04;           ///< between cells and around the sheet
-  /// Em of all text, pixels, for pictures of any size. Captions that need more room get lines.
+  double captionSize = 0.065;           ///< em of the text; short captions need less height
+  double gap = 0.04;                    ///< between cells and around the sheet
+  /// Em of all text, pixels, for pictures of any size. Longer captions get more lines.
   std::optional<int> textSize;
   PanelLetters letters = PanelLetters::None;
-  bool arrows = false;  ///< from each picture to the next one in its row
-  /// Over the columns, one for each; none when empty.
+  bool arrows = false;  ///< from each picture to the next in its row
+  /// Headers of the columns, one for each; empty: none.
   std::vector<std::string> heads;
-  /// One for each row; none where all pictures have one size and rows have no heads.
+  /// One for each row; empty if all pictures have one size and rows have no headers.
   std::vector<GridRow> rows;
-  /// What the colours of all pictures mean: drawn below them when given.
+  /// Meaning of the colours of all pictures, drawn below them if present.
   std::optional<ColourScale> colourScale;
   /// The same if colours show kinds of bricks.
   std::vector<LegendEntry> legend;
-  /// Of all pictures: a bar of a round length is drawn below them when given.
+  /// Of all pictures: if present, a bar of a round length is drawn below them.
   std::optional<double> metresPerPixel;
 };
 
-/// The places of the cells of a grid, pixels.
+/// Positions of the cells of a grid, pixels.
 struct GridLayout {
   FrameSize sheet;              ///< the whole grid
   FrameSize picture;            ///< one picture; in a figure of several runs, the largest
   int gap = 0;                  ///< around every cell
   int columnGap = 0;            ///< from one column to the next
-  int headHeight = 0;           ///< strip over the first row with the heads of the columns
-  int letterHeight = 0;         ///< strip over each picture
-  int captionHeight = 0;        ///< strip under each picture
+  int headHeight = 0;           ///< strip above the first row with the columns' headers
+  int letterHeight = 0;         ///< strip above each picture
+  int captionHeight = 0;        ///< strip below each picture
   int textSize = 0;             ///< em of the caption
   int scaleHeight = 0;          ///< strip for each scale below all pictures, and for a legend
   int scales = 0;               ///< strips below all pictures
-  int rowHeadHeight = 0;        ///< strip over each row with its head
-  std::vector<FrameSize> rows;  ///< of the pictures of each row, where they differ
+  int rowHeadHeight = 0;        ///< strip above each row with its header
+  std::vector<FrameSize> rows;  ///< of the pictures of each row, if they differ
 
   /// Of the pictures of a row.
   FrameSize pictureOf(int row) const { return rows.empty() ? picture : rows[row]; }
   /// Left edge of a column of cells.
   int left(int column) const { return gap + column * (picture.width + columnGap); }
-  /// Left edge of a picture, which is in the middle of its cell.
+  /// Left edge of a picture centred in its cell.
   int left(int column, int row) const {
     return left(column) + (picture.width - pictureOf(row).width) / 2;
   }
@@ -122,9 +122,9 @@ struct GridLayout {
 /// The gap between columns, in heights of a picture. Wider if it has arrows.
 double columnGap(const GridStyle& style);
 
-/// The layout of a grid of pictures of one size, with so many lines of caption under each. Throws
-/// InputError when the shape is empty, the columns have another number of heads, or the sheet would
-/// be larger than kMaxFrameSide.
+/// The layout of a grid of pictures of one size, with this number of caption lines below each.
+/// Throws InputError if the shape is empty, the number of headers differs from that of columns, or
+/// the sheet would be larger than kMaxFrameSide.
 GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style = {},
                       int captionLines = 1);
 
@@ -132,32 +132,32 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
 GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style,
                       const std::vector<std::string>& captions);
 
-/// Draws everything on the sheet but the pictures and the background. `columns` of the grid;
-/// captions in the order of cells. Throws OutputError when the font is missing.
+/// Draws everything on the sheet except the pictures and the background. `columns` of the grid;
+/// captions in the order of cells. Throws OutputError if the font is missing.
 void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
                   const std::vector<std::string>& captions, int columns);
 
 /// The captions of pictures.
 std::vector<std::string> captionsOf(const std::vector<GridPicture>& pictures);
 
-/// The sheet: pictures fill rows from the left, top row first; cells without a picture stay blank.
-/// Throws InputError when there is no picture, more pictures than cells, or their sizes differ;
-/// OutputError when the font is missing.
+/// The sheet: pictures fill rows from the left, top row first; other cells stay blank. Throws
+/// InputError if there is no picture, more pictures than cells, or their sizes differ; OutputError
+/// if the font is missing.
 Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
                   const GridStyle& style = {});
 
-/// What the caption of a picture says.
+/// Parts of a picture's caption.
 struct CaptionParts {
-  bool progress = false;  ///< share of the motion
+  bool progress = false;  ///< fraction of the motion
   bool time = false;      ///< simulated seconds
-  bool angle = false;     ///< by which the brick that has turned most is turned from its start
-  bool error = false;     ///< target error; left out where there is no target
+  bool angle = false;     ///< largest rotation angle of a brick from its start
+  bool error = false;     ///< target error; omitted without a target
   bool gap = false;       ///< largest joint gap
 };
 
 /// The state that a caption describes.
 struct CaptionValues {
-  double progress = 0;          ///< share of the motion, 0 to 1
+  double progress = 0;          ///< fraction of the motion, [0, 1]
   double time = 0;              ///< simulated seconds
   double angle = 0;             ///< radians
   std::optional<double> error;  ///< metres

@@ -1,4 +1,4 @@
-/// Text and scales in pictures: labels, fonts, ticks, scales, and what they are drawn on.
+/// Text and scales in pictures: labels, fonts, ticks, scales, and their drawing surfaces.
 #pragma once
 
 #include <filesystem>
@@ -19,17 +19,17 @@ namespace kirireel::picture {
 /// Of letters.
 enum class Weight { Regular, Bold };
 
-/// Chooses the family of all text from now on, for example "Liberation Sans"; empty: the program's
-/// own. Throws InputError when the machine has none of this name. Call it before other threads
+/// Sets the family of all text from now on, for example "Liberation Sans"; empty: the
+/// default. Throws InputError if the machine has no such family. Call it before other threads
 /// start.
 void setFont(const std::string& family);
 
-/// The font file for labels: that of setFont(), else $KIRIREEL_FONT if set, else DejaVu Sans where
-/// Debian, Fedora or Arch keep it. Throws OutputError that names Debian's package when there is
+/// The font file for labels: that of setFont(), else $KIRIREEL_FONT if set, else DejaVu Sans at its
+/// path in Debian, Fedora or Arch. Throws OutputError with the name of Debian's package if there is
 /// none.
 std::filesystem::path findFont();
 
-/// The same in a weight: the bold font of the same family where there is one, else the regular one.
+/// The same in a weight: the bold font of the family if it exists, else the regular one.
 std::filesystem::path findFont(Weight weight);
 
 /// The name of that font's family, for example "DejaVu Sans".
@@ -38,7 +38,7 @@ std::string fontFamily();
 /// Draws lines of text in one size.
 class LabelWriter {
  public:
-  /// pixelsPerEm: the size of the text, at least 1. Throws OutputError when the font cannot be
+  /// pixelsPerEm: size of the text, >= 1. Throws OutputError if the font cannot be
   /// read.
   explicit LabelWriter(int pixelsPerEm, const std::filesystem::path& font = findFont());
   ~LabelWriter();
@@ -48,15 +48,15 @@ class LabelWriter {
   /// The name of the font's family.
   std::string family() const;
 
-  /// Width of one line of text in UTF-8, pixels. Each character that the font lacks, and any text
-  /// that is not UTF-8, counts and is drawn as the font's box. Rounded up.
+  /// Width of one line of UTF-8 text, pixels, rounded up. The font's box replaces each missing
+  /// character and invalid UTF-8.
   int width(const std::string& text) const;
 
-  /// The first character that the font lacks; absent when it has them all.
+  /// The first character missing in the font; absent if it has all.
   std::optional<char32_t> missingGlyph(const std::u32string& text) const;
 
-  /// Draws one line of text in UTF-8: its pen starts at x, the baseline of its letters is row
-  /// `baseline`. What falls outside the frame is left out.
+  /// Draws one line of UTF-8 text: the pen starts at x, the letters' baseline is row `baseline`.
+  /// Parts outside the frame are clipped.
   void draw(Frame& frame, const std::string& text, int x, int baseline, Colour colour) const;
 
  private:
@@ -64,39 +64,39 @@ class LabelWriter {
   std::unique_ptr<Face> face_;
 };
 
-/// Throws InputError that names the option when a text is not UTF-8 or has a character that the
-/// font lacks, and OutputError when the font is missing. Line feeds are allowed.
+/// Throws InputError with the option's name if a text is not UTF-8 or has a character missing in
+/// the font, and OutputError if the font is missing. Line feeds are allowed.
 void requireDrawable(const char* option, const std::string& text);
 
 // ------------------------------------------------------------------------------------------------
-// Fonts by the name of their family.
+// Fonts by family name.
 
-/// The file of a family's upright font of regular weight, from fontconfig. Throws InputError that
-/// names the nearest family if there is none of this name; case does not count. Style and weight
-/// are fontconfig's defaults.
+/// The file of a family's upright regular font, from fontconfig. Throws InputError with the most
+/// similar family if there is none with this name, ignoring case. Style and weight are fontconfig's
+/// defaults.
 std::filesystem::path fontFile(const std::string& family);
 
 // ------------------------------------------------------------------------------------------------
 // Text on several lines.
 //
-// The caller gives the widths: the same code breaks lines of pixels and of a page of vector
+// The caller provides the widths, so the same code breaks lines for pixels and for pages of vector
 // graphics, with any font.
 
 /// Width of one line of text, in any unit.
 using LineWidth = std::function<double(const std::string&)>;
 
-/// Breaks a text into lines: at each line feed, and at spaces where a line would be wider than
-/// `most`. A word that is wider by itself stays whole. Runs of spaces become one. At least one
-/// line, which may be empty.
+/// Breaks a text into lines: at each line feed, and at spaces if a line would be wider than `most`.
+/// A single wider word stays whole. Runs of spaces become one. At least one line, which may be
+/// empty.
 std::vector<std::string> wrapText(const std::string& text, const LineWidth& width, double most);
 
-/// The width of the widest line; 0 for none.
+/// The width of the widest line; 0 without lines.
 double widestLine(const std::vector<std::string>& lines, const LineWidth& width);
 
 // ------------------------------------------------------------------------------------------------
-// What captions and scales are drawn on: pixels, or a page of vector graphics.
+// Surfaces for captions and scales: pixels, or a page of vector graphics.
 
-/// Lengths are pixels from the upper left corner. Text is set in the font of setFont().
+/// Lengths are pixels from the upper left corner. Text has the font of setFont().
 class Surface {
  public:
   virtual ~Surface() = default;
@@ -104,19 +104,19 @@ class Surface {
   /// A filled rectangle.
   virtual void box(double left, double upper, double width, double height, Colour colour) = 0;
 
-  /// One line of text in UTF-8 from its left end, its letters on `baseline`. em: its size.
+  /// One line of UTF-8 text from its left end, with its letters on `baseline`. em: its size.
   virtual void text(const std::string& line, double left, double baseline, int em, Colour colour,
                     Weight weight = Weight::Regular) = 0;
 };
 
-/// Draws on a picture, which must outlive it. What falls outside is left out.
+/// Draws on a picture, which must outlive it. Parts outside are clipped.
 class FrameSurface : public Surface {
  public:
   /// Draws on this frame, which must outlive it.
   explicit FrameSurface(Frame& frame) : frame_(frame) {}
 
   void box(double left, double upper, double width, double height, Colour colour) override;
-  /// Throws OutputError when the font is missing.
+  /// Throws OutputError if the font is missing.
   void text(const std::string& line, double left, double baseline, int em, Colour colour,
             Weight weight) override;
 
@@ -127,65 +127,65 @@ class FrameSurface : public Surface {
 // ------------------------------------------------------------------------------------------------
 // Round numbers along an axis.
 
-/// A range of values and the marks along it, rising, all within it.
+/// A range of values with ascending ticks in it.
 struct Axis {
-  double low = 0;                  ///< the lowest value shown
-  double high = 1;                 ///< above low
-  bool isLogarithmic = false;      ///< equal steps of the page are equal ratios; low is above 0
-  std::vector<double> ticks;       ///< the values with numbers
+  double low = 0;                  ///< lowest value
+  double high = 1;                 ///< > low
+  bool isLogarithmic = false;      ///< equal steps on the page are equal ratios; low > 0
+  std::vector<double> ticks;       ///< values with numbers
   std::vector<std::string> texts;  ///< the numbers, one per tick
 
-  /// The place of a value: 0 at low, 1 at high. Beyond 0 to 1 for values off the axis. On a
-  /// logarithmic axis the value must be above 0.
+  /// Position of a value: 0 at low, 1 at high, outside [0, 1] for values off the axis. On a
+  /// logarithmic axis the value must be > 0.
   double shareOf(double value) const;
 };
 
-/// An axis that holds finite values, at least one, with at most so many ticks at multiples of 1, 2
-/// or 5 times a power of ten; a constant (to 1e-5 of itself) is in its middle.
+/// An axis for one or more finite values, with at most `mostTicks` ticks at multiples of 1, 2 or 5
+/// times a power of ten. A constant (to 1e-5 of itself) is in its middle.
 Axis makeAxis(const std::vector<double>& values, int mostTicks);
 
-/// An axis of this range, high at low or above, with such ticks within it. Without ticks where low
-/// and high are equal.
+/// An axis with this range, high >= low, with such ticks in it. Without ticks if low and high are
+/// equal.
 Axis makeAxisWithin(double low, double high, int mostTicks);
 
-/// The same with ticks at powers of ten; values of 0 and below have no place on it. With none above
-/// 0, an axis from 0.1 to 10.
+/// The same with ticks at powers of ten, for values > 0. Without values > 0, an axis from 0.1 to
+/// 10.
 Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks);
 
 // ------------------------------------------------------------------------------------------------
-// Scales on pictures: what a colour means, and how long a length is.
+// Scales in pictures: the meaning of colours, and lengths.
 
-/// What the colours of a picture mean.
+/// Meaning of the colours in a picture.
 struct ColourScale {
-  ColourMap map = ColourMap::Viridis;  ///< how values become colours
+  ColourMap map = ColourMap::Viridis;  ///< map from values to colours
   double least = 0;                    ///< the value of the scale's dark end
   double most = 1;                     ///< the value of its bright end
   std::string title;                   ///< quantity and unit, ASCII, for example "target error, m"
-  /// That colours stand out from; absent: they are those of the map.
+  /// Background for contrast; absent: the map's own colours.
   std::optional<Colour> background = {};
 };
 
-/// The colour of a share of the scale.
+/// The colour at a fraction of the scale.
 Colour colourAt(const ColourScale& scale, double share);
 
-/// What one of several colours means.
+/// Meaning of one of several colours.
 struct LegendEntry {
-  Colour colour;     ///< what bricks have
+  Colour colour;     ///< of the bricks
   std::string text;  ///< UTF-8, a few words
 };
 
-/// The place of a value on the scale, 0 to 1 within it. 0 if the scale has no
-/// range.
+/// Position of a value on the scale, [0, 1] within it.
+/// 0 if the scale has no range.
 double shareOf(const ColourScale& scale, double value);
 
-/// The length that a bar shows: 1, 2 or 5 times a power of ten, at most `longest`, and its text,
-/// for example "0.5 m" or "20 mm".
+/// Length of a scale bar: 1, 2 or 5 times a power of ten, at most `longest`, and its text, for
+/// example "0.5 m" or "20 mm".
 struct ScaleLength {
-  double metres = 1;  ///< above 0
+  double metres = 1;  ///< > 0
   std::string text;   ///< with its unit, ASCII
 };
 
-/// The longest such length. longest: metres, positive. From 1 um on in um, mm, m, km.
+/// The longest such length. longest: metres, > 0. Units from 1 um: um, mm, m, km.
 ScaleLength roundLength(double longest);
 
 /// Height of a bar of colours with its ticks and their values, ems of the text.
@@ -194,16 +194,16 @@ inline constexpr double kColourBarHeight = 2.4;
 /// Draws scales in one size of text.
 class ScaleDrawer {
  public:
-  /// em: of the text, pixels. Throws OutputError when the font is missing.
+  /// em: of the text, pixels. Throws OutputError if the font is missing.
   ScaleDrawer(int em, Colour text) : writer_(em), em_(em), text_(text) {}
 
-  /// Draws a horizontal bar of colours with its title to the left, and under it ticks with round
-  /// values. All of it is as high as kColourBarHeight; its middle line is row y; it is centred on
-  /// column x, as wide as fits in `width` pixels.
+  /// Draws a horizontal colour bar with its title on the left and ticks with round values below.
+  /// Its height is kColourBarHeight. Its middle line is row y. It is centred on column x, as wide
+  /// as fits in `width` pixels.
   void drawColourBar(Surface& surface, const ColourScale& scale, int x, int y, int width) const;
 
-  /// Draws a square of each colour with its text to the right, side by side, centred on column x,
-  /// middle line on row y; smaller where they need more than `width` pixels.
+  /// Draws a square of each colour with its text on the right, side by side, centred on column x,
+  /// middle line on row y; smaller if they need more than `width` pixels.
   void drawLegend(Surface& surface, const std::vector<LegendEntry>& entries, int x, int y,
                   int width) const;
 

@@ -1,24 +1,24 @@
 // A picture in five steps:
 //
-// - 1. GeometryBuilder makes flat polygons of what the camera sees (geometry.h), in five layers:
-// ground,
-//   shadow, solid, translucent, overlay.
-// - 2. Tessellator turns them into triangles in clip coordinates. Translucent polygons are cut and
-//   sorted before, the farthest first (makePieces), since blending needs that order everywhere.
-//   What shows of the outlines (seenOutlines) is drawn over all faces: lines of one width, as in
-//   vector graphics, of rectangles and of discs at their corners.
-// - 3. The picture is cut into parts of at most 2048 x 1024 pixels that some triangle touches. For
-//   each part the triangles that may touch it are drawn into a framebuffer of 2 x 3 samples a
-//   pixel, ground and overlay in painting order, solid ones by depth, translucent ones blended over
-//   what is behind them.
+// - 1. GeometryBuilder makes flat polygons of the view of the camera
+//   (geometry.h), in five layers: ground, shadow, solid, translucent,
+//   overlay.
+// - 2. Tessellator converts them to triangles in clip coordinates. Translucent polygons are first
+//   cut and sorted from far to near (makePieces), since blending requires that order everywhere.
+//   The visible outlines (seenOutlines) are drawn over all faces: lines of constant width, as in
+//   vector graphics, made of rectangles and of discs at their corners.
+// - 3. The picture is divided into parts of at most 2048 x 1024 pixels that contain triangles.
+//   The triangles of each part are drawn to a framebuffer of 2 x 3 samples per pixel: ground and
+//   overlay in painting order, solid ones by depth, translucent ones blended over the
+//   background.
 // - 4. Samples are read back in strips of 8 rows and averaged to pixels (painter.h).
-// - 5. What no triangle touches keeps the background.
+// - 5. Pixels without triangles keep the background.
 //
-// Supersampling and not multisampling: llvmpipe draws flat triangles quickly, and six samples with
-// their own depth smooth the crossings of faces, too. Coordinates are doubles up to clip
+// Supersampling replaces multisampling: llvmpipe draws flat triangles quickly, and six samples with
+// separate depths also smooth the intersections of faces. Coordinates are doubles up to clip
 // coordinates, then floats.
 //
-// Nothing depends on time, threads or earlier pictures, so the same items gives the same bytes.
+// The result is independent of time, threads and earlier pictures: equal items give equal bytes.
 #include "render/picture/painter.h"
 
 #include <algorithm>
@@ -39,19 +39,19 @@
 namespace kirireel::picture {
 namespace {
 
-/// Largest part of a picture drawn at once, pixels: a painter's memory does not grow with its
-/// pictures. Smaller parts cost more than they gain by staying in the processor's cache.
+/// Largest part of a picture drawn at once, pixels. It limits a painter's memory for large
+/// pictures. Smaller parts cost more than they gain from the processor's cache.
 constexpr int kMostPartWidth = 2048;
 constexpr int kMostPartHeight = 1024;
 
-/// Parts begin and end at multiples of this, pixels. They seldom change from frame to frame.
+/// Parts begin and end at multiples of this, pixels, so they seldom change between frames.
 constexpr int kPartStep = 64;
 
-/// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
-/// until they are averaged.
+/// Number of pixel rows whose samples are read back at once, small enough for the processor's
+/// cache.
 constexpr int kStripRows = 8;
 
-// Drawn at once: some thousands of bricks, 50 ms of a core.
+// Drawn at once: some thousands of bricks, 50 ms of one core.
 constexpr int kIndicesDrawn = 3 * 65536;
 
 constexpr const char* kFaceVertexShader = R"(#version 330 core
@@ -71,8 +71,8 @@ out vec4 colour;
 void main() { colour = face; }
 )";
 
-/// What the face shaders read of one corner of a triangle. A triangle has the colour of its last.
-/// GL_UNSIGNED_BYTE, normalised: 255 is 1. 20 bytes in all.
+/// Input of the face shaders for one corner of a triangle, 20 bytes. A triangle has the colour of
+/// its last corner. GL_UNSIGNED_BYTE, normalised: 255 is 1.
 struct Vertex {
   std::array<float, 4> clip;  ///< clip coordinates of the whole picture
   std::array<std::uint8_t, 4> colour;
@@ -92,15 +92,15 @@ std::array<float, 4> toClip(const Eigen::Matrix4d& clipFromAxes, const Vector3& 
   return {clip.x(), clip.y(), clip.z(), clip.w()};
 }
 
-/// A rectangle as clip coordinates have it: the picture's is from -1 at its left and lower borders
-/// to 1.
+/// A rectangle in clip coordinates: the picture is [-1, 1] from its left and lower borders.
 struct ClipBox : Eigen::AlignedBox2f {
   void add(const Vertex& vertex) {
     const auto& [x, y, z, w] = vertex.clip;
     if (w > 0) {
       extend(Eigen::Vector2f(x / w, y / w));
     } else {
-      // Behind the eye there is no telling where a triangle goes.
+      // The projection of a triangle behind the eye is undefined, so it may cover the whole
+      // picture.
       extend(Eigen::Vector2f(-1, -1)).extend(Eigen::Vector2f(1, 1));
     }
   }
@@ -109,19 +109,19 @@ struct ClipBox : Eigen::AlignedBox2f {
 /// The triangles of one facet. `first` and `end` count indices, not triangles.
 struct FacetTriangles {
   ClipBox place;
-  int first = 0;  ///< of its corners in the indices
+  int first = 0;  ///< offset of its corners in the indices
   int end = 0;
 };
 
 /// The triangles of one picture.
 struct TriangleMesh {
   std::vector<Vertex> vertices;
-  std::vector<GLuint> indices;  ///< of vertices, three a triangle
+  std::vector<GLuint> indices;  ///< of vertices, three per triangle
   std::vector<FacetTriangles> facets;
   int groundEnd = 0;       ///< facets of the plate and the shadow: first, in painting order
   int solidEnd = 0;        ///< then those that hide each other by depth
   int translucentEnd = 0;  ///< then those that are blended, in painting order
-  int linesEnd = 0;        ///< then outlines; the rest is laid over
+  int linesEnd = 0;        ///< then outlines; the rest is the overlay
   bool hasTranslucentLines = false;
 
   int facetCount() const { return static_cast<int>(facets.size()); }
@@ -133,14 +133,14 @@ struct TriangleMesh {
   }
 };
 
-/// The thinnest lines in pictures of few pixels: thinner ones would break up into dashes.
+/// Minimum width of lines in pictures of few pixels: thinner lines would break into dashes.
 constexpr double kThinnestSlit = 0.8;
 constexpr double kThinnestSilhouette = 1.2;
 
 /// Corners of the disc that closes the end of a line.
 constexpr int kCapSides = 12;
 
-/// Turns facets and lines into triangles. Facets are convex, so each is a fan from its first
+/// Converts facets and lines to triangles. Facets are convex, so each is a fan from its first
 /// corner.
 class Tessellator {
  public:
@@ -151,7 +151,7 @@ class Tessellator {
         half_(0.5 * size.width, 0.5 * size.height),
         mesh_(mesh) {}
 
-  /// Cut where they cross, the farthest first.
+  /// Cut at intersections and sorted from far to near.
   void appendSorted(const std::vector<Facet>& facets, const Camera& camera) {
     for (const Piece& piece : farthestFirst(makePieces(sketch_, facets, camera))) {
       addFacet([&](ClipBox& place) { appendFan(piece.outer.corners, piece.colour, place); });
@@ -164,10 +164,11 @@ class Tessellator {
     }
   }
 
-  /// Each outline is nearer to the eye than the one before and of one depth in itself: where its
-  /// lines overlap, a translucent one is blended once.
+  /// Each outline is nearer to the eye than the previous one and has one depth. If the lines of a
+  /// translucent outline overlap, they are blended only once.
   void append(std::vector<SeenOutline> outlines, const Style& style) {
-    // Bytes round after each blending: a fixed order makes the picture that of bricks in any order.
+    // Each blending rounds to bytes, so a fixed order makes the picture independent of the order of
+    // bricks.
     std::erase_if(outlines, [](const SeenOutline& outline) { return outline.lines.empty(); });
     if (std::ranges::any_of(outlines, [](const SeenOutline& o) { return o.opacity < 1; })) {
       std::ranges::stable_sort(outlines, {}, [](const SeenOutline& outline) {
@@ -186,7 +187,7 @@ class Tessellator {
       for (const auto& [points, isSilhouette] : lines) {
         const double width = isSilhouette ? style.silhouetteWidth : style.slitWidth;
         const double thinnest = isSilhouette ? kThinnestSilhouette : kThinnestSlit;
-        // In pixels, of which the picture is 2 half_.y high.
+        // In pixels; the picture's height is 2 half_.y.
         const double radius = std::max(half_.y() * width, 0.5 * thinnest);
         addFacet([&](ClipBox& place) {
           appendLine(points, radius, static_cast<float>(depth), channels, place);
@@ -196,7 +197,7 @@ class Tessellator {
   }
 
  private:
-  /// appendTriangles: of one facet, with the place that they take.
+  /// appendTriangles: of one facet, with the box that they occupy.
   template <typename Append>
   void addFacet(const Append& appendTriangles) {
     checkInterruption();
@@ -265,12 +266,12 @@ class Tessellator {
 
   const PictureGeometry& sketch_;
   Eigen::Matrix4d clipFromWorld_;
-  Eigen::Vector2d half_;  ///< sides of the picture, halved, pixels
+  Eigen::Vector2d half_;  ///< half the sides of the picture, pixels
   TriangleMesh& mesh_;
 };
 
-/// The triangles of one frame, as the graphics context holds them. Vertex array, vertices and
-/// indices are bound when it is made and stay so: the context has no others.
+/// The triangles of one frame in the graphics context. Vertex array, vertices and indices are bound
+/// at construction and stay bound: the context has no others.
 class MeshBuffer {
  public:
   MeshBuffer() {
@@ -300,7 +301,7 @@ class MeshBuffer {
                  indices.data(), GL_STREAM_DRAW);
   }
 
-  /// In pieces, since nothing can end what is being drawn.
+  /// In pieces, since a draw call cannot be interrupted.
   static void draw(int first, int end) {
     for (; first < end; first += kIndicesDrawn) {
       checkInterruption();
@@ -327,14 +328,14 @@ class MeshBuffer {
   GLuint indices_ = 0;
 };
 
-/// A rectangle of the picture, pixels from its top left corner; right and lower are not in it.
+/// A rectangle of the picture, pixels from its top left corner, excluding right and lower.
 using PixelBox = Eigen::AlignedBox2i;
 
 bool hasNoPixel(const PixelBox& box) {
   return (box.max().array() <= box.min().array()).any();
 }
 
-/// What is drawn at once of the touched pixels of a picture; nothing where there are none. Row by
+/// The parts of a picture's touched pixels that are drawn at once; empty if there are none. Row by
 /// row from the top.
 std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   std::vector<PixelBox> parts;
@@ -352,8 +353,8 @@ std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   return parts;
 }
 
-/// The pixels that triangles can touch: elsewhere there is background, not worth any work. One box
-/// for the picture and one for each strip of rows. A pixel more on each side covers rounding.
+/// The pixels that triangles can touch; all others show the background and need no work. One box
+/// for the picture and one for each strip of rows. A margin of one pixel covers rounding.
 class TouchedPixels {
  public:
   TouchedPixels(const std::vector<FacetTriangles>& facets, FrameSize size)
@@ -371,10 +372,10 @@ class TouchedPixels {
     }
   }
 
-  /// A box around all of them.
+  /// A box around all touched pixels.
   const PixelBox& all() const { return all_; }
 
-  /// A box around those in rows upper to upper + kStripRows - 1; upper is a multiple of it.
+  /// A box around those in rows upper to upper + kStripRows - 1; upper is a multiple of kStripRows.
   const PixelBox& strip(int upper) const { return strips_[upper / kStripRows]; }
 
  private:
@@ -393,8 +394,8 @@ class TouchedPixels {
   std::vector<PixelBox> strips_;
 };
 
-/// Refuses a bad size before any graphics memory is asked for.
-/// What is painted, apart from the graphics context.
+/// Refuses an invalid size before any allocation of graphics memory.
+/// The painter's data without the graphics context.
 struct PaintedBricks {
   GeometryBuilder sketcher;
   Style style;
@@ -408,22 +409,23 @@ struct PaintedBricks {
 
 }  // namespace
 
-/// Members in the order in which the context needs them made; it goes last.
+/// Members are in the order of their construction; the context is destroyed last.
 struct Painter::Parts {
   FrameSize size;
-  int samplesDown;  ///< of a pixel
+  int samplesDown;  ///< per pixel
   PaintedBricks subject;
   Context context;
-  std::optional<Framebuffer> samples;  ///< as large as the part that is drawn
+  std::optional<Framebuffer> samples;  ///< as large as the current part
   Program facePainter;
   MeshBuffer meshBuffer;
-  // Kept between frames for their memory.
+  // Kept between frames to reuse memory.
   PictureGeometry geometry;
   TriangleMesh mesh;
   std::vector<GLuint> indices;  ///< of the triangles of one part
-  /// In these: of the ground, the solid facets, the translucent ones, the outlines, the overlay.
+  /// Ends in `indices`: of the ground, the solid facets, the translucent ones, the outlines, the
+  /// overlay.
   std::array<int, 5> layerEnds{};
-  std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
+  std::vector<std::uint8_t> strip;  ///< samples before averaging
 
   Parts(FrameSize frameSize, const std::vector<model::Brick>& bricks, const Style& style,
         Smoothness smoothness);
@@ -470,7 +472,7 @@ void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& c
   MeshBuffer::loadVertices(mesh.vertices);
 }
 
-/// Most pictures of a run have parts of the same size, so the framebuffer is made seldom.
+/// Most pictures of a run have parts of the same size, so the framebuffer is seldom made.
 void Painter::Parts::fitSamples(const PixelBox& part) {
   const Eigen::Vector2i wanted(part.sizes().x() * kSamplesAcross, part.sizes().y() * samplesDown);
   if (samples && samples->sides() == wanted) return;
@@ -478,10 +480,10 @@ void Painter::Parts::fitSamples(const PixelBox& part) {
   samples.emplace(wanted.x(), wanted.y());
 }
 
-/// Those that may touch the rows of a part.
+/// Selects triangles that may touch the rows of a part.
 void Painter::Parts::chooseTriangles(const PixelBox& part) {
   const auto heightOf = [this](int row) { return static_cast<float>(1 - 2.0 * row / size.height); };
-  // A row more on each side, for rounding.
+  // A margin of one row on each side for rounding.
   const float lower = heightOf(part.max().y() + 1), upper = heightOf(part.min().y() - 1);
   indices.clear();
   int facet = 0;
@@ -498,8 +500,8 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
   MeshBuffer::loadIndices(indices);
 }
 
-/// Ground and shadow lie below everything, lines above everything; only bricks hide each other.
-/// Translucent ones are hidden by opaque ones and hide nothing.
+/// Ground and shadow are below everything, lines above everything. Only bricks hide each other.
+/// Opaque bricks hide translucent ones, which hide nothing.
 void Painter::Parts::drawLayers() const {
   const auto [groundEnd, solidEnd, translucentEnd, linesEnd, end] = layerEnds;
   glDisable(GL_DEPTH_TEST);
@@ -520,14 +522,14 @@ void Painter::Parts::drawLayers() const {
 }
 
 /// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx
-/// = width of the picture / width of the part, and the same in y, which points up.
+/// = width of the picture / width of the part, and the same for y, which points up.
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples->drawInto();
   const std::array<std::uint8_t, 4> back = bytes(subject.style.background);
   const auto channel = [&back](int k) { return static_cast<float>(back[k]) / 255.0F; };
   glClearColor(channel(0), channel(1), channel(2), channel(3));
-  // Clearing everything is quicker here than clearing a box, and so is a framebuffer that fits.
+  // Clearing everything is faster here than clearing a box, for a framebuffer of this size.
   glDisable(GL_SCISSOR_TEST);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_SCISSOR_TEST);
@@ -546,13 +548,14 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
   drawLayers();
 }
 
-/// Only rows that something touches are read back.
+/// Reads back only touched rows.
 void Painter::Parts::readMeans(const PixelBox& part, const TouchedPixels& touched, Frame& frame) {
   const PixelBox inside = part.intersection(touched.all());
   for (int upper = inside.min().y() / kStripRows * kStripRows; upper < inside.max().y();
        upper += kStripRows) {
     checkInterruption();
-    // Of pictures with alpha the whole box is read: nothing is black there, not the background.
+    // In pictures with alpha the whole box is read: untouched samples are transparent black, not
+    // background.
     const PixelBox rows(Eigen::Vector2i(inside.min().x(), upper),
                         Eigen::Vector2i(inside.max().x(), upper + kStripRows));
     const PixelBox box = (subject.opaque ? touched.strip(upper) : rows).intersection(inside);
@@ -560,7 +563,7 @@ void Painter::Parts::readMeans(const PixelBox& part, const TouchedPixels& touche
   }
 }
 
-/// The pixels of a box of a few rows.
+/// Reads the pixels of a box of a few rows.
 void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame& frame) {
   const auto [columns, rows] = std::pair(box.sizes().x(), box.sizes().y());
   const int left = (box.min().x() - part.min().x()) * kSamplesAcross;

@@ -1,4 +1,4 @@
-/// What the threads of a recording pass to each other, and what they cost.
+/// Communication between the threads of a recording, and their cost.
 #pragma once
 
 #include <chrono>
@@ -24,20 +24,20 @@
 namespace kirireel::record {
 
 // ------------------------------------------------------------------------------------------------
-// A queue between two threads, short so that the faster one waits for the slower one.
+// A short queue between two threads; the faster one waits for the slower one.
 //
-// Any number of threads may push and pop. One mutex and one condition: a video has some hundred
-// frames a second at most. The lock costs nothing that shows.
+// Any number of threads may push and pop. One mutex and one condition suffice: a video has at most
+// some hundred frames per second, so the cost of the lock is negligible.
 
-/// Hands values from the thread that pushes to the thread that pops, in order, at most `capacity`
-/// of them at a time.
+/// Passes values from pushing to popping threads, in order. Holds at most `capacity`
+/// values.
 template <typename T>
 class BoundedQueue {
  public:
   /// The capacity is at least 1.
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Waits for room and adds a value. False, and nothing added, once the queue was stopped.
+  /// Waits for space and adds a value. Returns false without adding after stop().
   bool push(T value) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return stopped_ || values_.size() < capacity_; });
@@ -47,8 +47,8 @@ class BoundedQueue {
     return true;
   }
 
-  /// Waits for a value and takes it. Empty when the queue was closed and everything is taken, or
-  /// when it was stopped.
+  /// Waits for a value and removes it. Empty after close() if no values are left, and after
+  /// stop().
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return stopped_ || closed_ || !values_.empty(); });
@@ -59,14 +59,14 @@ class BoundedQueue {
     return value;
   }
 
-  /// Says that nothing more comes; what is in the queue is still taken.
+  /// Declares the end of input; remaining values can still be popped.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     changed_.notify_all();
   }
 
-  /// Ends both sides at once; what is in the queue is lost, and destroyed here.
+  /// Ends both sides at once and destroys the remaining values.
   void stop() {
     const std::lock_guard lock(mutex_);
     stopped_ = true;
@@ -74,7 +74,7 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
-  /// Whether it was stopped; any thread may ask.
+  /// Whether stop() was called; any thread may call this.
   bool isStopped() {
     const std::lock_guard lock(mutex_);
     return stopped_;
@@ -96,9 +96,9 @@ class BoundedQueue {
 /// others, and finish() throws it.
 class TaskGroup {
  public:
-  /// stopAll: stops every stage soon, also while it waits; may be called from any thread.
+  /// stopAll: stops every stage soon, even a waiting one; any thread may call it.
   explicit TaskGroup(std::function<void()> stopAll) : stopAll_(std::move(stopAll)) {}
-  /// Stops what is still at work and waits for it.
+  /// Stops running stages and waits for them.
   ~TaskGroup();
   TaskGroup(const TaskGroup&) = delete;
   TaskGroup& operator=(const TaskGroup&) = delete;
@@ -106,11 +106,11 @@ class TaskGroup {
   /// Runs a stage on its own thread, with the interruption checks of this thread.
   void start(std::function<void()> stage);
 
-  /// Runs a stage on this thread. Throws nothing: an error is kept for finish().
+  /// Runs a stage on this thread. Does not throw: stores an error for finish().
   void run(const std::function<void()>& stage);
 
-  /// Waits until every stage has ended; throws the first error. Afterwards the tasks has no
-  /// threads. Errors after the first are dropped: most are consequences of it.
+  /// Waits until every stage has ended; throws the first error. Afterwards there are no threads.
+  /// Errors after the first are dropped, since most are consequences of it.
   void finish();
 
  private:
@@ -121,33 +121,33 @@ class TaskGroup {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Samples that are handed from thread to thread.
+// Samples that several threads share.
 //
-// A sample is shared and never changed: no thread needs a copy or a lock to read it; it
-// goes when the last thread has done with it.
+// A sample is shared and never changed, so no thread needs a copy or a lock to read it. It is
+// destroyed when the last thread has released it.
 
 /// A sample that several threads may read at the same time.
 using SharedSample = std::shared_ptr<const trajectory::Sample>;
 
-/// How many samples wait between two threads: enough to even out their pace, and all the memory
-/// that they may take.
+/// Number of samples that wait between two threads: enough to equalise their pace, and a limit of
+/// their memory.
 inline constexpr std::size_t kWaitingSamples = 16;
 
 // ------------------------------------------------------------------------------------------------
 // Writes a run's trajectory on its own thread during the deployment.
 
-/// Owns the file and the thread. A writer that goes without finish() leaves no file.
+/// Owns the file and the thread. Without finish() the destructor leaves no file.
 class ThreadedTrajectoryWriter {
  public:
-  /// The file gets the curves' channels (makeCurveMeter). `subject` must outlive this. Throws
-  /// OutputError when the file cannot be made.
+  /// The file gets the curves' channels (makeCurveMeter). `subject` must outlive this object.
+  /// Throws OutputError if the file cannot be made.
   ThreadedTrajectoryWriter(const std::filesystem::path& path, const trajectory::Subject& subject);
 
-  /// Hands over a sample. False once writing has failed; finish() throws the reason. May wait for
-  /// room in the queue.
+  /// Passes a sample to the thread. Returns false after a write error, which finish() throws. May
+  /// wait for space in the queue.
   bool take(const SharedSample& sample);
 
-  /// Waits for the last sample and puts the file in place. Throws OutputError.
+  /// Waits for the last sample and moves the file into place. Throws OutputError.
   void finish(const trajectory::TrajectoryEnd& end);
 
  private:
@@ -155,14 +155,14 @@ class ThreadedTrajectoryWriter {
 
   trajectory::TrajectoryWriter writer_;
   BoundedQueue<SharedSample> samples_;
-  TaskGroup tasks_;  // last: its thread ends before what it uses
+  TaskGroup tasks_;  // last: its thread ends before the members that it uses
 };
 
 // ------------------------------------------------------------------------------------------------
-// Frames of a video whose memory is used again.
+// Frames of a video with reused memory.
 
-/// Spare frames, for any thread. Painters would else ask the heap for some tens of megabytes a
-/// frame, which the encoder's thread returns: the heap then grows during a video.
+/// Spare frames for any thread. Otherwise painters would allocate some tens of megabytes per frame,
+/// which the encoder's thread frees, and the heap would grow during a video.
 class FramePool {
  public:
   /// A spare frame with any content; an empty one if there is none.
@@ -174,7 +174,7 @@ class FramePool {
     return frame;
   }
 
-  /// Its memory stays in the pool until a painter takes it.
+  /// The pool keeps its memory until a painter takes it.
   void giveBack(picture::Frame frame) {
     const std::lock_guard lock(mutex_);
     spare_.push_back(std::move(frame));
@@ -186,18 +186,18 @@ class FramePool {
 };
 
 // ------------------------------------------------------------------------------------------------
-// What parts of a run cost.
+// Cost of parts of a run.
 //
-// CPU seconds are those of one thread: stages which run at the same time can be kept
-// apart; wall seconds are those of a clock that is never set back.
+// CPU seconds are those of one thread, so concurrent stages can be separated. Wall seconds are from
+// a monotonic clock.
 
-/// Largest resident memory of this process so far, bytes. Never falls.
+/// Peak resident memory of this process, bytes.
 std::int64_t peakMemoryBytes();
 
-/// Adds the CPU seconds that its thread uses during its lifetime to a sum.
+/// Adds the CPU seconds of its thread during its lifetime to a sum.
 class CpuTimer {
  public:
-  /// Adds the CPU time of its thread, from now to its end, to a sum of seconds.
+  /// `sum` gets the CPU time of this thread from now to destruction, seconds.
   explicit CpuTimer(double& sum) : sum_(sum), start_(threadCpuSeconds()) {}
   ~CpuTimer() { sum_ += threadCpuSeconds() - start_; }
   CpuTimer(const CpuTimer&) = delete;
@@ -208,10 +208,10 @@ class CpuTimer {
   double start_;
 };
 
-/// Seconds on the wall since it was made.
+/// Wall time since construction.
 class Stopwatch {
  public:
-  /// CPU seconds since it was made.
+  /// Seconds since construction.
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
