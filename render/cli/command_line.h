@@ -1,4 +1,4 @@
-/// The command line: what kirireel is asked to do.
+/// The command line: parses the request to kirireel.
 #pragma once
 
 #include <string>
@@ -18,14 +18,14 @@ namespace kirireel::cli {
 
 /// `--help` and `--version`. The text is the whole page, made while parsing.
 struct PrintOrder {
-  std::string text;  ///< what is printed, lines and their ends included
+  std::string text;  ///< complete output with line ends
 };
 
 /// Prints the text. Returns the exit code. Always 0.
 int carryOut(const PrintOrder& order);
 
-/// One of the things that kirireel does. It holds all values that carryOut() needs; no parser is
-/// left when it is returned.
+/// A parsed command. It contains all values that carryOut() needs and no references to the
+/// parser.
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
                            ConvertOrder, ModelsOrder, StudyOrder, SweepOrder, VerifyOrder,
                            CurvesOrder, PageOrder, PrintOrder>;
@@ -60,13 +60,13 @@ Order parseCommandLine(const std::vector<std::string>& arguments);
 struct OptionDescription {
   std::vector<std::string> names;  ///< with hyphens, e.g. "-h", "--help"; the last one is long
   std::string key;                 ///< its name in a scene file or a program, e.g. "thickness"
-  std::string table;               ///< of a scene file; "" where no scene file can set it
+  std::string table;               ///< of a scene file; "" if no scene file can set it
   std::string group;               ///< heading in the help, e.g. "Bricks"
   std::string unit;                ///< of the value, e.g. "METRES"; may be empty
   std::string help;                ///< one phrase, with the default
-  std::vector<std::string> words;  ///< the values that are allowed; empty if any value is allowed
+  std::vector<std::string> words;  ///< the allowed values; empty if any value is allowed
   bool isSwitch = false;           ///< has no value
-  bool repeats = false;            ///< may be given several times, each counts
+  bool repeats = false;            ///< may be repeated, each value counts
 };
 
 /// A positional argument.
@@ -77,7 +77,7 @@ struct PlaceDescription {
 
 /// A command, or the program itself.
 struct CommandDescription {
-  std::string name;    ///< as it is typed, as in "record"
+  std::string name;    ///< as typed, such as "record"
   std::string help;    ///< one phrase
   std::string footer;  ///< paragraphs after the options, an empty line between two
   std::vector<PlaceDescription> places;      ///< positional arguments, in their order
@@ -93,7 +93,7 @@ CommandDescription describeCommand(CLI::App& command);
 /// below them.
 CommandDescription describeProgram();
 
-/// The command below it that has this name. Throws std::out_of_range where there is none.
+/// The subcommand with this name. Throws std::out_of_range if there is none.
 const CommandDescription& commandNamed(const CommandDescription& program, const std::string& name);
 
 // ------------------------------------------------------------------------------------------------
@@ -101,16 +101,16 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 //
 // Our own spellings pass through unchanged. A line may mix both.
 
-/// The arguments with PyKirigami's spellings replaced by Kirireel's: underscores in the names of
+/// The arguments with PyKirigami's spellings replaced by Kirireel's. Underscores in the names of
 /// long options become hyphens, --brick_thickness or -bt becomes --thickness, --no_collision
-/// becomes --contacts=unjoined (which is what it does there), --model NAME becomes the model's own
-/// place, and --headless vanishes, for no window is ever opened, as does --like pykirigami. Values
-/// are not changed. Throws nothing: the parser reports unknown options.
+/// becomes --contacts=unjoined (its effect there), --model NAME becomes the positional model.
+/// --headless is removed, because no window is ever opened, and so is --like pykirigami. Values are
+/// unchanged. Does not throw: the parser reports unknown options.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
-/// The first argument that is a name of PyKirigami's own, or "--like pykirigami": what is not given
-/// is as there then. Empty: there is none. Other underscores are read as hyphens and select
-/// nothing.
+/// The first argument that is PyKirigami's own name or "--like pykirigami". It selects
+/// PyKirigami's defaults. Empty: there is none. Other underscores are read as hyphens and have no
+/// such effect.
 std::string peerSpelling(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel::cli

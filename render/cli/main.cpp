@@ -41,7 +41,7 @@ int carryOutOrder(const std::vector<std::string>& arguments) {
     requirePrinted();
     return exitCode;
   } catch (const std::system_error&) {
-    // Of printing, where a text is longer than the buffer.
+    // Error in printing a text longer than the buffer.
     requirePrinted();
     throw;
   }

@@ -41,7 +41,7 @@ void addNote(CLI::Option& option, const char* kind, const std::string& text) {
   option.check(validator.active(false));
 }
 
-/// What was noted; "" where nothing was.
+/// The recorded statement; "" if there is none.
 std::string noteOf(CLI::Option& option, const char* kind) {
   try {
     // CLI11 returns the text of a check only while it is active.
@@ -62,8 +62,8 @@ std::string typedText(const CLI::Option& option) {
 }  // namespace
 
 OptionGroup::Statement& OptionGroup::Statement::serializedAs(const Writer& write) {
-  // CLI11's own place for the text of what an option is bound to. It is asked for after parsing, so
-  // that the help does not show it.
+  // CLI11 has a place for a function that returns the current text. It is called after parsing, so
+  // the help does not show it.
   option_->default_function(write);
   return *this;
 }
@@ -372,7 +372,7 @@ std::vector<int> parseTiles(const scene::TypedValue& value) {
 
 namespace {
 
-/// "3,7,10-15"; nothing where it is something else.
+/// "3,7,10-15"; absent for other text.
 std::optional<std::vector<int>> tilesAndRanges(std::string_view text) {
   constexpr long kMostTile = 1'000'000;
   std::vector<int> tiles;

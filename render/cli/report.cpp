@@ -39,7 +39,7 @@ std::string inTiles(double metres, const model::Model& model) {
   return model::lengthInTiles(metres, model, 3);
 }
 
-/// Why a run that came to rest did not come nearer; empty where it reached its target. One line.
+/// Why a run at rest did not come nearer to its target; empty if it reached it. One line.
 /// The errors and bounds are metres.
 std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
@@ -157,7 +157,7 @@ std::string describePenetration(const scene::Scene& scene, const record::RunSumm
   return text + "\n";
 }
 
-/// What forces between pairs hold; empty where there are none.
+/// Energies of pair forces; empty without such forces.
 std::string describeElasticity(const std::optional<model::Elasticity>& found) {
   if (!found) return "";
   std::vector<std::string> forces;
@@ -277,7 +277,7 @@ std::string describeEnd(const scene::Scene& scene, const record::RunSummary& sum
                   summary.endTime);
   const double error = summary.accuracy.targetErrorEnd;
   const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
-  // Of a load path the reason tells the outcome and its stability.
+  // For a load path, the reason is the outcome and its stability.
   if (summary.outcome == Interrupted || (summary.loadCurve && summary.outcome != Diverged))
     return summary.reason;
   if (summary.atTarget == true) {

@@ -9,12 +9,12 @@
 namespace kirireel::cli {
 
 // ------------------------------------------------------------------------------------------------
-// What a person reads while and after a run.
+// Output for the user during and after a run.
 
-/// Keeps one line on standard error up to date, when that is a terminal; silent otherwise.
+/// Updates one line on standard error if that is a terminal; silent otherwise.
 class ProgressLine {
  public:
-  /// Begins a line of progress on standard error, where that is a terminal.
+  /// Begins a progress line on standard error if that is a terminal.
   ProgressLine();
   /// Ends the line.
   ~ProgressLine();
@@ -40,7 +40,7 @@ std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSe
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
                         const record::RunSummary& summary);
 
-/// The same of pictures that were made of a recorded run. Frames, seconds, files.
+/// The report of pictures made from a recorded run: frames, seconds, files.
 std::string describePictures(const record::PictureSettings& settings,
                              const record::PictureReport& report);
 
@@ -56,23 +56,23 @@ inline constexpr int kExitInputWrong = 2;   ///< the input or the command line i
 inline constexpr int kExitShort = 3;        ///< the run has a shortfall: see DeploymentResult
 inline constexpr int kExitInterrupted = 4;  ///< by a signal
 
-/// The same for people, at the end of a command's help.
+/// The exit codes as text, at the end of a command's help.
 inline constexpr const char* kExitCodesHelp =
     "Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or\n"
     "command line wrong; 3 the run missed its target, bricks passed through each\n"
     "other, or the search ended at its budget; 4 interrupted.";
 
 // ------------------------------------------------------------------------------------------------
-// Ctrl-C and polite requests to end.
+// Ctrl-C and termination signals.
 
-/// From now on SIGINT, SIGTERM and SIGHUP are noted instead of ending the program, and a full disk
-/// quota is an error of the write instead of a signal. A SIGHUP that is ignored, as under nohup,
-/// stays so. To be called once, before a run starts; commands that take seconds leave signals as
-/// they are.
+/// From now on SIGINT, SIGTERM and SIGHUP are recorded instead of ending the program, and a full
+/// disk quota is a write error instead of a signal. An ignored SIGHUP, as under nohup, stays
+/// ignored. Call it once before a run starts. Commands of a few seconds keep the default signal
+/// handling.
 void noteSignals();
 
-/// The name of the signal that came since the last call, such as "SIGTERM"; absent when none did.
-/// Each signal ends one stage of a run. May be called from any thread; of two signals between two
+/// The name of the last signal since the previous call, such as "SIGTERM"; absent if there was
+/// none. Each signal ends one stage of a run. Any thread may call it. Of two signals between two
 /// calls it returns the later one.
 std::optional<std::string> takeInterrupt();
 

@@ -450,7 +450,7 @@ void completeOrder(const CLI::App& command, CurvesOrder& order) {
 
 int carryOut(const CurvesOrder& order) {
   record::CurvesSettings settings = order.settings;
-  // Beside the trajectory; a bare file name has no parent, so the current folder.
+  // In the trajectory's folder; a bare file name has no parent and means the current folder.
   if (settings.folder.empty()) settings.folder = order.runs.front().parent_path();
   if (settings.folder.empty()) settings.folder = ".";
   std::vector<record::NamedRun> runs;

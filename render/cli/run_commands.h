@@ -1,4 +1,4 @@
-/// Commands about runs that are there: render, export, curves, page and verify.
+/// Commands for existing runs: render, export, curves, page and verify.
 #pragma once
 
 #include <filesystem>
@@ -18,49 +18,49 @@ namespace kirireel::cli {
 // ------------------------------------------------------------------------------------------------
 // `kirireel render TRAJECTORY`.
 
-/// Which recorded runs to paint again, and how. completeOrder() puts the file of each folder in its
-/// place.
+/// Recorded runs to paint again, with settings. completeOrder() replaces each folder by its
+/// trajectory file.
 struct RenderOrder {
-  std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row of each
-  record::PictureSettings settings;  ///< the folder is empty when --out was not given
+  std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row per run
+  record::PictureSettings settings;                 ///< folder is empty if --out was not given
 };
 
 /// Adds `render`. The order must outlive the parsing.
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, RenderOrder& order);
 
-/// Paints, and prints what was written. Returns the exit code. 4 when a signal ended the video
+/// Paints, and prints the written files. Returns the exit code, 4 if a signal ended the video
 /// early. Throws InputError for a trajectory that cannot be read, OutputError for files.
 int carryOut(const RenderOrder& order);
 
 // ------------------------------------------------------------------------------------------------
 // `kirireel export TRAJECTORY`.
 
-/// A trajectory and what is made of it. Defaults of the settings are those of the help.
+/// A trajectory and its exports. Defaults of the settings are those of the help.
 struct ExportOrder {
-  std::filesystem::path trajectory;  ///< a trajectory.h5, or the folder that it is in
-  std::filesystem::path folder;      ///< empty for the trajectory's own
-  exports::ExportSettings settings;  ///< which states as what
-  bool isChecked = false;            ///< whether jobs are run with two sizes of elements
+  std::filesystem::path trajectory;  ///< a trajectory.h5, or its folder
+  std::filesystem::path folder;      ///< empty: the trajectory's own
+  exports::ExportSettings settings;  ///< states and formats
+  bool isChecked = false;            ///< whether to run jobs with two element sizes
 };
 
-/// Adds the options that choose states and formats for export; `formatOption` is the name of the
-/// one for the formats. The settings must outlive the parsing. "--format" in `export`, where
-/// options may also have short names, "--export" in `record`.
+/// Adds the options for states and formats of an export. `formatOption` is the name of the option
+/// for formats: "--format" in `export`, whose options may also have short names, "--export" in
+/// `record`. The settings must outlive the parsing.
 void addExportOptions(CLI::App& command, const std::string& formatOption,
                       exports::ExportSettings& settings);
 
 /// Adds `export`. The order must outlive the parsing.
 CLI::App* addExportCommand(CLI::App& program, ExportOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, ExportOrder& order);
 
-/// Reads the trajectory, writes the files, prints their names. Returns the exit code. With --check
-/// also runs CalculiX, and prints what a mesh twice as fine changes. Throws InputError for states,
-/// formats and models that do not fit, OutputError for files.
+/// Reads the trajectory, writes the files, prints their names. Returns the exit code. --check also
+/// runs CalculiX and prints the effect of a mesh twice as fine. Throws InputError for unsuitable
+/// states, formats and models, OutputError for files.
 int carryOut(const ExportOrder& order);
 
 // ------------------------------------------------------------------------------------------------

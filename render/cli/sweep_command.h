@@ -33,23 +33,23 @@ struct SweepOrder {
   sweep::WorkerLimits limits;    ///< of each worker process
   bool retryFailed = false;      ///< runs that failed before are tried again
   bool collectOnly = false;      ///< make no runs
-  bool confirmed = false;        ///< however many runs there are
+  bool confirmed = false;        ///< accepts any number of runs
 };
 
 /// Adds `sweep`. The order must outlive the parsing.
 CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order);
 
-/// Throws InputError where something is missing. To be called after parsing.
+/// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, SweepOrder& order);
 
-/// Makes the runs that are missing and, unless it is one shard of several, gathers them all.
-/// Returns the exit code: 1 when a run has failed, but not when one ended short of its target. 4
-/// when a signal ended it. Throws InputError for an invalid sweep file, OutputError where the
-/// folder cannot be written.
+/// Makes the missing runs and, unless it is one shard of several, collects all results. Returns
+/// the exit code: 1 if a run has failed (missing its target is not a failure), 4 after a
+/// signal. Throws InputError for an invalid sweep file, OutputError if the folder cannot be
+/// written.
 int carryOut(const SweepOrder& order);
 
 // ------------------------------------------------------------------------------------------------
-// The runs of a sweep: what goes into each, what it is called, how it is made.
+// The runs of a sweep: their settings, names and execution.
 
 /// Keys and values as typed, by key.
 using RunInputs = std::vector<std::pair<std::string, std::string>>;
@@ -63,7 +63,7 @@ class SweepRuns {
   /// have a key. Throws InputError with file:line:column, suggesting the nearest key.
   explicit SweepRuns(sweep::Sweep sweep);
 
-  /// As it was read.
+  /// The plan as read.
   const sweep::Sweep& sweep() const { return sweep_; }
 
   /// All settings of a run: the family, the settings of all runs, and its own parameters. `index`
@@ -74,7 +74,7 @@ class SweepRuns {
   /// `record`) as orders, and of its files.
   std::string name(std::uint64_t index) const;
 
-  /// Makes the run in a folder. Throws what a run throws.
+  /// Makes the run in a folder. Throws like a run.
   void make(std::uint64_t index, const std::filesystem::path& folder) const;
 
  private:

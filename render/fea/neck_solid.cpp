@@ -1,11 +1,11 @@
-// The outline's regions share lines where material goes on. Lines of one region only are the sides
-// of the sheet. They make closed loops: the outside, and one round each hole. On from the end of a
-// side, the next one is found by turning about their point through all regions that share lines
-// there; so loops do not cross where they touch.
+// The outline's regions share lines where material continues. Lines of only one region are the
+// sides of the sheet. They form closed loops: the outline, and one around each hole. The side after
+// the end of another is found by rotating about their common point through all regions that share
+// lines there. Loops therefore do not cross at points where they touch.
 //
-// STL: each region's triangles on both faces, and two triangles a side. Ears are cut off regions
-// where their smallest angle is largest: no triangle is flat, though many points lie on a straight
-// line.
+// STL: each region's triangles on both faces, and two triangles per side. The ear with the
+// largest minimum angle is cut off first, so no triangle is degenerate although many points are
+// collinear.
 //
 // STEP: loops are wires of one plane face, which is extruded.
 #include "render/fea/neck_solid.h"
@@ -28,8 +28,8 @@ namespace {
 
 using writers::Vector2;
 
-/// As far each bank of a slit without kerf is moved, of the sheet's size: the two stay apart in
-/// single precision.
+/// Displacement of each side of a slit without kerf, relative to the sheet's size. Both sides stay
+/// separate in single precision.
 constexpr double kApart = 1e-7;
 
 double sizeOf(const std::vector<Vector2>& points) {
@@ -57,14 +57,14 @@ double leastAngle(const Vector2& a, const Vector2& b, const Vector2& c) {
   return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
 }
 
-/// Whether a point lies in a triangle that runs anticlockwise or on its sides.
+/// Whether a point lies in an anticlockwise triangle or on its sides.
 bool liesIn(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& point,
             double tolerance) {
   return turnOf(a, b, point) >= -tolerance && turnOf(b, c, point) >= -tolerance &&
          turnOf(c, a, point) >= -tolerance;
 }
 
-/// The triangles of a simple loop that runs anticlockwise.
+/// The triangles of a simple anticlockwise loop.
 std::vector<std::array<int, 3>> trianglesOfLoop(std::vector<int> loop,
                                                 const std::vector<Vector2>& points) {
   std::vector<std::array<int, 3>> triangles;
@@ -100,7 +100,7 @@ struct OutlineSide {
   int line = 0;
 };
 
-/// For each line, from a point to the next, the region and place of it.
+/// For each line, from one point to the next, its region and position.
 std::map<std::pair<int, int>, OutlineSide> linesOf(const std::vector<std::vector<int>>& regions) {
   std::map<std::pair<int, int>, OutlineSide> lines;
   for (int r = 0; r < static_cast<int>(regions.size()); ++r) {
@@ -112,7 +112,7 @@ std::map<std::pair<int, int>, OutlineSide> linesOf(const std::vector<std::vector
   return lines;
 }
 
-/// The sides of the sheet in closed loops, each a list of points; anticlockwise round the outside.
+/// The sides of the sheet in closed loops of points; anticlockwise around the outline.
 std::vector<std::vector<int>> boundaryLoops(const std::vector<std::vector<int>>& regions) {
   const auto lines = linesOf(regions);
   std::map<std::pair<int, int>, bool> isDone;
@@ -179,8 +179,7 @@ class StepGeometry {
   int face_ = 0;
 };
 
-/// Points of an outline with those that lie in one place moved apart, each by so much into the
-/// regions that have it.
+/// Points of an outline, with coinciding points separated by this distance into their regions.
 std::vector<Vector2> separatedPoints(const writers::NeckOutline& outline,
                                      const std::vector<std::vector<int>>& regions, double move) {
   std::vector<Vector2> inwards(outline.points.size(), Vector2::Zero());
@@ -200,7 +199,7 @@ std::vector<Vector2> separatedPoints(const writers::NeckOutline& outline,
   };
   std::ranges::sort(used, [&](int a, int b) { return key(a) < key(b); });
   std::vector<Vector2> points = outline.points;
-  // Points in one place differ by rounding, so their neighbours in order are compared.
+  // Coinciding points differ by rounding, so neighbours in sorted order are compared.
   for (std::size_t a = 0; a < used.size(); ++a) {
     for (std::size_t b = a + 1; b < used.size(); ++b) {
       const Vector2 apart = outline.points[used[b]] - outline.points[used[a]];
@@ -270,7 +269,7 @@ std::string neckSheetStep(const model::Model& model, const writers::NeckShape& n
       wire.emplace_back(back * Vector3(flat.x(), flat.y(), outline.sheet.height));
       area += turnOf(outline.points[loop[0]], flat, points[loop[(k + 1) % loop.size()]]);
     }
-    // Holes run clockwise; the outside is named first.
+    // Holes are clockwise; the outline comes first.
     loops.insert(area > 0 ? loops.begin() : loops.end(), geometry.addLoop(wire));
   }
   geometry.addSolid(loops, back * Vector3(0, 0, thickness));

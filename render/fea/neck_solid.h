@@ -12,19 +12,19 @@
 
 namespace kirireel::fea {
 
-/// A sheet with necks as an ASCII STL of one closed surface, in the unit. Coordinates read back to
-/// the same doubles. The two banks of a slit without kerf are drawn apart by 1e-7 of the sheet's
-/// size, which programs that work in single precision tell apart. `thickness` in metres.
+/// A sheet with necks as an ASCII STL of one closed surface, in the unit. Coordinates read back as
+/// the same doubles. The two sides of a slit without kerf are separated by 1e-7 of the sheet's
+/// size, which single precision can represent. `thickness` in metres.
 std::string neckSheetStl(const model::Model& model, const writers::NeckShape& neck,
                          double thickness, const LengthUnit& unit);
 
-/// The same as a STEP file of one solid, in millimetres, by Gmsh's OpenCASCADE. Throws what
-/// stepByGmsh throws.
+/// The same as a STEP file of one solid, in millimetres, by Gmsh's OpenCASCADE. Throws like
+/// stepByGmsh.
 std::string neckSheetStep(const model::Model& model, const writers::NeckShape& neck,
                           double thickness);
 
-/// Bricks at these poses as a STEP file of a solid each, in millimetres. Throws what stepByGmsh
-/// throws.
+/// Bricks at these poses as a STEP file with one solid each, in millimetres. Throws like
+/// stepByGmsh.
 std::string brickStep(const std::vector<model::Brick>& bricks, const Poses& poses);
 
 }  // namespace kirireel::fea

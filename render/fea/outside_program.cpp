@@ -1,7 +1,7 @@
-// Starts programs by posix_spawnp (POSIX.1-2008) and not by a shell: arguments are passed as they
-// are. No name can be read as a command. Input is /dev/null: a program that asks a
-// question ends instead of waiting; output and errors go to one log, in the order in which they
-// came.
+// Starts programs by posix_spawnp (POSIX.1-2008) and not by a shell: arguments are
+// passed unchanged, and no name can be read as a command. Input is /dev/null: a program
+// that asks a question ends instead of waiting. Output and errors go to one log, in
+// order.
 #include "render/fea/outside_program.h"
 
 #include <cerrno>
@@ -28,7 +28,7 @@ extern char** environ;
 namespace kirireel::fea {
 
 WorkFolder::WorkFolder() {
-  // mkdtemp replaces the six X and makes the folder only for its user (mode 0700).
+  // mkdtemp replaces the six X and makes the folder accessible only to its user (mode 0700).
   std::string name = (std::filesystem::temp_directory_path() / "kirireel-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw OutputError(fmt::format("{}: error: cannot be made ({})", name,
@@ -38,7 +38,7 @@ WorkFolder::WorkFolder() {
 }
 
 WorkFolder::~WorkFolder() {
-  // A destructor must not throw; what cannot be removed stays in the temporary folder.
+  // A destructor must not throw; files that cannot be removed stay in the temporary folder.
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
 }
@@ -53,7 +53,7 @@ std::string writtenText(const std::string& file) {
 int runProgram(std::vector<std::string> words, const std::string& log, const std::string& advice) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
-  // The list of arguments ends with a null pointer, as execvp has it.
+  // The list of arguments ends with a null pointer, as execvp requires.
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
@@ -79,14 +79,14 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
 }
 
 // ------------------------------------------------------------------------------------------------
-// Gmsh runs as `gmsh -2 sheet.geo -format msh22 -o sheet.msh -nt 1 -v 2 -nopopup`: -2 meshes
-// surfaces, format 2.2 is the one that is simplest to read, -v 2 logs only errors and warnings,
-// and one thread keeps the mesh the same from run to run. It is run as a program and not linked, so
-// that it has to be there for sheets with necks only.
+// Gmsh runs as `gmsh -2 sheet.geo -format msh22 -o sheet.msh -nt 1 -v 2 -nopopup`. -2 meshes
+// surfaces, format 2.2 is the simplest to read, -v 2 logs only errors and warnings, and one thread
+// gives the same mesh in every run. It is an external program and not a library, so only sheets
+// with necks require it.
 
 namespace {
 
-/// What Gmsh writes of a geometry into a file of this name. `words` are its arguments.
+/// The file with this name that Gmsh writes for a geometry. `words` are its arguments.
 std::string writtenByGmsh(const std::string& geometry, const std::string& name,
                           const std::vector<std::string>& words, const char* use,
                           const char* failure) {
@@ -102,7 +102,7 @@ std::string writtenByGmsh(const std::string& geometry, const std::string& name,
                             name.ends_with(".msh") ? "other --joints" : "another format"));
   std::string text = writtenText(output);
   if (end == 0 && !text.empty()) return text;
-  // The first error is the cause of those after it.
+  // The first error is the cause of later ones.
   const std::string said = writtenText(log);
   std::size_t first = said.find("Error");
   if (first == std::string::npos) first = 0;
@@ -120,7 +120,7 @@ std::string meshedByGmsh(const std::string& geometry) {
 std::string stepByGmsh(const std::string& geometry) {
   std::string text = writtenByGmsh(geometry, "sheet.step", {"-0"}, "STEP files are written by it",
                                    "make a solid of this sheet");
-  // The date of writing is the only thing in it that changes from run to run.
+  // Only the date of writing changes between runs.
   const std::string before = "FILE_NAME('Open CASCADE Shape Model','";
   const std::size_t name = text.find(before);
   if (name != std::string::npos) {
@@ -131,20 +131,20 @@ std::string stepByGmsh(const std::string& geometry) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// How `ccx` is used: the job is written as one file check.inp with the mesh in place of its
-// *INCLUDE card; `ccx -i check` writes what *NODE PRINT asks for to check.dat, as text:
+// Use of `ccx`: the job is one file check.inp with the mesh in place of its *INCLUDE card. `ccx -i
+// check` writes the results of *NODE PRINT to check.dat as text:
 //
 //     displacements (vx,vy,vz) for set GRIP_XMIN and time  0.1000000E+01
 //
 //              1  1.000000E-05  2.000000E-06 -3.000000E-09
 //
-// A row is a node (from 1) and its displacement in the deck's unit of length. The table ends where
-// a row cannot be read.
+// A row is a node (one-based) and its displacement in the deck's unit of length. The table ends at
+// the first row that is not numeric.
 //
-// The opening is the work of the forces by the displacements, sum f u: they are 1 N at each end, so
-// it is the distance by which the ends part, each weighted as it is pulled. It is the compliance of
-// the sheet in m/N (or mm/N), and twice the strain energy per newton; that makes it a figure to
-// compare meshes by.
+// The opening is the work of the forces, sum f u. They are 1 N at each end, so it is the
+// relative displacement of the ends, weighted by the forces. It is the compliance of the sheet
+// in m/N (or mm/N), and twice the strain energy per newton. It therefore serves to compare
+// meshes.
 
 namespace {
 
@@ -158,8 +158,8 @@ void readDisplacements(const std::string& data, const std::string& set,
   for (Vector3 u; rows >> node >> u.x() >> u.y() >> u.z();) found[node] = u;
 }
 
-/// The work of the rows "node, axis, force" of the job's first *CLOAD; nothing where a displacement
-/// is missing.
+/// The work of the rows "node, axis, force" in the job's first *CLOAD; absent if a displacement is
+/// missing.
 std::optional<double> workOfForces(const std::string& jobText,
                                    const std::map<int, Vector3>& displacements) {
   std::istringstream rows(jobText.substr(jobText.find('\n', jobText.find("*CLOAD")) + 1));
@@ -188,7 +188,7 @@ double openingByCalculix(const std::string& meshText, std::string jobText) {
     requests += fmt::format("*NODE PRINT, NSET={}\nU\n", sets.back());
   }
   jobText.insert(jobText.find("*END STEP"), requests);
-  // CalculiX looks for included files where it was started.
+  // CalculiX searches included files in its working folder.
   const std::size_t include = jobText.find("*INCLUDE");
   jobText.replace(include, jobText.find('\n', include) + 1 - include, meshText);
   writeTextFile(folder / "check.inp", jobText);

@@ -1,4 +1,4 @@
-/// How a sheet repeats in its plane, and which corners its joints would hold across its border.
+/// Periods of a sheet in its plane, and the corners that joints connect across its border.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace kirireel::fea {
 
-/// A joint across the border of a cell: corner a lies where corner b does in another cell.
+/// A joint across the border of a cell: corner a coincides with corner b in another cell.
 struct BorderJoint {
   model::Joint joint;         ///< corners a and b, both of tiles of the cell; face as its twins'
-  std::array<int, 2> cell{};  ///< of b's tile: how often it is moved by each period; not both 0
+  std::array<int, 2> cell{};  ///< of b's tile: displacement in periods; not both 0
 };
 
 /// A sheet as one cell of an infinite sheet.
@@ -23,15 +23,15 @@ struct SheetLattice {
   std::vector<BorderJoint> joints;     ///< each once
 };
 
-/// Finds the infinite sheet that has these tiles and joints as a cell: the translations under which
-/// the sheet maps onto itself, and from them the joints that the border cuts. If the cell does not
-/// repeat within itself, its straight ends must meet edge by edge, and corners that meet there in
-/// pairs are joined. The x axis is along or across a period, whichever is nearest to the
-/// sheet's own (findEndEdges). Tiles and corners count from 0, in messages from `countsFrom`.
+/// Finds the infinite sheet that has these tiles and joints as a cell: the translations that map
+/// the sheet to itself, and the joints that the border cuts. If the cell is not periodic within
+/// itself, its straight ends must match edge by edge, and corners that coincide in pairs are
+/// joined. The x axis is parallel or perpendicular to a period, as near as possible to the sheet's
+/// own (findEndEdges). Tiles and corners are zero-based, in messages they count from `countsFrom`.
 ///
-/// Throws InputError if the border does not repeat, with the edge at which it fails, or if it is
-/// not known which corners the border joins. Lengths agree to 1e-5 of the sheet's size. Costs the
-/// number of translations between tiles times the number of tiles.
+/// Throws InputError if the border is not periodic, with the edge at which it fails, or if the
+/// corners to join are ambiguous. Lengths agree to 1e-5 of the sheet's size. Costs the number of
+/// translations between tiles times the number of tiles.
 SheetLattice findSheetLattice(const std::vector<std::vector<Vector3>>& tiles,
                               const std::vector<model::Joint>& joints, int countsFrom);
 

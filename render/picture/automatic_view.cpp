@@ -3,17 +3,17 @@
 //
 //     v = mean over states of (A_front + kBack A_back) / A,
 //
-// with the areas A that show of the tiles' fronts and backs, from a depth buffer. Directions within
-// kNearlyBest of the best are equally good. Of these the nearest to a usual view is taken, oblique
-// for a flat start, else from a corner: small errors of the depth buffer do not decide, and
-// symmetric models are seen as usual.
+// A_front and A_back are the visible areas of the tiles' fronts and backs, from a depth buffer.
+// Directions within kNearlyBest of the best are equally good. The one nearest to a default view is
+// selected: oblique for a flat start, else isometric. Small errors of the depth buffer then have no
+// effect, and symmetric models have a default view.
 //
-// The set of directions is fixed in the axes of the first state: its normal if it is flat and
-// nothing else defines what is up, else z; and in the plane across, the sides of the smallest
-// rectangle around it (H. Freeman, R. Shapira, "Determining the minimum-area encasing rectangle",
-// 1975). So the choice turns with the model, and the first state is upright: the alignment to the
-// target may have turned it. A rectangle that is hardly smaller than the one along the axes of the
-// file does not turn the picture.
+// The set of directions is fixed in the axes of the first state. z is its normal if it is flat and
+// nothing else defines the upward direction, else the world's z. The other axes are the sides of
+// the smallest rectangle around it (H. Freeman, R. Shapira, "Determining the minimum-area encasing
+// rectangle", 1975). The choice therefore rotates with the model, and the first state is upright
+// even if the alignment to the target has rotated it. A rectangle that is hardly smaller than the
+// one along the axes of the file does not rotate the picture.
 #include "render/picture/automatic_view.h"
 
 #include <algorithm>
@@ -34,15 +34,15 @@ namespace {
 
 using Tiles = std::vector<model::Tile>;
 
-/// How thick the layer of a flat motion may be, in parts of its larger side.
+/// Maximum thickness of the layer of a flat motion, relative to its larger side.
 constexpr double kFlatLayer = 0.15;
-/// A seen back counts for this part of a seen front.
+/// Weight of a visible back relative to a visible front.
 constexpr double kBack = 0.95;
-/// Directions that show this part of the most are equally good.
+/// Directions whose value is at least this fraction of the best are equally good.
 constexpr double kNearlyBest = 0.97;
-/// The start is turned if that makes the rectangle around it smaller by this part.
+/// The start is rotated if that reduces the rectangle around it by this fraction.
 constexpr double kUprightGain = 0.02;
-/// Normals this near to z, and angles this near to a quarter turn, are exact but for rounding.
+/// Normals this near to z, and angles this near to a quarter turn, differ from them by rounding.
 constexpr double kRounding = 1e-7;
 /// Sides of the depth buffer, pixels.
 constexpr int kSide = 96;
@@ -50,7 +50,7 @@ constexpr int kSide = 96;
 constexpr int kAzimuthStep = 15;
 constexpr int kElevationStep = 10;
 constexpr int kMostElevation = 80;
-/// From steeper above, the start is seen along its own axes only.
+/// From steeper above, the start is seen only along its own axes.
 constexpr int kSteep = 70;
 
 /// Right-handed axes.
@@ -80,7 +80,7 @@ double lengthAlong(std::span<const Vector3> points, const Vector3& axis) {
   return high - low;
 }
 
-/// x and y across a normal. Up in the picture is z, or y where the normal is nearer to z.
+/// x and y across a normal. Up in the picture is z, or y if the normal is nearer to z.
 Axes axesAcross(const Vector3& normal) {
   const bool isLying = std::abs(normal.z()) > std::numbers::sqrt2 / 2;
   const Vector3 up =
@@ -95,8 +95,8 @@ Axes turned(const Axes& axes, double angle) {
   return {c * axes.x + s * axes.y, c * axes.y - s * axes.x, axes.z};
 }
 
-/// The angle in (-45, 45] degrees by which axes are turned to be along the smallest rectangle
-/// around points; 0 if that is hardly smaller than the one along the axes.
+/// The angle in (-45, 45] degrees that aligns axes with the smallest rectangle around points; 0 if
+/// that is hardly smaller than the one along the axes.
 double uprightAngle(std::span<const Vector3> points, const Axes& axes) {
   std::vector<Eigen::Vector2d> flat;
   for (const Vector3& point : points) flat.emplace_back(axes.x.dot(point), axes.y.dot(point));
@@ -116,7 +116,7 @@ double uprightAngle(std::span<const Vector3> points, const Axes& axes) {
     double angle = along - kQuarter * std::round(along / kQuarter);
     if (angle < -kQuarter / 2 + kRounding) angle += kQuarter;
     const double area = areaAt(angle);
-    // Of equal rectangles the one that turns least, and anticlockwise of two.
+    // Of equal rectangles the one with the smallest rotation, anticlockwise if there are two.
     const bool isEqual = std::abs(area - least) <= kRounding * least;
     const bool turnsLess = std::abs(angle) < std::abs(best) - kRounding ||
                            (std::abs(angle) < std::abs(best) + kRounding && angle > best);
@@ -132,7 +132,7 @@ Axes upright(const Tiles& start, const Vector3& normal) {
   return turned(axes, uprightAngle(verticesOf(std::span(&start, 1)), axes));
 }
 
-/// The normal of the layer that holds all points, if they are in one: from which side is open.
+/// The normal of the layer that contains all points, if there is one. Its sign is undefined.
 std::optional<Vector3> layerNormal(std::span<const Vector3> points, const Tiles& start) {
   const Vector3 middle = [&points] {
     Vector3 sum = Vector3::Zero();
@@ -153,7 +153,7 @@ std::optional<Vector3> layerNormal(std::span<const Vector3> points, const Tiles&
   return std::nullopt;
 }
 
-/// The normal on the side that shows more fronts; that of z, y or x where both show as many.
+/// The normal on the side that shows more fronts; towards z, y or x if both show as many.
 Vector3 towardsFronts(const Vector3& normal, std::span<const Tiles> states) {
   double fronts = 0, area = 0;
   for (const Tiles& tiles : states) {
@@ -171,7 +171,7 @@ Vector3 towardsFronts(const Vector3& normal, std::span<const Tiles> states) {
   return normal;
 }
 
-/// Exact along an axis, which a parallel projection depends on.
+/// Exact along an axis, as a parallel projection requires.
 Vector3 withoutRounding(Vector3 direction) {
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(direction[axis]) < kRounding) direction[axis] = 0;
@@ -185,8 +185,8 @@ double nearestQuarter(double angle) {
   return std::abs(angle - exact) < kRounding ? exact : angle;
 }
 
-/// The angles of a camera that looks from `back`, with `up` upwards in its picture. From straight
-/// above, the azimuth turns the picture, and there is no roll.
+/// The angles of a camera in the direction `back`, with `up` upwards in its picture. From directly
+/// above, the azimuth rotates the picture, and there is no roll.
 ViewAngles anglesOf(const Vector3& direction, const Vector3& up) {
   const Vector3 back = withoutRounding(direction);
   const Vector3 right = up.cross(back).normalized();
@@ -289,7 +289,7 @@ Axes viewIn(const Axes& axes, double azimuth, double elevation) {
   return {right, back.cross(right), back};
 }
 
-/// The best of the set of directions; of equally good ones, the nearest to a usual view.
+/// The best of the set of directions; of equally good ones, the nearest to a default view.
 Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles usual,
                    bool fromBelow) {
   const std::vector<TriangulatedState> surfaces(states.begin(), states.end());

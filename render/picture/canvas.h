@@ -22,56 +22,56 @@ namespace kirireel::picture {
 inline constexpr double kMillimetresPerInch = 25.4;
 inline constexpr double kPointsPerInch = 72;
 
-/// How a page is made. The page's unit is a pixel; at 96 of them an inch a page is as large as a
-/// browser shows it.
+/// Settings of a page. Its unit is a pixel; at 96 pixels per inch a page has its natural size in a
+/// browser.
 struct PageSettings {
   FrameSize size;             ///< in its own unit, the pixels of a picture of the same layout
-  double pixelsPerInch = 96;  ///< above 0
+  double pixelsPerInch = 96;  ///< > 0
   Colour background = {255, 255, 255};  ///< of the whole page, opaque
   Colour outline;                       ///< of bricks
   Colour paleOutline;                   ///< of dark bricks
   double slitWidth = 1;                 ///< of lines between tiles, pixels
-  double silhouetteWidth = 1.5;         ///< of lines with nothing beyond, pixels
+  double silhouetteWidth = 1.5;         ///< of lines without a neighbour, pixels
   std::string fontFamily;               ///< of all text
-  std::string description;              ///< who made it from what, one line
+  std::string description;              ///< author and source, one line
 };
 
-/// Width of the lines in a polygon's own colour that close the gaps which antialiasing leaves
-/// between polygons side by side, pixels.
+/// Width of the lines in a polygon's own colour that close the antialiasing gaps between adjacent
+/// polygons, pixels.
 inline double seamWidth(const PageSettings& settings) {
   return std::max(0.3, 0.4 * settings.slitWidth);
 }
 
-/// The same where one face was cut in two.
+/// The same for the cut of one face.
 inline double cutSeamWidth(const PageSettings& settings) {
   return 3 * seamWidth(settings);
 }
 
-/// A page that is drawn on from back to front. Lengths are pixels of PageSettings::size. Calls come
-/// in painting order: what is drawn later covers what is there.
+/// A page for painting from back to front. Lengths are pixels of PageSettings::size. Later calls
+/// cover earlier ones.
 class Canvas : public Surface {
  public:
   /// A polygon or a line on the page, pixels from the upper left.
   using Points = std::vector<Eigen::Vector2d>;
 
-  /// What follows belongs to a named part of the page, up to the matching end(); parts may hold
-  /// others. opacity: of the part as a whole, 0 to 1. Every begin() needs its end() before
+  /// Following calls belong to a named part of the page, up to the matching end(). Parts may be
+  /// nested. opacity: of the part as a whole, [0, 1]. Every begin() needs its end() before
   /// finish().
   virtual void begin(const std::string& name, double opacity = 1) = 0;
-  /// The same, cut off at a rectangle.
+  /// The same, clipped to a rectangle.
   virtual void beginWithin(const std::string& name, double left, double upper, double width,
                            double height) = 0;
-  /// Closes the part that was begun last.
+  /// Closes the innermost part.
   virtual void end() = 0;
 
   /// A filled polygon, its sides closed against those of its neighbours. Three corners or more;
   /// alpha counts.
   virtual void polygon(const Points& corners, Colour colour) = 0;
 
-  /// Lines in a polygon's own colour where it was cut from another.
+  /// Lines in a polygon's own colour along its cuts.
   virtual void seams(const std::vector<Points>& lines, Colour colour) = 0;
 
-  /// What a line of an outline is.
+  /// Kind of a line of an outline.
   enum class Line { Slit, Silhouette };
 
   /// Lines in the settings' outline, or the pale one, and of the settings' width, each through two
@@ -89,27 +89,27 @@ class Canvas : public Surface {
   virtual std::string finish() = 0;
 };
 
-/// What pages are written as.
+/// Format of a page.
 enum class PageFormat { Svg, Pdf, Png };
 
 // ------------------------------------------------------------------------------------------------
 // Pages as SVG, for print and for editing.
 
-/// Writes SVG 1.1 that every program reads: filled paths, lines and text, named groups that editors
-/// show as layers, and one style sheet that says how faces, outlines and text look. The same page
-/// gives the same bytes. The text grows in memory.
+/// Writes SVG 1.1 for any program: filled paths, lines and text, named groups that editors show as
+/// layers, and one style sheet with the appearance of faces, outlines and text. Equal pages give
+/// equal bytes. The text is built in memory.
 std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings);
 
 // ------------------------------------------------------------------------------------------------
 // Pages as PDF and as PNG, by Cairo. No Cairo header is needed to make them.
 
-/// Writes a PDF of one page, as large as the settings' pixels are at their resolution: shapes are
-/// shapes, text is text, and its font is embedded. The same page gives the same bytes. finish()
+/// Writes a PDF of one page with the size of the settings' pixels at their resolution. Shapes and
+/// text stay vector graphics, and the font is embedded. Equal pages give equal bytes. finish()
 /// throws OutputError.
 std::unique_ptr<Canvas> makePdfCanvas(const PageSettings& settings);
 
-/// Writes a PNG with as many pixels as the settings say, and notes their resolution. The same page
-/// gives the same bytes. Throws OutputError when there is too little memory.
+/// Writes a PNG with the settings' pixels and stores their resolution. Equal pages give equal
+/// bytes. Throws OutputError if there is too little memory.
 std::unique_ptr<Canvas> makePngCanvas(const PageSettings& settings);
 
 /// A page of any format. The settings' size must be valid, see requireValidSize().

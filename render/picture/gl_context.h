@@ -1,4 +1,4 @@
-/// OpenGL without a screen: its context, frames to draw into, and shaders.
+/// OpenGL without a screen: contexts, framebuffers and shaders.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace kirireel::picture {
 // ------------------------------------------------------------------------------------------------
 // An OpenGL 3.3 core context that needs no screen.
 
-/// The libraries that contexts come from. Both run the same software renderer on a machine without
-/// a graphics card.
+/// The libraries of contexts. Without a graphics card both use the same software
+/// renderer.
 enum class GraphicsLibrary {
-  Osmesa,  ///< Mesa's own; gone from Mesa 25.1 on
-  Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card where there is one
+  Osmesa,  ///< Mesa's own; removed in Mesa 25.1
+  Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card
 };
 
 /// The libraries that the program was built with, at least one. The first is the default.
 std::vector<GraphicsLibrary> builtGraphicsLibraries();
 
-/// Chooses the library of all contexts made later. One process uses one library: call it before the
-/// first context is made. Throws InputError when the program was built without it.
+/// Selects the library of all contexts made later. A process uses one library: call it before the
+/// first context. Throws InputError if the program was built without the library.
 void setGraphicsLibrary(GraphicsLibrary library);
 
 /// Sets how many extra threads the software renderer uses, for contexts made later; 0 draws on the
@@ -39,22 +39,22 @@ class Backend;
 /// costs time and memory: callers should keep theirs.
 class Context {
  public:
-  /// Makes the context and makes it current. Throws OutputError when the system offers none.
+  /// Makes the context and makes it current. Throws OutputError if the system has none.
   Context();
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  /// Directs the thread's OpenGL calls to this context. Throws OutputError when the library
-  /// refuses.
+  /// Directs the thread's OpenGL calls to this context. Throws OutputError if the library refuses
+  /// it.
   void makeCurrent();
 
  private:
   std::unique_ptr<Backend> backend_;
 };
 
-/// OpenGL's version and its maker's, of the context that is current on this thread. For example
-/// "4.5 (Core Profile) Mesa 22.3.6".
+/// OpenGL's version and vendor in the thread's current context, for example "4.5 (Core Profile)
+/// Mesa 22.3.6".
 std::string graphicsVersion();
 
 // ------------------------------------------------------------------------------------------------
@@ -71,22 +71,22 @@ class Backend {
   Backend(const Backend&) = delete;
   Backend& operator=(const Backend&) = delete;
 
-  /// Directs the thread's OpenGL calls to this context. False when the library refuses.
+  /// Directs the thread's OpenGL calls to this context. False if the library refuses it.
   virtual bool makeCurrent() = 0;
 
-  /// The address of an OpenGL function. Null where the library does not have it. OpenGL functions
-  /// may be looked up once a context is current.
+  /// The address of an OpenGL function. Null if the library does not have it. Requires a current
+  /// context.
   virtual Function address(const char* name) const = 0;
 };
 
-/// The context of each library; null when the program was built without the library or the library
+/// The context of each library; null if the program was built without the library or the library
 /// cannot make one. The context is not current yet.
 std::unique_ptr<Backend> makeOsmesaBackend();
-/// Likewise of EGL, which needs no screen.
+/// The same for EGL, which needs no screen.
 std::unique_ptr<Backend> makeEglBackend();
 
 // ------------------------------------------------------------------------------------------------
-// A picture in the graphics context to draw into.
+// A picture in the graphics context as a drawing target.
 
 /// A framebuffer object with RGBA8 colours and depth. Belongs to the context current when made.
 class Framebuffer {
@@ -101,7 +101,7 @@ class Framebuffer {
   /// Width and height, pixels.
   const Eigen::Vector2i& sides() const { return sides_; }
 
-  /// Draws go to this framebuffer from now on.
+  /// Directs draws to this framebuffer from now on.
   void drawInto() const;
 
   /// Copies a box of pixels out as RGBA, rows in OpenGL's order (row 0 is where y is 0). The box's
@@ -124,13 +124,13 @@ class Framebuffer {
 /// A vertex and a fragment shader in GLSL 3.30, linked. Belongs to the context current when made.
 class Program {
  public:
-  /// Throws OutputError with the compiler's words when the sources do not compile or link.
+  /// Throws OutputError with the compiler's message if the sources do not compile or link.
   Program(const char* vertexSource, const char* fragmentSource);
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  /// Makes the program the one that draws. Until another program is.
+  /// Makes this program current, until another program is.
   void use() const;
 
   /// Sets a uniform of the program in use. `name` as in the shader's source; a name that no shader

@@ -58,7 +58,7 @@ constexpr double kLeastAspect = 0.45;
 /// Pixels from the top left corner; max is in the box.
 using PixelBox = Eigen::AlignedBox2i;
 
-/// Empty where all pixels are alike.
+/// Empty if all pixels are equal.
 PixelBox filledBox(const Frame& frame, Colour empty) {
   PixelBox box;
   for (int y = 0; y < frame.size.height; ++y) {

@@ -25,7 +25,7 @@
 namespace kirireel::picture {
 namespace {
 
-/// Stands for a text that cannot be read.
+/// Replaces text that cannot be read.
 constexpr const char32_t* kUnknown = U"\ufffd";
 
 /// FreeType counts in 64ths of a pixel.
@@ -300,9 +300,9 @@ void FrameSurface::text(const std::string& line, double left, double baseline, i
 }
 
 // ------------------------------------------------------------------------------------------------
-// A bar of colours from the left: title, gap, bar; under the bar ticks with round values. The bar
-// is at most 14 em long, shorter where the sheet is narrow; as many ticks are taken, six at most,
-// as their numbers have room for.
+// A colour bar from the left: title, gap, bar, with ticks of round values below it. The bar is at
+// most 14 em long, shorter in a narrow sheet. It has as many ticks as fit with their numbers, at
+// most six.
 //
 // A bar of length shows 1, 2 or 5 times a power of ten metres: with L the longest that is
 // allowed, p = 10^floor(log10 L) and q = L / p, it is 5 p for q >= 5, 2 p for q >= 2, else p.
@@ -323,7 +323,7 @@ constexpr double kTickEms = 0.22;
 constexpr double kTickWidthEms = 0.07;
 constexpr int kMostTicks = 6;
 constexpr double kTickValueEms = 0.95;
-/// Length of a bar of colours, ems, where there is room.
+/// Length of a colour bar, ems, if there is space.
 constexpr double kColourBarLengthEms = 14;
 
 int pixels(double length) {
@@ -444,7 +444,7 @@ namespace {
 
 /// Differences below this part of the values are rounding.
 constexpr double kConstant = 1e-9;
-/// A range below this fraction of its values is drawn as a constant: its numbers would look equal.
+/// A range below this fraction of its values is drawn as a constant: its numbers would be equal.
 constexpr double kUnreadable = 1e-5;
 /// Free above and below what is drawn, in parts of the range.
 constexpr double kRoom = 0.05;

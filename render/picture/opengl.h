@@ -1,5 +1,5 @@
-/// The OpenGL functions in use; included by sources only. They are looked up when a context is
-/// made, because the libraries that make contexts do not share them.
+/// The OpenGL functions in use; included only by sources. They are loaded when a context is made,
+/// because the libraries that make contexts do not share them.
 ///
 /// One list names every function with its type. The macro is given another macro, which declares a
 /// pointer here and loads it in gl_context.cpp: a function is added in one place.

@@ -246,8 +246,8 @@ constexpr double kBrightened = 1.13;
 constexpr double kGraphicsContrast = 3;
 constexpr double kTextContrast = 4.5;
 
-/// The lightnesses that stand out from a background: the larger of the two ranges, below it and
-/// above it.
+/// The range of lightness with contrast to a background: the larger of the ranges below and above
+/// it.
 std::pair<double, double> readableRange(Colour background) {
   const double light = luminance(background) + 0.05;
   const double darkest = lightnessOf((light / kGraphicsContrast - 0.05) / kBrightened);

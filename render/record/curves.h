@@ -15,60 +15,60 @@ namespace kirireel::record {
 // ------------------------------------------------------------------------------------------------
 // Curves of a run as a figure for print.
 //
-// The same figure can be had as SVG, PDF and PNG; sizes are those of print in all three.
+// The figure is available as SVG, PDF and PNG, with the same size in print.
 
-/// What lies along the horizontal axes of a figure.
+/// The horizontal axis of a figure.
 struct PlotAbscissa {
   std::string title;           ///< quantity and unit, such as "simulated time, s"
-  std::vector<double> values;  ///< one a sample
+  std::vector<double> values;  ///< one per sample
 };
 
 /// The curves of one run in a figure.
 struct PlottedRun {
-  std::string name;  ///< in the names of its lines, where there are several runs
+  std::string name;  ///< in the names of its lines, if there are several runs
   std::vector<trajectory::CurveGroup> groups;
   PlotAbscissa abscissa;  ///< with a value for each sample of the curves
 };
 
-/// How a figure is set.
+/// Appearance of a figure.
 struct PlotSettings {
   double width = 180;        ///< of the whole figure, millimetres
   double dotsPerInch = 300;  ///< its unit, and the pixels of a PNG
   double fontPoints = 7;     ///< of all text
-  std::string madeBy;        ///< who makes it from what, noted in the file
+  std::string madeBy;        ///< author and source, stored in the file
 };
 
-/// A file of this format with a diagram for each group that has values, two in a row, and one line
-/// for each curve of each run, named in its colour. Groups of one name share a diagram. The same
-/// curves give the same bytes. Throws InputError where no group has any, OutputError when the font
-/// is missing. Also throws InputError for a figure of more pixels than a frame may have.
+/// A file in this format with one diagram per group with values, two per row, and one line for each
+/// curve of each run, labelled in its colour. Groups with the same name share a diagram. Equal
+/// curves give equal bytes. Throws InputError if no group has values or a figure has more pixels
+/// than a frame may have, OutputError if the font is missing.
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
                        const PlotSettings& settings);
 
-/// The curves of these names: of groups ("target_error", "opening") or of columns without their
-/// unit
-/// ("opening_mean"); "theta" is the mean opening. All for no names. Throws InputError for a name
-/// that is none, with those that are.
+/// The curves with these names: of groups ("target_error", "opening") or of columns without
+/// their unit ("opening_mean"); "theta" is the mean opening. No names: all curves.
+/// Throws InputError for an unknown name,
+/// with the list of known names.
 std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& curves,
                                                  const std::vector<std::string>& names);
 
 // ------------------------------------------------------------------------------------------------
 // The curves of a run as files: a table, and figures.
 
-/// What a figure's curves are drawn against.
+/// Horizontal axis of a figure's curves.
 enum class CurvesAgainst {
   Time,      ///< simulated seconds
-  Progress,  ///< the share of the motion, see MotionCurve
+  Progress,  ///< the fraction of the motion, see MotionCurve
   Opening,   ///< the mean opening of the joints, degrees
 };
 
-/// A column of a table that others made.
+/// A column of an external table.
 struct FileColumn {
-  std::filesystem::path file;  ///< text with commas, names in its first line
+  std::filesystem::path file;  ///< comma-separated text with names in its first line
   std::string name;            ///< of the column
 };
 
-/// A run whose curves are shown.
+/// A run with its name in a figure.
 struct NamedRun {
   std::string name;  ///< in figures of several runs
   std::unique_ptr<trajectory::TrajectoryReader> reader;
@@ -76,25 +76,25 @@ struct NamedRun {
 
 /// The outputs of runs' curves.
 struct CurvesSettings {
-  std::vector<std::string> selected;  ///< plotted, see selectCurves(); empty: all
-  /// Plotted too, in the diagram of the curve with this column, else in one of its own. Along the
-  /// horizontal axis lies the column of the same name as for runs, else the first.
+  std::vector<std::string> selected;  ///< selected curves, see selectCurves(); empty: all
+  /// Additional data, in the diagram of the curve with this column, else in a separate one. The
+  /// horizontal axis is the column with the same name as for runs, else the first.
   std::vector<FileColumn> columns;
-  std::filesystem::path folder;                 ///< made if need be
+  std::filesystem::path folder;                 ///< created if needed
   std::vector<picture::PageFormat> plots;       ///< curves.svg, curves.pdf, curves.png
-  CurvesAgainst against = CurvesAgainst::Time;  ///< what the horizontal axis shows
+  CurvesAgainst against = CurvesAgainst::Time;  ///< quantity of the horizontal axis
   PlotSettings plot;                            ///< the style of the figure
 };
 
-/// The table: a row a sample, first time_s and progress, then every curve's column, those of each
-/// joint last; numbers read back to the last bit, and empty fields are where a value does not
-/// exist. `progress` has an entry a sample, 0 to 1.
+/// The table: a row per sample, first time_s and progress, then every curve's column, those of each
+/// joint last. Numbers read back bitwise equal. Empty fields are missing values. `progress` has one
+/// entry per sample, [0, 1].
 std::string curvesTable(const trajectory::RunCurves& curves, const std::vector<double>& progress);
 
-/// Writes curves.csv and the figures into the folder, all of them or none, and lists them in
-/// contents.json. Of several runs there is a table for each, curves_1.csv and so on, and one
-/// figure. Returns their names. Throws InputError if files of others are in the way and for figures
-/// against what the run does not have, OutputError when one cannot be written. Reads each
+/// Writes curves.csv and the figures to the folder, all or none, and lists them in
+/// contents.json. Several runs have one table each, curves_1.csv and so on, and one figure.
+/// Returns the file names. Throws InputError if files from elsewhere are in the way or a run
+/// lacks the quantity of the axis, OutputError if a file cannot be written. Reads each
 /// trajectory once.
 std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
                                      const CurvesSettings& settings);

@@ -68,7 +68,7 @@ std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSet
   return moments;
 }
 
-/// One frame where the run has no time.
+/// One frame if the run has no duration.
 std::vector<FrameMoment> realMoments(const MotionCurve& motion, const PictureSettings& settings) {
   const double step = settings.speed / settings.framesPerSecond;
   // The last frame shows the end, a shorter step after the one before.

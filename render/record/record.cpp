@@ -207,7 +207,7 @@ class LiveRun {
   }
 
   const RunEnd& end() const { return end_; }
-  /// To be called when all of the run's files are in place.
+  /// Call it when all of the run's files are in place.
   void removeCheckpoint() { checkpoints_.remove(); }
 
  private:
@@ -275,8 +275,8 @@ void writeEndState(const scene::Scene& scene, const RunEnd& end, const RecordSet
   write(output::kFinalMesh, *end.last);
 }
 
-/// Meshes of the moments that the timeline asked for. Two files for each "export" of the timeline,
-/// numbered from 1.
+/// Writes meshes of the moments that the timeline requested: two files for each "export", numbered
+/// from 1.
 void writeStates(const scene::Scene& scene, const RecordSettings& settings, RunSummary& summary) {
   const trajectory::TrajectoryReader run(settings.folder / output::kTrajectory);
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);

@@ -41,7 +41,7 @@
 namespace kirireel::record {
 namespace {
 
-/// Null where the figure does not exist.
+/// Null if the value does not exist.
 Json onlyIf(bool exists, double figure) {
   return exists ? Json(figure) : Json(nullptr);
 }
@@ -76,7 +76,7 @@ constexpr std::array kOfTarget = {&deploy::Accuracy::targetErrorStart,
                                   &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::rigidBound,
                                   &deploy::Accuracy::springsRestError};
 
-/// Lengths; null where there is no target or nothing was searched.
+/// Lengths; null without a target or a search.
 Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   Json json = fieldsJson<Json>(summary.accuracy);
   if (!hasTarget) {

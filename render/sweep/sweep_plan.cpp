@@ -47,13 +47,13 @@ void sortAndDropRepeats(std::vector<Row>& rows) {
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
 }
 
-/// From 0 to below 1. Not std::uniform_real_distribution, which may differ between libraries.
+/// In [0, 1). Not std::uniform_real_distribution, which may differ between libraries.
 double randomShare(std::mt19937_64& generator) {
   // The upper 53 bits of 64, as many as a double holds.
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }
 
-/// The numbers from 0 on, shuffled (Fisher, Yates); not std::shuffle, for the same reason.
+/// The numbers 0 to count - 1, shuffled (Fisher, Yates); not std::shuffle, for the same reason.
 std::vector<std::size_t> shuffledNumbers(std::size_t count, std::mt19937_64& generator) {
   std::vector<std::size_t> numbers(count);
   std::iota(numbers.begin(), numbers.end(), std::size_t{0});

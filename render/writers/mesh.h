@@ -13,16 +13,16 @@
 
 namespace kirireel::writers {
 
-/// Writes all bricks, at least one, at the given poses; the ending of the path chooses the format:
-/// - .obj: one group a brick named TILE_00000 and so on, polygons, flat normals;
+/// Writes all bricks (at least one) at the given poses. The ending of the path selects the format:
+/// - .obj: one group per brick named TILE_00000 and so on, polygons, flat normals;
 /// - .ply: one mesh, ASCII, triangles, vertices shared within a brick, no normals;
 /// - .stl: triangles, binary, each with its own outward normal.
 ///
-/// Every brick is closed, outward, and apart from its neighbours even where they touch: a joint
-/// would else be an edge of four faces. Coordinates are in the unit, which the file names in a
-/// comment, and, but for STL's single precision, read back to the last bit. Throws InputError for
-/// another ending, OutputError when the file cannot be written. `poses` has one pose a brick. The
-/// text is built in memory. Throws Interrupted when the user ends the program.
+/// Every brick is closed, outward, and separate from touching neighbours: a joint would otherwise
+/// be an edge of four faces. Coordinates are in the unit, which a comment in the file states.
+/// Except in STL (single precision) they read back bitwise equal. Throws InputError for another
+/// ending, OutputError if the file cannot be written, Interrupted if the user ends the program.
+/// `poses` has one pose per brick. The text is built in memory.
 void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick>& bricks,
                const Poses& poses, const LengthUnit& unit = {});
 
@@ -35,19 +35,19 @@ std::string meshLibraryVersion();
 /// The poses of all bricks at one time. The poses are those of the bricks' centres of mass, in
 /// their order.
 struct AnimationKey {
-  double time = 0;  ///< seconds, rising
-  Poses poses;      ///< one a brick
+  double time = 0;  ///< seconds, ascending
+  Poses poses;      ///< one per brick
 };
 
-/// The bytes of a binary glTF 2.0 file (.glb): one node and one mesh a brick, named TILE_00000 and
-/// so on, below a node that turns z up into glTF's y up; one animation with a position and a
-/// rotation a brick and key. Flat outward faces, one material, single precision. The keys are asked
-/// for one by one, in order, the first at time 0; at least one. Throws InputError when they do not
-/// fit.
+/// The bytes of a binary glTF 2.0 file (.glb): one node and one mesh per brick, named TILE_00000
+/// and so on, below a node that rotates z up to glTF's y up, and one animation with a position and
+/// a rotation per brick and key. Flat outward faces, one material, single precision. The keys are
+/// requested one by one, in order, the first at time 0; at least one. Throws InputError if they do
+/// not fit.
 ///
-/// Written without assimp, whose exporter copies all that it has for each channel: 33 s for 1,600
-/// tiles and 121 keys, where this takes a second. Memory: 28 bytes a brick and key, and the file a
-/// second time while it is put together.
+/// Written without assimp, whose exporter copies all data for each channel: 33 s for 1,600 tiles
+/// and 121 keys, in contrast to one second here. Memory: 28 bytes per brick and key, and a second
+/// copy of the file during its composition.
 std::string animationBytes(const std::vector<model::Brick>& bricks, std::size_t keyCount,
                            const std::function<AnimationKey(std::size_t)>& key);
 

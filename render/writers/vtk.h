@@ -12,10 +12,10 @@
 
 namespace kirireel::writers {
 
-/// The text of an unstructured grid (.vtu): one solid cell a brick (a wedge where the tile has
-/// three vertices, a hexahedron where it has four, a polyhedron elsewhere), of a concave brick one
-/// wedge for each triangle that it falls into. Lengths in `unit`, to the last bit; arrays are
-/// compressed by zlib. Fields:
+/// The text of an unstructured grid (.vtu). Each brick is one solid cell: a wedge for three
+/// vertices, a hexahedron for four, else a polyhedron. A concave brick has one wedge for
+/// each of its triangles. Lengths in `unit`, bitwise exact; arrays are compressed by zlib.
+/// Fields:
 /// - of cells: `tile` (its number), `joint_gap` (the largest at the tile), `turn` (the
 /// angle
 ///   from the start, radians);

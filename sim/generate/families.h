@@ -1,4 +1,4 @@
-/// The families of models that can be made from parameters.
+/// The families of models that are generated from parameters.
 #pragma once
 
 #include <functional>
@@ -10,15 +10,15 @@
 
 namespace kirireel::generate {
 
-/// A number that shapes a family's models, as a person types it: lengths in metres, angles in
+/// A parameter of a family's models, in the user's units: lengths in metres, angles in
 /// degrees.
 struct FamilyParameter {
   std::string name;         ///< e.g. "columns"
   std::string unit;         ///< for the help, e.g. "METRES"
   std::string help;         ///< one phrase
   double defaultValue = 0;  ///< the default
-  double least = 0;         ///< allowed, ends included
-  double most = 0;          ///< allowed
+  double least = 0;         ///< minimum, inclusive
+  double most = 0;          ///< maximum, inclusive
   bool whole = false;       ///< whether only whole numbers are allowed
 };
 
@@ -28,7 +28,7 @@ class FamilyValues {
   /// By name; missing ones have their defaults.
   explicit FamilyValues(std::map<std::string, double> values) : values_(std::move(values)) {}
 
-  /// Of a parameter that there is, in its own unit.
+  /// Of an existing parameter, in its own unit.
   double number(const std::string& name) const { return values_.at(name); }
   /// The same of a whole number.
   int whole(const std::string& name) const { return static_cast<int>(values_.at(name)); }
@@ -49,38 +49,38 @@ struct Family {
   bool isConcave = false;  ///< whether its tiles need not be convex
 };
 
-/// All families, in the order in which help lists them.
-/// The list lives as long as the program.
+/// All families, in the order of the help.
+/// The list has static lifetime.
 const std::vector<Family>& families();
 
-/// The family of that name. Throws InputError listing those that there are.
+/// The family with this name. Throws InputError with the list of existing names.
 const Family& familyNamed(const std::string& name);
 
 /// Makes a model and checks it: start and target congruent tile by tile, joints closed in both,
-/// tiles flat, convex (unless the family is concave) and not overlapping, all to 1e-9 of a tile.
-/// Parameters that are not given have their defaults. Faces of joints are chosen from the deployed
-/// shape (FaceRule::Fold).
+/// tiles flat, convex (unless the family is concave) and without overlap, all to 1e-9 of a tile.
+/// Missing parameters have their defaults. The faces of joints follow from the deployed shape
+/// (FaceRule::Fold).
 ///
 /// Throws InputError for a parameter that the family does not have or that is out of range, and for
-/// values with which no such sheet was found. The same values give the same model to the last bit.
-/// Families that are fitted cost a sparse factorisation a round.
+/// values without such a sheet. Equal values give bitwise equal models. Fitted families cost a
+/// sparse factorisation per round.
 model::Model generateModel(const Family& family, const std::map<std::string, double>& given);
 
 // ------------------------------------------------------------------------------------------------
-// Concave tiles: sheets whose tiles have bent sides that fit into each other.
+// Concave tiles: sheets of tiles with bent sides that fit into each other.
 //
-// A sheet of tiles of two kinds that turn against each other moves only by its joints: what lies
-// between two joined corners of a tile may have any shape. Bulges on the sides of one kind, and the
-// same outline as bays in the other, keep the closed sheet closed. While two tiles turn about one
-// end of their common side, a point at (x, y) of the bulge (x along the side from the joint, y out
-// of it) leaves the bay at once where the wall there has a normal n with n . (-y, x) >= 0: walls
-// that lean towards the joint by more than y / x. Whether the tiles of a state overlap all the same
-// is for the generator to check.
+// In a sheet of two kinds of tiles that turn against each other, only the joints determine the
+// motion. A tile may have any outline between two joined corners. Bulges on the sides of one kind,
+// and the same outline as bays in the other, keep the closed sheet closed. While two tiles turn
+// about one end of their common side, a point at (x, y) of the bulge (x along the side from the
+// joint, y out of it) leaves the bay at once if the wall's normal n there has n . (-y, x) >= 0.
+// Such walls lean towards the joint by more than y / x. The generator checks whether the tiles of a
+// state overlap.
 
-/// A corner that is put into each side.
+/// A corner that is inserted into each side.
 struct SidePoint {
-  double along = 0.5;  ///< where, as a part of the side, from 0 to 1, rising
-  double out = 0;      ///< how far outwards on tiles that bulge, as a part of the side's length
+  double along = 0.5;  ///< position as a fraction of the side, [0, 1], ascending
+  double out = 0;      ///< outwards on tiles that bulge, as a fraction of the side's length
 };
 
 /// The sheet with these points in each side of each tile: outwards where `bulges` is true for the
@@ -94,17 +94,17 @@ model::Model withBentSides(const model::Model& model, const std::vector<bool>& b
 
 /// How large a sheet is and how far it opens.
 struct RotorShape {
-  int columns = 4;         ///< cells along the first lattice direction, positive
+  int columns = 4;         ///< cells along the first lattice direction, > 0
   int rows = 4;            ///< cells along the second
-  double startAngle = 0;   ///< by which neighbours have turned, radians; 0 is closed
+  double startAngle = 0;   ///< rotation of neighbours, radians; 0 is closed
   double targetAngle = 0;  ///< the same at the target
 };
 
-/// Rotating triangles with edges of 1 m: two a cell, pointing up and down; a kagome lattice of
+/// Rotating triangles with edges of 1 m: two per cell, pointing up and down; a kagome lattice of
 /// hexagonal voids at 120 degrees, closed again at 240.
 model::Model makeRotatingTriangles(const RotorShape& shape);
 
-/// Regular hexagons, one a cell, and the triangles between them, edges of 1 m; widest at 90
+/// Regular hexagons, one per cell, and the triangles between them, edges of 1 m; widest at 90
 /// degrees, closed again at 180. At least 2 columns and 2 rows.
 model::Model makeHexagonsAndTriangles(const RotorShape& shape);
 

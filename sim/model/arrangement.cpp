@@ -1,7 +1,7 @@
 // The faces of a planar straight-line graph (M. de Berg, O. Cheong, M. van Kreveld, M. Overmars,
-// Computational Geometry, chapter 2): at the end of a half edge the next one of its cycle is the
-// first that is met when turning clockwise from the way back. Points are compared through a grid
-// of cells, segments by a sweep over their boxes.
+// Computational Geometry, chapter 2). At the end of a half edge the next one of its cycle is the
+// first clockwise from the reverse direction. Points are compared through a grid of cells, segments
+// by a sweep over their boxes.
 #include "sim/model/arrangement.h"
 
 #include <cmath>
@@ -11,11 +11,11 @@
 namespace kirireel::model {
 
 std::optional<int> PointNumbers::find(const Vector2& point) const {
-  // Cells are as wide as the tolerance, so that a point within it is in this cell or a neighbour.
+  // Cells are as wide as the tolerance. A point within it is in this cell or a neighbouring cell.
   const auto [column, row] = cellOf(point);
   for (long x = column - 1; x <= column + 1; ++x) {
     for (long y = row - 1; y <= row + 1; ++y) {
-      // Cells that share a key by chance only cost time: points are compared themselves.
+      // Cells with the same key by chance only cost time, since the points are compared.
       const auto cell = cells_.find(static_cast<long>(static_cast<unsigned long>(x) * 1000003UL +
                                                       static_cast<unsigned long>(y)));
       if (cell == cells_.end()) continue;
@@ -180,7 +180,7 @@ bool isWithinRing(const std::vector<Vector2>& ring, const Vector2& point) {
 double ringArea(const std::vector<Vector2>& ring) {
   double twice = 0;
   for (std::size_t k = 0; k < ring.size(); ++k) {
-    // From the first point, so that places far from the origin lose no digits.
+    // Relative to the first point, which keeps the precision of distant positions.
     twice += crossOf(ring[k] - ring[0], ring[(k + 1) % ring.size()] - ring[0]);
   }
   return 0.5 * twice;

@@ -5,13 +5,13 @@
 // vertices has one edge in and one out.
 //
 // Faces of a drawing. Each edge is two half-edges. At each vertex the outgoing half-edges are
-// sorted by angle. From half-edge u -> v, the face on its left goes on with the half-edge that
-// follows v -> u clockwise at v. Walking on until the first half-edge returns gives one face. Its
-// area is positive, except for the outside of each connected part of the drawing. A walk visits
-// each half-edge once, so all faces cost O(n log n) for n edges.
+// sorted by angle. After the half-edge u -> v, the face on its left continues with the half-edge
+// that follows v -> u clockwise at v. A traversal until the first half-edge returns gives one face.
+// Its area is positive, except for the outside of each connected part of the drawing. Each
+// half-edge is visited once, so all faces cost O(n log n) for n edges.
 //
-// Sheet and holes. A region next to the outside is sheet. From there on, a boundary edge (B) parts
-// sheet from hole, and any other edge has the same on both sides.
+// Sheet and holes. A region next to the outside is sheet. From there on, a boundary edge (B)
+// separates sheet and hole, and any other edge has the same on both sides.
 //
 // D. E. Muller, F. P. Preparata, Finding the intersection of two convex polyhedra, Theoretical
 // Computer Science 7, 1978 (half-edges).
@@ -33,7 +33,7 @@
 namespace kirireel::model {
 namespace {
 
-// Normals closer than this are those of one plane, radians.
+// Normals with a smaller angle are of one plane, radians.
 constexpr double kCoplanar = 1e-6;
 
 std::vector<int> numbersBelow(std::size_t count) {
@@ -262,7 +262,7 @@ class PlanarGraph {
     }
   }
 
-  /// Of a point beside an edge: its distance to the line, and how far along it is, from 0 to 1.
+  /// Of a point next to an edge: its distance to the line, and its position along the line, [0, 1].
   std::pair<double, double> beside(int point, int edge) const {
     const Point origin = places_[tail(2 * edge)], along = places_[head(2 * edge)] - origin;
     const Point offset = places_[point] - origin;
@@ -400,7 +400,7 @@ class PlanarGraph {
   std::vector<int> next_;                  // of half-edges
   CornerNumbers walks_;                    // half-edges round each region
   std::vector<int> walkOf_;                // of half-edges
-  std::vector<bool> isOutside_, isSheet_;  // of walks
+  std::vector<bool> isOutside_, isSheet_;  // of traversals
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
-// Which corner of a tile belongs to which neighbour. In a rotating lattice neighbours turn in
-// opposite senses, so that an even tile shares its corners 0, 1, 2, 3 (from bottom left,
-// anticlockwise) with its neighbours in the west, south, east and north, and an odd tile with those
-// in the south, east, north and west. A joint therefore lies at the corner that both lists give to
-// each other. J. N. Grima, K. E. Evans, Auxetic behavior from rotating squares, Journal of
-// Materials Science Letters 19, 2000, describe the mechanism.
+// Neighbours at each corner of a tile. In a rotating lattice neighbours turn in opposite senses. An
+// even tile shares its corners 0, 1, 2, 3 (from bottom left, anticlockwise) with its neighbours in
+// the west, south, east and north, and an odd tile with those in the south, east, north and west. A
+// joint lies at the corner that both lists assign to each other. J. N. Grima, K. E. Evans, Auxetic
+// behavior from rotating squares, Journal of Materials Science Letters 19, 2000, describe the
+// mechanism.
 #include "sim/model/lattice.h"
 
 #include <cmath>
@@ -43,14 +43,14 @@ std::vector<Joint> latticeJoints(const Lattice& lattice, JointFace face) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The motion v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) evaluated.
+// Evaluates the motion v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2).
 //
-// Why tiles stay rigid: all corners of an even tile have the same F_even, so that their differences
-// are differences of F_odd alone, turned by -theta/2; those of an odd tile are turned by +theta/2.
-// Why joints stay closed: the corner is the same sum for both tiles that share it. Neighbours so
-// turn by theta against each other. The regular field has its constants at the places of a lattice
-// of parallelograms with sides a (along) and b (up), as complex numbers: with x = column - (columns
-// - 1)/2 and y = row - (rows - 1)/2,
+// Tiles stay rigid: all corners of an even tile have the same F_even. Their differences are
+// differences of F_odd only, rotated by -theta/2. Those of an odd tile are rotated by +theta/2.
+// Joints stay closed: both tiles compute their common corner as the same sum. Neighbours therefore
+// turn by theta against each other. The regular field has its constants at the positions of a
+// lattice of parallelograms with sides a (along) and b (up), as complex numbers: with x = column -
+// (columns - 1)/2 and y = row - (rows - 1)/2,
 //   F_even = (x + y)/2 a - (x - y)/2 b,      F_odd = (x - y)/2 a + (x + y)/2 b
 
 Complex TurningField::corner(const Cell& cell, int corner, double angle) const {
@@ -58,8 +58,8 @@ Complex TurningField::corner(const Cell& cell, int corner, double angle) const {
   Complex even = at(cell);
   Complex odd = at(cornerNeighbour(cell, corner));
   if (!isEven(cell)) std::swap(even, odd);
-  // One formula for both tiles at a corner, so that their vertices agree to the last bit. Adding 0
-  // makes a negative zero positive.
+  // The same formula for both tiles at a corner makes their vertices bitwise equal. Adding 0 makes
+  // a negative zero positive.
   const Complex point = odd * std::conj(halfTurn) + even * halfTurn;
   return {point.real() + 0.0, point.imag() + 0.0};
 }
@@ -93,8 +93,8 @@ TurningField regularField(const Lattice& lattice, Complex along, Complex up) {
 // ------------------------------------------------------------------------------------------------
 // Tessellations of equal parallelograms, from the exact motion of their lattice (lattice.h).
 // The constants are those of regularField(): sides of `length` along x and of `width` at `skew`
-// from the y axis. Both states are evaluated from the same constants, so that start and target are
-// congruent to rounding, and no solver is needed.
+// from the y axis. Both states use the same constants, so start and target are congruent to
+// rounding, and no solver is needed.
 
 namespace {
 

@@ -1,5 +1,5 @@
-/// How much tiles give where a neck ends: the tables behind neckStiffness() and cornerNeck(), made
-/// from plane stress decks that CalculiX runs:
+/// Compliance of tiles at the end of a neck: the tables of neckStiffness() and cornerNeck(), made
+/// from plane stress decks in CalculiX:
 ///   KIRIREEL_GOLDEN=update fea_tools_test --gtest_filter=NeckSheet.Table*
 #pragma once
 
@@ -8,14 +8,14 @@
 
 namespace kirireel::model {
 
-/// One neck beside a shut slit, between two tiles 50 times as wide.
-/// The tiles are so much wider that their own bending does not count.
+/// One neck next to a shut slit, between two tiles 50 times as wide.
+/// The tiles are so wide that their own bending is negligible.
 struct NeckRow {
   double length = 0;  ///< in widths
-  double ends = 0;  ///< the widths by which the neck seems longer: k = E t w^2 / (12 (L/w + ends))
+  double ends = 0;    ///< additional length of the neck in widths: k = E t w^2 / (12 (L/w + ends))
 };
 
-/// By rising length; the last row holds for longer necks too.
+/// By ascending length; the last row also applies to longer necks.
 inline constexpr auto kNeckTable = std::to_array<NeckRow>({
     {0, 1.312},
     {0.1, 1.299},
@@ -28,22 +28,22 @@ inline constexpr auto kNeckTable = std::to_array<NeckRow>({
     {20, 1.259},
 });
 
-/// One neck without length at the end of a shut slit between two equal tiles, nu = 0.3: isosceles
-/// triangles with this angle at the neck up to 60 degrees, regular polygons beyond.
-/// All its flexibilities have no unit. They are used for any Poisson's ratio.
+/// One neck of length 0 at the end of a shut slit between two equal tiles, nu = 0.3: isosceles
+/// triangles with this angle at the neck up to 60 degrees, regular polygons beyond. All
+/// flexibilities are dimensionless. They are used for any Poisson's ratio.
 struct CornerNeckRow {
   double angle = 0;    ///< of either tile at the neck, degrees
   double width = 0;    ///< in sides of a square of a tile's area
-  double bend = 0;     ///< the turn of a tile against the other per moment, times E t w^2
-  double axis = 0;     ///< where a moment turns them about, widths from the corner
-  double stretch = 0;  ///< how far they part there per force across the slit through it, times E t
-  double shear = 0;    ///< how far they slide along the slit per force along it, times E t
+  double bend = 0;     ///< relative rotation of the tiles per moment, times E t w^2
+  double axis = 0;     ///< rotation axis under a moment, widths from the corner
+  double stretch = 0;  ///< opening there per force across the slit through it, times E t
+  double shear = 0;    ///< sliding along the slit per force along it, times E t
 };
 
 /// How many angles there are, each with the same widths.
 inline constexpr std::size_t kCornerNeckAngles = 4;
 
-/// By rising angle, and of one angle by rising width.
+/// By ascending angle, and for one angle by ascending width.
 // clang-format off
 inline constexpr auto kCornerNeckTable = std::to_array<CornerNeckRow>({
     {30, 0.0125, 152.760, 1.4175, 379.080, 62.510},

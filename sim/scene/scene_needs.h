@@ -1,4 +1,4 @@
-/// What a scene needs, with reasons.
+/// Needs of a scene, with reasons.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,15 @@
 
 namespace kirireel::scene {
 
-/// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
-/// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
-/// obstacles, friction, a timeline, other springs or damping than the default, another solver).
-/// Else `reason` names it.
+/// Whether a scene is kinematic: it goes to its target, or to full extension without one, and no
+/// setting needs mass, damping or time (speeds at the start, gravity, ground, obstacles, friction,
+/// a timeline, other springs or damping than the default, another solver). Otherwise `reason` is
+/// that setting.
 bool isQuasiStatic(const Scene& scene, std::string& reason);
 
-/// Decides what the scene needs. A scene is planar when start and target lie in one plane, no tile
-/// faces the other way at the target, and nothing pushes out of the plane (see the reasons
-/// returned). O(n) in the vertices.
+/// Determines the needs of the scene. It is planar if start and target lie in one plane, no tile is
+/// turned over at the target, and nothing pushes out of the plane (see the reasons returned). O(n)
+/// in the vertices.
 Needs sceneNeeds(const Scene& scene);
 
 /// The axes in which a planar scene is solved, because they have the sheet in a horizontal plane.
@@ -25,7 +25,7 @@ Needs sceneNeeds(const Scene& scene);
 std::optional<model::SheetFrame> ownAxes(const Scene& scene);
 
 /// The scene of a sheet that is not horizontal, in the axes of its frame. Obstacles and the ground
-/// stay: no such scene is planar.
+/// are not transformed: no scene with them is planar in such a frame.
 Scene inAxes(const model::SheetFrame& frame, Scene scene);
 
 }  // namespace kirireel::scene
