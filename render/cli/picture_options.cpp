@@ -297,10 +297,7 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   addColourOptions(group, look);
   group.choice<picture::GroundLook>(
       "--ground-look", look.ground,
-      {{"auto", picture::GroundLook::Auto},
-       {"plate", picture::GroundLook::Plate},
-       {"shadow", picture::GroundLook::Shadow},
-       {"none", picture::GroundLook::None}},
+      {picture::kGroundLooks.begin(), picture::kGroundLooks.end()},
       "under the bricks, auto is a plate with a shadow when there is a ground");
   group.flag("--transparent", look.transparent,
              "no background in PNG files, and in videos that have alpha");

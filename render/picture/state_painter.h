@@ -2,6 +2,7 @@
 /// common camera.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -51,6 +52,13 @@ enum class GroundLook {
   Shadow,  ///< a shadow on the page
   None,    ///< nothing
 };
+
+/// How options and summaries spell them.
+inline constexpr std::array<std::pair<const char*, GroundLook>, 4> kGroundLooks{
+    {{"auto", GroundLook::Auto},
+     {"plate", GroundLook::Plate},
+     {"shadow", GroundLook::Shadow},
+     {"none", GroundLook::None}}};
 
 /// What the camera keeps in view.
 enum class FitScope {

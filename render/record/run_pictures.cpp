@@ -64,8 +64,8 @@ void keepStates(picture::PictureContent& content, const trajectory::TrajectoryRe
 }
 
 /// From the start, the middle of the motion and the end.
-void chooseView(const trajectory::TrajectoryReader& run, const picture::Look& look,
-                picture::PictureContent& content) {
+void chooseViewOf(const trajectory::TrajectoryReader& run, const picture::Look& look,
+                  picture::PictureContent& content) {
   Replay replayed(run);
   std::vector<Poses> states;
   const MotionCurve motion = motionOf(run);
@@ -122,7 +122,7 @@ picture::PictureContent contentOf(const trajectory::Subject& subject) {
 picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings) {
   picture::PictureContent content = contentOf(run.subject());
-  if (picture::needsView(settings.look)) chooseView(run, settings.look, content);
+  if (picture::needsView(settings.look)) chooseViewOf(run, settings.look, content);
   const bool fits = fitsEnds(run.subject().model, settings) &&
                     (!choosesCamera(settings) ||
                      seesRun(run, picture::PictureSetup(settings.look, content, settings.size)));
@@ -130,6 +130,15 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
   if (picture::isMeasure(settings.look.colouring) && !settings.look.colourMost)
     keepStates(content, run);
   return content;
+}
+
+std::optional<picture::AutomaticView> viewOf(const trajectory::TrajectoryReader& run,
+                                             const picture::Look& look) {
+  if (look.camera.view) return picture::AutomaticView{*look.camera.view};
+  if (!picture::needsView(look)) return std::nullopt;
+  picture::PictureContent content = contentOf(run.subject());
+  chooseViewOf(run, look, content);
+  return content.view;
 }
 
 void requirePaintable(const picture::PictureContent& content, const PictureSettings& settings) {
@@ -706,7 +715,7 @@ picture::Look sharedLook(std::span<const trajectory::TrajectoryReader* const> ru
     camera.orthographic = true;
   }
   if (settings.sameView && picture::needsView(look)) {
-    const picture::AutomaticView view = *contentOf(*runs.front(), settings).view;
+    const picture::AutomaticView view = *viewOf(*runs.front(), look);
     camera.view = view.angles;
     if (!camera.orthographic && view.isFlat && camera.orbit == 0) camera.orthographic = true;
   }

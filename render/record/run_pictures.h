@@ -30,6 +30,11 @@ picture::PictureContent contentOf(const trajectory::Subject& subject);
 picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
                                   const PictureSettings& settings);
 
+/// The view of a finished run's pictures: the one given, or the one that is chosen for the motion.
+/// Null if the camera follows keys. Of the look, only the camera and the ground matter.
+std::optional<picture::AutomaticView> viewOf(const trajectory::TrajectoryReader& run,
+                                             const picture::Look& look);
+
 /// Throws InputError before a deployment if the style or the grid needs data that the content
 /// lacks. Needs no graphics context.
 void requirePaintable(const picture::PictureContent& content, const PictureSettings& settings);

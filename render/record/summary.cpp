@@ -21,6 +21,7 @@
 // The same texts of settings and findings are in trajectory.h5, where `verify` compares them.
 #include "render/record/summary.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -244,8 +245,12 @@ const char* colouringWord(picture::Colouring colouring) {
 }
 
 Json lookJson(const picture::Look& look) {
+  const char* ground =
+      std::ranges::find(picture::kGroundLooks, look.ground,
+                        &std::pair<const char*, picture::GroundLook>::second)->first;
   return {{"theme", look.theme == picture::Theme::Dark ? "dark" : "light"},
           {"colour", colouringWord(look.colouring)},
+          {"ground", ground},
           {"transparent", look.transparent},
           {"outlines", look.outlines},
           {"joint_marks", look.jointMarks},

@@ -28,6 +28,7 @@
 
 #include "render/output/output_folder.h"
 #include "render/picture/video.h"
+#include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -174,6 +175,7 @@ class Verifier {
       compareCopy(entry, summary.at(entry), found);
     compareSteps(summary, run);
     compareStates(summary, run, pivots);
+    compareView(summary, run);
     compareVideo(summary);
   }
 
@@ -321,6 +323,29 @@ class Verifier {
     figures.push_back({deploy::kAssembledError, error});
     figures.push_back({nameOfField(&Accuracy::springsRestError), error});
     return figures;
+  }
+
+  /// The view of the pictures, from the settings and the motion.
+  void compareView(const Json& summary, const trajectory::TrajectoryReader& run) {
+    const Json& stated = summary.at("view");
+    if (stated.is_null()) return;
+    const Json& pictures = summary.at("settings").at("pictures");
+    const Json& given = pictures.at("view");
+    picture::Look look;
+    look.camera.orbit = pictures.at("look").at("orbit");
+    const std::string ground = pictures.at("look").at("ground");
+    for (const auto& [word, choice] : picture::kGroundLooks) {
+      if (ground == word) look.ground = choice;
+    }
+    if (!given.is_null()) {
+      look.camera.view = {given.at("azimuth"), given.at("elevation"), given.at("roll")};
+    }
+    const picture::ViewAngles view = viewOf(run, look)->angles;
+    for (const auto& [name, angle] : {std::pair{"azimuth_deg", view.azimuth},
+                                      {"elevation_deg", view.elevation},
+                                      {"roll_deg", view.roll}}) {
+      compare(output::kSummary, fmt::format("view.{}", name), stated.at(name), angle / kDegree);
+    }
   }
 
   /// Counts the packets of the first video in the list.

@@ -159,7 +159,7 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   writeText(scene,
             "[model]\nligaments = true\nhinge_neck = \"0.1,0.1,1e6\"\n"
             "[[grip]]\ntiles = [0, 1]\nmove = {x = 0, y = 0}\n"
-            "[[grip]]\ntiles = [2, 3]\nmove = {x = -0.1}\n");
+            "[[grip]]\ntiles = [2, 3]\nmove = {y = 0.1}\n");
   const ProgramEnd end =
       runKirireel({"simulate", model, "--scene", scene, "--out", run, "--verbose"});
   ASSERT_EQ(end.exitCode, 0) << end.err;
