@@ -276,9 +276,9 @@ class Verifier {
       complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
-    const bool isOfBars =
-        !summary.at("settings").at("model").value("panels", "").empty() &&
-        summary.at("files").contains(output::kLoadCurve);
+    const Json& files = summary.at("files");
+    const bool isOfBars = !summary.at("settings").at("model").value("panels", Json()).is_null() &&
+                          std::ranges::find(files, output::kLoadCurve) != files.end();
     const model::Elasticity found = model::elasticityOf(subject.pairForces, start, end);
     for (const scene::PairForceKind& kind : scene::pairForceKinds()) {
       // Summaries of earlier releases do not have all kinds.

@@ -352,7 +352,8 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
                     grown, grown / tile);
     result.reason += "; " + result.shortfall;
   }
-  result.trajectory.events.back().text = result.reason;
+  result.trajectory.events.back().text =
+      fmt::format("{}: {}", toString(result.outcome), result.reason);
 }
 
 }  // namespace

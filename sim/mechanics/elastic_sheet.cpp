@@ -1,13 +1,14 @@
 // All quantities are built from positions. The position of a handle at arm r from the centre of
-// mass of brick i is
+// mass of brick i, relative to that centre at the start, is
 //   p = d . (x_i + R(phi_i) r),   dp/dphi = d . (z x R r),   d^2p/dphi^2 = -d . R r,
-// and that of a rotation is p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p =
-// p(start). A grip that moves is a row p = p(start) + load * amount for each handle. A dead load is
+// and that of a rotation is p = phi_i. Far from the origin, the displacements x_i keep all their
+// digits. A pivot is two rows p_a - p_b = d . (c_b - c_a) with the centres c at the start, a pin
+// three rows p = p(start). A grip that moves is a row p = p(start) + load * amount for each handle. A dead load is
 // the potential -load * amount * p. Springs at hinges are quadratic in the rotations; ligaments are
 // in hinge.cpp, other pair forces in their own files.
 //
-// Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its rotation
-// (rad) since the start, d a unit direction, z the vertical. All constraints are sums of positions,
+// Symbols: x_i the displacement of the centre of mass of brick i since the start and r an arm, both
+// in length scales, phi_i its rotation (rad) since the start, d a unit direction, z the vertical. All constraints are sums of positions,
 // and their derivatives are sums of the three formulas above. Each position depends only on one
 // brick's three coordinates, and only its rotation has a second derivative.
 #include "sim/mechanics/elastic_sheet.h"
@@ -39,7 +40,8 @@ ElasticSheet::ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
     for (const Vector3& axis : axes) {
       addRow({{{pivot.brickA, pivot.pointA}, axis}, {{pivot.brickB, pivot.pointB}, axis, -1}}, 0,
              q);
-      rows_.back().offset = 0;  // closed, for any start
+      // Closed, for any start.
+      rows_.back().offset = axis.dot(centreDistance(pivot.brickA, pivot.brickB)) / scale_;
     }
   }
   for (const int tile : pinned) {
@@ -63,21 +65,22 @@ void ElasticSheet::addRow(std::vector<Term> terms, double motion, const Vector& 
   rows_.push_back(std::move(row));
 }
 
-// Three coordinates per brick: x and y of its centre of mass in length scales, and its rotation
-// since the start in radians, which is 0 here.
+// Three coordinates per brick: x and y of its displacement in length scales, and its rotation in
+// radians, both since the start.
 ElasticSheet::Vector ElasticSheet::startCoordinates() const {
-  Vector q = Vector::Zero(unknowns());
-  for (std::size_t i = 0; i < start_.size(); ++i) {
-    q.segment<2>(3 * i) = start_[i].position.head<2>() / scale_;
-  }
-  return q;
+  return Vector::Zero(unknowns());
+}
+
+/// From the centre of mass of brick A at the start to that of brick B, metres.
+Vector3 ElasticSheet::centreDistance(int brickA, int brickB) const {
+  return start_[brickB].position - start_[brickA].position;
 }
 
 // The height and the tilt of the start are kept.
 Poses ElasticSheet::posesAt(const Vector& q) const {
   Poses poses = start_;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i].position.head<2>() = scale_ * q.segment<2>(3 * i);
+    poses[i].position.head<2>() += scale_ * q.segment<2>(3 * i);
     poses[i].rotation = rotationFromVector(Vector3(0, 0, q[3 * i + 2])) * start_[i].rotation;
   }
   return poses;
@@ -89,7 +92,8 @@ Vector3 ElasticSheet::arm(const GripHandle& handle, const Vector& q) const {
   return rotationFromVector(Vector3(0, 0, q[3 * handle.brick + 2])) * r;
 }
 
-// Position along the term's direction, in length scales, or the rotation of its brick in radians.
+// Position along the term's direction from the brick's centre at the start, in length scales, or
+// the rotation of the brick in radians.
 double ElasticSheet::place(const Term& term, const Vector& q) const {
   const auto& [handle, direction, factor] = term;
   if (handle.isTurn) return q[3 * handle.brick + 2];
@@ -141,9 +145,10 @@ model::PlanarEnergy ElasticSheet::inLengthScales(model::PlanarEnergy energy) con
 /// Energy of a ligament, with derivatives with respect to q.
 model::PlanarEnergy ElasticSheet::energyOf(const model::Ligament& ligament, const Vector& q) const {
   const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
-  const Vector3 between(q[b] - q[a], q[b + 1] - q[a + 1], 0);
+  Vector3 between = scale_ * Vector3(q[b] - q[a], q[b + 1] - q[a + 1], 0);
+  between.head<2>() += centreDistance(ligament.brickA, ligament.brickB).head<2>();
   const model::PlanarEnergy found = model::ligamentEnergy(
-      ligament, scale_ * between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
+      ligament, between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
       scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
   return inLengthScales(found);
 }

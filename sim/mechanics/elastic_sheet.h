@@ -36,8 +36,8 @@ struct Grip {
   double outOfPlane = 0;  ///< the part of its axis along the normal, in [-1, 1]
 };
 
-/// A sheet in the plane. Its coordinates are x and y of each brick's centre of mass in length
-/// scales, and the brick's rotation about z since the start in radians.
+/// A sheet in the plane. Its coordinates are x and y of the displacement of each brick's centre of
+/// mass in length scales, and the brick's rotation about z in radians, both since the start.
 class ElasticSheet : public LoadedSheet {
  public:
   /// `pinned`: the fixed tiles. Pivots must belong to exact joints: links are not supported, and
@@ -90,6 +90,7 @@ class ElasticSheet : public LoadedSheet {
   };
 
   void addRow(std::vector<Term> terms, double motion, const Vector& start);
+  Vector3 centreDistance(int brickA, int brickB) const;
   Vector3 arm(const GripHandle& handle, const Vector& q) const;
   double place(const Term& term, const Vector& q) const;
   Vector3 slope(const Term& term, const Vector& q) const;

@@ -272,7 +272,7 @@ std::vector<Conflict> conflicts() {
   add(kGrips, {"pull"}, kModel, {"upright", "spatial", "jointless"});
   add(kHinges, {"ligaments"}, kPlanar, {"off"});
   add(kHinges, {"ligaments"}, kObstacle, {"box", "sphere"});
-  add(kHinges, {"ligaments"}, kModel, {"upright", "spatial"});
+  add(kHinges, {"ligaments"}, kModel, {"spatial"});
   add(kHinges, {"stiffness", "ligaments"}, kModel, {"jointless"});
   add(kObstacle, {"box", "sphere"}, kPlanar, {"on"});
   add(kPath, {"continuation"}, kPins, {"first", "two"});

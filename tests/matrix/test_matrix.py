@@ -416,7 +416,6 @@ COMMANDS = [
 
 # (model, transformation, command): why it is not met yet. One that holds is an error here.
 KNOWN = {
-    ("tessellation", "moved by 1000 sizes", "grips"): "no equilibrium is found far from the origin",
     ("tessellation", "named hull", "picture"): "the picture shows the name",
     ("tessellation", "named with a space", "picture"): "the picture shows the name",
     ("tessellation", "named in UTF-8", "picture"): "the picture shows the name",
