@@ -204,6 +204,27 @@ TEST(VerifyBendingTiles, AgreesWithTheirRun) {
   EXPECT_EQ(verified.exitCode, 0) << verified.out;
 }
 
+// Bars hold most of the energy of tiles under grips. Poses do not show it.
+TEST(VerifyBendingTiles, AgreesWithTheirEquilibriaUnderGrips) {
+  const ScratchFolder scratch;
+  const std::string model = scratch / "two.fold", scene = scratch / "scene.toml",
+                    run = scratch / "run";
+  writeText(model, R"({"vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1]],
+    "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]],
+    "edges_assignment": ["B", "B", "B", "B", "V"], "edges_foldAngle": [0, 0, 0, 0, 30],
+    "faces_vertices": [[0, 1, 2], [0, 2, 3]]})");
+  writeText(scene,
+            "[model]\nhinge_stiffness = 0.1\npanels = \"1e7,0.3\"\n"
+            "[[grip]]\ntile = 0\nvertex = 0\nmove = {x = 0, y = 0, z = 0}\n"
+            "[[grip]]\ntile = 0\nvertex = 1\nmove = {y = 0, z = 0}\n"
+            "[[grip]]\ntile = 0\nvertex = 2\nmove = {z = 0}\n"
+            "[[grip]]\ntile = 1\nvertex = 2\nmove = {z = 0.1}\n");
+  const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  const ProgramEnd verified = runKirireel({"verify", run});
+  EXPECT_EQ(verified.exitCode, 0) << verified.out;
+}
+
 TEST_F(Verify, LooksAtNothingOutsideTheFolder) {
   const std::string summary = readText(folder() / "summary.json");
   for (const std::string name : {"/proc/kcore", "../final.obj", ""}) {
