@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace kirireel::mechanics {
@@ -43,9 +42,6 @@ constexpr double kCaught = 0.4;  // length of the next attempt if sliding ends w
 constexpr double kSameStepTime = 1e-9;
 // Joints count as closed below this fraction of a length scale.
 constexpr double kClosedGap = 1e-10;
-// Resolution of an energy, over its change by the last digit of all positions. The weights of
-// extrapolation rows add up to a hundred and more.
-constexpr double kEnergyDigits = 200;
 
 /// Cost of a step with this many rows, in Euler steps. Closing costs about one.
 double costOf(int rows) {
@@ -98,7 +94,6 @@ struct Extrapolation::Trial {
   const Motion& start;
   double length;  // seconds
   double energy;  // at the start, joules
-  double leastEnergy;  // resolution of the energy, joules
   double off;     // error of positions and speeds with the rows so far, in tolerances
   std::vector<Crossing> rows;
   Motion end;  // extrapolated from all rows; finally with closed joints
@@ -190,24 +185,7 @@ double Extrapolation::energyError(const Trial& trial) const {
   const double most = std::max({mostEnergy_, trial.energy, energy});
   const double part = kEnergyPart * trial.length / settings_.longestStep;
   const double allowed = part * settings_.tolerance * most;
-  return most > 0 ? std::abs(energy - desired) / std::max(allowed, trial.leastEnergy) : 0;
-}
-
-/// The resolution of the energy of a motion: its change by the last digits of positions and
-/// rotations.
-double Extrapolation::energyDigits(const Motion& motion, double energy) const {
-  constexpr double kDigit = std::numeric_limits<double>::epsilon();
-  Motion moved = motion;
-  Vector3 sign(1, -1, 1);
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    Pose& pose = moved.poses[i];
-    const Vector3 digits = kDigit * (pose.position.cwiseAbs().array() + settings_.lengthScale);
-    pose.position += digits.cwiseProduct(sign);
-    pose.rotation = (rotationFromVector(kDigit * sign) * pose.rotation).normalized();
-    // No two bricks in a row move alike.
-    sign = Vector3(-sign.z(), sign.x(), sign.y());
-  }
-  return kEnergyDigits * std::abs(solver_.energy(moved) - energy);
+  return most > 0 ? std::abs(energy - desired) / allowed : 0;
 }
 
 /// Stores the error estimate of the latest row.
@@ -338,12 +316,11 @@ void Extrapolation::chooseAgain(const Trial& trial) {
 std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
                                           const StepFilter& mayTake, StepReport& report) {
   const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
-  const double leastEnergy = settings_.keepsEnergy ? energyDigits(motion, energy) : 0;
   mostEnergy_ = std::max(mostEnergy_, energy);
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts =
         std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameStepTime);
-    Trial trial{motion, seconds / std::max(1.0, parts), energy, leastEnergy, 0, {}, {}};
+    Trial trial{motion, seconds / std::max(1.0, parts), energy, 0, {}, {}};
     const bool isSmooth = tryOrders(trial, loads, report);
     const double caught = isSmooth ? caughtError(trial) : 0;
     if (isSmooth && caught <= 1) {

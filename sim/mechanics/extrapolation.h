@@ -67,7 +67,6 @@ class Extrapolation {
   Motion combine(const Trial& trial, int first, int last) const;
   void estimate(Trial& trial) const;
   double energyError(const Trial& trial) const;
-  double energyDigits(const Motion& motion, double energy) const;
   double difference(const Motion& a, const Motion& b, double seconds) const;
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
   bool finish(Trial& trial, const StepFilter& mayTake);
