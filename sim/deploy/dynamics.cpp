@@ -15,7 +15,6 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/forces.h"
 #include "sim/engines/bullet_world.h"
-#include "sim/mechanics/friction_region.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/measures.h"
 
@@ -59,7 +58,8 @@ constexpr double kTouchingPart = 0.1;
 // Joints are closed below this part of a tile.
 constexpr double kClosed = 1e-10;
 
-/// Where the bricks of a planar scene rub on the ground, with an even pressure.
+/// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
+/// weight.
 std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
                                                const std::vector<model::Brick>& bricks) {
   std::vector<mechanics::Support> supports;
@@ -67,13 +67,10 @@ std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const 
   if (!needs.planar.on || !environment.ground) return supports;
   const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
   if (push == 0) return supports;
-  std::vector<std::vector<std::vector<Vector3>>> parts(bricks.size());
-  for (const model::BrickPiece& piece : model::convexPieces(bricks)) {
-    parts[static_cast<std::size_t>(piece.brick)].push_back(piece.shape.bottom);
-  }
   for (std::size_t i = 0; i < bricks.size(); ++i) {
-    for (const mechanics::RubbingPoint& rubbing : mechanics::evenPressure(parts[i])) {
-      supports.push_back({static_cast<int>(i), rubbing.point, push * bricks[i].mass * rubbing.share});
+    const double share = bricks[i].mass / static_cast<double>(bricks[i].bottom.size());
+    for (const Vector3& point : bricks[i].bottom) {
+      supports.push_back({static_cast<int>(i), point, push * share});
     }
   }
   return supports;
@@ -85,21 +82,16 @@ struct PairSum {
   Vector3 moment = Vector3::Zero();  // about the origin
   Vector3 pointSum = Vector3::Zero();
   double weight = 0;
-  bool isPushed = false;  // points that only rub count until one pushes
 
   void add(const mechanics::TouchForce& touch, double sign) {
     force += sign * touch.force;
     moment += sign * touch.point.cross(touch.force);
-    if (touch.push > 0 && !std::exchange(isPushed, true)) {
-      pointSum.setZero();
-      weight = 0;
-    }
-    const double share = isPushed ? touch.push : touch.force.norm();
+    const double share = touch.push > 0 ? touch.push : touch.force.norm();
     pointSum += share * touch.point;
     weight += share;
   }
 
-  /// About the middle of what pushes, or of what rubs where nothing pushes.
+  /// About the middle of what pushes; points that only rub count by that.
   trajectory::Hold resultant(int tile, int other) const {
     const Vector3 point = pointSum / weight;
     return {trajectory::HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
@@ -143,7 +135,7 @@ DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& ne
       environment_(scene.environment),
       solver_(solverOf(scene, needs, bricks_)),  // which refers to its bricks
       substeps_(scene.solver.substeps.value_or(1)),
-      keepsEnergy_(!scene::dynamicTies(scene, bricks).pairForces.empty()),
+      keepsEnergy_(scene.hinges.areLigaments || scene.hinges.panels),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()),
       touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);
