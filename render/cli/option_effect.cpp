@@ -11,9 +11,7 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <iterator>
 #include <span>
-#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -119,12 +117,9 @@ bool hasNecks(const OptionContext& context) {
 bool hasSolids(const OptionContext& context) {
   return context.exports->elements.family == fea::ElementFamily::Solid;
 }
-/// Whether the option describes a sheet with necks that is exported as a solid.
-bool describesSolid(const std::string& option, const OptionContext& context) {
-  constexpr std::string_view kOptions[] = {"--joints", "--neck-width", "--neck-length",
-                                           "--neck-radius", "--kerf"};
-  return context.exports && hasNecks(context) && exportsOneOf(context, {"stl", "step"}) &&
-         std::ranges::find(kOptions, option) != std::end(kOptions);
+/// Sheets with necks are also exported as solids.
+bool hasElementsOrNeckSolid(const OptionContext& context) {
+  return hasElements(context) || (hasNecks(context) && exportsOneOf(context, {"stl", "step"}));
 }
 bool countsElements(const OptionContext& context) {
   return context.exports->elements.size == 0;
@@ -166,6 +161,8 @@ constexpr const char* kOneRun = "with one run";
 constexpr const char* kRuns = "Give kirireel render several runs";
 constexpr const char* kSeveral = "in a figure of several runs";
 constexpr const char* kSingle = "Render the runs one by one";
+constexpr const char* kNoElements = "without finite elements";
+constexpr const char* kElements = "Export inp or msh";
 constexpr const char* kNoDeck = "without a deck";
 constexpr const char* kDeck = "Export inp";
 constexpr const char* kNoNeck = "without necks";
@@ -233,7 +230,18 @@ constexpr OptionEffect kPictureEffects[] = {
     {"Camera", hasPicture, "without a picture", kGrid}};
 
 constexpr OptionEffect kExportEffects[] = {
-    {"Elements (inp, msh)", hasElements, "without finite elements", "Export inp or msh"},
+    {"--joints", hasElementsOrNeckSolid, kNoElements, kElements},
+    {"--neck-width", hasElementsOrNeckSolid, kNoElements, kElements},
+    {"--neck-length", hasElementsOrNeckSolid, kNoElements, kElements},
+    {"--neck-radius", hasElementsOrNeckSolid, kNoElements, kElements},
+    {"--kerf", hasElementsOrNeckSolid, kNoElements, kElements},
+    {"--elements-per-edge", hasElements, kNoElements, kElements},
+    {"--element-size", hasElements, kNoElements, kElements},
+    {"--elements-through", hasElements, kNoElements, kElements},
+    {"--linear", hasElements, kNoElements, kElements},
+    {"--patch-radius", hasElements, kNoElements, kElements},
+    {"--shells", hasElements, kNoElements, kElements},
+    {"--plane-stress", hasElements, kNoElements, kElements},
     {"--patch-radius", hasPatches, "without rigid patches", "Add --joints patch"},
     {"--neck-width", hasNecks, kNoNeck, kNeck},
     {"--neck-length", hasNecks, kNoNeck, kNeck},
@@ -242,7 +250,7 @@ constexpr OptionEffect kExportEffects[] = {
     {"--elements-per-edge", countsElements, "next to --element-size", "Use only one of them"},
     {"--elements-through", hasSolids, "in shells and plane elements",
      "Remove --shells and --plane-stress"},
-    {"--sets", hasElements, "without finite elements", "Export inp or msh"},
+    {"--sets", hasElements, kNoElements, kElements},
     {"--deck-solver", hasDeck, kNoDeck, kDeck},
     {"--youngs", hasDeck, kNoDeck, kDeck},
     {"--poisson", hasDeck, kNoDeck, kDeck},
@@ -417,7 +425,6 @@ void requireEffect(const OptionContext& context, const std::set<std::string>& gi
     if (!mayAsk(effect, context) || effect.holds(context)) continue;
     for (const CLI::Option* option : optionsOf(effect, *context.command)) {
       if (!given.contains(option->get_name())) continue;
-      if (describesSolid(option->get_name(), context)) continue;
       throw InputError(fmt::format("error: {0} has no effect {1}. {2} or remove {0}",
                                    option->get_name(), effect.reason, effect.remedy));
     }

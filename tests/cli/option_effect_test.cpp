@@ -111,14 +111,24 @@ std::multimap<std::string, Case> cases() {
   all.insert({"Camera", {nothing + Words{"--zoom", "2"}, {"--frames"}}});
   const Words stl = {"export", "run", "--format", "stl"};
   const Words inp = {"export", "run", "--format", "inp"};
-  all.insert({"Elements (inp, msh)",
+  all.insert({"--joints",
               {{"export", "run", "--format", "obj", "--joints", "neck"}, {"--format", "stl"}}});
-  all.insert({"Elements (inp, msh)",
-              {stl + Words{"--joints", "neck", "--shells"}, {"--format", "msh"}}});
-  all.insert({"Elements (inp, msh)", {stl + Words{"--shells"}, {"--format", "msh"}}});
-  all.insert({"Elements (inp, msh)",
-              {{"export", "run", "--format", "dxf", "--kerf", "0.1"},
-               {"--format", "inp", "--joints", "neck"}}});
+  all.insert({"--shells", {stl + Words{"--joints", "neck", "--shells"}, {"--format", "msh"}}});
+  for (const auto& [option, value] : std::map<std::string, Words>{{"--elements-per-edge", {"2"}},
+                                                                  {"--element-size", {"0.1"}},
+                                                                  {"--elements-through", {"2"}},
+                                                                  {"--linear", {}},
+                                                                  {"--shells", {}}}) {
+    all.insert({option, {stl + Words{option} + value, {"--format", "msh"}}});
+  }
+  all.insert({"--patch-radius", {stl + Words{"--joints", "patch", "--patch-radius", "0.1"}, {}}});
+  all.insert(
+      {"--plane-stress", {stl + Words{"--joints", "neck", "--plane-stress"}, {"--format", "msh"}}});
+  for (const std::string option : {"--neck-width", "--neck-length", "--neck-radius", "--kerf"}) {
+    all.insert({option,
+                {{"export", "run", "--format", "dxf", option, "0.1"},
+                 {"--format", "inp", "--joints", "neck"}}});
+  }
   all.insert({"--patch-radius", {inp + Words{"--patch-radius", "0.1"}, {"--joints", "patch"}}});
   for (const std::string option : {"--neck-width", "--neck-length", "--neck-radius", "--kerf"}) {
     all.insert({option, {inp + Words{option, "0.1"}, {"--joints", "neck"}}});
