@@ -2,10 +2,7 @@
 // in a plane. A flat sheet lies in it; of any other sheet it is seen along the axis in which it is
 // thinnest.
 //
-// - Axes: the smallest rectangle round a set of points has a side along an edge of their convex
-//   hull (H. Freeman, R. Shapira, Determining the minimum-area encasing rectangle for an arbitrary
-//   closed curve, Commun. ACM 18, 1975). All hull edges are tried. Equal rectangles: the one that
-//   is turned least from the world's axes.
+// - Axes: the sides of the smallest rectangle around all points.
 // - An edge whose midpoint sees another edge on its way out along the axis is inside: it is a bank
 //   of a slit or lies at a hole.
 
@@ -13,71 +10,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
+#include <utility>
+
+#include "sim/model/sheet_frame.h"
 
 namespace kirireel::fea {
 namespace {
 
-using Plane = Eigen::Vector2d;
-
 constexpr double kFlatSheet = 1e-3;      ///< of the size: tiles lie side by side
-constexpr double kSameExtent = 1e-9;     ///< relative: rectangles count as equal
+constexpr double kSameExtent = 1e-9;     ///< relative
 constexpr double kSameDirection = 1e-6;  ///< radians
-
-double crossOf(const Plane& a, const Plane& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// Anticlockwise, without points on straight sides (Andrew's monotone chain).
-std::vector<Plane> convexHull(std::vector<Plane> points) {
-  const auto before = [](const Plane& a, const Plane& b) {
-    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
-  };
-  std::ranges::sort(points, before);
-  std::vector<Plane> hull;
-  const auto append = [&hull](const Plane& point, std::size_t first) {
-    while (hull.size() >= first + 2 &&
-           crossOf(hull.back() - hull[hull.size() - 2], point - hull[hull.size() - 2]) <= 0) {
-      hull.pop_back();
-    }
-    hull.push_back(point);
-  };
-  for (const Plane& point : points) append(point, 0);
-  const std::size_t upper = hull.size() - 1;
-  for (auto point = points.rbegin(); point != points.rend(); ++point) append(*point, upper);
-  hull.pop_back();
-  return hull;
-}
-
-/// The area of the rectangle round the points whose sides are turned so from the axes.
-double rectangleArea(const std::vector<Plane>& points, double angle) {
-  const Eigen::Rotation2Dd back(-angle);
-  Eigen::AlignedBox2d box;
-  for (const Plane& point : points) box.extend(back * point);
-  return box.sizes().prod();
-}
-
-/// The turn of the smallest rectangle's sides from the axes, in (-pi / 4, pi / 4].
-double turnOfSheet(const std::vector<Plane>& points) {
-  const std::vector<Plane> hull = convexHull(points);
-  double best = 0;
-  double least = rectangleArea(hull, 0);
-  for (std::size_t k = 0; k < hull.size(); ++k) {
-    const Plane side = hull[(k + 1) % hull.size()] - hull[k];
-    const double quarter = std::numbers::pi / 2;
-    double angle = std::atan2(side.y(), side.x());
-    angle -= quarter * std::ceil(angle / quarter - 0.5);
-    const double area = rectangleArea(hull, angle);
-    const bool isSame = std::abs(area - least) <= kSameExtent * least;
-    const bool isTurnedLess = std::abs(angle) < std::abs(best) - kSameDirection;
-    if (isSame ? isTurnedLess : area < least) {
-      best = angle;
-      least = area;
-    }
-  }
-  return best;
-}
 
 /// Polygons seen along one of the sheet's axes.
 class EndFinder {
@@ -148,7 +90,7 @@ class EndFinder {
 EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons, double tileSize) {
   EndEdges ends;
   Eigen::AlignedBox3d box;
-  std::vector<Plane> points;
+  std::vector<Eigen::Vector2d> points;
   for (const auto& polygon : polygons) {
     for (const Vector3& point : polygon) {
       box.extend(point);
@@ -158,7 +100,7 @@ EndEdges findEndEdges(const std::vector<std::vector<Vector3>>& polygons, double 
   if (points.empty()) return ends;
   ends.isFlat = box.sizes().z() <= kFlatSheet * box.sizes().norm();
   if (ends.isFlat) {
-    const double turn = turnOfSheet(points);
+    const double turn = model::smallestRectangleAngle(std::move(points), 0);
     ends.axes = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
   }
   const EndFinder finder(polygons, ends.axes, tileSize);

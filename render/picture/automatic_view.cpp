@@ -10,10 +10,9 @@
 //
 // The set of directions is fixed in the axes of the first state. z is its normal if it is flat and
 // nothing else defines the upward direction, else the world's z. The other axes are the sides of
-// the smallest rectangle around it (H. Freeman, R. Shapira, "Determining the minimum-area encasing
-// rectangle", 1975). The choice therefore rotates with the model, and the first state is upright
-// even if the alignment to the target has rotated it. A rectangle that is hardly smaller than the
-// one along the axes of the file does not rotate the picture.
+// the smallest rectangle around it. The choice therefore rotates with the model, and the first
+// state is upright even if the alignment to the target has rotated it. A rectangle that is hardly
+// smaller than the one along the axes of the file does not rotate the picture.
 #include "render/picture/automatic_view.h"
 
 #include <algorithm>
@@ -95,41 +94,14 @@ Axes turned(const Axes& axes, double angle) {
   return {c * axes.x + s * axes.y, c * axes.y - s * axes.x, axes.z};
 }
 
-/// The angle in (-45, 45] degrees that aligns axes with the smallest rectangle around points; 0 if
-/// that is hardly smaller than the one along the axes.
-double uprightAngle(std::span<const Vector3> points, const Axes& axes) {
-  std::vector<Eigen::Vector2d> flat;
-  for (const Vector3& point : points) flat.emplace_back(axes.x.dot(point), axes.y.dot(point));
-  const std::vector<Eigen::Vector2d> outline = model::convexOutline(std::move(flat));
-  const auto areaAt = [&outline](double angle) {
-    const Eigen::Vector2d x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
-    Eigen::AlignedBox2d box;
-    for (const Eigen::Vector2d& point : outline)
-      box.extend(Eigen::Vector2d(x.dot(point), y.dot(point)));
-    return box.volume();
-  };
-  constexpr double kQuarter = std::numbers::pi / 2;
-  double best = 0, least = (1 - kUprightGain) * areaAt(0);
-  for (std::size_t k = 0; k < outline.size(); ++k) {
-    const Eigen::Vector2d side = outline[(k + 1) % outline.size()] - outline[k];
-    const double along = std::atan2(side.y(), side.x());
-    double angle = along - kQuarter * std::round(along / kQuarter);
-    if (angle < -kQuarter / 2 + kRounding) angle += kQuarter;
-    const double area = areaAt(angle);
-    // Of equal rectangles the one with the smallest rotation, anticlockwise if there are two.
-    const bool isEqual = std::abs(area - least) <= kRounding * least;
-    const bool turnsLess = std::abs(angle) < std::abs(best) - kRounding ||
-                           (std::abs(angle) < std::abs(best) + kRounding && angle > best);
-    if (isEqual && best != 0 ? !turnsLess : area > least) continue;
-    best = angle;
-    least = area;
-  }
-  return best;
-}
-
+/// The axes along a normal whose x and y are sides of the smallest rectangle around the start.
 Axes upright(const Tiles& start, const Vector3& normal) {
   const Axes axes = axesAcross(normal);
-  return turned(axes, uprightAngle(verticesOf(std::span(&start, 1)), axes));
+  std::vector<Eigen::Vector2d> points;
+  for (const Vector3& point : verticesOf(std::span(&start, 1))) {
+    points.emplace_back(axes.x.dot(point), axes.y.dot(point));
+  }
+  return turned(axes, model::smallestRectangleAngle(std::move(points), kUprightGain));
 }
 
 /// The normal of the layer that contains all points, if there is one. Its sign is undefined.
@@ -210,14 +182,9 @@ struct TriangulatedState {
   explicit TriangulatedState(const Tiles& tiles) {
     for (const model::Tile& tile : tiles) {
       const int first = static_cast<int>(points.size());
-      const int count = static_cast<int>(tile.vertices.size());
       const Vector3 normal = model::tileNormal(tile);
       points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
       area += model::tileArea(tile);
-      if (model::isConvexPolygon(tile.vertices, normal)) {
-        for (int k = 2; k < count; ++k) triangles.push_back({first, first + k - 1, first + k});
-        continue;
-      }
       for (const auto& [a, b, c] : model::trianglesOf(tile.vertices, normal)) {
         triangles.push_back({first + a, first + b, first + c});
       }

@@ -6,6 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "sim/model/convex_parts.h"
 
 namespace kirireel::model {
 namespace {
@@ -15,6 +21,19 @@ constexpr double kEvenArea = 1e-9;
 
 // Of the model's size: differences that come from rounding.
 constexpr double kFlat = 1e-9;
+
+/// Relative areas, and angles in radians, that differ by less are equal.
+constexpr double kSameRectangle = 1e-7;
+
+/// The area of the rectangle around points whose sides are rotated so from the axes.
+double rectangleArea(const std::vector<Eigen::Vector2d>& points, double angle) {
+  const Eigen::Vector2d x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& point : points) {
+    box.extend(Eigen::Vector2d(x.dot(point), y.dot(point)));
+  }
+  return box.volume();
+}
 
 }  // namespace
 
@@ -65,6 +84,27 @@ std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tole
   frame = frameAlong(meanNormal(tiles, tileNormal(tiles.front())), tiles.front().vertices.front());
   if (!isParallel(frame, tiles, tolerance)) return std::nullopt;
   return frame;
+}
+
+double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain) {
+  constexpr double kQuarter = std::numbers::pi / 2;
+  const std::vector<Eigen::Vector2d> outline = convexOutline(std::move(points));
+  double best = 0, least = (1 - gain) * rectangleArea(outline, 0);
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d side = outline[(k + 1) % outline.size()] - outline[k];
+    const double along = std::atan2(side.y(), side.x());
+    double angle = along - kQuarter * std::round(along / kQuarter);
+    if (angle < -kQuarter / 2 + kSameRectangle) angle += kQuarter;
+    const double area = rectangleArea(outline, angle);
+    const bool isEqual = std::abs(area - least) <= kSameRectangle * least;
+    const double more = std::abs(angle) - std::abs(best);
+    const bool turnsLess =
+        more < -kSameRectangle || (more < kSameRectangle && best != 0 && angle > best);
+    if (isEqual ? !turnsLess : area > least) continue;
+    best = angle;
+    least = area;
+  }
+  return best;
 }
 
 bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double tolerance) {

@@ -65,6 +65,14 @@ double flatTolerance(const Model& model);
 /// its vertices anticlockwise; to the side of `ifEven` if no side has more. At least one tile.
 Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven);
 
+/// The angle in (-45, 45] degrees from the axes to the sides of the smallest rectangle around
+/// points in the plane, radians. 0 unless its area is smaller than that of the rectangle along the
+/// axes by more than the fraction `gain`, in [0, 1). Of equal rectangles, the one with the smallest
+/// rotation, anticlockwise if there are two. A side of the rectangle lies along a side of the
+/// convex hull (H. Freeman, R. Shapira, Determining the minimum-area encasing rectangle for an
+/// arbitrary closed curve, Commun. ACM 18, 1975): all are tried.
+double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain);
+
 /// Whether all vertices lie in one plane parallel to the frame's, to the tolerance in metres.
 bool isParallel(const SheetFrame& frame, const std::vector<Tile>& tiles, double tolerance);
 
