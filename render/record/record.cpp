@@ -125,8 +125,7 @@ struct RunEnd {
 void nameInterruption(const std::string& by, deploy::DeploymentResult& result) {
   if (result.outcome != deploy::Outcome::Interrupted) return;
   result.reason = "interrupted by " + by;
-  result.trajectory.events.back().text =
-      fmt::format("{}: {}", deploy::toString(result.outcome), result.reason);
+  result.trajectory.events.back().text = deploy::endText(result.outcome, result.reason);
 }
 
 /// Field by field, since a summary also has what recording adds.

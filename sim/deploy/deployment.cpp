@@ -414,8 +414,7 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   if (!faults.empty()) {
     result.reason = hasReason ? result.shortfall : result.reason + "; " + result.shortfall;
   }
-  result.trajectory.events.back().text =
-      fmt::format("{}: {}", toString(result.outcome), result.reason);
+  result.trajectory.events.back().text = endText(result.outcome, result.reason);
 }
 
 /// Whether a flat sheet should search a path through space. This applies to kinematic paths to a

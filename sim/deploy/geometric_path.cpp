@@ -290,8 +290,7 @@ DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
                                         : Outcome::Settled;
   result.reason = walk.isInterrupted() ? "ended early by the caller"
                                        : endOf(scene, found, error, result.assembledError);
-  result.trajectory.events.push_back(
-      {walk.time(), fmt::format("{}: {}", toString(result.outcome), result.reason)});
+  result.trajectory.events.push_back({walk.time(), endText(result.outcome, result.reason)});
   result.needs = scene::sceneNeeds(walked);
   result.needs.contacts = {found.contacts != scene::ContactFilter::None, found.contactReason};
   result.path = walked.path;

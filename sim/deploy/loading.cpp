@@ -330,8 +330,8 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
     result.reason += fmt::format(", through {} equilibria", loaded.states.size());
   } else if (loaded.extent && !leading.name.isTurn) {
     const bool isOut = movesOutwards(bricks, loaded.states.front().poses, leading);
-    result.reason = fmt::format("fully {} at {:.4g} m, at the load {:.4g}",
-                                isOut ? "extended" : "closed", *loaded.extent, last.load);
+    result.reason = fmt::format("fully {} at {}, at the load {:.4g}", isOut ? "extended" : "closed",
+                                lengthText(*loaded.extent, scene.model.unit, 4), last.load);
   } else {
     result.reason = loaded.trouble;
   }
@@ -346,14 +346,13 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
   if (grown > kClearShare * tile) {
     result.outcome = Outcome::Locked;
     result.forbiddenOverlap = grown;
-    result.shortfall =
-        fmt::format("tiles overlap by up to {:.2g} m ({:.2g} tiles): equilibria under grips have "
-                    "no contacts, and the sheet is pressed through itself",
-                    grown, grown / tile);
+    result.shortfall = fmt::format(
+        "tiles overlap by up to {}: equilibria under grips have no contacts, and the "
+        "sheet is pressed through itself",
+        model::lengthInTiles(grown, scene.model));
     result.reason += "; " + result.shortfall;
   }
-  result.trajectory.events.back().text =
-      fmt::format("{}: {}", toString(result.outcome), result.reason);
+  result.trajectory.events.back().text = endText(result.outcome, result.reason);
 }
 
 }  // namespace

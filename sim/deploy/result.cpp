@@ -1,5 +1,7 @@
 #include "sim/deploy/result.h"
 
+#include <fmt/format.h>
+
 namespace kirireel::deploy {
 
 std::string toString(Outcome outcome) {
@@ -16,6 +18,10 @@ std::string toString(Outcome outcome) {
       return "interrupted";
   }
   return "unknown";
+}
+
+std::string endText(Outcome outcome, const std::string& reason) {
+  return fmt::format("{}: {}", toString(outcome), reason);
 }
 
 }  // namespace kirireel::deploy

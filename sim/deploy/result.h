@@ -31,6 +31,9 @@ enum class Outcome {
 /// "settled", "locked", "out_of_time", "diverged", "interrupted".
 std::string toString(Outcome outcome);
 
+/// The text of the last event of a run: its outcome and the reason. Summaries repeat both.
+std::string endText(Outcome outcome, const std::string& reason);
+
 /// Name of DeploymentResult::assembledError in files.
 inline constexpr const char* kAssembledError = "assembled_error";
 

@@ -203,8 +203,7 @@ StepReport Run::advanceBricks() {
 
 // Records the end of the run once, as the last event.
 void Run::end(RunEnding ending) {
-  recorder_.events().push_back(
-      {time(), fmt::format("{}: {}", toString(ending.outcome), ending.reason)});
+  recorder_.events().push_back({time(), endText(ending.outcome, ending.reason)});
   ending_ = std::move(ending);
 }
 
