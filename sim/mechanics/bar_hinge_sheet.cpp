@@ -48,6 +48,7 @@ double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
 // coordinate: k scale^2 for a bar, about its own stiffness for a fold, both joules.
 BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
     : model_(std::move(model)), grips_(std::move(grips)), scale_(meanLength(model_.bars)) {
+  if (!model_.nodes.empty()) origin_ = model_.nodes.front();
   for (const Bar& bar : model_.bars) {
     stiffness_ = std::max(stiffness_, bar.stiffness * scale_ * scale_);
   }
@@ -84,11 +85,12 @@ void BarHingeSheet::addRows() {
   offset_ = jacobian_ * startCoordinates();
 }
 
-// Coordinates 3 i to 3 i + 2 are the position of node i over the length scale.
+// Coordinates 3 i to 3 i + 2 are the position of node i from the first one's start over the length
+// scale. Far from the origin, they keep all their digits.
 BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
   Vector q(unknowns());
   for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
-    q.segment<3>(3 * static_cast<Eigen::Index>(i)) = model_.nodes[i] / scale_;
+    q.segment<3>(3 * static_cast<Eigen::Index>(i)) = (model_.nodes[i] - origin_) / scale_;
   }
   return q;
 }
@@ -100,17 +102,17 @@ Poses BarHingeSheet::posesAt(const Vector& q) const {
   for (std::size_t t = 0; t < poses.size(); ++t) {
     std::vector<Vector3> before, now;
     for (const int node : model_.tiles[t]) {
-      before.push_back(model_.nodes[static_cast<std::size_t>(node)]);
+      before.push_back(model_.nodes[static_cast<std::size_t>(node)] - origin_);
       now.push_back(place(node, q));
     }
     const model::RigidMotion motion = model::bestRigidMotion(before, now);
-    poses[t].position = motion.apply(poses[t].position);
+    poses[t].position = origin_ + motion.apply(poses[t].position - origin_);
     poses[t].rotation = (Quaternion(motion.rotation) * poses[t].rotation).normalized();
   }
   return poses;
 }
 
-// The positions of a fold's four nodes, metres, in the order of FoldPoints.
+// The positions of a fold's four nodes from the origin, metres, in the order of FoldPoints.
 FoldPoints BarHingeSheet::pointsOf(const Fold& fold, const Vector& q) const {
   FoldPoints points;
   std::ranges::transform(fold.nodes, points.begin(), [&](int node) { return place(node, q); });

@@ -68,7 +68,8 @@ struct BarHingeModel {
   Poses start;                          ///< of the tiles
 };
 
-/// A sheet of bars and hinges. Its coordinates are the positions of its nodes in length scales.
+/// A sheet of bars and hinges. Its coordinates are the positions of its nodes from the start of the
+/// first one in length scales.
 class BarHingeSheet : public LoadedSheet {
  public:
   /// The length scale is the mean length of the bars. Node indices in bars, folds and grips must be
@@ -97,13 +98,15 @@ class BarHingeSheet : public LoadedSheet {
   double force(std::size_t grip, double load, const Vector& multipliers) const override;
 
  private:
+  /// The position of a node from the origin, metres.
   Vector3 place(int node, const Vector& q) const { return scale_ * q.segment<3>(3 * node); }
   FoldPoints pointsOf(const Fold& fold, const Vector& q) const;
   void addRows();
 
   BarHingeModel model_;
   std::vector<NodeGrip> grips_;
-  double scale_ = 1;      // metres
+  Vector3 origin_ = Vector3::Zero();  // the first node at the start, metres
+  double scale_ = 1;                  // metres
   double stiffness_ = 0;  // joules
   Matrix jacobian_;
   Vector offset_, motion_;

@@ -239,5 +239,19 @@ TEST(BarHingeSheets, StayOnTheirBranchAsAWaterbombIsPressedThrough) {
   }
 }
 
+// A thousand sizes away, coordinates of positions would lose three digits of what bars need.
+TEST(BarHingeSheets, FollowTheSamePathFarFromTheOrigin) {
+  const Waterbomb near(0.1);
+  Waterbomb far = near;
+  for (Vector3& node : far.model.nodes) node += Vector3(1234.5, -987.6, 543.2);
+  const mechanics::LoadPath path = mechanics::followLoad(near.sheet(), 0, {}, {});
+  const mechanics::LoadPath moved = mechanics::followLoad(far.sheet(), 0, {}, {});
+  ASSERT_TRUE(path.arrives) << path.trouble;
+  ASSERT_TRUE(moved.arrives) << moved.trouble;
+  const mechanics::Equilibrium &a = path.states.back(), &b = moved.states.back();
+  EXPECT_NEAR(b.energy / a.energy, 1, 1e-7);        // measured 2e-13
+  EXPECT_NEAR(b.forces[0] / a.forces[0], 1, 1e-7);  // measured 2e-13
+}
+
 }  // namespace
 }  // namespace kirireel
