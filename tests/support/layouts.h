@@ -32,6 +32,15 @@ inline model::TessellationShape squares(int columns, int rows, double angle) {
   return shape;
 }
 
+/// The model's start, turned about z.
+inline model::Model turned(model::Model model, double degrees) {
+  const Quaternion turn = rotationFromVector({0, 0, degrees * kDegree});
+  for (model::Tile& tile : model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
+  }
+  return model;
+}
+
 /// Four squares in a ring of hinges: one degree of freedom.
 inline Layout hingedSquares(double angle = 0.7) {
   const model::Model model = model::makeTessellation(squares(2, 2, angle));

@@ -22,6 +22,7 @@ namespace kirireel {
 namespace {
 
 using test::kOrigin;
+using test::turned;
 using ::testing::HasSubstr;
 
 fea::ElementRule plane(double width, int perEdge) {
@@ -29,14 +30,6 @@ fea::ElementRule plane(double width, int perEdge) {
           .joints = fea::JointStyle::Neck,
           .family = fea::ElementFamily::Plane,
           .neck = {.width = width}};
-}
-
-model::Model turned(model::Model model, double degrees) {
-  const Quaternion turn = rotationFromVector({0, 0, degrees * kDegree});
-  for (model::Tile& tile : model.tiles) {
-    for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
-  }
-  return model;
 }
 
 /// What a periodic job gives in its first step.

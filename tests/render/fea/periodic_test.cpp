@@ -17,15 +17,8 @@
 namespace kirireel {
 namespace {
 
+using test::turned;
 using ::testing::HasSubstr;
-
-model::Model turned(model::Model model, double degrees) {
-  const Quaternion turn = rotationFromVector({0, 0, degrees * kDegree});
-  for (model::Tile& tile : model.tiles) {
-    for (Vector3& vertex : tile.vertices) vertex = turn * vertex;
-  }
-  return model;
-}
 
 fea::SheetLattice latticeOf(const model::Model& model) {
   std::vector<std::vector<Vector3>> tiles;
