@@ -208,16 +208,16 @@ def ofRun(place, t, out):
 
 def inspect(place, t, out):
     """Its lengths are in metres; "size" is the diagonal of a box along the axes and no measure of the sheet."""
-    told = json.loads(run("inspect", place, *t.options, "--json"))
+    report = json.loads(run("inspect", place, *t.options, "--json"))
     numbers = []
     for state in ("start", "target"):
-        if state not in told or told[state] is None:
+        if state not in report or report[state] is None:
             continue
-        numbers.append(len(told[state]["overlaps"]))
+        numbers.append(len(report[state]["overlaps"]))
         for space in ("plane", "space"):
-            found = told[state]["mobility"].get(space)
+            found = report[state]["mobility"].get(space)
             numbers += [-1] if not found else [found["degrees_of_freedom"], found["redundant"]]
-    return {"numbers": numbers, "lengths": [told["tile_size"] * t.scale / metres(t)]}
+    return {"numbers": numbers, "lengths": [report["tile_size"] * t.scale / metres(t)]}
 
 
 def path(place, t, out):
@@ -394,10 +394,10 @@ def converted(form):
 def planar(place, t, out):
     os.makedirs(out)
     run("convert", place, *t.options, os.path.join(out, "p_vertices.txt"))
-    told = json.loads(run("inspect", os.path.join(out, "p_vertices.txt"), *t.options, "--json"))
+    report = json.loads(run("inspect", os.path.join(out, "p_vertices.txt"), *t.options, "--json"))
     tiles = [np.array(line.split(), float).reshape(-1, 2) for line in open(os.path.join(out, "p_vertices.txt"))]
     sides = [np.linalg.norm(tile - np.roll(tile, -1, axis=0), axis=1).sum() for tile in t.restore(tiles)]
-    return {"lengths": sides, "numbers": [told["start"]["mobility"]["plane"]["degrees_of_freedom"]]}
+    return {"lengths": sides, "numbers": [report["start"]["mobility"]["plane"]["degrees_of_freedom"]]}
 
 
 def metres(t):

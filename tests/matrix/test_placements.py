@@ -24,8 +24,8 @@ SMALL = {"columns": (2, 4), "rows": (2, 4), "half-columns": (2, 3), "half-size":
 
 def families():
     """Names, each with the options that are in SMALL."""
-    told = run("generate", "--help")
-    names = [line.split()[0] for line in told.splitlines()
+    page = run("generate", "--help")
+    names = [line.split()[0] for line in page.splitlines()
              if line.startswith("  ") and len(line.split()) > 1 and line[2] != " " and not line.strip().startswith("-")]
     return [name for name in names if name[0].islower() and name not in ("kirireel",)]
 
@@ -33,12 +33,12 @@ def families():
 def make(family, rng, folder):
     """A small random model of the family; None if the program has none with these values."""
     try:
-        told = run("generate", family, "--help")
+        page = run("generate", family, "--help")
     except Failure:
         return None
     options = []
     for name, (least, most) in SMALL.items():
-        if f"--{name} " in told:
+        if f"--{name} " in page:
             options += [f"--{name}", str(rng.integers(least, most + 1))]
     try:
         run("generate", family, folder, *options)
@@ -66,9 +66,9 @@ def place(rng):
 
 def outcome(folder, t, out):
     run("simulate", folder, *t.options, "--search", "5", "--out", out)
-    told = json.load(open(os.path.join(out, "summary.json")))
-    words = [told["outcome"], told["path"]["kind"], told["needs"]["planar"]["on"], told["needs"]["contacts"]["on"],
-             told.get("at_target")]
+    summary = json.load(open(os.path.join(out, "summary.json")))
+    words = [summary["outcome"], summary["path"]["kind"], summary["needs"]["planar"]["on"], summary["needs"]["contacts"]["on"],
+             summary.get("at_target")]
     return words, {"points": test_matrix.readTiles(os.path.join(out, "final_vertices.txt"))}
 
 

@@ -59,8 +59,8 @@ def ofGmsh(unit):
         with open(script, "w") as text:
             text.write(f'Merge "{file}";\nBoundingBox;\nPrintf("box %.17g %.17g %.17g", General.MaxX - General.MinX, '
                        "General.MaxY - General.MinY, General.MaxZ - General.MinZ);\n")
-        told = subprocess.run(["gmsh", script, "-0", "-v", "3"], capture_output=True, text=True)
-        return max(map(float, re.search(r"box (\S+) (\S+) (\S+)", told.stdout + told.stderr).groups())) * unit
+        end = subprocess.run(["gmsh", script, "-0", "-v", "3"], capture_output=True, text=True)
+        return max(map(float, re.search(r"box (\S+) (\S+) (\S+)", end.stdout + end.stderr).groups())) * unit
     return measure
 
 
@@ -110,8 +110,8 @@ def ofDxf(file):
 
 
 def ofFold(file):
-    told = json.load(open(file))
-    return widest(told["vertices_coords"]) * UNITS[told["frame_unit"]]
+    sheet = json.load(open(file))
+    return widest(sheet["vertices_coords"]) * UNITS[sheet["frame_unit"]]
 
 
 def ofText(unit):
