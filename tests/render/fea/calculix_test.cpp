@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/export/export.h"
 #include "render/fea/deck.h"
 #include "render/fea/element_mesh.h"
 #include "render/fea/job.h"
@@ -114,11 +115,12 @@ TEST(Bending, OfACantileverIsThatOfABeam) {
   EXPECT_LT(linear, 1.02);
 }
 
-/// The deflection at the middle of a square plate 50 times as wide as thick under its own weight,
-/// as a part of c q a^4 / D. `isHeld` tells which nodes are held by which axes.
-double plate(double coefficient, const std::string& held) {
-  const Layout layout = strip(1, 1, 0.02);
-  const fea::ElementMesh mesh = fea::makeElementMesh(layout.bricks, {}, layout.poses, {});
+/// The deflection at the middle of a square plate of 1 m under its own weight, as a part of
+/// c q a^4 / D. `held` tells which nodes are held by which axes.
+double plate(double coefficient, const std::string& held, double thickness = 0.02,
+             const fea::ElementRule& rule = {}) {
+  const Layout layout = strip(1, 1, thickness);
+  const fea::ElementMesh mesh = fea::makeElementMesh(layout.bricks, {}, layout.poses, rule);
   std::vector<int> corners;
   for (const auto& edge : mesh.tiles[0].edges) corners.push_back(edge.front());
   std::string sets;
@@ -134,17 +136,79 @@ double plate(double coefficient, const std::string& held) {
   const JobEnd end =
       run(fea::meshDeck(mesh, {}, kOrigin),
           ownJob(sets, boundary, "*DLOAD\nEALL, GRAV, 9.81, 0., 0., -1.\n", "MIDDLE"));
-  const double stiffness = 1e9 * 8e-6 / (12 * (1 - 0.09));
-  return -displacements(end.data).at(0).z() / (coefficient * 1000 * 9.81 * 0.02 / stiffness);
+  const double stiffness = 1e9 * std::pow(thickness, 3) / (12 * (1 - 0.09));
+  return -displacements(end.data).at(0).z() / (coefficient * 1000 * 9.81 * thickness / stiffness);
 }
+
+constexpr const char* kClampedEdges = "XMIN, 1, 3\nXMAX, 1, 3\nYMIN, 1, 3\nYMAX, 1, 3\n";
 
 TEST(Bending, OfPlatesIsThatOfKirchhoff) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
   // Coefficients of Timoshenko and Woinowsky-Krieger, Theory of Plates and Shells: clamped on all
   // edges 0.001265; resting on its four corners 0.0255 (Poisson's ratio 0.3).
-  const double clamped = plate(0.001265, "XMIN, 1, 3\nXMAX, 1, 3\nYMIN, 1, 3\nYMAX, 1, 3\n");
+  const double clamped = plate(0.001265, kClampedEdges);
   EXPECT_NEAR(clamped, 1, 0.02);                          // measured: 0.989
   EXPECT_NEAR(plate(0.0255, "CORNER, 3, 3\n"), 1, 0.02);  // measured: 1.014
+}
+
+/// By how much a clamped square deflects too little, as exportWarnings() says; 0 without a warning.
+double errorInWarning(double thickness, const fea::ElementRule& rule) {
+  const Layout layout = strip(1, 1, thickness);
+  trajectory::Trajectory run;
+  run.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  run.bricks = layout.bricks;
+  run.samples.push_back({.time = 0, .poses = layout.poses});
+  const test::TemporaryFolder folder;
+  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  exports::ExportSettings settings;
+  settings.states = {"initial"};
+  settings.formats = {"msh"};
+  settings.elements = rule;
+  for (const std::string& line : exports::exportWarnings(
+           trajectory::TrajectoryReader(folder / "trajectory.h5"), settings)) {
+    const std::size_t place = line.find("deflects about ");
+    if (place != std::string::npos) return 0.01 * std::atof(line.c_str() + place + 15);
+  }
+  return 0;
+}
+
+TEST(Bending, OfThinPlatesIsThatOfTheWarning) {
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  struct ThinPlate {
+    int perEdge;
+    double slenderness;
+    bool isQuadratic;
+    double measured;
+  };
+  for (const ThinPlate& one : {ThinPlate{8, 50, true, 0.989},
+                               {8, 100, true, 0.979},
+                               {8, 200, true, 0.953},
+                               {8, 500, true, 0.831},
+                               {8, 1000, true, 0.617},
+                               {4, 50, true, 0.808},
+                               {4, 100, true, 0.577},
+                               {4, 200, true, 0.393},
+                               {4, 500, true, 0.307},
+                               {4, 1000, true, 0.293},
+                               {16, 100, true, 0.994},
+                               {16, 200, true, 0.992},
+                               {16, 500, true, 0.991},
+                               {16, 1000, true, 0.985},
+                               {8, 50, false, 0.831},
+                               {8, 100, false, 0.581},
+                               {8, 200, false, 0.266},
+                               {8, 500, false, 0.055},
+                               {8, 1000, false, 0.014},
+                               {16, 50, false, 0.98}}) {
+    SCOPED_TRACE(fmt::format("{} elements, {} times", one.perEdge, one.slenderness));
+    const fea::ElementRule rule{.perEdge = one.perEdge, .quadratic = one.isQuadratic};
+    const double found = plate(0.001265, kClampedEdges, 1 / one.slenderness, rule);
+    EXPECT_NEAR(found, one.measured, 0.01);
+    EXPECT_NEAR(1 - found, errorInWarning(1 / one.slenderness, rule), 0.13);
+    if (found > 0.98) {
+      EXPECT_EQ(errorInWarning(1 / one.slenderness, rule), 0);
+    }
+  }
 }
 
 /// A job on shells of 0.02 m.
