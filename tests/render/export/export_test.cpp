@@ -1,6 +1,7 @@
 #include "render/export/export.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -239,6 +240,41 @@ TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
                           "bend more truly; choose with --elements-per-edge or --element-size"));
   settings.elements.perEdge = 2;
   EXPECT_THAT(warnings(22, settings), ElementsAre());
+}
+
+TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
+  const auto warnings = [](const std::vector<Vector3>& corners, int perEdge) {
+    trajectory::Trajectory run;
+    run.model.tiles = {model::Tile{corners}};
+    run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
+    run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
+    const TemporaryFolder folder;
+    trajectory::writeTrajectory(run, folder / "trajectory.h5");
+    exports::ExportSettings settings;
+    settings.states = {"initial"};
+    settings.formats = {"msh"};
+    settings.elements.perEdge = perEdge;
+    return exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"),
+                                   settings);
+  };
+  const auto triangle = [](double degrees) {
+    return std::vector<Vector3>{
+        {0, 0, 0}, {1, 0, 0}, {std::cos(degrees * kDegree), std::sin(degrees * kDegree), 0}};
+  };
+  // The figures are those of 8 elements per edge, for any number of them here.
+  for (const int perEdge : {8, 16}) {
+    EXPECT_THAT(
+        warnings(triangle(1), perEdge),
+        ElementsAre(HasSubstr("tile 0 has a corner of 1 degrees, so natural frequencies may "
+                              "be too high: the first five of triangles with 8 elements")));
+  }
+  EXPECT_THAT(warnings(triangle(7), 8), ElementsAre());
+  // A notch of 4 degrees between corners of 88 degrees and more.
+  EXPECT_THAT(
+      warnings(
+          {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0.52, 1, 0}, {0.5, 0.4, 0}, {0.48, 1, 0}, {0, 1, 0}},
+          8),
+      ElementsAre());
 }
 
 TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
