@@ -17,6 +17,7 @@
 #include "render/cli/scene_options.h"
 #include "render/export/export.h"
 #include "render/output/output_folder.h"
+#include "render/record/load_curve_file.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 
@@ -372,7 +373,7 @@ std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
 void addSelectionOptions(OptionGroup& group, record::CurvesSettings& settings) {
   group.value("--curves", "LIST", "all",
               "of the figures, with commas between them: target_error, opening_mean, radius, ...; "
-              "theta is the mean opening",
+              "theta is the mean opening, load_curve the force of grips",
               [&settings](const scene::TypedValue& typed) {
                 for (const std::string& name : splitAtCommas(typed)) {
                   settings.selected.push_back(name);
@@ -429,6 +430,8 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       "and\n"
       "the integrator took, and the forces of joints, pins, grips and contacts; a path of the\n"
       "mechanism is geometry and has none. A field without a value is empty.\n\n"
+      "Figures of a run under grips begin with its load curve: the force of each grip over its\n"
+      "displacement, dashed if the equilibria are unstable. --curves load_curve selects it.\n\n"
       "Examples:\n"
       "  kirireel curves out/tessellation_4x4 --plot pdf\n"
       "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85\n"
@@ -457,14 +460,15 @@ int carryOut(const CurvesOrder& order) {
   for (const std::filesystem::path& run : order.runs) {
     auto reader = std::make_unique<trajectory::TrajectoryReader>(run);
     std::string name = std::filesystem::absolute(run).parent_path().filename().string();
-    runs.push_back({std::move(name), std::move(reader)});
+    runs.push_back({std::move(name), std::move(reader), record::readLoadCurve(run)});
   }
   for (const std::string& name : record::writeCurves(runs, settings)) {
     fmt::print("{}\n", (settings.folder / name).string());
   }
-  const bool allHaveMechanics = std::ranges::all_of(
-      runs, [](const record::NamedRun& run) { return run.reader->hasMechanics(); });
-  if (!allHaveMechanics) {
+  const bool allHaveForces = std::ranges::all_of(runs, [](const record::NamedRun& run) {
+    return run.reader->hasMechanics() || run.loadCurve;
+  });
+  if (!allHaveForces) {
     fmt::print(stderr, "note: {}\n", spellOptions(trajectory::kNoMechanics));
   }
   return kExitDone;

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -32,6 +33,10 @@ namespace {
 constexpr const char* kTable = "curves.csv";
 // The column that --against opening takes.
 constexpr const char* kOpening = "opening_mean_deg";
+// Selects the curves of loadCurvesOf().
+constexpr const char* kLoadCurves = "load_curve";
+// Smaller displacements, of the model's size or in radians, are rounding.
+constexpr double kStillGrip = 1e-9;
 
 /// A name for each format: a folder can have all of them.
 const char* fileOf(picture::PageFormat format) {
@@ -67,16 +72,20 @@ const char* columnOf(CurvesAgainst against) {
   return against == CurvesAgainst::Progress ? "progress" : kOpening;
 }
 
+const char* abscissaTitle(CurvesAgainst against) {
+  if (against == CurvesAgainst::Time) return "simulated time, s";
+  return against == CurvesAgainst::Progress ? "share of the motion" : "mean opening, degrees";
+}
+
 /// The values that curves are drawn against, one a sample. They need not rise: a sheet may close
 /// again.
 PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<double>& progress,
                         CurvesAgainst against) {
-  if (against == CurvesAgainst::Time) return {"simulated time, s", curves.times};
-  if (against == CurvesAgainst::Progress) return {"share of the motion", progress};
+  const char* title = abscissaTitle(against);
+  if (against == CurvesAgainst::Time) return {title, curves.times};
+  if (against == CurvesAgainst::Progress) return {title, progress};
   for (const trajectory::Curve* curve : allCurves(curves)) {
-    if (curve->column == kOpening && curve->hasValues()) {
-      return {"mean opening, degrees", curve->values};
-    }
+    if (curve->column == kOpening && curve->hasValues()) return {title, curve->values};
   }
   throw InputError("error: the model has no joints that open; plot --against time or progress");
 }
@@ -132,6 +141,7 @@ PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
   if (across == names.size()) across = 0;
   PlottedRun run;
   run.name = column.file.stem().string();
+  run.abscissa.title = abscissaTitle(against);
   trajectory::Curve curve{column.name, column.name, {}};
   const auto numberOf = [](const std::vector<std::string>& words, std::size_t place) {
     if (place >= words.size() || words[place].empty()) return std::nan("");
@@ -197,6 +207,63 @@ std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& cu
   return selected;
 }
 
+// Between turnings the number of unstable modes is constant. A turning has the number of the part
+// that ends there.
+std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::LoadCurve& curve,
+                                     double modelSize) {
+  const std::vector<mechanics::Equilibrium>& states = curve.states;
+  std::vector<bool> isDashed;
+  for (std::size_t k = 0; k + 1 < states.size(); ++k) {
+    const mechanics::Equilibrium &a = states[k], &b = states[k + 1];
+    // Rounding may give a turning the number beyond it: an ordinary state decides, if there is one.
+    const bool isAtEnd =
+        b.turning != mechanics::Turning::None && a.turning == mechanics::Turning::None;
+    isDashed.push_back((isAtEnd ? a : b).unstableModes > 0);
+  }
+  std::vector<PlottedRun> found;
+  for (std::size_t g = 0; g < curve.grips.size(); ++g) {
+    const auto& [grip, isTurn] = curve.grips[g];
+    std::vector<double> displacements, forces;
+    double largest = 0;
+    for (const mechanics::Equilibrium& state : states) {
+      displacements.push_back(state.displacements[g]);
+      forces.push_back(state.forces[g]);
+      largest = std::max(largest, std::abs(state.displacements[g]));
+    }
+    if (g != curve.leading && largest <= kStillGrip * (isTurn ? 1 : modelSize)) continue;
+    const trajectory::Curve line{grip, kLoadCurves, std::move(forces)};
+    found.push_back(
+        {name,
+         {{isTurn ? "Moment" : "Force", isTurn ? "N m" : "N", false, {line}}},
+         {isTurn ? "rotation of the grip, rad" : "displacement of the grip, m", displacements},
+         isDashed,
+         true});
+  }
+  return found;
+}
+
+namespace {
+
+std::vector<PlottedRun> selectedLoadCurves(const NamedRun& run, const CurvesSettings& settings) {
+  const bool isSelected =
+      settings.selected.empty() ||
+      std::ranges::find(settings.selected, kLoadCurves) != settings.selected.end();
+  if (!run.loadCurve || !isSelected) return {};
+  return loadCurvesOf(run.name, *run.loadCurve, model::modelSize(run.reader->subject().model));
+}
+
+/// The selected curves that are no load curves.
+std::vector<trajectory::CurveGroup> selectOthers(const trajectory::RunCurves& curves,
+                                                 bool hasLoadCurve,
+                                                 const CurvesSettings& settings) {
+  std::vector<std::string> names = settings.selected;
+  if (hasLoadCurve) std::erase(names, kLoadCurves);
+  if (names.empty() && !settings.selected.empty()) return {};
+  return selectCurves(curves, names);
+}
+
+}  // namespace
+
 std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
                                      const CurvesSettings& settings) {
   const auto tableOf = [&runs](std::size_t run) {
@@ -209,6 +276,8 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
   files.requireFree([&names](const std::string& name) {
     return name == output::kContents || std::ranges::find(names, name) != names.end();
   });
+  const bool hasLoadCurve =
+      std::ranges::any_of(runs, [](const NamedRun& run) { return run.loadCurve.has_value(); });
   std::vector<PlottedRun> plotted;
   std::string models;
   std::optional<trajectory::RunCurves> first;
@@ -223,7 +292,10 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
     writeTextFile(files.stage() / tableOf(k), curvesTable(curves, progress));
     models += (models.empty() ? "" : ", ") + run.subject().model.name;
     if (settings.plots.empty()) continue;
-    plotted.push_back({runs[k].name, selectCurves(curves, settings.selected),
+    for (PlottedRun& load : selectedLoadCurves(runs[k], settings)) {
+      plotted.push_back(std::move(load));
+    }
+    plotted.push_back({runs[k].name, selectOthers(curves, hasLoadCurve, settings),
                        abscissaOf(curves, progress, settings.against)});
     if (!first) first = curves;
   }
@@ -270,6 +342,9 @@ constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
 /// Height of a diagram in parts of its width.
 constexpr double kAspect = 0.5;
+/// Of dashed lines, em.
+constexpr double kDash = 0.5;
+constexpr double kGap = 0.3;
 
 /// A rectangle of the figure, pixels. y points down, as in pictures.
 struct Box {
@@ -284,71 +359,120 @@ struct PlotLine {
   std::string name;
   const std::vector<double>& across;
   const std::vector<double>& values;
+  const std::vector<bool>& isDashed;  ///< see PlottedRun
+
+  bool hasDashes() const { return std::ranges::find(isDashed, true) != isDashed.end(); }
+  bool isDashedAfter(std::size_t sample) const {
+    return sample < isDashed.size() && isDashed[sample];
+  }
 };
 
-/// The lines of all runs with one name of group.
+/// The lines of all runs with one name of group and one abscissa.
 struct Diagram {
-  std::string title;  ///< with the unit
+  std::string title;   ///< with the unit
+  std::string across;  ///< title of the abscissa
   bool isLogarithmic = false;
   std::vector<PlotLine> lines;
 };
 
 /// In the order of the groups' first run. Several runs are named; of one, several curves are.
 std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
+  const bool isOne = std::ranges::count(runs, false, &PlottedRun::isLoadCurve) <= 1;
   std::vector<Diagram> diagrams;
   for (const PlottedRun& run : runs) {
     for (const trajectory::CurveGroup& group : run.groups) {
       if (!group.hasValues()) continue;
       const std::string title = group.unit.empty() ? group.name : group.name + ", " + group.unit;
-      auto diagram = std::ranges::find(diagrams, title, &Diagram::title);
+      auto diagram = std::ranges::find_if(diagrams, [&](const Diagram& other) {
+        return other.title == title && other.across == run.abscissa.title;
+      });
       if (diagram == diagrams.end()) {
-        diagram = diagrams.insert(diagrams.end(), {title, group.isLogarithmic, {}});
+        diagram =
+            diagrams.insert(diagrams.end(), {title, run.abscissa.title, group.isLogarithmic, {}});
       }
       for (const trajectory::Curve& curve : group.curves) {
         if (!curve.hasValues()) continue;
-        const bool isOnly = group.curves.size() == 1;
-        const std::string name = runs.size() == 1 ? curve.name
-                                 : isOnly         ? run.name
-                                                  : run.name + ", " + curve.name;
-        diagram->lines.push_back({name, run.abscissa.values, curve.values});
+        const bool isOnly = group.curves.size() == 1 && !run.isLoadCurve;
+        const std::string name = isOne    ? curve.name
+                                 : isOnly ? run.name
+                                          : run.name + ", " + curve.name;
+        diagram->lines.push_back({name, run.abscissa.values, curve.values, run.isDashed});
       }
     }
   }
   return diagrams;
 }
 
+/// A line cut into dashes, lengths in pixels. It begins and ends with a dash.
+std::vector<picture::Canvas::Points> dashesOf(const picture::Canvas::Points& line, double dash,
+                                              double gap) {
+  double length = 0;
+  for (std::size_t k = 1; k < line.size(); ++k) length += (line[k] - line[k - 1]).norm();
+  // As many periods as fit, stretched.
+  const double periods = std::max(0.0, std::round((length - dash) / (dash + gap)));
+  const double stretch = length / (periods * (dash + gap) + dash);
+  std::vector<picture::Canvas::Points> dashes = {{line.front()}};
+  bool isDash = true;
+  double left = stretch * dash;
+  for (std::size_t k = 1; k < line.size(); ++k) {
+    Eigen::Vector2d at = line[k - 1];
+    double rest = (line[k] - at).norm();
+    while (rest > left) {
+      at += left / rest * (line[k] - at);
+      rest -= left;
+      if (isDash) {
+        dashes.back().push_back(at);
+      } else {
+        dashes.push_back({at});
+      }
+      isDash = !isDash;
+      left = stretch * (isDash ? dash : gap);
+    }
+    left -= rest;
+    if (isDash) dashes.back().push_back(line[k]);
+  }
+  std::erase_if(dashes, [](const picture::Canvas::Points& points) { return points.size() < 2; });
+  return dashes;
+}
+
 /// Draws diagrams of one figure. Lengths are in em of its text.
 class Plotter {
  public:
   Plotter(picture::Canvas& canvas, int em, const std::vector<PlottedRun>& runs)
-      : canvas_(canvas), em_(em), writer_(em), title_(runs.front().abscissa.title) {
-    std::vector<double> values;
+      : canvas_(canvas), em_(em), writer_(em) {
+    std::map<std::string, std::vector<double>> values;
     for (const PlottedRun& run : runs) {
-      std::ranges::copy_if(run.abscissa.values, std::back_inserter(values),
+      std::ranges::copy_if(run.abscissa.values, std::back_inserter(values[run.abscissa.title]),
                            [](double value) { return std::isfinite(value); });
     }
-    across_ = picture::makeAxis(values, kTicksAcross);
-    // Curves begin and end at the borders.
-    const auto [least, largest] = std::ranges::minmax_element(values);
-    if (*least < *largest) {
-      across_.low = *least;
-      across_.high = *largest;
-    }
+    for (const auto& [title, across] : values) axes_[title] = acrossAxis(across);
   }
 
   /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
   void draw(const Diagram& diagram, const Box& box) {
     const picture::Axis up = axisOf(diagram);
+    across_ = axes_.at(diagram.across);
     drawGrid(up, box);
     for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
       canvas_.lines(linesOf(diagram.lines[k], up, box), 0.13 * em_, kLines[k % std::size(kLines)]);
     }
     drawTitle(diagram, box);
     const double middle = box.left + 0.5 * box.width;
-    write(title_, middle - 0.5 * width(title_), box.lower() + 2.5 * em_, kText);
+    write(diagram.across, middle - 0.5 * width(diagram.across), box.lower() + 2.5 * em_, kText);
   }
 
  private:
+  /// Curves begin and end at the borders.
+  static picture::Axis acrossAxis(const std::vector<double>& values) {
+    picture::Axis axis = picture::makeAxis(values, kTicksAcross);
+    const auto [least, largest] = std::ranges::minmax_element(values);
+    if (*least < *largest) {
+      axis.low = *least;
+      axis.high = *largest;
+    }
+    return axis;
+  }
+
   /// All curves of a diagram share one axis; missing values are omitted.
   static picture::Axis axisOf(const Diagram& diagram) {
     std::vector<double> values;
@@ -386,22 +510,40 @@ class Plotter {
     canvas_.lines({{place(0, 1, box), place(0, 0, box), place(1, 0, box)}}, 0.08 * em_, kFrame);
   }
 
-  /// A line for each stretch of samples that have a place.
+  /// A line for each stretch of samples that have a place, and the dashes of dashed ones.
   std::vector<picture::Canvas::Points> linesOf(const PlotLine& line, const picture::Axis& up,
                                                const Box& box) const {
-    std::vector<picture::Canvas::Points> lines(1);
+    std::vector<picture::Canvas::Points> lines, dashes;
+    picture::Canvas::Points points;
+    bool isDashed = false;
+    const auto endLine = [&] {
+      // A single sample makes no line.
+      if (points.size() > 1 && isDashed) {
+        for (picture::Canvas::Points& dash : dashesOf(points, kDash * em_, kGap * em_)) {
+          dashes.push_back(std::move(dash));
+        }
+      } else if (points.size() > 1) {
+        lines.push_back(points);
+      }
+      points.clear();
+    };
     for (std::size_t k = 0; k < line.values.size(); ++k) {
       const double value = line.values[k], across = line.across[k];
       const bool isShown =
           std::isfinite(across) && std::isfinite(value) && (!up.isLogarithmic || value > 0);
-      if (isShown) {
-        lines.back().push_back(place(across_.shareOf(across), up.shareOf(value), box));
-      } else if (!lines.back().empty()) {
-        lines.emplace_back();
+      if (!isShown) {
+        endLine();
+        continue;
       }
+      points.push_back(place(across_.shareOf(across), up.shareOf(value), box));
+      if (line.isDashedAfter(k) == isDashed) continue;
+      const Eigen::Vector2d at = points.back();
+      endLine();
+      points = {at};
+      isDashed = line.isDashedAfter(k);
     }
-    // A single sample makes no line.
-    std::erase_if(lines, [](const picture::Canvas::Points& line) { return line.size() < 2; });
+    endLine();
+    lines.insert(lines.end(), dashes.begin(), dashes.end());
     return lines;
   }
 
@@ -409,9 +551,11 @@ class Plotter {
   /// right; where they are too long for that, within the diagram one below the other.
   void drawTitle(const Diagram& diagram, const Box& box) {
     const double baseline = box.upper - 0.6 * em_;
-    write(diagram.title, box.left, baseline, kText);
+    const bool hasDashes = std::ranges::any_of(diagram.lines, &PlotLine::hasDashes);
+    const std::string title = diagram.title + (hasDashes ? " (dashed: unstable)" : "");
+    write(title, box.left, baseline, kText);
     if (diagram.lines.size() < 2) return;
-    double needed = width(diagram.title);
+    double needed = width(title);
     for (const PlotLine& line : diagram.lines) needed += em_ + width(line.name);
     const bool isBelow = needed > box.width;
     double right = box.right();
@@ -439,8 +583,8 @@ class Plotter {
   picture::Canvas& canvas_;
   int em_;
   picture::LabelWriter writer_;
-  const std::string& title_;
-  picture::Axis across_;
+  std::map<std::string, picture::Axis> axes_;  ///< by the title of the abscissa
+  picture::Axis across_;                       ///< of the present diagram
 };
 
 /// The places of the diagrams of a figure.

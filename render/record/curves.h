@@ -3,10 +3,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "render/picture/canvas.h"
+#include "sim/mechanics/load_path.h"
 #include "sim/trajectory/run_curves.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -28,6 +30,9 @@ struct PlottedRun {
   std::string name;  ///< in the names of its lines, if there are several runs
   std::vector<trajectory::CurveGroup> groups;
   PlotAbscissa abscissa;  ///< with a value for each sample of the curves
+  /// Whether the line from each sample to the next is dashed. Empty: no line is.
+  std::vector<bool> isDashed = {};
+  bool isLoadCurve = false;  ///< of a run that also has other curves, see loadCurvesOf()
 };
 
 /// Appearance of a figure.
@@ -39,9 +44,9 @@ struct PlotSettings {
 };
 
 /// A file in this format with one diagram per group with values, two per row, and one line for each
-/// curve of each run, labelled in its colour. Groups with the same name share a diagram. Equal
-/// curves give equal bytes. Throws InputError if no group has values or a figure has more pixels
-/// than a frame may have, OutputError if the font is missing.
+/// curve of each run, labelled in its colour. Groups with the same name and the same title of the
+/// abscissa share a diagram. Equal curves give equal bytes. Throws InputError if no group has
+/// values or a figure has more pixels than a frame may have, OutputError if the font is missing.
 std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat format,
                        const PlotSettings& settings);
 
@@ -51,6 +56,11 @@ std::string plotCurves(const std::vector<PlottedRun>& runs, picture::PageFormat 
 /// with the list of known names.
 std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& curves,
                                                  const std::vector<std::string>& names);
+
+/// The force of each grip that moves or pushes over its displacement, one curve per direction of a
+/// [[grip]]; moments over rotations. Dashed where the equilibria are unstable. `modelSize`: metres.
+std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::LoadCurve& curve,
+                                     double modelSize);
 
 // ------------------------------------------------------------------------------------------------
 // The curves of a run as files: a table, and figures.
@@ -72,11 +82,13 @@ struct FileColumn {
 struct NamedRun {
   std::string name;  ///< in figures of several runs
   std::unique_ptr<trajectory::TrajectoryReader> reader;
+  std::optional<mechanics::LoadCurve> loadCurve = {};  ///< of a run under grips
 };
 
 /// The outputs of runs' curves.
 struct CurvesSettings {
-  std::vector<std::string> selected;  ///< selected curves, see selectCurves(); empty: all
+  /// Selected curves, see selectCurves(), and "load_curve"; empty: all.
+  std::vector<std::string> selected;
   /// Additional data, in the diagram of the curve with this column, else in a separate one. The
   /// horizontal axis is the column with the same name as for runs, else the first.
   std::vector<FileColumn> columns;

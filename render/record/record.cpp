@@ -30,6 +30,7 @@
 #include "render/output/output_folder.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/label.h"
+#include "render/record/load_curve_file.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
 #include "render/record/run_pictures.h"
@@ -203,6 +204,9 @@ class LiveRun {
     summarize(end_, summary);
     end_.result.trajectory.findings = findingsText(scene_, summary);
     writer->finish(end_.result.trajectory);
+    if (end_.result.loadCurve) {
+      addLoadCurve(settings_.folder / output::kTrajectory, *end_.result.loadCurve);
+    }
   }
 
   const RunEnd& end() const { return end_; }

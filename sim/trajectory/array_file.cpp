@@ -211,14 +211,18 @@ struct ArrayWriter::Internals {
   bool failed = false;
 };
 
-ArrayWriter::ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath)
+ArrayWriter::ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath,
+                         Opening opening)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.shownPath = std::move(shownPath);
   const Handle access = accessProperties();
   errno = 0;
   in.file = Handle(
-      H5Fcreate(path.c_str(), H5F_ACC_TRUNC, untimed(H5P_FILE_CREATE).id(), access.id()), H5Fclose);
+      opening == Opening::Extend
+          ? H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id())
+          : H5Fcreate(path.c_str(), H5F_ACC_TRUNC, untimed(H5P_FILE_CREATE).id(), access.id()),
+      H5Fclose);
   in.check(in.file.valid());
 }
 

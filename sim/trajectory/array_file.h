@@ -26,10 +26,13 @@ std::size_t entryCount(const Shape& shape);
 /// any time stamp: the same calls give the same bytes.
 class ArrayWriter {
  public:
-  /// Creates the file. `shownPath` is its name in messages. All functions
-  /// throw OutputError if the file cannot be written. An existing file is
-  /// replaced.
-  ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath);
+  /// What happens to an existing file.
+  enum class Opening { Replace, Extend };
+
+  /// Creates the file, or opens a closed one for more arrays. `shownPath` is its name in messages.
+  /// All functions throw OutputError if the file cannot be written.
+  ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath,
+              Opening opening = Opening::Replace);
   ~ArrayWriter();
   ArrayWriter(const ArrayWriter&) = delete;
   ArrayWriter& operator=(const ArrayWriter&) = delete;

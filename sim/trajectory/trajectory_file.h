@@ -55,9 +55,9 @@
 ///                                              -1 the ground, -2 - k obstacle k
 ///     holds/force, moment     holds x 3        N, N m: on the tile, about the point
 ///     holds/point             holds x 3        m
-///     curves/NAME             samples (x joints)   quantities requested for the run, with
-///     attributes
-///                                              unit and description; see curveChannels()
+///     curves/NAME             samples (x joints)   quantities requested for the run, with unit and
+///                                              description as attributes; see makeCurveMeter()
+///     load_curve/             equilibria under grips, see render/record/load_curve_file.h
 ///     events/time, text       events           s
 ///     figures/name, time      figures          s; figures of summary.json that one state decides
 ///     figures/position        figures x bricks x 3   m, that state, as above

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/cli/run_program.h"
@@ -12,6 +13,9 @@
 
 namespace kirireel {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kPython = "/usr/bin/python3";
 
@@ -104,6 +108,33 @@ TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
   EXPECT_LT(found.forces, 1e-10);    // measured 1e-13
   EXPECT_LT(found.energies, 1e-10);  // measured 1e-15
   EXPECT_LT(found.softest, 0);
+}
+
+// A Miura sheet stays stable. A Kresling tower has unstable modes on its way.
+TEST(ProgramLoad, PlotsItsLoadCurve) {
+  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to make origami";
+  const ScratchFolder scratch;
+  const std::string script = KIRIREEL_SOURCE_DIR "/tests/cli/bar_and_hinge.py";
+  const std::string folder = scratch.path(), run = scratch / "run";
+  for (const std::string which : {"miura", "kresling"}) {
+    EXPECT_EQ(runTool(kPython, {script, "make", which, folder}).exitCode, 0);
+    runKirireel(
+        {"simulate", folder + "/model.fold", "--scene", folder + "/scene.toml", "--out", run});
+    const ProgramEnd plotted = runKirireel({"curves", run, "--plot", "svg"});
+    EXPECT_EQ(plotted.exitCode, 0) << plotted.err;
+    EXPECT_THAT(plotted.err, Not(HasSubstr("no energies and forces")));
+    const std::string svg = readText(run + "/curves.svg");
+    EXPECT_THAT(svg, HasSubstr(which == "miura" ? ">Force, N<" : ">Force, N (dashed: unstable)<"));
+    EXPECT_THAT(svg, HasSubstr(">displacement of the grip, m<"));
+    EXPECT_THAT(svg, HasSubstr(">Size, m<"));
+    EXPECT_EQ(runKirireel({"curves", run, "--plot", "svg", "--curves", "load_curve"}).exitCode, 0);
+    EXPECT_THAT(readText(run + "/curves.svg"), Not(HasSubstr("simulated time, s")));
+  }
+  // A run without grips has no such curve.
+  const std::string other = scratch / "other";
+  runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", other});
+  EXPECT_THAT(runKirireel({"curves", other, "--plot", "svg", "--curves", "load_curve"}).err,
+              HasSubstr("there is no curve 'load_curve'"));
 }
 
 /// A flat sheet that is pulled along x by its last tiles, its first ones held.

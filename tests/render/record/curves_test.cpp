@@ -1,5 +1,6 @@
 #include "render/record/curves.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -38,6 +39,89 @@ record::PlottedRun someRun(const std::string& name = "run") {
 
 std::string plotted(picture::PageFormat format) {
   return record::plotCurves({someRun()}, format, {.width = 180, .dotsPerInch = 100});
+}
+
+/// Five states with a limit of the load in the middle, unstable beyond it. The first grip holds.
+mechanics::LoadCurve someLoadCurve() {
+  mechanics::LoadCurve curve{{{"grip 1 x"}, {"grip 2 x"}, {"grip 2 turn", true}}, 1, {}};
+  for (const int k : {0, 1, 2, 3, 4}) {
+    mechanics::Equilibrium& state = curve.states.emplace_back();
+    const double force = k * (4.0 - k);
+    state.displacements = {1e-17 * k, 0.5 * k, 0.1 * k};
+    state.forces = {-force, force, 2 * force};
+    state.unstableModes = k > 2 ? 1 : 0;
+    if (k == 2) state.turning = mechanics::Turning::LoadLimit;
+  }
+  return curve;
+}
+
+/// The number of separate lines in a colour.
+std::ptrdiff_t linesIn(const std::string& svg, const std::string& colour) {
+  std::ptrdiff_t count = 0;
+  const std::string stroke = "<path fill=\"none\" stroke=\"" + colour + "\"";
+  for (std::size_t at = svg.find(stroke); at != std::string::npos; at = svg.find(stroke, at + 1)) {
+    const auto first = svg.begin() + static_cast<std::ptrdiff_t>(at);
+    count += std::count(first, first + static_cast<std::ptrdiff_t>(svg.find("/>", at) - at), 'M');
+  }
+  return count;
+}
+
+TEST(LoadCurves, AreForcesOverDisplacements) {
+  const std::vector<record::PlottedRun> runs = record::loadCurvesOf("run", someLoadCurve(), 1);
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].groups[0].name, "Force");
+  EXPECT_EQ(runs[0].groups[0].curves[0].name, "grip 2 x");
+  EXPECT_THAT(runs[0].abscissa.values, ElementsAre(0, 0.5, 1, 1.5, 2));
+  EXPECT_THAT(runs[0].groups[0].curves[0].values, ElementsAre(0, 3, 4, 3, 0));
+  EXPECT_THAT(runs[0].isDashed, ElementsAre(false, false, true, true));
+  EXPECT_EQ(runs[1].groups[0].name, "Moment");
+  EXPECT_THAT(runs[1].groups[0].curves[0].values, ElementsAre(0, 6, 8, 6, 0));
+}
+
+// The path back: a turning ends the part whose number of unstable modes it has.
+TEST(LoadCurves, AreDashedBetweenTurnings) {
+  mechanics::LoadCurve curve = someLoadCurve();
+  curve.states[2].unstableModes = 1;
+  std::ranges::reverse(curve.states);
+  for (const int modes : {0, 1}) {
+    curve.states[2].unstableModes = modes;
+    EXPECT_THAT(record::loadCurvesOf("run", curve, 1)[0].isDashed,
+                ElementsAre(true, true, false, false));
+  }
+}
+
+TEST(LoadCurves, ShowUnstablePartsAsDashes) {
+  mechanics::LoadCurve curve = someLoadCurve();
+  std::vector<record::PlottedRun> runs = record::loadCurvesOf("run", curve, 1);
+  runs.push_back(someRun());
+  const std::string svg = record::plotCurves(runs, picture::PageFormat::Svg, {});
+  for (const char* text : {">Force, N (dashed: unstable)<", ">displacement of the grip, m<",
+                           ">Moment, N m (dashed: unstable)<", ">rotation of the grip, rad<",
+                           ">Size, m<", ">simulated time, s<"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
+  // Blue: force, moment, width, ratio and gap. Half of the first two is dashed.
+  EXPECT_GT(linesIn(svg, "#2b64a6"), 5 + 2 * 10);
+  for (mechanics::Equilibrium& state : curve.states) state.unstableModes = 0;
+  runs = record::loadCurvesOf("run", curve, 1);
+  runs.push_back(someRun());
+  const std::string stable = record::plotCurves(runs, picture::PageFormat::Svg, {});
+  EXPECT_EQ(linesIn(stable, "#2b64a6"), 5);
+  EXPECT_THAT(stable, HasSubstr(">Force, N<"));
+}
+
+TEST(LoadCurves, OfSeveralRunsShareADiagram) {
+  std::vector<record::PlottedRun> runs;
+  for (const char* name : {"soft", "stiff"}) {
+    for (record::PlottedRun& run : record::loadCurvesOf(name, someLoadCurve(), 1)) {
+      runs.push_back(std::move(run));
+    }
+    runs.push_back(someRun(name));
+  }
+  const std::string svg = record::plotCurves(runs, picture::PageFormat::Svg, {});
+  for (const char* text : {">soft, grip 2 x<", ">stiff, grip 2 x<", ">soft, grip 2 turn<"}) {
+    EXPECT_THAT(svg, HasSubstr(text));
+  }
 }
 
 TEST(CurvesTable, HasAllDigitsAndEmptyFields) {
