@@ -627,7 +627,9 @@ std::string toString(Turning turning) {
 
 // Numbers have the fewest digits that reproduce them exactly.
 std::string loadTable(const LoadCurve& curve) {
-  std::string text = "load,energy_J,stiffness,unstable_modes,turning";
+  const GripName& leading = curve.grips[curve.leading];
+  std::string text = fmt::format("load,energy_J,{}_stiffness_{},unstable_modes,turning",
+                                 columnOf(leading), leading.isTurn ? "N_m_per_rad" : "N_per_m");
   for (const GripName& grip : curve.grips) {
     text += grip.isTurn ? fmt::format(",{0}_rad,{0}_moment_N_m", columnOf(grip))
                         : fmt::format(",{0}_m,{0}_force_N", columnOf(grip));

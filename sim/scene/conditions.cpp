@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -99,7 +100,9 @@ void readGripKey(const TomlEntry& entry, GripSetting& grip) {
     grip.tiles = readIndices(entry.value, "a list of tile numbers, [0, 1]",
                              "a list of tile numbers, [0, 1]");
   } else if (entry.key == "vertex") {
-    grip.vertices = {readIndex(entry.value, "a vertex number")};
+    const char* allowed = "a vertex number, or a list with one for each tile, [0, 1]";
+    grip.vertices = entry.value.array() ? readIndices(entry.value, allowed, allowed)
+                                        : std::vector<int>{readIndex(entry.value, allowed)};
   } else if (entry.key == "edge") {
     grip.vertices =
         readIndices(entry.value, "two vertex numbers, [0, 1]", "two vertex numbers, [0, 1]");
@@ -109,6 +112,20 @@ void readGripKey(const TomlEntry& entry, GripSetting& grip) {
   } else {
     refuseKey(entry, "key of a grip", kGripKeys);
   }
+}
+
+/// Moves vertices that are listed one per tile to the corners, still in the numbers of the file.
+void giveEachTileItsVertex(const TomlValue& vertex, GripSetting& grip) {
+  if (grip.vertices.size() != grip.tiles.size()) {
+    throw inputErrorAt(vertex.where,
+                       fmt::format("a list of vertices has one for each tile, {}, not {}; correct "
+                                   "one of the two lists",
+                                   grip.tiles.size(), grip.vertices.size()));
+  }
+  for (std::size_t k = 0; k < grip.tiles.size(); ++k) {
+    grip.corners.push_back({grip.tiles[k], grip.vertices[k]});
+  }
+  grip.vertices.clear();
 }
 
 GripSetting readGrip(const TomlValue& value) {
@@ -136,6 +153,9 @@ GripSetting readGrip(const TomlValue& value) {
   if (grip.turn && !grip.vertices.empty()) {
     throw inputErrorAt(value.where, "points do not turn; remove turn, or vertex and edge");
   }
+  if (const TomlValue* vertex = find(*table, "vertex"); vertex && vertex->array()) {
+    giveEachTileItsVertex(*vertex, grip);
+  }
   return grip;
 }
 
@@ -159,15 +179,17 @@ void numberAsModel(std::vector<GripSetting>& grips, const model::Model& model) {
   const int first = model.fileOrder.countsFrom;
   const int tiles = static_cast<int>(model.tiles.size());
   for (GripSetting& grip : grips) {
-    // A second call would otherwise extend the list.
-    grip.corners.clear();
-    for (int& tile : grip.tiles) {
+    const std::vector<model::Corner> listed = std::exchange(grip.corners, {});
+    const bool isListed = grip.vertices.empty() && listed.size() == grip.tiles.size();
+    for (std::size_t k = 0; k < grip.tiles.size(); ++k) {
+      int& tile = grip.tiles[k];
       if (tile < first || tile >= first + tiles) {
         refuseNumber(grip, "the model has tiles", first, tiles, tile);
       }
       const model::Tile& held = model.tiles[static_cast<std::size_t>(tile - first)];
       const int vertices = static_cast<int>(held.vertices.size());
-      for (const int vertex : grip.vertices) {
+      const std::vector<int> points = isListed ? std::vector<int>{listed[k].vertex} : grip.vertices;
+      for (const int vertex : points) {
         if (vertex < first || vertex >= first + vertices) {
           refuseNumber(grip, fmt::format("tile {} has vertices", tile), first, vertices, vertex);
         }

@@ -38,7 +38,7 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
 struct GripSetting {
   std::vector<int> tiles;     ///< held tiles, at least one
   std::vector<int> vertices;  ///< of each tile: empty for the whole tile (its middle), one vertex,
-                              ///< or the two of an edge
+                              ///< or the two of an edge; empty if each tile has its own vertex
   std::vector<model::Corner>
       corners;                 ///< these vertices in the model's numbers, see numberAsModel()
   bool isForce = false;        ///< newtons and N m of forces, else metres and radians of moves
@@ -52,7 +52,7 @@ struct GripSetting {
 
 /// Reads the [[grip]] entries of a scene file:
 ///
-///     tile = NUMBER or tiles = [NUMBERS], and for a part of it: vertex = NUMBER or
+///     tile = NUMBER or tiles = [NUMBERS], for a part: vertex = NUMBER, or [one per tile], or
 ///     edge = [NUMBER, NUMBER]; then one of move = {x = METRES, y = METRES, turn = DEGREES} and
 ///     force = {x = NEWTONS, y = NEWTONS, turn = N_M}, each optional; z like x.
 ///

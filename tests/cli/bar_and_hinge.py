@@ -67,11 +67,13 @@ thickness = {values["t"]}
 hinge_stiffness = {values["k"]}
 panels = "{values["E"]},{values["nu"]}"
 """)
-        for nodes, amount in ((held, 0), (led, values["move"])):
-            for n, axis in nodes:
-                tile, vertex = place[n]
-                file.write(f"[[grip]]\ntile = {tile}\nvertex = {vertex}\n"
-                           f"move = {{{'xyz'[axis]} = {amount}}}\n")
+        for n, axis in held:
+            tile, vertex = place[n]
+            file.write(f"[[grip]]\ntile = {tile}\nvertex = {vertex}\nmove = {{{'xyz'[axis]} = 0}}\n")
+        # All led nodes are one grip, whose force is the sum.
+        file.write(f"[[grip]]\ntiles = {[place[n][0] for n, _ in led]}\n"
+                   f"vertex = {[place[n][1] for n, _ in led]}\n"
+                   f"move = {{{'xyz'[led[0][1]]} = {values['move']}}}\n")
 
 
 def triangles_of(points, faces):
@@ -195,23 +197,22 @@ def judge(case, run):
     points, faces, held, led = GEOMETRIES[case]()
     sheet = Sheet(points, faces, **CASES[case])
     rows = list(csv.DictReader(open(f"{run}/load_curve.csv")))
-    number, axis = len(held) + 1, "xyz"[led[0][1]]
-    told = lambda row, k: float(row[f"grip_{k}_{axis}_force_N"])
+    grip = f"grip_{len(held) + 1}_{'xyz'[led[0][1]]}"
     moved = [3 * n + a for n, a in led]
     fixed = set(moved) | {3 * n + a for n, a in held}
     free = np.array([k for k in range(points.size) if k not in fixed])
     x, before, forces, energies = points.astype(float), None, [], []
     for row in rows:
         guess = x.copy() if before is None else 2 * x - before
-        guess.flat[moved] = points.flat[moved] + float(row[f"grip_{number}_{axis}_m"])
+        guess.flat[moved] = points.flat[moved] + float(row[f"{grip}_m"])
         before, x = x, sheet.balance(guess, free)
         forces.append(sheet.gradient(x)[moved].sum())
         energies.append(sheet.energy(x))
-    own = np.array([sum(told(row, number + k) for k in range(len(led))) for row in rows])
+    own = np.array([float(row[f"{grip}_force_N"]) for row in rows])
     forces, energies = np.array(forces), np.array(energies)
     print(abs(own - forces).max() / abs(forces).max())
     print(abs(np.array([float(row["energy_J"]) for row in rows]) - energies).max() / energies.max())
-    print(min(float(row["stiffness"]) for row in rows))
+    print(min(float(row[f"{grip}_stiffness_N_per_m"]) for row in rows))
     print(abs(forces).max())
 
 

@@ -80,8 +80,8 @@ TEST(Loading, LeavesATable) {
   const deploy::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
   const std::string table = mechanics::loadTable(*run.loadCurve);
   EXPECT_THAT(table, testing::StartsWith(
-                         "load,energy_J,stiffness,unstable_modes,turning,grip_1_x_m,"
-                         "grip_1_x_force_N,grip_1_y_m,grip_1_y_force_N,grip_1_turn_rad,"
+                         "load,energy_J,grip_2_turn_stiffness_N_m_per_rad,unstable_modes,turning,"
+                         "grip_1_x_m,grip_1_x_force_N,grip_1_y_m,grip_1_y_force_N,grip_1_turn_rad,"
                          "grip_1_turn_moment_N_m,grip_2_turn_rad,grip_2_turn_moment_N_m\n0,"));
   EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')),
             run.loadCurve->states.size() + 1);

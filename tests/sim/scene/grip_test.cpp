@@ -43,8 +43,9 @@ TEST_F(Grips, HoldTilesVerticesAndEdges) {
   const std::vector<scene::GripSetting> grips = read(
       "[[grip]]\ntile = 0\nmove = {x = 0, y = 0, turn = 90}\n"
       "[[grip]]\ntiles = [1, 3]\nedge = [1, 2]\nforce = {x = 2.5}\n"
-      "[[grip]]\ntile = 2\nvertex = 3\nmove = {y = -0.5}\n");
-  ASSERT_EQ(grips.size(), 3u);
+      "[[grip]]\ntile = 2\nvertex = 3\nmove = {y = -0.5}\n"
+      "[[grip]]\nvertex = [2, 0]\ntiles = [3, 1]\nmove = {y = -0.5}\n");
+  ASSERT_EQ(grips.size(), 4u);
   EXPECT_THAT(grips[0].tiles, ElementsAre(0));
   EXPECT_EQ(grips[0].x, 0);
   EXPECT_NEAR(*grips[0].turn, 90 * kDegree, 1e-15);
@@ -55,6 +56,7 @@ TEST_F(Grips, HoldTilesVerticesAndEdges) {
   EXPECT_THAT(grips[1].corners, ElementsAre(model::Corner{1, 1}, model::Corner{1, 2},
                                             model::Corner{3, 1}, model::Corner{3, 2}));
   EXPECT_THAT(grips[2].corners, ElementsAre(model::Corner{2, 3}));
+  EXPECT_THAT(grips[3].corners, ElementsAre(model::Corner{3, 2}, model::Corner{1, 0}));
 }
 
 TEST_F(Grips, AreRefusedInOneLine) {
@@ -63,6 +65,13 @@ TEST_F(Grips, AreRefusedInOneLine) {
       HasSubstr("scene.toml:1:1: error: the model has tiles 0-3, not 4; correct this grip"));
   EXPECT_THAT(refusal("tile = 1\nvertex = 4\nmove = {x = 1}\n"),
               HasSubstr("tile 1 has vertices 0-3, not 4; correct this grip"));
+  EXPECT_THAT(refusal("tiles = [1, 2]\nvertex = [0, 4]\nmove = {x = 1}\n"),
+              HasSubstr("tile 2 has vertices 0-3, not 4; correct this grip"));
+  EXPECT_THAT(refusal("tiles = [1, 2]\nvertex = [0]\nmove = {x = 1}\n"),
+              HasSubstr("a list of vertices has one for each tile, 2, not 1; correct one of the "
+                        "two lists"));
+  EXPECT_THAT(refusal("tiles = [1, 2]\nvertex = [0, 1]\nmove = {turn = 1}\n"),
+              HasSubstr("points do not turn; remove turn, or vertex and edge"));
   EXPECT_THAT(refusal("move = {x = 1}\n"),
               HasSubstr("a grip holds tiles; give one of tile = 3 and tiles = [3, 4]"));
   EXPECT_THAT(refusal("tile = 1\n"), HasSubstr("a grip moves or pushes; give one of move = "));
