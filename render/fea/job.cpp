@@ -110,8 +110,8 @@ std::vector<int> nodesOf(const std::vector<GripLoad>& grips) {
 }
 
 /// A uniform traction of 1 N on each grip: tension with sign 1, compression with -1.
-void appendGripForces(std::string& text, const ElementMesh& mesh, const std::vector<GripLoad>& grips,
-                      double sign) {
+void appendGripForces(std::string& text, const ElementMesh& mesh,
+                      const std::vector<GripLoad>& grips, double sign) {
   const Vector3 along = mesh.ends.axes.col(longestAxis(mesh));
   text += "*CLOAD\n";
   for (const GripLoad& grip : grips) {
@@ -283,10 +283,9 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
         return number >= 0 && number < tile.elementCount;
       });
       // Reference nodes of patches are numbered after the mesh's own and belong to no tile.
-      const bool hasNode =
-          faces.empty() && std::ranges::any_of(sets[place].nodes, [&](int node) {
-            return std::ranges::binary_search(tile.nodes, node);
-          });
+      const bool hasNode = faces.empty() && std::ranges::any_of(sets[place].nodes, [&](int node) {
+                             return std::ranges::binary_search(tile.nodes, node);
+                           });
       if (hasFace || hasNode) isAtEnd[t] = true;
     }
   }
@@ -505,7 +504,8 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
       "along the\n"
       "** sheet's axes e_x = ({}, {}, {}), e_y = ({}, {}, {}). Their reactions are the forces on "
       "the cell's sides.\n"
-      "** Steps are linear: all displacements change their sign with the strain's. Held besides are "
+      "** Steps are linear: all displacements change their sign with the strain's. Held besides "
+      "are "
       "{}\n"
       "** displacements: what moves while the control nodes rest.\n",
       deckNumber(scale * periodic.period[0]), deckNumber(scale * periodic.period[1]),
@@ -802,8 +802,7 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
 
 /// The equations of a fixed joint: equal motion and rotation of both tiles.
 PairEquations equationsOf(const JoinedTiles& joined, const std::vector<TileMotion>& motions) {
-  const Vector3 point =
-      0.5 * (motions[joined.tileA].centre + motions[joined.tileB].centre);
+  const Vector3 point = 0.5 * (motions[joined.tileA].centre + motions[joined.tileB].centre);
   const double size = 0.5 * (motions[joined.tileA].size + motions[joined.tileB].size);
   const auto rowsOf = [&](const TileMotion& motion, double sign) {
     PairEquations::Rows rows = PairEquations::Rows::Zero(6, 6);
@@ -915,20 +914,27 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
 // J has the graph of the tiles.
 //
 // A front has the equations that contain its own tiles F, and the remainders of its children.
-// Householder reflections make F upper trapezoidal. Each tile's longest remaining column comes
-// first:
+// Householder reflections make F upper trapezoidal. The longest remaining column comes first:
 //
 //     [ F | G ] -> [ R S ] R: eliminated columns, complete
-//                    [ 0 L ] L: remainder for the parent, at most as many rows as columns
+//                  [ 0 L ] L: remainder for the parent, at most as many rows as columns
 //
-// If the remaining columns of a tile are shorter than the tolerance, they depend on earlier ones.
-// Their unknowns are free, and the columns are left out, which holds them at zero. J is never
-// squared: a column without strain has a remainder of rounding, 1e-16 times the length of its
-// motion, and not the root of that.
+// Columns of F shorter than the tolerance depend on earlier ones. Their unknowns are free, and the
+// columns are left out, which holds them at zero. J is never squared: a column without strain has a
+// remainder of rounding, 1e-16 times the length of its motion, and not the root of that.
+//
+// A short pivot makes a motion long: with R_kk = 1e-6, an unknown j at 1 may move the unknown k by
+// R_kj / R_kk = 1e6. Holding j then barely holds that motion, and its remainder is that of a motion
+// far longer than 1. Unknowns that others would move by more than kMostGrowth are not eliminated
+// but go to L (delayed pivots; I. S. Duff, J. K. Reid, The multifrontal solution of indefinite
+// sparse symmetric linear equations, ACM Trans. Math. Softw. 9, 1983). The last front eliminates
+// the longest columns first.
 
 namespace {
 
 constexpr Eigen::Index kUnknowns = 6;
+/// An unknown moves an eliminated one by at most this many times itself, else elimination waits.
+constexpr double kMostGrowth = 2;
 
 class FrontalElimination {
  public:
@@ -958,67 +964,127 @@ class FrontalElimination {
   }
 
  private:
+  /// What a front leaves for its parent.
+  struct Remainder {
+    Eigen::MatrixXd equations;
+    std::vector<FreeColumn> delayed;  ///< of its first columns
+  };
+
   int place(int tile) const { return plan_.place[tile]; }
 
   /// The equations of a front: those of its own tiles, and the remainders of its children. Columns
-  /// are the front's own tiles first, then those of `node.rows`, six each. A child's remainder has
-  /// the columns of its own `rows`, whose positions here are in `childPlaces`.
-  Eigen::MatrixXd assemble(const mechanics::Supernode& node) {
+  /// are those of the front's own tiles, six each, then those that its children delayed, then those
+  /// of `node.rows`. A child's remainder has its delayed columns and those of its own `rows`, whose
+  /// positions here are in `childPlaces`.
+  Eigen::MatrixXd assemble(const mechanics::Supernode& node, Eigen::Index delayed) {
     Eigen::Index rows = 0;
-    for (const int child : node.children) rows += leftOver_[child].rows();
+    for (const int child : node.children) rows += leftOver_[child].equations.rows();
     for (int c = 0; c < node.columnCount; ++c) {
       for (const std::size_t k : equationsAt_[node.firstColumn + c]) {
         rows += equations_[k].first.rows();
       }
     }
     const auto tiles = node.columnCount + static_cast<Eigen::Index>(node.rows.size());
-    Eigen::MatrixXd front = Eigen::MatrixXd::Zero(rows, kUnknowns * tiles);
+    Eigen::MatrixXd front = Eigen::MatrixXd::Zero(rows, kUnknowns * tiles + delayed);
     Eigen::Index row = 0;
+    Eigen::Index next = kUnknowns * node.columnCount;
     for (std::size_t c = 0; c < node.children.size(); ++c) {
-      Eigen::MatrixXd& part = leftOver_[node.children[c]];
+      Remainder& part = leftOver_[node.children[c]];
+      const Eigen::Index height = part.equations.rows();
+      const auto waiting = static_cast<Eigen::Index>(part.delayed.size());
+      front.block(row, next, height, waiting) = part.equations.leftCols(waiting);
+      next += waiting;
       const std::vector<int>& places = node.childPlaces[c];
       for (std::size_t k = 0; k < places.size(); ++k) {
-        front.block(row, kUnknowns * places[k], part.rows(), kUnknowns) =
-            part.middleCols<kUnknowns>(kUnknowns * static_cast<Eigen::Index>(k));
+        front.block(row, columnOf(node, places[k], delayed), height, kUnknowns) =
+            part.equations.middleCols<kUnknowns>(waiting +
+                                                 kUnknowns * static_cast<Eigen::Index>(k));
       }
-      row += part.rows();
+      row += height;
       // Memory is freed after each front, so only the remainders of one path are stored.
-      part.resize(0, 0);
+      part = {};
     }
     for (int c = 0; c < node.columnCount; ++c) {
       for (const std::size_t k : equationsAt_[node.firstColumn + c]) {
         const PairEquations& pair = equations_[k];
-        place(front, row, node, pair.firstTile, pair.first);
-        place(front, row, node, pair.secondTile, pair.second);
+        place(front, row, node, delayed, pair.firstTile, pair.first);
+        place(front, row, node, delayed, pair.secondTile, pair.second);
         row += pair.first.rows();
       }
     }
     return front;
   }
 
+  /// The first column of a front's tile, by its position among the front's own tiles and rows.
+  static Eigen::Index columnOf(const mechanics::Supernode& node, int position,
+                               Eigen::Index delayed) {
+    return kUnknowns * position + (position < node.columnCount ? 0 : delayed);
+  }
+
   /// Adds one tile's columns of an equation.
-  void place(Eigen::MatrixXd& front, Eigen::Index row, const mechanics::Supernode& node, int tile,
-             const PairEquations::Rows& block) const {
+  void place(Eigen::MatrixXd& front, Eigen::Index row, const mechanics::Supernode& node,
+             Eigen::Index delayed, int tile, const PairEquations::Rows& block) const {
     if (isFixed_[tile]) return;
     // Own tiles are consecutive, the others are found in the sorted list of rows.
-    int column = place(tile) - node.firstColumn;
-    if (column >= node.columnCount) {
+    int position = place(tile) - node.firstColumn;
+    if (position >= node.columnCount) {
       const auto found = std::ranges::lower_bound(node.rows, place(tile));
-      column = node.columnCount + static_cast<int>(found - node.rows.begin());
+      position = node.columnCount + static_cast<int>(found - node.rows.begin());
     }
-    front.block(row, kUnknowns * column, block.rows(), kUnknowns) += block;
+    front.block(row, columnOf(node, position, delayed), block.rows(), kUnknowns) += block;
+  }
+
+  /// The columns that a front can eliminate, in the order of assemble().
+  std::vector<FreeColumn> candidates(const mechanics::Supernode& node) const {
+    std::vector<FreeColumn> columns;
+    for (int c = 0; c < node.columnCount; ++c) {
+      for (int k = 0; k < kUnknowns; ++k) columns.push_back({tileAt_[node.firstColumn + c], k});
+    }
+    for (const int child : node.children) {
+      const std::vector<FreeColumn>& delayed = leftOver_[child].delayed;
+      columns.insert(columns.end(), delayed.begin(), delayed.end());
+    }
+    return columns;
   }
 
   /// Fronts are ordered with children before their parents.
   void eliminate(std::size_t number) {
     const mechanics::Supernode& node = plan_.supernodes[number];
-    Eigen::MatrixXd front = assemble(node);
-    Eigen::Index row = 0;
-    for (int c = 0; c < node.columnCount; ++c) {
-      row = eliminateTile(front, row, kUnknowns * c, tileAt_[node.firstColumn + c]);
+    std::vector<FreeColumn> columns = candidates(node);
+    const auto count = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd front = assemble(node, count - kUnknowns * node.columnCount);
+    const auto exchange = [&](Eigen::Index first, Eigen::Index second) {
+      if (first == second) return;
+      front.col(first).swap(front.col(second));
+      std::swap(columns[first], columns[second]);
+    };
+    // Invariant: the first `done` rows and columns are complete.
+    Eigen::Index done = 0;
+    Eigen::VectorXd lengths;
+    for (; done < count; ++done) {
+      lengths = front.block(done, done, front.rows() - done, count - done).colwise().norm();
+      Eigen::Index longest = 0;
+      // Without rows all lengths are 0.
+      const double length = lengths.maxCoeff(&longest);
+      if (length <= tolerance_) break;
+      // R_kk R_kj for all j. The last front of a sheet has no parent.
+      const auto below = front.bottomRightCorner(front.rows() - done, front.cols() - done);
+      if (!node.rows.empty() && (below.col(longest).transpose() * below).cwiseAbs().maxCoeff() >
+                                    kMostGrowth * length * length) {
+        break;
+      }
+      exchange(done, done + longest);
+      reflect(front, done, done);
     }
-    const auto own = kUnknowns * static_cast<Eigen::Index>(node.columnCount);
-    Eigen::MatrixXd rest = front.bottomRightCorner(front.rows() - row, front.cols() - own);
+    // Free columns come before the delayed ones.
+    Eigen::Index kept = done;
+    for (Eigen::Index k = done; k < count; ++k) {
+      if (lengths[k - done] > tolerance_) continue;
+      if (!isFixed_[columns[k].tile]) free_.push_back(columns[k]);
+      exchange(k, kept);
+      std::swap(lengths[k - done], lengths[kept++ - done]);
+    }
+    Eigen::MatrixXd rest = front.bottomRightCorner(front.rows() - done, front.cols() - kept);
     // More rows than columns contain no further information: R of their QR has the same J^T J.
     if (rest.rows() > rest.cols()) {
       for (Eigen::Index k = 0; k < rest.cols(); ++k) {
@@ -1027,36 +1093,7 @@ class FrontalElimination {
       }
       rest.conservativeResize(rest.cols(), Eigen::NoChange);
     }
-    leftOver_[number] = std::move(rest);
-  }
-
-  /// Reflects the columns of one tile, starting at this row and column. Returns the next row.
-  /// Invariant: the first `row` rows are complete, and no later column of this tile reaches above
-  /// them.
-  Eigen::Index eliminateTile(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column,
-                             int tile) {
-    std::array<int, kUnknowns> unknowns = {0, 1, 2, 3, 4, 5};
-    for (Eigen::Index k = 0; k < kUnknowns; ++k) {
-      const Eigen::Index rows = front.rows() - row;
-      Eigen::Index longest = 0;
-      double square = 0;
-      if (rows > 0) {
-        square = front.block(row, column + k, rows, kUnknowns - k)
-                     .colwise()
-                     .squaredNorm()
-                     .maxCoeff(&longest);
-      }
-      // The longest column is too short, and so are all remaining ones.
-      if (square <= tolerance_ * tolerance_) {
-        for (; k < kUnknowns && !isFixed_[tile]; ++k) free_.push_back({tile, unknowns[k]});
-        break;
-      }
-      // Pivoting stays within the tile, because the plan of fronts requires it.
-      front.col(column + k).swap(front.col(column + k + longest));
-      std::swap(unknowns[k], unknowns[k + longest]);
-      reflect(front, row++, column + k);
-    }
-    return row;
+    leftOver_[number] = {std::move(rest), {columns.begin() + kept, columns.end()}};
   }
 
   /// Zeroes one column below this row and updates the columns to its right. Returns the column's
@@ -1079,7 +1116,7 @@ class FrontalElimination {
   mechanics::Elimination plan_;
   std::vector<int> tileAt_;                            ///< by place
   std::vector<std::vector<std::size_t>> equationsAt_;  ///< by place
-  std::vector<Eigen::MatrixXd> leftOver_;              ///< by supernode, until its parent uses it
+  std::vector<Remainder> leftOver_;                    ///< by supernode, until its parent uses it
   Eigen::VectorXd work_;
   std::vector<FreeColumn> free_;
 };

@@ -133,9 +133,10 @@ struct FreeColumn {
 
 /// The unknowns without which the equations have only the zero solution. Their count is the nullity
 /// of the matrix. A column is free if elimination leaves it shorter than `tolerance`, in the units
-/// of the equations' rows. Fixed tiles have no unknowns. The result is grouped by tile, in the
-/// order of elimination. `isFixed` has tileCount entries. The work is that of a sparse QR
-/// factorisation with minimum degree ordering.
+/// of the equations' rows. Of several unknowns that could be held, those that move most are free.
+/// Fixed tiles have no unknowns. The result is in the order of elimination. `isFixed` has tileCount
+/// entries. Rows are about 1 long. The work is that of a sparse QR factorisation with minimum
+/// degree ordering.
 std::vector<FreeColumn> freeColumns(int tileCount, const std::vector<PairEquations>& equations,
                                     const std::vector<bool>& isFixed, double tolerance);
 
