@@ -79,8 +79,8 @@ std::vector<std::array<int, 3>> trianglesOfLoop(std::vector<int> loop,
       const double tolerance = 1e-12 * (c - a).squaredNorm();
       bool isFree = true;
       for (std::size_t j = 0; j < loop.size() && isFree; ++j) {
-        const bool isCorner = j == k || j == (k + 1) % loop.size() ||
-                              j == (k + loop.size() - 1) % loop.size();
+        const bool isCorner =
+            j == k || j == (k + 1) % loop.size() || j == (k + loop.size() - 1) % loop.size();
         isFree = isCorner || !liesIn(a, b, c, at(j), tolerance);
       }
       if (!isFree && loop.size() > 3) continue;
@@ -167,9 +167,7 @@ class StepGeometry {
     appendText(text_, "Plane Surface({}) = {{{}}};\n", face_, fmt::join(loops, ", "));
   }
 
-  std::string text() const {
-    return "SetFactory(\"OpenCASCADE\");\n" + text_ + extrusions_;
-  }
+  std::string text() const { return "SetFactory(\"OpenCASCADE\");\n" + text_ + extrusions_; }
 
  private:
   std::string text_;
@@ -179,19 +177,20 @@ class StepGeometry {
   int face_ = 0;
 };
 
-/// Points of an outline, with coinciding points separated by this distance into their regions.
+/// Points of an outline, with coinciding points separated by this distance into the sheet. `loops`
+/// are its sides, with the sheet on their left.
 std::vector<Vector2> separatedPoints(const writers::NeckOutline& outline,
-                                     const std::vector<std::vector<int>>& regions, double move) {
+                                     const std::vector<std::vector<int>>& loops, double move) {
   std::vector<Vector2> inwards(outline.points.size(), Vector2::Zero());
   std::vector<int> used;
-  for (const std::vector<int>& loop : regions) {
+  for (const std::vector<int>& loop : loops) {
     for (std::size_t k = 0; k < loop.size(); ++k) {
-      const auto towards = [&](std::size_t other) {
-        return Vector2(outline.points[loop[other % loop.size()]] - outline.points[loop[k]])
-            .normalized();
-      };
-      if (inwards[loop[k]].isZero()) used.push_back(loop[k]);
-      inwards[loop[k]] += towards(k + 1) + towards(k + loop.size() - 1);
+      const auto at = [&](std::size_t other) { return outline.points[loop[other % loop.size()]]; };
+      // The tangent of both lines at the point, which also has a left side at reflex corners.
+      const Vector2 along =
+          (at(k + 1) - at(k)).normalized() + (at(k) - at(k + loop.size() - 1)).normalized();
+      used.push_back(loop[k]);
+      inwards[loop[k]] += Vector2(-along.y(), along.x());
     }
   }
   const auto key = [&](int point) {
@@ -221,7 +220,7 @@ std::string neckSheetStl(const model::Model& model, const writers::NeckShape& ne
   const std::vector<std::vector<int>> regions = regionsOf(outline);
   const auto lines = linesOf(regions);
   const std::vector<Vector2> points =
-      separatedPoints(outline, regions, kApart * sizeOf(outline.points));
+      separatedPoints(outline, boundaryLoops(regions), kApart * sizeOf(outline.points));
   const Quaternion back = outline.sheet.turn.conjugate();
   const auto place = [&](int point, bool isTop) {
     const Vector2& at = points[point];
@@ -256,12 +255,12 @@ std::string neckSheetStep(const model::Model& model, const writers::NeckShape& n
                           double thickness) {
   const writers::NeckOutline outline = writers::neckOutline(model, neck);
   const Quaternion back = outline.sheet.turn.conjugate();
-  const std::vector<std::vector<int>> regions = regionsOf(outline);
+  const std::vector<std::vector<int>> sides = boundaryLoops(regionsOf(outline));
   const std::vector<Vector2> points =
-      separatedPoints(outline, regions, kApart * sizeOf(outline.points));
+      separatedPoints(outline, sides, kApart * sizeOf(outline.points));
   StepGeometry geometry;
   std::vector<int> loops;
-  for (const std::vector<int>& loop : boundaryLoops(regions)) {
+  for (const std::vector<int>& loop : sides) {
     std::vector<Vector3> wire;
     double area = 0;
     for (std::size_t k = 0; k < loop.size(); ++k) {
