@@ -929,18 +929,21 @@ void mergeNodes(ElementMesh& mesh, const std::vector<int>& lowest) {
   renumberAll(mesh, numbers);
 }
 
-/// The common edges of two tiles, with opposite directions.
+/// The common edges of two tiles, with opposite directions, on the bottom or the top: bricks that
+/// are joined at an angle meet on one face.
 std::vector<std::pair<int, int>> sharedEdges(const ElementMesh& mesh, const TileElements& a,
                                              const TileElements& b, double tolerance) {
   std::vector<std::pair<int, int>> shared;
-  const auto areSame = [&](const std::vector<int>& p, const std::vector<int>& q) {
-    return (mesh.nodes[p.front()] - mesh.nodes[q.front()]).norm() <= tolerance &&
-           (mesh.nodes[p.back()] - mesh.nodes[q.back()]).norm() <= tolerance;
+  const auto areSame = [&](int p, int q) {
+    return (mesh.nodes[p] - mesh.nodes[q]).norm() <= tolerance;
   };
   for (std::size_t e = 0; e < a.edges.size(); ++e) {
     for (std::size_t f = 0; f < b.edges.size(); ++f) {
-      const bool isShared = areSame(a.edges[e], b.edges[(f + 1) % b.edges.size()]) &&
-                            areSame(a.edges[(e + 1) % a.edges.size()], b.edges[f]);
+      const std::vector<int>&from = a.edges[e], &to = a.edges[(e + 1) % a.edges.size()];
+      const std::vector<int>&end = b.edges[f], &start = b.edges[(f + 1) % b.edges.size()];
+      const bool isShared =
+          (areSame(from.front(), start.front()) && areSame(to.front(), end.front())) ||
+          (areSame(from.back(), start.back()) && areSame(to.back(), end.back()));
       if (isShared) shared.emplace_back(static_cast<int>(e), static_cast<int>(f));
     }
   }
@@ -955,6 +958,23 @@ std::vector<int> nodesOnEdge(const ElementMesh& mesh, const TileElements& tile, 
     nodes.insert(nodes.end(), own.begin(), own.end());
   }
   return sortedOnce(std::move(nodes));
+}
+
+/// Positions on a side face: along the edge between two corners, and from the bottom up.
+std::vector<std::array<double, 2>> placesOnSide(const ElementMesh& mesh,
+                                                const std::vector<int>& nodes,
+                                                const std::vector<int>& from,
+                                                const std::vector<int>& to) {
+  const Vector3& origin = mesh.nodes[from.front()];
+  const Vector3 along = (mesh.nodes[to.front()] - origin).normalized();
+  // A shell's side has no height.
+  const Vector3 up = (mesh.nodes[from.back()] - origin).normalized();
+  std::vector<std::array<double, 2>> places;
+  for (const int node : nodes) {
+    const Vector3 offset = mesh.nodes[node] - origin;
+    places.push_back({offset.dot(along), offset.dot(up)});
+  }
+  return places;
 }
 
 Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
@@ -1053,12 +1073,21 @@ void joinTiles(ElementMesh& mesh, const std::vector<model::Joint>& joints) {
           joints[j].a.tile + mesh.rule.countsFrom, joints[j].b.tile + mesh.rule.countsFrom));
     }
     for (const auto& [edgeA, edgeB] : shared) {
-      const std::vector<int> others = nodesOnEdge(mesh, b, edgeB);
-      for (const int node : nodesOnEdge(mesh, a, edgeA)) {
-        const auto nearest = std::ranges::min_element(others, {}, [&](int other) {
-          return (mesh.nodes[other] - mesh.nodes[node]).squaredNorm();
+      const auto cornersOf = [](const TileElements& tile, int edge) {
+        return std::pair{tile.edges[edge], tile.edges[(edge + 1) % tile.edges.size()]};
+      };
+      const std::vector<int> own = nodesOnEdge(mesh, a, edgeA),
+                             others = nodesOnEdge(mesh, b, edgeB);
+      const auto [fromA, toA] = cornersOf(a, edgeA);
+      const auto [toB, fromB] = cornersOf(b, edgeB);
+      // At an angle the nodes of one face are apart, so their places on the sides are compared.
+      const auto placesA = placesOnSide(mesh, own, fromA, toA);
+      const auto placesB = placesOnSide(mesh, others, fromB, toB);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const auto nearest = std::ranges::min_element(placesB, {}, [&](const auto& place) {
+          return std::hypot(place[0] - placesA[k][0], place[1] - placesA[k][1]);
         });
-        sets.unite(node, *nearest);
+        sets.unite(own[k], others[nearest - placesB.begin()]);
       }
       std::erase_if(a.sides, [&](const ElementFace& face) { return face.tileEdge == edgeA; });
       std::erase_if(b.sides, [&](const ElementFace& face) { return face.tileEdge == edgeB; });

@@ -1,4 +1,6 @@
 // Cells of infinite sheets, and the ends of sheets: which corners, nodes and faces.
+#include "render/fea/periodic.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,7 +11,6 @@
 
 #include "render/fea/deck.h"
 #include "render/fea/job.h"
-#include "render/fea/periodic.h"
 #include "render/fea/sheet_ends.h"
 #include "sim/base/error.h"
 #include "tests/support/layouts.h"
@@ -39,8 +40,8 @@ TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {
   for (const auto& [columns, rows] : {std::pair{2, 2}, {4, 4}, {2, 4}}) {
     for (const double opening : {0.0, 0.7}) {
       for (const double degrees : {0.0, 37.0}) {
-        SCOPED_TRACE(testing::Message() << columns << " x " << rows << " " << opening << " "
-                                        << degrees);
+        SCOPED_TRACE(testing::Message()
+                     << columns << " x " << rows << " " << opening << " " << degrees);
         const model::Model model =
             turned(model::makeTessellation(test::squares(columns, rows, opening)), degrees);
         const fea::SheetLattice lattice = latticeOf(model);
@@ -53,10 +54,9 @@ TEST(SheetLattice, JoinsEveryCornerOfRotatingSquaresOnce) {
           const model::Corner &a = border.joint.a, &b = border.joint.b;
           ++uses[{a.tile, a.vertex}];
           ++uses[{b.tile, b.vertex}];
-          const Vector3 gap = model.tiles[a.tile].vertices[a.vertex] -
-                              model.tiles[b.tile].vertices[b.vertex] -
-                              border.cell[0] * lattice.periods[0] -
-                              border.cell[1] * lattice.periods[1];
+          const Vector3 gap =
+              model.tiles[a.tile].vertices[a.vertex] - model.tiles[b.tile].vertices[b.vertex] -
+              border.cell[0] * lattice.periods[0] - border.cell[1] * lattice.periods[1];
           EXPECT_LT(gap.norm(), 1e-9);
         }
         // Each tile of the infinite sheet has four joints, one at each corner.
@@ -144,10 +144,9 @@ TEST(SheetEnds, AreWhatAPersonWouldHold) {
 
 TEST(JoinedTiles, AreOnePart) {
   // Two squares side by side, and a triangle on the second one, joined by their edges.
-  const std::vector<model::Tile> tiles = {
-      model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
-      model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}},
-      model::Tile{{{2, 0, 0}, {2.8, 0.5, 0}, {2, 1, 0}}}};
+  const std::vector<model::Tile> tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                                          model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}},
+                                          model::Tile{{{2, 0, 0}, {2.8, 0.5, 0}, {2, 1, 0}}}};
   const std::vector<model::Joint> joints = {model::makeFixedJoint(tiles, 0, 1),
                                             model::makeFixedJoint(tiles, 1, 2)};
   const test::Layout layout = test::layoutOf(tiles, joints);
@@ -162,6 +161,30 @@ TEST(JoinedTiles, AreOnePart) {
       EXPECT_EQ(common.size(), family == fea::ElementFamily::Solid ? 9U + 9U + 5U : 9U);
     }
     // One body: six displacements hold it.
+    EXPECT_EQ(fea::leastSupports(mesh).size(), 6U);
+  }
+  // At an angle bricks meet on one face and have a mitre.
+  for (const double angle : {-1.2, -0.4, 0.4, 1.2}) {
+    std::vector<model::Tile> folded = tiles;
+    for (const int tile : {1, 2}) {
+      for (Vector3& vertex : folded[tile].vertices) {
+        const double beyond = vertex.x() - 1;
+        vertex = {1 + std::cos(angle) * beyond, vertex.y(), std::sin(angle) * beyond};
+      }
+    }
+    const test::Layout bent = test::layoutOf(folded, joints);
+    const fea::ElementMesh mesh =
+        fea::makeElementMesh(bent.bricks, bent.joints, bent.poses, {.perEdge = 3, .through = 1});
+    std::vector<int> common;
+    std::ranges::set_intersection(mesh.tiles[0].nodes, mesh.tiles[1].nodes,
+                                  std::back_inserter(common));
+    EXPECT_EQ(common.size(), 9U + 9U + 5U);
+    // The mitre bisects the angle.
+    for (const int node : common) {
+      EXPECT_NEAR((mesh.nodes[node].x() - 1) * std::cos(angle / 2) +
+                      mesh.nodes[node].z() * std::sin(angle / 2),
+                  0, 1e-12);
+    }
     EXPECT_EQ(fea::leastSupports(mesh).size(), 6U);
   }
   std::vector<model::Tile> apart = tiles;
