@@ -145,6 +145,24 @@ TEST_F(PeriodicNecks, JoinedTilesArePulledAsOne) {
   EXPECT_NEAR(found / 1e-7, 1, 1e-5);
 }
 
+TEST_F(PeriodicNecks, ShellsOpenAsSolidsDo) {
+  for (const model::Model& model :
+       {model::makeTessellation(test::squares(2, 3, 0)),
+        generate::makeRotatingTriangles({.columns = 2, .rows = 1}),
+        generate::makeHexagonsAndTriangles({.columns = 2, .rows = 2})}) {
+    const auto opening = [&](fea::ElementFamily family) {
+      fea::ElementRule rule = plane(0.1, 1);
+      rule.family = family;
+      rule.through = 1;
+      return openingOf(fea::makeNeckMesh(model, 0.02, rule));
+    };
+    const double solids = opening(fea::ElementFamily::Solid);
+    EXPECT_NEAR(opening(fea::ElementFamily::Shell) / solids, 1, 0.02);  // measured: 0.9945 to 1
+    EXPECT_NEAR(opening(fea::ElementFamily::Plane) / solids, 1,
+                0.02);  // measured: 0.9931 to 0.9975
+  }
+}
+
 TEST_F(PeriodicNecks, ShellsOfTurnedSheetsAreMeshed) {
   const model::Model odd = turned(model::makeTessellation(test::squares(3, 3, 0)), 1);
   fea::ElementRule rule = plane(0.1, 2);
