@@ -1,6 +1,6 @@
-// Bricks without the corners that they share with a partner. A corner at p becomes two, on the
-// edges to its neighbours: p + min(l / |e|, 0.4) e for each edge e. So a convex outline stays
-// convex, and an edge with both ends cut keeps a fifth of its length at least.
+// Bricks without shared corners. A corner at p becomes two corners on the edges to its neighbours:
+// p + min(l / |e|, 0.4) e for each edge e. So a convex outline stays convex. An edge with both ends
+// cut keeps at least a fifth of its length.
 #include "sim/model/contact.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace kirireel::model {
 namespace {
 
-// Both ends of an edge may be cut off, and something must be left.
+// Fraction of an edge, < 0.5 since both ends may be cut.
 constexpr double kLargestCut = 0.4;
 
 bool contains(const std::vector<int>& corners, int corner) {
@@ -47,7 +47,7 @@ std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot
     const bool swapped = pivot.brickB < pivot.brickA;
     SharedCorners& corners = shared[std::minmax(pivot.brickA, pivot.brickB)];
     corners.areOneTile = corners.areOneTile || pivot.isWithinTile;
-    // The pair is noted all the same: fixed and linked bricks count as joined.
+    // The pair is still stored, since fixed and linked bricks count as joined.
     if (pivot.cornerA == kNoCorner) continue;
     note(corners.ofA, swapped ? pivot.cornerB : pivot.cornerA);
     note(corners.ofB, swapped ? pivot.cornerA : pivot.cornerB);

@@ -1,5 +1,5 @@
-// What both readers of drawings share. A file is read twice: coarsely for its size, then with
-// curves flattened to within 5e-5 of that size.
+// Functions of both readers of drawings. A file is read twice: first coarsely for its size, then
+// with curves flattened to 5e-5 of that size.
 #include "sim/model/drawing.h"
 
 #include <algorithm>
@@ -17,11 +17,11 @@
 namespace kirireel::model {
 namespace {
 
-// Of the drawing's size.
+// Fraction of the drawing's size.
 constexpr double kFlattening = 5e-5;
 constexpr const char* kDrawingPurpose = "give an SVG or an ASCII DXF file with lines to cut";
 
-/// Programs of Windows write UTF-16: other characters than ASCII do not matter in a DXF file.
+/// Windows programs write UTF-16. Only ASCII characters matter in a DXF file.
 std::string withoutWideCharacters(const std::string& text) {
   const bool isLittle = text.starts_with("\xff\xfe"), isBig = text.starts_with("\xfe\xff");
   if (!isLittle && !isBig) return text;
@@ -85,7 +85,7 @@ void addArc(std::vector<Vector2>& points, const Vector2& centre, const Vector2& 
             const Vector2& second, double from, double sweep, double flattening) {
   const double radius = std::max(first.norm(), second.norm());
   const double share = radius > 0 ? std::min(flattening / radius, 0.07) : 0.07;
-  // At most 45 degrees a piece, so that small circles stay round.
+  // At most 45 degrees per piece, which keeps small circles round.
   const double step = std::max(2 * std::acos(1 - share), 2e-3);
   const int pieces = std::max(1, static_cast<int>(std::ceil(std::abs(sweep) / step)));
   for (int k = 1; k <= pieces; ++k) {
@@ -135,7 +135,7 @@ Drawing readDrawing(const std::filesystem::path& file) {
   const auto read = [&](double flattening) {
     return isSvg ? readSvgDrawing(file, text, flattening) : readDxfDrawing(file, pairs, flattening);
   };
-  // A drawing without curves is what it is at any tolerance.
+  // A drawing without curves is the same at any tolerance.
   Drawing coarse = read(1e3);
   return coarse.flattening > 0 ? read(kFlattening * coarse.size()) : coarse;
 }

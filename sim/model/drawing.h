@@ -98,7 +98,7 @@ std::string lowerCase(std::string_view text);
 /// "#rrggbb" for any spelling of a colour in SVG; other words in lower case.
 std::string normalColour(std::string_view text);
 
-/// Statistics of the decimals of a drawing's coordinates.
+/// Counts of decimals of a drawing's coordinates.
 struct DecimalCounts {
   std::array<int, 16> numbers{};  ///< count of coordinates with 0, 1, ... decimals, or 15 and more
 

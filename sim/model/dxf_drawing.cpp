@@ -1,6 +1,6 @@
-// DXF files as lines (Autodesk, DXF Reference, R12 to 2018): pairs of lines, a group code and a
-// value; code 0 begins an entity. Entities of the section ENTITIES are drawn, blocks where an
-// INSERT names them. A bulge is the tangent of a quarter of an arc's angle.
+// DXF files as lines (Autodesk, DXF Reference, R12 to 2018): pairs of lines with a group code and a
+// value. Code 0 begins an entity. The reader draws the entities of the section ENTITIES, and a
+// block for each INSERT of it. A bulge is the tangent of a quarter of an arc's angle.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -43,7 +43,7 @@ struct DxfLayer {
   bool isOff = false;
 };
 
-/// What blocks hand on.
+/// Properties that a block's entities inherit from its INSERT.
 struct DxfContext {
   Eigen::Affine2d transform = Eigen::Affine2d::Identity();
   std::string layer = "0";
@@ -69,7 +69,7 @@ class DxfReader {
   }
 
  private:
-  /// The line at a place, which moves behind it, without blanks; none at the end.
+  /// The line at `at` without surrounding blanks; absent at the end. Moves `at` to the next line.
   static std::optional<std::string_view> takeLine(std::string_view text, std::size_t& at) {
     if (at >= text.size()) return std::nullopt;
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -100,7 +100,7 @@ class DxfReader {
         block.clear();
       else if (section == "BLOCKS" && !block.empty())
         blocks_[block].push_back(current);
-      // Cut-down files have entities without a section.
+      // Minimal files have entities without a section.
       else if (section == "ENTITIES" || (section.empty() && !*hasSections))
         entities_.push_back(current);
       if (current.type == "BLOCK") blocks_[block].push_back(current);  // its base point
@@ -166,7 +166,7 @@ class DxfReader {
   }
 
   void readHeader() {
-    // Units that only drawings have; the others are lengthUnits().
+    // Units that only drawings have. The others are in lengthUnits().
     static const std::vector<LengthUnit> kOthers = {
         {"uin", 2.54e-8, 8}, {"mil", 2.54e-5, 9}, {"yd", 0.9144, 10}, {"dm", 0.1, 14}};
     int unit = 0;
@@ -223,7 +223,7 @@ class DxfReader {
     }
   }
 
-  /// The colours 1 to 7 of the table of AutoCAD; others by their number.
+  /// The colours 1 to 7 of AutoCAD's table. Other colours are named by their number.
   static std::string colourOf(int index) {
     static const std::array<const char*, 7> kFirst = {"#ff0000", "#ffff00", "#00ff00", "#00ffff",
                                                       "#0000ff", "#ff00ff", "#000000"};
@@ -293,7 +293,7 @@ class DxfReader {
     const Vector2 from = points.back();
     if (bulge != 0 && from != to) {
       const Vector2 half = 0.5 * (to - from);
-      // The centre lies off the chord's middle by (1 - b^2) / (2 b) half chords, to the left.
+      // The centre is (1 - b^2) / (2 b) half chords to the left of the chord's middle.
       const Vector2 centre =
           from + half + (1 - bulge * bulge) / (2 * bulge) * Vector2(-half.y(), half.x());
       const Vector2 first = from - centre;
@@ -331,7 +331,7 @@ class DxfReader {
     addVertices(vertices, bulges, path);
   }
 
-  /// Of R12, whose vertices are entities of their own; false for meshes.
+  /// A polyline of R12, whose vertices are separate entities; false for meshes.
   bool addOldPolyline(const DxfEntity& entity, const std::vector<DxfEntity>& all, std::size_t first,
                       std::size_t last, DrawnPath& path) {
     const int flags = whole(entity, 70, 0);
@@ -349,7 +349,7 @@ class DxfReader {
     return true;
   }
 
-  /// The entity's lines in its own coordinates; false for what has none.
+  /// The entity's lines in its own coordinates; false if it has no lines.
   bool addPoints(const DxfEntity& entity, const std::vector<DxfEntity>& all, std::size_t first,
                  std::size_t last, DrawnPath& path) {
     const std::string& type = entity.type;
@@ -445,7 +445,7 @@ class DxfReader {
       const double from = knots[span], to = knots[span + 1];
       if (!(to > from)) continue;
       if (path.points.empty()) path.points.push_back(at(span, from));
-      // Halved until the middle of every piece is near enough.
+      // Pieces are halved until the middle of each is within the tolerance.
       int pieces = degree == 1 ? 1 : 2;
       const double enough = scale_ > 0 ? flattening_ / scale_ : 1;
       for (; pieces < 256 && degree > 1; pieces *= 2) {

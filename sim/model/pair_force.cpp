@@ -1,11 +1,11 @@
-// Forces between pairs of bricks. All that is not a kind's own follows from its energy E at poses
-// q: the bricks are pushed with -dE/dq.
+// Forces between pairs of bricks. A kind of force defines its energy E at poses q. The force on the
+// bricks is -dE/dq.
 #include "sim/model/pair_force.h"
 
 namespace kirireel::model {
 namespace {
 
-/// Where a coordinate in the plane (x, y, turn of A, then of B) is among the twelve in space.
+/// Indices of the coordinates in the plane (x, y, rotation of A, then of B) among the 12 in space.
 constexpr std::array kPlanar = {0, 1, 5, 6, 7, 11};
 
 }  // namespace

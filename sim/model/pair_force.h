@@ -38,15 +38,15 @@ struct PlanarEnergy {
   Matrix6 hessian = Matrix6::Zero();   ///< symmetric; it may be indefinite
 };
 
-/// What of an energy in space concerns the plane.
+/// The part of an energy in space that belongs to the motion in the plane.
 PlanarEnergy inPlane(const PairEnergy& energy);
-/// An energy in the plane as one in space, whose other derivatives are 0.
+/// An energy in the plane as an energy in space. The other derivatives are 0.
 PairEnergy inSpace(const PlanarEnergy& energy);
 
 // ------------------------------------------------------------------------------------------------
-// Pairs as columns of numbers, which is how trajectory.h5 keeps them.
+// Pairs as columns of numbers, as stored in trajectory.h5.
 
-/// A number, or several, that each pair has.
+/// One or more numbers of each pair.
 struct PairColumn {
   std::string name;             ///< of the array in the group of its kind
   std::string unit;             ///< empty for whole numbers
@@ -72,7 +72,7 @@ class PairReader {
   virtual std::size_t joints() const = 0;
   /// The unit normal of the model's start if the start is flat, else z.
   virtual Vector3 normal() const = 0;
-  /// Throws InputError with this description of the file's fault.
+  /// Throws InputError with this description of the error in the file.
   [[noreturn]] virtual void refuse(const std::string& what) const = 0;
 };
 

@@ -1,6 +1,6 @@
-// The frame of a flat sheet. The sum of the tiles' area vectors, each taken to the side of the
-// first, is normal to the plane: its error is that of the vertices over the size of the sheet. The
-// signs of the areas along it then choose the side.
+// The frame of a flat sheet. The area vectors of the tiles are flipped to the side of the first and
+// added. The sum is normal to the plane. Its error is the error of the vertices divided by the size
+// of the sheet. The signs of the areas along this normal then choose the upper side.
 
 #include "sim/model/sheet_frame.h"
 
@@ -16,16 +16,16 @@
 namespace kirireel::model {
 namespace {
 
-/// Parts of the whole area that decide about the upper side.
+/// Smaller differences of area, as a fraction of the whole, do not choose the upper side.
 constexpr double kEvenArea = 1e-9;
 
-// Of the model's size: differences that come from rounding.
+// Differences from rounding, as a fraction of the model's size.
 constexpr double kFlat = 1e-9;
 
-/// Relative areas, and angles in radians, that differ by less are equal.
+/// Smaller differences of relative areas, and of angles in radians, count as equal.
 constexpr double kSameRectangle = 1e-7;
 
-/// The area of the rectangle around points whose sides are rotated so from the axes.
+/// The area of the rectangle around points with its sides rotated by this angle, radians.
 double rectangleArea(const std::vector<Eigen::Vector2d>& points, double angle) {
   const Eigen::Vector2d x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
   Eigen::AlignedBox2d box;
@@ -61,7 +61,7 @@ SheetFrame frameAlong(const Vector3& normal, const Vector3& origin) {
   SheetFrame frame;
   frame.origin = origin;
   frame.normal = normal;
-  // A normal that faces straight down has no shortest rotation; the sheet is turned over about x.
+  // A normal that points straight down has no unique shortest rotation. Rotate about x.
   const Vector3 axis = Vector3::UnitZ().cross(normal);
   const double angle = std::atan2(axis.norm(), normal.z());
   const Eigen::AngleAxisd turn(angle,

@@ -1,5 +1,5 @@
-/// The plane of a flat sheet and its upper side: what "flat", "clockwise" and "from above" refer
-/// to. Only gravity, the ground and the screen use z instead.
+/// The plane of a flat sheet and its upper side. "Flat", "clockwise" and "from above" refer to
+/// them. Only gravity, the ground and the screen use z instead.
 #pragma once
 
 #include <optional>
@@ -25,14 +25,14 @@ struct SheetFrame {
   Vector3 toWorld(const Vector3& point) const {
     return origin + point.x() * x + point.y() * y + point.z() * normal;
   }
-  /// The axes as columns: turns a direction in these axes into one in the world's.
+  /// The axes as columns. Rotates a direction from these axes to world axes.
   Matrix3 axes() const {
     Matrix3 columns;
     columns << x, y, normal;
     return columns;
   }
-  /// A pose in these axes as one in the world's: bricks' own axes are parallel to either at the
-  /// start. A rotation q = (w, v) becomes (w, axes v).
+  /// Converts a pose from these axes to world axes. The bricks' own axes are parallel to the same
+  /// axes at the start. A rotation q = (w, v) becomes (w, axes v).
   Pose toWorld(const Pose& pose) const {
     const Quaternion& q = pose.rotation;
     Pose found{toWorld(pose.position)};
@@ -49,28 +49,28 @@ struct SheetFrame {
 SheetFrame frameAlong(const Vector3& normal, const Vector3& origin);
 
 /// The frame of tiles whose vertices lie in one plane, to the tolerance in metres; nullopt if they
-/// do not. The upper side of a horizontal sheet is the side of +z. That of any other is the side
-/// from which most of the sheet's area has its vertices anticlockwise, and the first tile if no
-/// side has more. So it turns with the sheet. A horizontal sheet keeps the bits of its x and y. At
-/// least one tile, each with an area.
+/// do not. The upper side of a horizontal sheet is the side of +z. For any other sheet it is the
+/// side from which most of the area has anticlockwise vertices; if both are equal, the first tile
+/// decides. So the side rotates with the sheet. Coordinates x and y of a horizontal sheet are
+/// unchanged. Needs at least one tile, and each tile needs an area.
 std::optional<SheetFrame> sheetFrame(const std::vector<Tile>& tiles, double tolerance);
 
 /// The same for the start of a model, to flatTolerance().
 std::optional<SheetFrame> sheetFrame(const Model& model);
 
-/// How far vertices of a flat state of a model may be from its plane, metres.
+/// Tolerance of flatness: largest distance of a vertex from the plane, metres.
 double flatTolerance(const Model& model);
 
-/// The unit normal of tiles that lie near one plane, to the side from which most of their area has
-/// its vertices anticlockwise; to the side of `ifEven` if no side has more. At least one tile.
+/// The unit normal of tiles near one plane. It points to the side from which most of their area has
+/// anticlockwise vertices, or to the side of `ifEven` if both are equal. Needs at least one tile.
 Vector3 meanNormal(const std::vector<Tile>& tiles, const Vector3& ifEven);
 
-/// The angle in (-45, 45] degrees from the axes to the sides of the smallest rectangle around
-/// points in the plane, radians. 0 unless its area is smaller than that of the rectangle along the
-/// axes by more than the fraction `gain`, in [0, 1). Of equal rectangles, the one with the smallest
-/// rotation, anticlockwise if there are two. A side of the rectangle lies along a side of the
-/// convex hull (H. Freeman, R. Shapira, Determining the minimum-area encasing rectangle for an
-/// arbitrary closed curve, Commun. ACM 18, 1975): all are tried.
+/// The angle from the axes to the sides of the smallest rectangle around points in the plane,
+/// radians, in (-pi/4, pi/4]. 0 unless this saves more than the fraction `gain`, in [0, 1), of the
+/// area of the rectangle along the axes. Of equal rectangles, the one with the smallest rotation,
+/// anticlockwise if there are two. Tries each side of the convex hull as a side of the rectangle
+/// (H. Freeman, R. Shapira, Determining the minimum-area encasing rectangle for an arbitrary closed
+/// curve, Commun. ACM 18, 1975).
 double smallestRectangleAngle(std::vector<Eigen::Vector2d> points, double gain);
 
 /// Whether all vertices lie in one plane parallel to the frame's, to the tolerance in metres.

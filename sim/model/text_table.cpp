@@ -1,9 +1,9 @@
-// Lines and fields of text files that people and other programs write.
+// Lines and fields of text files from people and other programs.
 //
-// The file is held whole in memory, and fields are views into it: no text is copied. What is
-// accepted is wide on purpose (a byte-order mark, line ends of any system, comments of three
-// languages, commas), because each of these is clear; numbers on the other hand are read by
-// std::from_chars, which knows no locale, takes nothing but a number and rounds correctly.
+// The whole file is in memory, and fields are views of its text. The reader accepts a byte-order
+// mark, line ends of any system, comments of three languages and commas, because none of these is
+// ambiguous. Numbers are strict: std::from_chars ignores the locale, rejects other text and rounds
+// correctly.
 #include "sim/model/text_table.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ bool isUtf16(std::string_view text) {
   return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
 }
 
-/// Where a comment begins within a line; npos where none does.
+/// Position of a comment in a line; npos if there is none.
 std::size_t commentBegin(std::string_view text) {
   return std::min({text.find('#'), text.find('%'), text.find("//")});
 }
@@ -60,7 +60,7 @@ bool TextTable::next(TextLine& line) {
   line.fields.clear();
   while (position_ < text_.size() && line.fields.empty()) {
     line.number = number_ + 1;
-    // Passed-over lines are counted too.
+    // Skipped lines are counted too.
     while (readLine(line)) continue;
   }
   return !line.fields.empty();
@@ -75,7 +75,7 @@ bool TextTable::readLine(TextLine& line) {
   const bool isObj = comments_ == Comments::Keep;
   const size_t comment = isObj ? text.find('#') : commentBegin(text);
   hasComment_ = hasComment_ || comment != text.npos;
-  // In OBJ only a comment after data is removed: one that fills its line may be ours.
+  // In OBJ only a comment after data is removed. A full line may be one of Kirireel's own comments.
   const bool isWholeLine = line.fields.empty() && text.find_first_not_of(kBlanks) == comment;
   // substr(0, npos) is the whole line.
   if (!isObj || !isWholeLine) text = text.substr(0, comment);
@@ -86,7 +86,7 @@ bool TextTable::readLine(TextLine& line) {
 }
 
 void TextTable::splitFields(std::string_view text, TextLine& line) const {
-  // Commas part numbers where blanks do not, as in "0,1"; in "0,5 1" one would be a decimal's.
+  // Commas separate numbers if there are no blanks, as in "0,1". In "0,5 1" it is a decimal comma.
   size_t begin = text.find_first_not_of(kBlanks);
   const size_t last = text.find_last_not_of(kBlanks);
   const bool hasBlanks = begin != text.npos && text.find_first_of(kBlanks, begin) < last;
@@ -112,7 +112,7 @@ void TextTable::splitFields(std::string_view text, TextLine& line) const {
 }
 
 bool readNumber(std::string_view text, double& value) {
-  // from_chars knows no leading plus and no D, which other programs write.
+  // from_chars rejects a leading plus and the exponent D, which other programs write.
   if (text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
   std::string fortran;
   const size_t exponent = text.find_first_of("dD");
@@ -134,7 +134,7 @@ bool isNan(std::string_view text) {
 
 double parseCoordinate(const TextField& field, const FileLocation& location) {
   double value = 0;
-  // Numbers too large for a double are left to the next message.
+  // The next check reports numbers that are too large for a double.
   if (!readNumber(field.text, value)) {
     const bool hasComma = std::ranges::count(field.text, ',') == 1;
     throw inputErrorAt(location,
@@ -162,7 +162,7 @@ double parseNumberWithin(const TextField& field, const FileLocation& location, d
 
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning) {
-  // Programs that know one kind of number write 3 as 3.0000000e+00.
+  // Programs with only floating-point numbers write 3 as 3.0000000e+00.
   double value = 0;
   const bool isWhole = readNumber(field.text, value) && value >= std::numeric_limits<int>::min() &&
                        value <= std::numeric_limits<int>::max() && value == std::trunc(value);
