@@ -1,23 +1,23 @@
-// Minimise |w(x)|^2 / 2 subject to e(x) = 0: x the unknowns, w the soft equations, e the exact
-// ones.
+// Minimises |w(x)|^2 / 2 subject to e(x) = 0, with the unknowns x, the soft equations w and the
+// exact equations e.
 //
 // Each round solves one symmetric system for a step d and the multipliers y,
 //   [ W^T W + m I   E^T  ] [ d ]       [ W^T w ]
 //   [      E       -eps I ] [ y ]  =  - [   e   ]
-// W and E the slopes of w and e, m the damping, eps = 1e-9. Both diagonal blocks are definite with
-// opposite signs, which makes the matrix quasi-definite: it has a factorisation L D L^T in any
-// order of its rows. A sparse Cholesky without pivoting serves (R. J. Vanderbei, Symmetric
-// quasidefinite matrices, SIAM J. Optimization 5, 1995). Exact equations may repeat each other, as
-// those of closed voids do: eps keeps the lower block definite, and two rounds of iterative
-// refinement take most of its error away.
+// with the slopes W and E of w and e, the damping m and eps = 1e-9. The diagonal blocks are
+// definite with opposite signs, so the matrix is quasi-definite: it has a factorisation L D L^T
+// for any order of its rows. A sparse Cholesky factorisation without pivoting is enough (R. J.
+// Vanderbei, Symmetric quasidefinite matrices, SIAM J. Optimization 5, 1995). Exact equations may
+// be redundant, as those of closed voids are. eps keeps the lower block definite. Two rounds of
+// iterative refinement remove most of its error.
 //
-// The step is shortened by halves until the merit |w|^2 / 2 + rho |e|_1 falls. It is an exact
-// penalty once rho is at least the largest multiplier; twice that is used. An accepted step lowers
-// the damping by 0.3, a refused one raises it tenfold (Levenberg and Marquardt's rule).
-// Gauss-Newton leaves out second derivatives of w and e: convergence is linear near the
-// end, which hardly matters, as designs may stop anywhere on e = 0. Finally Newton steps of least
-// length, d = -E^T (E E^T)^-1 e, with the same system at W = 0, m = 1, make e vanish to rounding:
-// they converge quadratically and move the design by about the violation that is left.
+// The step is halved until the merit |w|^2 / 2 + rho |e|_1 decreases. The penalty is exact if rho
+// is at least the largest multiplier. The fit uses twice that. An accepted step multiplies the
+// damping by 0.3, a rejected one by 10 (rule of Levenberg and Marquardt). Gauss-Newton ignores the
+// second derivatives of w and e, so convergence is linear near the end. This does not matter, since
+// a design may stop anywhere on e = 0. Finally, Newton steps of least length d = -E^T (E E^T)^-1 e
+// reduce e to rounding. They use the same system with W = 0 and m = 1, converge quadratically and
+// move the design by about the remaining violation.
 //
 // J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, chapters 10 and 18.
 #include "sim/generate/constrained_fit.h"
@@ -33,9 +33,9 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 
-// Less damping than this no longer changes a step; some has to stay, since W^T W may be singular.
+// Less damping would not change a step. Some is needed, since W^T W may be singular.
 constexpr double kLeastDamping = 1e-9;
-// A step below this is rounding for sheets whose tiles are about 1 in size.
+// Smaller steps are rounding, for tiles of size about 1.
 constexpr double kSmallStep = 1e-10;
 constexpr double kLeastViolation = 1e-13;
 
@@ -49,8 +49,8 @@ double largest(const Vector& values) {
   return values.size() == 0 ? 0 : values.lpNorm<Eigen::Infinity>();
 }
 
-/// Solves [H J^T; J -epsilon] [step; multipliers] = -[gradient; values], where H is positive
-/// definite: the pattern is analysed once.
+/// Solves [H J^T; J -epsilon] [step; multipliers] = -[gradient; values] for positive definite H.
+/// Analyses the pattern of zeros once.
 class QuasiDefiniteSystem {
  public:
   struct Solution {
@@ -65,12 +65,12 @@ class QuasiDefiniteSystem {
     const Matrix system = assemble(curvature, slopes, epsilon);
     Vector right(unknowns + values.size());
     right << -gradient, -values;
-    // The source writes the same equations at every call: the pattern of zeros stays.
+    // The source writes the same equations at every call, so the pattern of zeros does not change.
     if (!analysed_) factors_.analyzePattern(system);
     analysed_ = true;
     factors_.factorize(system);
     Vector both = factors_.solve(right);
-    // Two rounds of refinement return the digits that factors without pivots lose.
+    // Two rounds of refinement restore the digits lost without pivoting.
     for (int round = 0; round < 2; ++round) {
       both += factors_.solve(right - system.selfadjointView<Eigen::Lower>() * both);
     }
@@ -86,7 +86,7 @@ class QuasiDefiniteSystem {
       for (Eigen::Index column = 0; column < matrix.outerSize(); ++column) {
         for (Matrix::InnerIterator entry(matrix, column); entry; ++entry) {
           const Eigen::Index row = firstRow + entry.row();
-          // The matrix is symmetric: the lower triangle is enough.
+          // The matrix is symmetric, so the lower triangle is enough.
           if (row >= column) entries.emplace_back(row, column, entry.value());
         }
       }
@@ -123,8 +123,8 @@ class Descent {
  private:
   double merit(const Vector& unknowns) const {
     const DesignEquations equations = equationsAt(source_, unknowns);
-    // The sum of absolute values and not of squares: only so is the minimum that of the constrained
-    // problem at a finite penalty.
+    // A sum of absolute values, since with squares a finite penalty would not give the minimum of
+    // the constrained problem.
     return 0.5 * equations.desired.values().squaredNorm() +
            penalty_ * equations.exact.values().lpNorm<1>();
   }
@@ -138,19 +138,19 @@ class Descent {
     const auto solution =
         system_.solve(curvature, equations.exact.slopes(size), 1e-9,
                       desired.transpose() * equations.desired.values(), equations.exact.values());
-    // The penalty only rises, or the merits of different rounds could not be compared.
+    // The penalty never decreases, which keeps merits of different rounds comparable.
     penalty_ = std::max(penalty_, 2 * largest(solution.multipliers));
     if (search(solution.step)) {
       damping_ = std::max(kLeastDamping, 0.3 * damping_);
       done_ = largest(solution.step) < kSmallStep;
     } else {
       damping_ *= 10;
-      // Steps so short that nothing can change any more.
+      // The steps are too short to change anything.
       done_ = damping_ > 1e12;
     }
   }
 
-  /// Moves by the step or a half, a quarter, ... of it; false when none of them helps.
+  /// Moves by the step or a half, a quarter, ... of it. False if no move lowers the merit.
   bool search(const Vector& step) {
     const double before = merit(unknowns_);
     double share = 1;
@@ -189,8 +189,8 @@ Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettin
   fit.unknowns = Descent(source, std::move(start), settings).unknowns();
   QuasiDefiniteSystem system;
   const int size = static_cast<int>(fit.unknowns.size());
-  // Newton's method doubles the digits in each round; ten rounds are far more than a start in its
-  // range needs.
+  // Newton's method doubles the number of digits in each round. Ten rounds are more than enough
+  // near a solution.
   for (int round = 0; round < 10; ++round) {
     const DesignEquations equations = equationsAt(source, fit.unknowns);
     fit.violation = largest(equations.exact.values());

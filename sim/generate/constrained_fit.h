@@ -1,4 +1,4 @@
-/// Least squares under exact equations: the one solver behind all designed sheets.
+/// Least squares with exact constraints: the solver for all designed sheets.
 #pragma once
 
 #include <functional>
@@ -15,9 +15,9 @@ inline constexpr double kExactFit = 1e-11;
 /// Values of equations (zero when they hold) and their slopes, at one point.
 class EquationRows {
  public:
-  /// Starts the next equation.
+  /// Begins the next equation.
   void begin(double value) { values_.push_back(value); }
-  /// Adds to the slope of the equation begun last along one unknown, numbered from 0.
+  /// Adds to the slope of the last equation along one unknown, numbered from 0.
   void slope(int unknown, double value) {
     slopes_.emplace_back(static_cast<int>(values_.size()) - 1, unknown, value);
   }
@@ -38,11 +38,11 @@ struct DesignEquations {
   EquationRows exact;    ///< hard: hold to rounding; may be redundant
 };
 
-/// Writes the equations at the given unknowns: the same ones with slopes along the same unknowns at
-/// every call.
+/// Writes the equations at the given unknowns. Every call writes the same equations, with slopes
+/// along the same unknowns.
 using DesignSource = std::function<void(const Eigen::VectorXd& unknowns, DesignEquations&)>;
 
-/// How a fit proceeds.
+/// Settings of a fit.
 struct FitSettings {
   double damping = 1e-3;  ///< of the first round's step, positive
   int rounds = 200;       ///< at most
@@ -54,12 +54,12 @@ struct Fit {
   double violation = 0;      ///< the largest exact equation's value
 };
 
-/// Minimises |desired|^2 / 2 subject to exact = 0 from the given start: damped Gauss-Newton steps,
-/// each from one quasi-definite system (which needs no pivots and accepts redundant equations), a
-/// line search on |desired|^2 / 2 + rho |exact|_1 (Nocedal and Wright, Numerical Optimization,
-/// chapter 18), and at the end Newton steps of least length on the exact equations only. The
-/// returned violation shows whether they hold. Never throws itself: `violation` shows a failed fit.
-/// A round costs one sparse factorisation and up to twelve evaluations of the equations.
+/// Minimises |desired|^2 / 2 subject to exact = 0 from the given start. Uses damped Gauss-Newton
+/// steps with a line search on |desired|^2 / 2 + rho |exact|_1 (Nocedal and Wright, Numerical
+/// Optimization, chapter 18). Each step solves one quasi-definite system, which needs no pivots and
+/// accepts redundant equations. At the end, Newton steps of least length fulfil the exact
+/// equations. Does not throw: `violation` shows a failed fit. A round costs one sparse
+/// factorisation and up to twelve evaluations of the equations.
 Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettings& settings);
 
 }  // namespace kirireel::generate

@@ -1,9 +1,9 @@
-// The list of families: each has a name, its parameters with ranges, and a function from their
-// values to a model. What a family makes is checked as a reader checks a file, and more strictly,
-// and a design that did not converge never becomes a model.
+// The list of families. Each has a name, parameters with ranges, and a function from values to a
+// model. A generated model must pass stricter checks than a file. They reject designs that did not
+// converge.
 //
-// Ranges bound what was tried and what takes reasonable time; not every pair of values within them
-// has a sheet, and the check reports it.
+// Ranges cover the tested values with a reasonable computing time. Some combinations of values have
+// no sheet. The check reports them.
 #include "sim/generate/families.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ namespace {
 
 // Allowed error of a generated model, as a fraction of a tile. Largest seen: 7e-15.
 constexpr double kExactModel = 1e-9;
-// Overlap that counts, as a fraction of a tile; neighbours in a closed sheet touch to rounding.
+// Allowed overlap, as a fraction of a tile. Neighbours in a closed sheet touch up to rounding.
 constexpr double kTouchingTiles = 1e-7;
 // The least sine of a corner of a generated tile.
 constexpr double kConvex = 1e-3;
@@ -44,7 +44,7 @@ FamilyParameter count(const std::string& name, const std::string& help, double d
   return {name, "COUNT", help, defaultValue, least, most, true};
 }
 
-// Lengths as coordinates of files may have them: at least a micrometre, at most 1e6 m.
+// The range of coordinates in files: [1e-6, 1e6] m.
 FamilyParameter length(const std::string& name, const std::string& help, double defaultValue) {
   return {name, "METRES", help, defaultValue, 1e-6, 1e6, false};
 }
@@ -69,7 +69,7 @@ model::Lattice latticeOf(const FamilyValues& values) {
 // A sheet of quads in two states of its field.
 model::Model fieldModel(const model::TurningField& field, const FamilyValues& values) {
   model::Model model;
-  // Both states come from the same constants: they are congruent to rounding.
+  // Both states come from the same constants, so they are congruent up to rounding.
   model.tiles = field.tiles(values.angle("start-angle"));
   model.target = field.tiles(values.angle("target-angle"));
   model.joints = model::latticeJoints(field.lattice(), model::JointFace::Both);
@@ -109,15 +109,15 @@ CapShape capShape(const FamilyValues& values) {
   return shape;
 }
 
-/// The tile turned about the vertical through a point.
+/// The tile rotated about the vertical axis through a point.
 model::Tile turned(model::Tile tile, const Vector3& centre, double turn) {
   const Matrix3 rotation = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
   for (Vector3& vertex : tile.vertices) vertex = centre + rotation * (vertex - centre);
   return tile;
 }
 
-/// Four quads round a slit that is bent in the middle. In the plane, the slit opens to a kite: its
-/// upper side becomes the mirror image of its lower one.
+/// Four quads around a slit that is bent in the middle. In the plane the slit opens to a kite: its
+/// upper side becomes the mirror image of its lower side.
 model::Model nonrigidModel(const FamilyValues& values) {
   const double left = values.number("left"), right = values.number("right");
   const double depth = values.number("depth");
@@ -139,7 +139,7 @@ model::Model nonrigidModel(const FamilyValues& values) {
   return model;
 }
 
-/// What becomes of a tiling.
+/// A family that makes sheets from a tiling by one of the constructions.
 Family tilingFamily(const std::string& name, const std::string& help, Tiling (*tiling)(int),
                     const std::string& construction, double defaultValue) {
   Family family;
@@ -272,17 +272,17 @@ std::vector<SidePoint> pointedSide(double depth) {
   return {{0.5, depth}};
 }
 
-/// A bulge with a flat end: as an arm of that width, whose flanks lean enough to leave its bay.
+/// A bulge with a flat end, an arm of this width. Its flanks lean enough to leave the bay.
 std::vector<SidePoint> armedSide(double width, double depth) {
-  // The arm takes the middle of the side; its flanks begin at `first` and end at `last`.
+  // The arm is in the middle of the side. Its flanks begin at `first` and end at `last`.
   const double first = 0.5 * (1 - width);
   const double last = 1 - first;
-  // y / x at the arm's far end, from the joint, and half as much again.
+  // 1.5 times y / x at the arm's far end from the joint.
   const double lean = 1.5 * depth * depth / last;
   return {{first, 0}, {first + lean, depth}, {last - lean, depth}, {last, 0}};
 }
 
-/// The tiles of a lattice that turn one way.
+/// Marks the tiles of a lattice that turn in the same direction as the first.
 std::vector<bool> evenTiles(const model::Lattice& lattice) {
   std::vector<bool> even;
   for (int tile = 0; tile < lattice.tileCount(); ++tile) {
@@ -291,7 +291,7 @@ std::vector<bool> evenTiles(const model::Lattice& lattice) {
   return even;
 }
 
-/// The tiles with as many corners as the first.
+/// Marks the tiles with the same number of corners as the first.
 std::vector<bool> tilesLikeTheFirst(const model::Model& model) {
   std::vector<bool> alike;
   for (const model::Tile& tile : model.tiles) {
@@ -300,7 +300,7 @@ std::vector<bool> tilesLikeTheFirst(const model::Model& model) {
   return alike;
 }
 
-/// Every other tile: the rotating triangles are listed in turn.
+/// Marks every other tile. Rotating triangles of both kinds alternate.
 std::vector<bool> everyOtherTile(const model::Model& model) {
   std::vector<bool> other(model.tiles.size());
   for (std::size_t i = 0; i < other.size(); i += 2) other[i] = true;
@@ -429,7 +429,7 @@ double checkedValue(const Family& family, const FamilyParameter& parameter,
   const auto found = given.find(parameter.name);
   if (found == given.end()) return parameter.defaultValue;
   const double value = found->second;
-  // Written to put NaN out of range.
+  // False for NaN.
   const bool inRange = value >= parameter.least && value <= parameter.most;
   if (inRange && (!parameter.whole || value == std::floor(value))) return value;
   throw InputError(fmt::format("{}: error: {} is {:g}; give a {}number from {:g} to {:g}",
@@ -443,7 +443,7 @@ std::vector<std::string> names(const auto& things) {
   return names;
 }
 
-// Every parameter has a value afterwards.
+// Given values, with defaults for the other parameters.
 FamilyValues checkedValues(const Family& family, const std::map<std::string, double>& given) {
   std::map<std::string, double> values;
   for (const FamilyParameter& parameter : family.parameters) {
@@ -457,10 +457,10 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
   return FamilyValues(values);
 }
 
-/// Why the tiles of one state make no sheet; empty when they do.
+/// Describes why the tiles of one state are not a valid sheet. Empty if they are.
 std::string stateFault(const model::Model& model, const std::vector<model::Tile>& tiles,
                        bool isConcave) {
-  // The order goes from what is cheap to what is not; overlaps compare pairs of tiles.
+  // Cheap checks first. The last one compares pairs of tiles.
   const double size = model::tileSize(model);
   if (!(trajectory::largestJointGap(model.joints, tiles) <= kExactModel * size))
     return "its joints do not close";
@@ -475,7 +475,7 @@ std::string stateFault(const model::Model& model, const std::vector<model::Tile>
                      overlaps[0].tileB, overlaps[0].depth);
 }
 
-// Both states, and that tiles are the same in both.
+// Checks both states, and that tiles are congruent.
 std::string modelFault(const model::Model& model, bool isConcave) {
   const std::string atStart = stateFault(model, model.tiles, isConcave);
   if (!atStart.empty()) return atStart + " at the start";
@@ -495,7 +495,7 @@ double FamilyValues::angle(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  // Built at the first use, once.
+  // Built once, at first use.
   static const std::vector<Family> all = [] {
     std::vector<Family> list;
     appendLattices(list);
@@ -521,7 +521,7 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
   model::Model model = family.make(checkedValues(family, given));
   model.name = family.name;
   model::chooseJointFaces(model, model::FaceRule::Fold);
-  model::symmetrise(model);  // a fit ends within its own tolerance of the symmetries that it keeps
+  model::symmetrise(model);  // a fit has the symmetries only within its own tolerance
   const std::string fault = modelFault(model, family.isConcave);
   if (fault.empty()) return model;
   throw InputError(
@@ -531,13 +531,13 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
 }
 
 // ------------------------------------------------------------------------------------------------
-// Bent sides: each side of a tile gets further corners, at p + x s + y (s x n), where p is the
-// side's first corner, s the side as a vector (m), n the tile's unit normal, and (x, y) a point of
-// the list, in parts of the side's length. s x n points out of an anticlockwise tile and is as long
-// as the side.
+// Bent sides: each side of a tile gets further corners at p + x s + y (s x n). p is the first
+// corner of the side, s the side as a vector (m), n the tile's unit normal and (x, y) a point of the
+// list, as fractions of the side's length. s x n points out of an anticlockwise tile and has the
+// length of the side.
 //
-// Two tiles that share a side run along it in opposite directions: a point at x of one is
-// at 1 - x of the other: lists that are the same from either end fit into each other.
+// Two tiles with a common side have opposite directions along it: x of one is 1 - x of the other.
+// So lists that are the same from either end fit into each other.
 
 namespace {
 
@@ -581,13 +581,13 @@ model::Model withBentSides(const model::Model& model, const std::vector<bool>& b
 // Sheets of regular polygons of two kinds, from one formula as for lattices of quads.
 //
 // Let c be the centre of a tile of kind 0 (complex, m), d that of a neighbour of another kind, and
-// r a complex ratio that is the same for all pairs. The corner that both share is c + r (d - c) in
-// the closed sheet, and
+// r a complex ratio that is the same for all pairs. Their common corner is at c + r (d - c) in the
+// closed sheet, and at
 //   v(theta) = (1 - r) c e^(i theta/2) + r d e^(-i theta/2)
-// when neighbours have turned by theta (radians). A tile of kind 0 has one c: its corners differ by
-// terms in d only, all turned by -theta/2: it stays rigid, and so do the others, turned by
-// +theta/2. Both tiles at a corner use the same sum: joints stay closed. r is found from one pair:
-// for triangles, e^(i pi/3); for hexagons and triangles, sqrt(3)/2 e^(i pi/6).
+// after neighbours have turned by theta (radians). The corners of a tile of kind 0 have the same c.
+// They differ only by terms in d, which rotate by -theta/2, so the tile is rigid. Other tiles
+// rotate by +theta/2. Both tiles at a corner use the same sum, so joints stay closed. r follows
+// from one pair: e^(i pi/3) for triangles, sqrt(3)/2 e^(i pi/6) for hexagons and triangles.
 //
 // J. N. Grima, K. E. Evans, Auxetic behavior from rotating triangles, Journal of Materials Science
 // 41, 2006.
@@ -596,7 +596,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// A place on the triangular lattice: cell numbers and the kind of tile in the cell.
+/// A position on the triangular lattice: cell numbers and the kind of tile in the cell.
 struct RotorPlace {
   int column = 0;
   int row = 0;
@@ -605,8 +605,8 @@ struct RotorPlace {
   auto operator<=>(const RotorPlace&) const = default;
 };
 
-/// A pattern of tiles edge to edge, those of kind 0 next to others only: with c the centre of a
-/// tile of kind 0 and d that of a neighbour, the corner that they share is c + ratio (d - c). So
+/// An edge-to-edge pattern of tiles. Kind 0 has only neighbours of other kinds. Let c be the centre
+/// of a tile of kind 0 and d that of a neighbour. Their common corner is c + ratio (d - c). So
 ///   v(theta) = (1 - ratio) c e^(i theta / 2) + ratio d e^(-i theta / 2)
 /// keeps all tiles rigid and all joints closed at every theta.
 struct Pattern {
@@ -637,7 +637,7 @@ std::vector<model::Tile> tilesAt(const Pattern& pattern, const std::vector<Rotor
   return tiles;
 }
 
-// A corner towards a neighbour has that neighbour's place in the list.
+// Corner k of a tile is shared with neighbour k in the list.
 std::vector<model::Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace>& places) {
   std::map<RotorPlace, int> numbers;
   for (const RotorPlace& place : places) numbers.emplace(place, static_cast<int>(numbers.size()));
@@ -649,7 +649,7 @@ std::vector<model::Joint> jointsOf(const Pattern& pattern, const std::vector<Rot
   };
   std::vector<model::Joint> joints;
   for (const RotorPlace& place : places) {
-    // Each joint is between kind 0 and another kind: it is met once.
+    // Each joint is between kind 0 and another kind, so this finds it once.
     if (place.kind != 0) continue;
     for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       const auto there = numbers.find(neighbour);
@@ -693,8 +693,8 @@ std::vector<RotorPlace> triangleNeighbours(const RotorPlace& place) {
   return {{i, j + 1, 0}, {i, j, 0}, {i + 1, j, 0}};
 }
 
-/// Kind 0 is a hexagon on the cell's corner, kinds 1 and 2 the triangles in the cell: between the
-/// hexagons of its first three and its last three corners.
+/// Kind 0 is a hexagon on the cell's corner. Kinds 1 and 2 are the triangles in the cell, between
+/// the hexagons of its first three and its last three corners.
 constexpr Complex kHexagonRatio{0.75, 0.4330127018922193};
 
 Complex hexagonPatternCentre(const RotorPlace& place) {

@@ -1,8 +1,8 @@
-/// Planar sheets of compact reconfigurable quads: closed in one outline, and in another after every
-/// tile has turned. All lengths in metres for tiles about 1 wide, angles in radians.
+/// Planar sheets of compact reconfigurable quads. They are closed in two states with different
+/// outlines. Lengths are in metres for tiles about 1 m wide, angles in radians.
 ///
-/// Each function throws InputError when no such sheet was found, which happens for shapes that are
-/// far from the defaults.
+/// Each function throws InputError if no such sheet was found. This happens for shapes far from the
+/// defaults.
 #pragma once
 
 #include <array>
@@ -22,26 +22,26 @@ struct FanShape {
 /// The rectangle is closed at theta = 0, the sector at pi.
 model::TurningField fanField(const FanShape& shape);
 
-/// A heart when closed at the start; closed again at pi. Any even number of columns and rows.
+/// A heart that is closed at the start and at pi. Any even number of columns and rows.
 model::TurningField heartField(const model::Lattice& lattice);
 
-/// A square of size x size tiles when closed at the start, a disk's inscribed polygon when closed
-/// at pi.
-/// `size`: odd, at least 3.
+/// A square of size x size tiles, closed at the start. At pi it is closed to a polygon inscribed in
+/// a disk.
+/// `size`: odd, >= 3.
 model::TurningField squareToDiskField(int size);
 
-/// A square of size x size tiles when closed at the start, whose tips are on a circle when
-/// neighbours have turned by pi / 2. `size`: even, at least 4.
+/// A square of size x size tiles, closed at the start. Its tips are on a circle after neighbours
+/// have turned by pi / 2. `size`: even, >= 4.
 model::TurningField squareToCircleField(int size);
 
-/// Irregular quads, closed at the start and at pi: the regular lattice with its sides moved at
-/// random by up to `irregularity` tiles. `irregularity`: in [0, 0.5), otherwise sides cross. The
-/// same seed gives the same sheet on every machine.
+/// Irregular quads, closed at the start and at pi. The sides of the regular lattice are moved at
+/// random by up to `irregularity` tiles, in [0, 0.5); beyond that sides would cross. The same seed
+/// gives the same sheet on every machine.
 model::TurningField irregularField(const model::Lattice& lattice, double irregularity,
                                    unsigned seed);
 
 // ------------------------------------------------------------------------------------------------
-// Equations on the constants of a turning field, for the fit of planar designs.
+// Equations for the constants of a turning field, for the fit of planar designs.
 
 /// One corner in a sheet.
 struct LatticeCorner {
@@ -49,19 +49,19 @@ struct LatticeCorner {
   int corner = 0;    ///< 0-3: bottom left, bottom right, top right, top left
 };
 
-/// The nodes round the closed sheet (theta = 0), anticlockwise from the bottom left: columns along
-/// the bottom, rows up the right, columns along the top, rows down the left. Each by one of the
-/// corners that meet there.
+/// The nodes around the closed sheet (theta = 0), anticlockwise from the bottom left: columns along
+/// the bottom, rows up the right, columns along the top, rows down the left. Each node is given by
+/// one of its corners.
 std::vector<LatticeCorner> closedBoundary(const model::Lattice& lattice);
 
-/// The corners that no joint holds, anticlockwise from the bottom left: the tips of the open sheet.
+/// The corners without a joint, anticlockwise from the bottom left: the tips of the open sheet.
 std::vector<LatticeCorner> tips(const model::Lattice& lattice);
 
-/// A 2 x 2 block of places: the void between four tiles, or half of one at the sheet's side.
+/// A 2 x 2 block of positions: the void between four tiles, or half of a void at the sheet's side.
 struct TileBlock {
-  model::Cell lowerLeft;  ///< of the four places
+  model::Cell lowerLeft;  ///< of the four positions
 
-  /// Of the four, by 0 or 1 column and row.
+  /// One of the four positions, with a column and a row of 0 or 1.
   model::Cell at(int column, int row) const {
     return {lowerLeft.column + column, lowerLeft.row + row};
   }
@@ -76,7 +76,7 @@ std::vector<TileBlock> sideBlocksClosedAtStart(const model::Lattice& lattice);
 /// Half blocks at the sides that are closed at theta = pi.
 std::vector<TileBlock> sideBlocksClosedAtEnd(const model::Lattice& lattice);
 
-/// Unknowns: the field's constants (real and imaginary part of each place), then further ones.
+/// Unknowns: the real and imaginary part of the field's constant at each position, then others.
 class LatticeUnknowns {
  public:
   /// The constants of a field on this lattice; further unknowns follow.
@@ -86,24 +86,24 @@ class LatticeUnknowns {
   const model::Lattice& lattice() const { return places_.lattice(); }
   /// The first unknown after the constants.
   int firstFurther() const { return 2 * places_.placeCount(); }
-  /// The unknowns of a field, and zeros for `further` more.
+  /// The unknowns of a field, followed by `further` zeros.
   Eigen::VectorXd pack(const model::TurningField& field, int further) const;
-  /// The field that the unknowns describe. Further unknowns are ignored.
+  /// The field with these unknowns. Further unknowns are ignored.
   model::TurningField field(const Eigen::VectorXd& unknowns) const;
 
-  /// Adds the equation weight * (direction . v(theta) - value) of one corner, with the position
-  /// along a direction given as a complex number. Slopes along other unknowns may follow.
-  /// `angle` in radians, `value` in metres along `direction`, a unit complex number.
+  /// Adds the equation weight * (direction . v(theta) - value) for one corner. Slopes along other
+  /// unknowns may follow. `angle` in radians. `value` in metres along `direction`, a unit complex
+  /// number.
   void addPosition(EquationRows& rows, const model::TurningField& field,
                    const LatticeCorner& corner, double angle, model::Complex direction,
                    double value, double weight = 1) const;
 
-  /// Adds both equations of a block with the ratio lambda of its sides; the unknown that is
-  /// lambda's logarithm, or -1 when lambda is 1.
+  /// Adds both equations of a block with the ratio lambda of its sides, given by the unknown for
+  /// log lambda; -1 means lambda = 1.
   void addBlock(EquationRows& rows, const model::TurningField& field, const TileBlock& block,
                 const Eigen::VectorXd& unknowns, int logarithm) const;
 
-  /// Adds weight * (F - desired F) for all places of the sheet and at its sides.
+  /// Adds weight * (F - desired F) for all positions of the sheet and at its sides.
   void addConstants(EquationRows& rows, const model::TurningField& field,
                     const model::TurningField& desired, double weight) const;
 
@@ -111,7 +111,7 @@ class LatticeUnknowns {
   void addSlope(EquationRows& rows, const model::Cell& cell, model::Complex factor,
                 model::Complex direction) const;
 
-  model::TurningField places_;  ///< numbers the places
+  model::TurningField places_;  ///< numbers the positions
 };
 
 }  // namespace kirireel::generate

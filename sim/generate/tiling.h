@@ -1,5 +1,5 @@
-/// Quasiperiodic tilings, as duals of superposed grids (de Bruijn 1981; Socolar, Steinhardt and
-/// Levine 1985), and the sheets that they become.
+/// Quasiperiodic tilings as duals of superposed grids (de Bruijn 1981; Socolar, Steinhardt and
+/// Levine 1985), and sheets made from them.
 #pragma once
 
 #include <complex>
@@ -13,40 +13,40 @@ namespace kirireel::generate {
 struct Tiling {
   std::vector<std::complex<double>> vertices;  ///< anticlockwise, in the plane of complex numbers
   std::vector<std::vector<int>> tiles;         ///< vertex numbers, anticlockwise
-  std::vector<std::complex<double>> duals;  ///< a point a tile in the grids: the duals of the tiles
-                                            ///< round an inner vertex are a convex cell's corners,
-                                            ///< and neighbours' duals differ at right angles to
-                                            ///< their common edge
+  std::vector<std::complex<double>> duals;  ///< point of each tile in the grids. Duals of the tiles
+                                            ///< around an inner vertex are corners of a convex
+                                            ///< cell. The duals of two neighbours differ at right
+                                            ///< angles to their common edge
   std::vector<bool> isThin;                 ///< whether the tile is a narrow rhombus
-  double spread = 1;                        ///< of a tile's place over its dual's, on average
+  double spread = 1;                        ///< mean ratio of a tile's position to its dual's
 };
 
-/// Rhombi of 72 and 36 degrees with fivefold symmetry (Penrose): whole rings of equal distance from
-/// the centre, at least `tiles` in all. More rhombi are made than are used, since those beyond the
-/// last whole ring are omitted.
+/// Rhombi of 72 and 36 degrees with fivefold symmetry (Penrose). Has complete rings of equal
+/// distance from the centre, with at least `tiles` tiles. Rhombi beyond the last complete ring are
+/// omitted.
 Tiling penroseTiling(int tiles);
 
-/// Squares and rhombi of 45 degrees with eightfold symmetry (Ammann and Beenker), counted so.
+/// The same for squares and rhombi of 45 degrees with eightfold symmetry (Ammann and Beenker).
 Tiling ammannBeenkerTiling(int tiles);
 
-/// Squares, triangles and rhombi of 30 degrees with twelvefold symmetry (Stampfli 1986), counted
-/// so.
+/// The same for squares, triangles and rhombi of 30 degrees with twelvefold symmetry (Stampfli
+/// 1986).
 Tiling stampfliTiling(int tiles);
 
-/// The tiles linked to one closed chain that visits each once, joined alternately at the one and
-/// the other end of the edges that it crosses. Tiles with one neighbour are omitted. Throws
-/// InputError when no such chain was found. The search has a fixed seed and a fixed number of
-/// tries: its result is always the same.
+/// Links the tiles to one closed chain that visits each tile once. Joints alternate between the
+/// two ends of the crossed edges. Tiles with one neighbour are omitted. Throws InputError if no
+/// such chain was found. The search is deterministic: it has a fixed seed and a fixed number of
+/// tries.
 model::Model makeChain(const Tiling& tiling);
 
-/// The tiling without its narrow rhombi: every two tiles that share an edge are joined at its
-/// clockwise end as seen from the centre, and parts that touch only at a vertex are linked there.
-/// The largest connected part.
+/// The largest connected part of the tiling without its narrow rhombi. Tiles with a common edge
+/// are joined at its clockwise end, seen from the centre. Parts that touch only at a vertex are
+/// linked there.
 model::Model makeThinned(const Tiling& tiling);
 
-/// The tiling's tiles and its grids' cells, each corner of a tile joined to a corner of the cell of
-/// its vertex. Tiles turn one way and cells the other, the voids are parallelograms: closed at 0,
-/// open at right angles at pi / 2, closed at pi. The start and the target have these angles.
+/// The tiling's tiles and its grids' cells. Each corner of a tile is joined to a corner of its
+/// vertex's cell. Tiles and cells rotate in opposite directions. The voids are parallelograms:
+/// closed at 0 and pi, and rectangles at pi / 2. The arguments are the angles of start and target.
 model::Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle);
 
 }  // namespace kirireel::generate

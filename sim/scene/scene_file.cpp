@@ -1,10 +1,9 @@
-// scene.toml read into plain values.
+// Reads scene.toml into plain values.
 //
-// The file is read in two layers. Tables of settings ([environment] and so on) become texts with a
-// key each; what they mean, and which values they may have, is known to the list of settings
-// (settings.h). Lists of tables ([[timeline]], [[obstacle]], [[velocity]], [[grip]]) have their own
-// form and are read here. Every value has its line and column: a message can point at it. Unknown
-// keys are errors, as a misspelt key would otherwise be a setting without effect.
+// Tables of settings ([environment] and others) become texts with a key each. The list of settings
+// (settings.h) defines their meaning and allowed values. Lists of tables ([[timeline]],
+// [[obstacle]], [[velocity]], [[grip]]) have their own form and are read here. Every value has its
+// line and column for messages. Unknown keys are errors, since a misspelt key would have no effect.
 #include "sim/scene/scene_file.h"
 
 #include <algorithm>
@@ -26,7 +25,7 @@ const std::vector<std::string> kTables = {"model",    "environment", "actuation"
                                           "stop",     "camera",      "style",     "recording",
                                           "timeline", "obstacle",    "velocity",  "grip"};
 
-/// A timeline's word for the target that the model brings along.
+/// A timeline's word for the model's own target.
 constexpr std::string_view kOwnTarget = "model";
 
 /// Tile and vertex numbers are checked against the model later.
@@ -48,12 +47,12 @@ Vector3 readPoint(const TomlValue& value) {
 
 // ---- settings
 
-// A setting as texts; its meaning is checked where settings are known.
+// A setting as texts. settings.h checks them.
 SceneSetting readSetting(const std::string& table, const TomlEntry& entry) {
   const TomlValue& value = entry.value;
   SceneSetting setting{table, entry.key, {}, value.truth() != nullptr, value.where};
   const std::vector<TomlValue>* array = value.array();
-  // An array of numbers is one value, such as a gravity; an array of anything else holds several.
+  // An array of numbers is one value, such as gravity. Any other array has several values.
   const bool several = array && !array->empty() && !array->front().number();
   if (!several) {
     setting.values = {typedText(value)};
@@ -67,7 +66,7 @@ SceneSetting readSetting(const std::string& table, const TomlEntry& entry) {
 
 using namespace timeline;
 
-/// One entry in work: what was found so far.
+/// Moments and actions found so far in one entry.
 struct EntryParts {
   std::vector<Trigger> moments;
   std::vector<Action> actions;
@@ -80,7 +79,7 @@ constexpr double kLongest = 1e6;  // seconds
 const std::string kSeconds = "a number of seconds, from 0 to 1e6";
 const std::string kPositiveSeconds = "a positive number of seconds, at most 1e6";
 
-// A time, or one of the two states that a run may come to.
+// A time, or one of the two states that a run may reach.
 void readAt(const TomlValue& value, EntryParts& parts) {
   const std::string allowed = kSeconds + ", \"rest\" or \"target\"";
   Trigger moment;
@@ -147,7 +146,7 @@ void readDragKey(const TomlEntry& entry, Drag& drag) {
   }
 }
 
-// Tile and path are needed, the rest has defaults.
+// Tile and path are required. The rest has defaults.
 void readDrag(const TomlValue& value, EntryParts& parts) {
   const std::string allowed = "a table, {tile = 3, path = [[0, 0, 1]], seconds = 2}";
   const TomlTable* table = value.table();
@@ -174,7 +173,7 @@ void readTarget(const TomlValue& value, EntryParts& parts) {
   if (*text == kOwnTarget) {
     parts.actions.emplace_back(GoTo{});
   } else {
-    // Files are named relative to the scene file: a folder can be moved as a whole.
+    // Paths are relative to the scene file, so a folder can be moved as a whole.
     const std::filesystem::path folder = value.where.file.parent_path();
     parts.actions.emplace_back(GoTo{folder / *text, {}});
   }
@@ -208,7 +207,7 @@ const std::map<std::string, PartReader>& entryKeys() {
   return keys;
 }
 
-// One moment at most, and one action.
+// At most one moment, and exactly one action.
 TimelineEntry readEntry(const TomlValue& value) {
   const TomlTable* table = value.table();
   if (!table) refuseValue(value, "tables, each under [[timeline]]");
@@ -222,7 +221,7 @@ TimelineEntry readEntry(const TomlValue& value) {
     }
     found->second(entry.value, parts);
   }
-  // The counts find all mistakes of this kind: no action, two actions, two moments.
+  // Possible mistakes: no action, two actions, two moments.
   if (parts.actions.size() != 1 || parts.moments.size() > 1) {
     throw inputErrorAt(
         value.where,
@@ -246,13 +245,13 @@ Timeline readTimeline(const TomlValue& value) {
 // ---- obstacles
 
 constexpr double kFarthest = 1e6;  // metres
-// Each is a body of the broad phase. A mesh may have as many faces as its file.
+// Each is a body of the broad phase. The number of faces of a mesh is not limited.
 constexpr std::size_t kMostObstacles = 1000;
 
 const std::vector<std::string> kObstacleKeys = {"shape",    "size",     "radius",  "file",
                                                 "position", "rotation", "friction"};
 
-/// What an obstacle of each shape must give.
+/// The required key of each shape of obstacle.
 const std::map<std::string, std::pair<Obstacle::Shape, std::string>>& obstacleShapes() {
   static const std::map<std::string, std::pair<Obstacle::Shape, std::string>> shapes = {
       {"box", {Obstacle::Shape::Box, "size"}},
@@ -268,7 +267,7 @@ Vector3 boxSize(const TomlValue& value) {
   return size;
 }
 
-/// Turns about the axes of the world, x first, as they are typed in degrees.
+/// Rotations about the world axes, x first, typed in degrees.
 Quaternion turn(const TomlValue& value) {
   const Vector3 angles = kDegree * readPoint(value);
   // The rotation about x is applied first: it is on the right.
@@ -276,11 +275,11 @@ Quaternion turn(const TomlValue& value) {
          rotationFromVector({angles.x(), 0, 0});
 }
 
-// Faces of an OBJ file without checks of convexity or flatness: contacts take each face by itself.
+// Faces of an OBJ file. They may be concave or bent, since contacts use each face separately.
 std::vector<model::Tile> meshFaces(const TomlValue& value) {
   const std::string* name = value.text();
   if (!name || name->empty()) refuseValue(value, "the name of an OBJ file");
-  std::vector<std::string> ignored;  // what a sheet should rather not be
+  std::vector<std::string> ignored;  // warnings that only concern sheets
   return model::readObjPair(value.where.file.parent_path() / *name, {}, ignored).tiles;
 }
 
@@ -302,7 +301,7 @@ void readObstacleKey(const TomlEntry& entry, Obstacle& obstacle) {
   }
 }
 
-/// The shape must bring its own measure and no other's.
+/// Checks that the shape has its own measure and no other.
 void requireMeasure(const TomlValue& obstacle, const std::string& shape) {
   for (const auto& [name, kind] : obstacleShapes()) {
     const bool isGiven = find(*obstacle.table(), kind.second) != nullptr;
@@ -313,7 +312,7 @@ void requireMeasure(const TomlValue& obstacle, const std::string& shape) {
   }
 }
 
-// The shape first, since it decides which other keys are allowed.
+// Reads the shape first, since the other allowed keys depend on it.
 Obstacle readObstacle(const TomlValue& value) {
   const TomlTable* table = value.table();
   if (!table) refuseValue(value, "tables, each under [[obstacle]]");
@@ -389,14 +388,14 @@ std::vector<InitialVelocity> readVelocities(const TomlValue& value) {
 }  // namespace
 
 std::string entriesText(const SceneFile& file, bool withFileNames) {
-  // Of an obstacle its file, of a timeline its targets but for the model's own.
+  // Files of obstacles, and targets of timelines other than the model's own.
   const auto namesFile = [](const TomlEntry& entry) {
     const std::string* text = entry.value.text();
     return text && (entry.key == "file" || (entry.key == "target" && *text != kOwnTarget));
   };
   std::string text;
   for (const TomlEntry& list : file.entries) {
-    // Only lists that were read without fault are kept: their types are known.
+    // Only lists that were read without errors are stored, so their types are known.
     for (const TomlValue& element : *list.value.array()) {
       text += fmt::format("\n[[{}]]\n", list.key);
       for (const TomlEntry& entry : *element.table()) {
