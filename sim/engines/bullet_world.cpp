@@ -7,9 +7,9 @@
 // shrink over many steps and never vanish.
 //
 // Three things differ from Bullet's defaults. Shapes are shrunk: shape and margin together are the
-// brick (bullet_world.h). Friction coefficients belong to pairs, where Bullet multiplies those of
-// two bodies. Contact points near a shared pivot are removed (bullet_world.h), as they would pry
-// the joint open.
+// brick (bullet_world.h). Friction coefficients belong to pairs, while Bullet multiplies those of
+// two bodies. Contact points near a shared pivot are removed (bullet_world.h), because they would
+// force the joint open.
 #include "sim/engines/bullet_world.h"
 
 #include <algorithm>
@@ -43,21 +43,21 @@ struct PrincipalAxes {
 
 /// The principal axes of a brick, right-handed.
 PrincipalAxes principalAxes(const model::Brick& brick) {
-  // Eigenvectors are orthonormal but may be left-handed, which no rotation is.
+  // Eigenvectors are orthonormal but may be left-handed, unlike a rotation.
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(brick.inertia);
   Matrix3 axes = solver.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
   return {Quaternion(axes).normalized(), solver.eigenvalues()};
 }
 
-// Collision groups: what may be in a pair with what.
+// Collision groups.
 constexpr int kBrickGroup = 1;
 constexpr int kGroundGroup = 2;
 
 // Bodies carry their brick's index; the ground carries this.
 constexpr int kGroundIndex = -1;
 
-/// A solver, and what it works with.
+/// A solver and its data.
 struct SolverParts {
   std::unique_ptr<btDantzigSolver> pivoting;
   std::unique_ptr<btConstraintSolver> solver;
@@ -74,7 +74,7 @@ SolverParts makeSolver(BulletMethod method) {
       break;
     case BulletMethod::Dantzig:
       made.pivoting = std::make_unique<btDantzigSolver>();
-      // Where pivoting fails, Bullet falls back to sequential impulses by itself.
+      // If pivoting fails, Bullet falls back to sequential impulses.
       made.solver = std::make_unique<btMLCPSolver>(made.pivoting.get());
       break;
   }
@@ -82,7 +82,7 @@ SolverParts makeSolver(BulletMethod method) {
 }
 
 std::unique_ptr<btConvexHullShape> makeHull(const model::Brick& brick, const PrincipalAxes& axes) {
-  // A body's axes are the principal axes of the brick: points are turned into them.
+  // A body's axes are the principal axes of the brick. Points are rotated to them.
   const InsetHull hull = insetHull(brick);
   auto shape = std::make_unique<btConvexHullShape>();
   for (const Vector3& point : hull.points) {
@@ -122,7 +122,7 @@ class KirigamiWorld : public btDiscreteDynamicsWorld {
     const int brickA = manifold.getBody0()->getUserIndex();
     const int brickB = manifold.getBody1()->getUserIndex();
     const bool onGround = brickA == kGroundIndex || brickB == kGroundIndex;
-    // From the last point, because removing one moves the last into its place.
+    // In reverse, because removal of a point moves the last one to its index.
     for (int k = manifold.getNumContacts() - 1; k >= 0; --k) {
       btManifoldPoint& point = manifold.getContactPoint(k);
       // Bullet multiplies two bodies' coefficients; ours belong to the pair.
@@ -142,7 +142,7 @@ class KirigamiWorld : public btDiscreteDynamicsWorld {
 
 }  // namespace
 
-// The world comes last, because it must go first.
+// The world is the last member, because it must be destroyed first.
 struct BulletWorld::Internals {
   Motion motion;  ///< as last written or reached
   std::vector<PrincipalAxes> axes;
@@ -211,7 +211,7 @@ void BulletWorld::Internals::addGround(const scene::Ground& ground) {
   world->addRigidBody(groundBody.get(), kGroundGroup, kBrickGroup);
 }
 
-// To the poses and velocities of `motion`.
+// Sets the poses and velocities of `motion`.
 void BulletWorld::Internals::placeBodies() {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Pose& pose = motion.poses[k];
@@ -230,7 +230,7 @@ BulletWorld::BulletWorld(const std::vector<model::Brick>& bricks, const Poses& s
   Internals& in = *internals_;
   in.motion = {start, std::vector<Velocity>(bricks.size())};
   in.solver = makeSolver(settings.method);
-  // Several contact points at once, else a brick laid flat on the ground rocks on one.
+  // Several contact points at once. With one, a brick flat on the ground would rock.
   in.configuration.setPlaneConvexMultipointIterations();
   in.world.emplace(in.dispatcher, in.broadphase, *in.solver.solver, in.configuration, environment,
                    PivotZones(bricks, pivots), in.motion.poses);
@@ -259,7 +259,7 @@ void BulletWorld::advance(double step) {
     const btRigidBody& body = *in.bodies[k];
     in.motion.poses[k].position = fromBullet(body.getCenterOfMassPosition());
     in.motion.poses[k].rotation =
-        // From principal axes back to the brick's.
+        // From principal axes to the brick's axes.
         fromBullet(body.getOrientation()) * in.axes[k].rotation.conjugate();
     in.motion.velocities[k] = {fromBullet(body.getLinearVelocity()),
                                fromBullet(body.getAngularVelocity())};
@@ -274,7 +274,7 @@ void BulletWorld::writeMotion(const Motion& motion) {
   Internals& in = *internals_;
   in.motion = motion;
   in.placeBodies();
-  // Impulses of the contacts that were would start the next solve from another place.
+  // Impulses of old contacts would change the start of the next solve.
   for (int k = 0; k < in.dispatcher.getNumManifolds(); ++k) {
     in.dispatcher.getManifoldByIndexInternal(k)->clearManifold();
   }
@@ -286,16 +286,16 @@ std::string bulletVersion() {
 
 // ------------------------------------------------------------------------------------------------
 // Bullet's world of multibodies as a baseline, without collisions. Each brick is a base without
-// links: nothing is gained from joint coordinates; it is here because PyBullet, and so
-// PyKirigami, runs its bodies in this world. Joints are held by projected Gauss-Seidel sweeps over
-// all point joints.
+// links, so joint coordinates bring no advantage. The baseline exists because PyBullet, and so
+// PyKirigami, uses this world. Projected Gauss-Seidel sweeps over all point joints hold the
+// joints.
 
 namespace {
 
 // The impulse that a joint may take in a step is limited by default; ours is not.
 constexpr double kLargestImpulse = 1e12;
 
-/// Bullet finds what belongs together by colliders, so there are some; they need not collide.
+/// Colliders, which Bullet needs to find connected bodies. They do not collide.
 class UntouchedWorld : public btMultiBodyDynamicsWorld {
  public:
   using btMultiBodyDynamicsWorld::btMultiBodyDynamicsWorld;
@@ -304,7 +304,7 @@ class UntouchedWorld : public btMultiBodyDynamicsWorld {
 
 }  // namespace
 
-// The world comes last, because it must go first.
+// The world is the last member, because it must be destroyed first.
 struct MultiBodyWorld::Internals {
   std::vector<PrincipalAxes> axes;
   btDefaultCollisionConfiguration configuration;
@@ -364,7 +364,7 @@ MultiBodyWorld::MultiBodyWorld(const std::vector<model::Brick>& bricks, const Po
 }
 
 MultiBodyWorld::~MultiBodyWorld() {
-  // A world does not let go of multibodies and their joints by itself.
+  // A world does not remove multibodies and their joints itself.
   for (const auto& joint : internals_->joints) {
     internals_->world->removeMultiBodyConstraint(joint.get());
   }
@@ -403,14 +403,14 @@ void MultiBodyWorld::writeMotion(const Motion& motion) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// A brick's hull moved inwards by a margin m (metres): Bullet's margin fills it up again.
+// A brick's hull moved inwards by a margin m (metres). Bullet's margin restores the size.
 //
-// Moving all faces inwards by m moves a vertex v of the bottom to v + m (d + n): n the tile's unit
-// normal, and d the vector in the plane whose products with the inward unit normals i_1 and i_2 of
-// both edges at v are 1,
+// Moving all faces inwards by m moves a vertex v of the bottom to v + m (d + n), with the tile's
+// unit normal n and the vector d in the plane. d has the product 1 with the inward unit normals i_1
+// and i_2 of both edges at v,
 //   d = (i_1 + i_2) / (1 + i_1 . i_2)
-// At a sharp corner |d| is large, and short edges would turn round: their ends come together at the
-// rate (d_k - d_(k+1)) . e for the edge's unit direction e, which bounds m.
+// At a sharp corner |d| is large, and short edges could reverse. Their ends approach at the rate
+// (d_k - d_(k+1)) . e, with the edge's unit direction e. This bounds m.
 
 namespace {
 
@@ -419,7 +419,7 @@ constexpr double kLargestMargin = 0.02;     // metres
 constexpr double kMarginOfThickness = 0.2;  // three fifths of the thickness remain
 constexpr double kLargestEdgeLoss = 0.5;    // of an edge's length
 
-/// For each vertex of the bottom: how far it moves, in the plane, for a unit inset of the edges.
+/// Displacement of each vertex of the bottom in the plane for a unit inset of the edges.
 std::vector<Vector3> insetDirections(const model::Brick& brick) {
   const std::size_t count = brick.bottom.size();
   std::vector<Vector3> inwards(count);
@@ -430,7 +430,7 @@ std::vector<Vector3> insetDirections(const model::Brick& brick) {
   std::vector<Vector3> directions(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3& before = inwards[(k + count - 1) % count];
-    // The one vector in their plane whose products with both normals are 1.
+    // The vector in their plane that has the product 1 with both normals.
     directions[k] = (before + inwards[k]) / (1 + before.dot(inwards[k]));
   }
   return directions;
@@ -444,7 +444,7 @@ double marginFor(const model::Brick& brick, const std::vector<Vector3>& directio
     const std::size_t next = (k + 1) % count;
     const Vector3 edge = brick.bottom[next] - brick.bottom[k];
     const double lossRate = (directions[k] - directions[next]).dot(edge.normalized());
-    // An edge between two obtuse outer corners may as well grow.
+    // An edge between two obtuse outer corners can even grow.
     if (lossRate > 0) margin = std::min(margin, kLargestEdgeLoss * edge.norm() / lossRate);
   }
   return margin;
@@ -474,18 +474,18 @@ InsetHull insetHull(const model::Brick& brick) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Zones round shared pivots in which Bullet's contact points are dropped: balls round single
-// pivots, cylinders with round ends round hinge lines. They are kept in the axes of the pair's
-// first brick, with which the pivot moves.
+// Zones around shared pivots in which Bullet's contact points are removed: balls around single
+// pivots, capsules around hinge lines. They are in the axes of the pair's first brick, which moves
+// with the pivot.
 
 namespace {
 
-// Rounded hulls touch within a few margins of a common corner.
+// Rounded hulls touch up to a few margins away from a common corner.
 constexpr double kMargins = 4;
 // A twentieth of an edge is small against a tile.
 constexpr double kEdges = 0.05;
 
-// Metres; the larger of the two rules.
+// The larger of the two limits, metres.
 double zoneRadius(const model::Brick& a, const model::Brick& b) {
   const double margin = std::max(contactMargin(a), contactMargin(b));
   return std::max(kMargins * margin, kEdges * 0.5 * (model::meanEdge(a) + model::meanEdge(b)));
@@ -514,7 +514,7 @@ void PivotZones::add(const std::vector<model::Brick>& bricks, const model::Pivot
   const std::pair<int, int> pair = std::minmax(pivot.brickA, pivot.brickB);
   const Vector3& point = swapped ? pivot.pointB : pivot.pointA;
   std::vector<Zone>& zones = zones_[pair];
-  // Both pivots of a hinge follow each other: the second extends the first to a line.
+  // Both pivots of a hinge are adjacent in the list. The second extends the first to a line.
   if (!zones.empty() && zones.back().joint == pivot.joint) {
     zones.back().to = point;
     return;

@@ -29,12 +29,12 @@ enum class BulletMethod {
 /// How Bullet solves a step.
 struct BulletSettings {
   BulletMethod method = BulletMethod::SequentialImpulse;  ///< which of Bullet's solvers
-  int iterations = 50;           ///< sweeps in each step; of Dantzig where its pivoting fails
-  double jointCorrection = 0.2;  ///< part of a joint's gap taken back in a step, 0 to 1 (its ERP)
+  int iterations = 50;           ///< sweeps per step; for Dantzig only if its pivoting fails
+  double jointCorrection = 0.2;  ///< fraction of a joint's gap closed per step, [0, 1] (ERP)
 };
 
-/// A btDiscreteDynamicsWorld in double precision that holds one convex hull a brick, one point
-/// joint a pivot, and the ground if there is one.
+/// A btDiscreteDynamicsWorld in double precision with one convex hull per brick, one point joint
+/// per pivot, and the ground if there is one.
 class BulletWorld : public BrickWorld {
  public:
   /// The environment gives gravity, damping, contacts and ground.
@@ -63,8 +63,8 @@ std::string bulletVersion();
 // Bullet's world of multibodies, which PyBullet runs: a baseline without contacts. No Bullet
 // header is needed to use it.
 
-/// A btMultiBodyDynamicsWorld in double precision: each brick a multibody without links, each pivot
-/// a point joint between two of them. Nothing collides.
+/// A btMultiBodyDynamicsWorld in double precision. Each brick is a multibody without links, each
+/// pivot a point joint. There are no collisions.
 class MultiBodyWorld : public BrickWorld {
  public:
   /// `iterations` of the solver in each step; the environment gives gravity and damping.
@@ -84,18 +84,18 @@ class MultiBodyWorld : public BrickWorld {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Bricks shrunk for collision detection: their contact margin fills them up again.
+// Shrunk bricks for collision detection. Their contact margin restores the size.
 
-/// The convex hull of `points` swept by a ball of radius `margin` has the faces of the brick; its
-/// edges are rounded. Collision detection is fast and robust while shapes overlap by less than
-/// their margins, and a margin added outside would have compact tiles start in penetration.
+/// The convex hull of `points` swept by a ball of radius `margin` has the faces of the brick and
+/// rounded edges. Collision detection is fast and robust if shapes overlap by less than their
+/// margins. A margin outside the brick would make compact tiles overlap at the start.
 struct InsetHull {
   std::vector<Vector3> points;  ///< 2n, in brick axes: those of the bottom, then those of the top
   double margin = 0;            ///< metres, positive
 };
 
-/// Moves every face of the brick inwards by min(0.02 m, a fifth of the thickness), or by less where
-/// an edge would otherwise lose more than half of its length.
+/// Moves every face of the brick inwards by min(0.02 m, a fifth of the thickness), or by less so no
+/// edge loses more than half of its length.
 /// The brick is convex.
 /// Throws nothing; O(n) in its corners.
 InsetHull insetHull(const model::Brick& brick);
@@ -107,14 +107,14 @@ double contactMargin(const model::Brick& brick);
 // Zones around joints, in which contacts are ignored.
 
 /// The neighbourhoods of shared pivots and hinge lines. Two bricks that turn about a common corner
-/// always touch there, and rounded hulls a little next to it; a contact would force the joint open.
+/// always touch near it. A contact there would force the joint open.
 class PivotZones {
  public:
-  /// Links, whose corners are apart, have no zone.
+  /// Links have no zone, since their corners are apart.
   PivotZones(const std::vector<model::Brick>& bricks, std::span<const model::Pivot> pivots);
 
-  /// Whether a contact point of two bricks, given in world axes, lies within max(4 margins, 0.05
-  /// mean edges) of a pivot that these two share, or of the line between both pivots of a hinge.
+  /// Whether a contact point of two bricks, in world axes, is within max(4 margins, 0.05 mean
+  /// edges) of a pivot that they share, or of the line between both pivots of a hinge.
   bool contains(int brickA, int brickB, const Poses& poses, const Vector3& point) const;
 
  private:
