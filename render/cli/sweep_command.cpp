@@ -1,17 +1,17 @@
-// A sweep makes many runs in worker processes and keeps each in a folder named by its fingerprint.
-// Its steps:
+// A sweep does many runs in worker processes. The fingerprint of each run names its folder.
+// Steps:
 //
-// - 1. All keys and values are checked one by one (sweep_command.h).
-// - 2. Workers take runs in turn. A run whose folder is there already, or which another process has
-//   claimed, is skipped; so the same command may run on several machines with one folder, and goes
-//   on where it was ended.
-// - 3. A failed run leaves its reason in place of its files. A worker that crashes, hangs or eats
-//   too much memory takes only its own run along (worker_pool.h).
-// - 4. All that is there is gathered: NAME.csv, NAME.h5, NAME_costs.csv and a contact sheet
-//   NAME.png, put in place together.
+// - 1. Check all keys and values one by one (sweep_command.h).
+// - 2. Workers take runs in turn. They skip a run whose folder exists or which another process has
+//   claimed. So the same command may run on several machines with one folder, and continues after
+//   an interruption.
+// - 3. A failed run stores its reason instead of its files. A worker that crashes, hangs or uses
+//   too much memory loses only its own run (worker_pool.h).
+// - 4. Collect all results: NAME.csv, NAME.h5, NAME_costs.csv and a contact sheet NAME.png, moved
+//   into place together.
 //
-// Shard I/N makes the runs I, I + N, I + 2N, ... (from 1): neighbours in the plan take about
-// equally long, so interleaving shares the work better than blocks would.
+// Shard I/N does the runs I, I + N, I + 2N, ... (from 1). Neighbours in the plan take about equally
+// long, so interleaving balances the work better than blocks.
 #include "render/cli/sweep_command.h"
 
 #include <algorithm>
@@ -41,14 +41,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// More runs than this are probably a mistake.
+/// A larger number of runs is probably a mistake.
 constexpr std::uint64_t kMostUnconfirmed = 1'000'000;
 // A megabyte is 10^6 bytes here, as in the page's limit.
 constexpr double kBytesInMegabyte = 1e6;
-// In each run's folder: what it printed, warnings above all.
+// In each run's folder: its printed text, mainly warnings.
 constexpr const char* kMessages = "messages.txt";
 
-/// Of the contact sheet: half the time of zlib's default level for a third more bytes.
+/// Of the contact sheet. Takes half the time of zlib's default level for a third more bytes.
 constexpr int kSheetCompression = 3;
 
 /// hardware_concurrency() is 0 if it is unknown.
@@ -56,7 +56,7 @@ int coreCount() {
   return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
-/// A fair share of the machine's memory, unless a limit was given.
+/// An equal share of the machine's memory, unless a limit was given.
 sweep::WorkerLimits withMemoryLimit(sweep::WorkerLimits limits) {
   if (limits.memoryBytes > 0) return limits;
   limits.memoryBytes =
@@ -64,7 +64,7 @@ sweep::WorkerLimits withMemoryLimit(sweep::WorkerLimits limits) {
   return limits;
 }
 
-/// "3/8". Both numbers from 1; any other text gets one message that shows the form.
+/// Reads "3/8", both numbers >= 1. The message for any other text shows the form.
 SweepShard parseShard(const scene::TypedValue& value) {
   const std::string requested = "I/N, as in 3/8: part I of N, counted from 1";
   const std::size_t slash = value.text.find('/');
@@ -111,16 +111,16 @@ void requireMeant(const SweepRuns& runs, bool confirmed) {
                   static_cast<double>(count) * 0.1 / 86400));
 }
 
-/// The runs of a shard; there may be more shards than runs.
+/// The number of runs of a shard; there may be more shards than runs.
 std::uint64_t runsOf(const SweepShard& shard, std::uint64_t runs) {
   return runs < shard.number ? 0 : (runs - shard.number) / shard.count + 1;
 }
 
-/// What a run prints goes into its folder.
+/// Redirects the text that a run prints into its folder.
 void redirectPrints(const fs::path& file) {
   std::fflush(nullptr);
-  // Standard output and error are the worker's own after fork; if the file cannot be opened, they
-  // stay.
+  // After fork, the worker has its own standard output and error. They stay if the file cannot be
+  // opened.
   const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (opened < 0) return;
   ::dup2(opened, STDOUT_FILENO);
@@ -128,14 +128,14 @@ void redirectPrints(const fs::path& file) {
   ::close(opened);
 }
 
-/// Most runs print nothing, and thousands of empty files help nobody.
+/// Removes empty files: most runs print nothing.
 void dropEmptyMessages(const fs::path& folder) {
   std::fflush(nullptr);
   std::error_code ignored;
   if (fs::file_size(folder / kMessages, ignored) == 0) fs::remove(folder / kMessages, ignored);
 }
 
-/// Reasons do not depend on where the sweep's folder is.
+/// Removes the sweep's folder from a reason, which must not depend on its place.
 std::string withoutFolder(std::string text, const fs::path& folder) {
   const std::string part = folder.string() + "/";
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part)) {
@@ -153,12 +153,12 @@ class SweepFolder {
     requireWritableFolder(folder_);
   }
 
-  /// Makes a run that nobody has made or is making. In a worker.
+  /// Does a run that is neither done nor claimed by another process. Called in a worker.
   sweep::Verdict make(std::uint64_t index) const {
     std::optional<sweep::RunClaim> claim = take(index);
     if (!claim) return sweep::Verdict::Skipped;
     redirectPrints(claim->folder() / kMessages);
-    // An empty reason means that the run was made.
+    // An empty reason means success.
     sweep::RunRecord record{false, "", runs_.inputs(index)};
     try {
       runs_.make(index, claim->folder());
@@ -171,7 +171,7 @@ class SweepFolder {
     return finish(*claim, record);
   }
 
-  /// Keeps the reason why a run did not end.
+  /// Stores the reason why a run did not end.
   sweep::Verdict lose(std::uint64_t index, const std::string& reason) const {
     std::optional<sweep::RunClaim> claim = take(index);
     if (!claim) return sweep::Verdict::Skipped;
@@ -180,13 +180,13 @@ class SweepFolder {
   }
 
  private:
-  /// On a full disk, keeps the reason in place of the run.
+  /// Stores the reason; on a full disk instead of the run.
   static sweep::Verdict finish(sweep::RunClaim& claim, sweep::RunRecord& record) {
     record.failed = !record.reason.empty();
     try {
       claim.finish(record);
     } catch (const OutputError& error) {
-      // The files of the run fill the disk; without them a record of one line fits.
+      // The files of the run fill the disk. Without them a record of one line fits.
       claim.clear();
       record.failed = true;
       record.reason = withoutFolder(error.what(), claim.folder());
@@ -246,20 +246,20 @@ class Tally {
   ProgressLine line_;
 };
 
-/// What came of making runs.
+/// Results of a sweep.
 struct MadeRuns {
-  bool isWhole = false;  ///< false when a signal ended it
+  bool isWhole = false;  ///< false if a signal ended it
   std::uint64_t failed = 0;
 };
 
-/// Makes what is missing of a shard.
+/// Does the missing runs of a shard.
 MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order) {
   noteSignals();
   const SweepFolder runFolder(runs, folder, order);
   const std::uint64_t total = runs.sweep().plan.size();
   Tally tally(runsOf(order.shard, total));
   std::uint64_t next = order.shard.number - 1;
-  // Numbers of runs are handed out here, in the parent; the work is done in children.
+  // The parent hands out the numbers of runs here; its children do the work.
   const sweep::WorkerJobs jobs = {
       [&]() -> std::optional<std::uint64_t> {
         if (next >= total) return std::nullopt;
@@ -277,7 +277,7 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   return {isWhole, tally.failed()};
 }
 
-/// Reads the end states of the runs that are shown.
+/// Reads the end states of the displayed runs.
 void writeContactSheet(const sweep::Gathered& gathered, const std::vector<std::string>& keys,
                        const fs::path& folder, const fs::path& file) {
   // Nothing to show.
@@ -299,7 +299,7 @@ sweep::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
     return texts;
   };
   makeFolder(folder);
-  // Two sweeps that end together gather one after the other.
+  // Two sweeps that end at the same time collect one after the other.
   const auto lock = sweep::FileLock::take(folder / "collect.lock", sweep::FileLock::IfHeld::Wait);
   const sweep::Gathered gathered =
       sweep::gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
@@ -366,21 +366,21 @@ int carryOut(const SweepOrder& order) {
   }
   const MadeRuns made = makeRuns(runs, folder, order);
   if (!made.isWhole) return kExitInterrupted;
-  // The other shards may not be through yet. What is missing otherwise is in work elsewhere.
+  // Other shards may still run. Without shards, another process works on the missing runs.
   const std::uint64_t failed = order.shard.count > 1 ? made.failed : collect(runs, folder).failed;
   return failed == 0 ? kExitDone : kExitFailed;
 }
 
 // ------------------------------------------------------------------------------------------------
-// A run of a sweep is what `kirireel simulate` (or `record`) would make of the same words: its
-// settings are applied to a command's options in memory, and the fingerprint is taken of the
-// completed order. A run that is in two sweeps has the same name in both and is made once.
+// A run of a sweep equals `kirireel simulate` (or `record`) with the same words. Its settings are
+// applied to the options of a command in memory. The fingerprint is that of the completed order. A
+// run that is in two sweeps has the same name in both and is done once.
 //
-// Names are the first 20 hexadecimal digits, 80 bits. The chance that two of n runs collide is
-// about n^2 / 2^81: 4e-13 for a million runs.
+// Names are the first 20 hexadecimal digits, 80 bits. The probability that two of n runs collide is
+// about n^2 / 2^81, which is 4e-13 for a million runs.
 //
-// To name a run costs as much as to build and complete a command, and no file is read twice: what
-// runs have in common is hashed once (inputs_).
+// Naming a run costs as much as building and completing a command. Files that runs share are read
+// and hashed once (inputs_).
 
 namespace {
 
@@ -388,10 +388,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kNameDigits = 20;
 
-/// Options for the folder and the reports of a run, which the sweep sets.
+/// Options that the sweep sets: the folder and the reports of a run.
 const std::set<std::string> kNotForSweeps = {"out", "json", "page"};
 
-/// The keys of a run's options. "model" and "scene" are the sweep's own words.
+/// The keys of a run's options. "model" and "scene" are keys of sweeps only.
 std::vector<std::string> runKeys(CLI::App& command) {
   std::vector<std::string> keys = {"model", "scene"};
   for (CLI::Option* option : command.get_options()) {
@@ -401,7 +401,7 @@ std::vector<std::string> runKeys(CLI::App& command) {
   return keys;
 }
 
-/// Parameters of a family are in their own group of the help.
+/// The parameters of a family, which are in their own group of the help.
 std::vector<std::string> familyKeys(const CLI::App& command) {
   std::vector<std::string> keys;
   for (const CLI::Option* option : command.get_options()) {
@@ -410,7 +410,7 @@ std::vector<std::string> familyKeys(const CLI::App& command) {
   return keys;
 }
 
-/// Only for keys that were found among the options before.
+/// The option of a key, which must exist.
 CLI::Option& optionOf(CLI::App& command, const std::string& key) {
   for (CLI::Option* option : command.get_options()) {
     if (settingKey(*option) == key) return *option;
@@ -418,8 +418,8 @@ CLI::Option& optionOf(CLI::App& command, const std::string& key) {
   throw std::logic_error("a key without an option: " + key);
 }
 
-/// One run as orders of `generate` and `simulate`. Options point into these orders: it can be
-/// neither copied nor moved.
+/// One run as orders of `generate` and `simulate`. Not copyable or movable, because options point
+/// into these orders.
 class RunOrders {
  public:
   explicit RunOrders(const sweep::Sweep& sweep) : family_(sweep.family) {
@@ -439,8 +439,8 @@ class RunOrders {
 
   void apply(const sweep::SweepSetting& setting) {
     const auto& [key, value] = setting;
-    // A family's parameter comes before an option of the same name: of `thickness` a family may
-    // mean its own.
+    // A parameter of the family precedes an option of the same name: a family may have its own
+    // `thickness`.
     if (shape_ && has(familyKeys(*shape_), key)) {
       applyTo(*shape_, setting);
     } else if (key == "model") {
@@ -456,13 +456,13 @@ class RunOrders {
     }
   }
 
-  /// The fingerprint of this run. A run that cannot be made has one too. `known` is the sweep's
+  /// The fingerprint of this run, valid or not. `known` is the sweep's
   /// cache of input files.
   std::string fingerprint(std::map<std::string, OrderInputs>& known) {
     try {
       complete();
     } catch (const InputError& error) {
-      // The message replaces the scene: the run fails with it, and fails again when it changes.
+      // The message replaces the scene, so the run is repeated if its message changes.
       record_.text = {
           {}, fmt::format("{}\n{}", orderText(*run_, record_.scene, {}).terms, error.what())};
     }
@@ -470,7 +470,7 @@ class RunOrders {
     return fingerprintOf(record_, inputs(known));
   }
 
-  /// Makes the run in a folder.
+  /// Does the run in a folder.
   void carryOut(const fs::path& folder) {
     record_.settings.folder = folder;
     if (shape_) record_.madeModel = makeModel(generate_);
@@ -483,7 +483,7 @@ class RunOrders {
 
  private:
   void complete() {
-    // Only that there is one counts until the run is made.
+    // Before the run, only the presence of a model matters.
     if (shape_ && !record_.madeModel) record_.madeModel = model::Model{family_};
     // A generated model has no folder for a scene file.
     if (!shape_ || !record_.request.file.empty()) {
@@ -493,20 +493,20 @@ class RunOrders {
     }
   }
 
-  /// Set only by the sweep: a family's parameters, and the files of each run.
+  /// Terms that only a sweep sets: a family's parameters, and the files of each run.
   std::string ownTerms() const {
     return fmt::format("{}\ntrajectory = {}\n", shape_ ? parametersText(*shape_) : "",
                        record_.settings.trajectory);
   }
 
-  /// The files that the run is made from, which many runs have in common.
+  /// The input files of the run, which many runs share.
   OrderInputs inputs(std::map<std::string, OrderInputs>& known) const {
     const std::vector<fs::path>& targets = record_.request.parts.targets;
     if (shape_ && targets.empty() && record_.request.file.empty()) return {family_, {}};
-    // A family's parameters decide whether a target fits.
+    // Whether a target fits depends on the family's parameters.
     std::string names = fmt::format("{}\n{}\n{}", record_.model.string(),
                                     record_.request.file.string(), shape_ ? ownTerms() : "");
-    // The key of the cache: everything that decides which files are read.
+    // The key of the cache: everything that selects the input files.
     for (const fs::path& target : targets) names += '\n' + target.string();
     const auto [found, isNew] = known.try_emplace(names);
     if (!isNew) return found->second;
@@ -550,7 +550,7 @@ class RunOrders {
   CLI::App* shape_ = nullptr;
 };
 
-/// A family that does not exist, with the nearest name that does.
+/// Throws for an unknown family, suggesting the nearest name.
 void requireFamily(const sweep::Sweep& sweep) {
   std::vector<std::string> names;
   for (const generate::Family& family : generate::families()) names.push_back(family.name);
@@ -560,14 +560,14 @@ void requireFamily(const sweep::Sweep& sweep) {
                                  sweep.family, suggestion(sweep.family, names)));
 }
 
-/// Such values were made paths relative to the sweep file when it was read.
+/// Values of these keys are paths; readSweepFile() made them relative to the sweep file.
 bool isPathKey(const std::string& key) {
   return key == "model" || key == "target" || key == "scene";
 }
 
 /// Checks one value.
 void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting) {
-  // Each value has its own order: one value cannot hide a mistake of another.
+  // Each value has its own order, so it cannot hide an error of another value.
   RunOrders(sweep).apply(setting);
   if (!isPathKey(setting.key) || fs::exists(setting.value.text)) return;
   throw inputErrorAt(setting.value.where,
@@ -580,7 +580,7 @@ void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting)
 void requireValid(const sweep::Sweep& sweep) {
   requireFamily(sweep);
   for (const sweep::SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
-  // A sweep may name its model in [base], at its top, or as a parameter that varies.
+  // A sweep may name its model in [base], at its top, or as a varied parameter.
   bool namesModel = !sweep.family.empty();
   for (const sweep::SweepAxis& axis : sweep.axes) {
     for (const sweep::SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});

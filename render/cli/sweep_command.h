@@ -25,15 +25,15 @@ struct SweepShard {
   std::uint64_t count = 1;   ///< of shards, >= 1
 };
 
-/// Runs to make or to gather. Nothing of the sweep file is read before carryOut().
+/// Runs to do or to collect. carryOut() reads the sweep file.
 struct SweepOrder {
   std::filesystem::path sweep;   ///< the sweep file
   std::filesystem::path folder;  ///< empty: out/NAME of the sweep file
   SweepShard shard;              ///< the runs that this process makes
   sweep::WorkerLimits limits;    ///< of each worker process
-  bool retryFailed = false;      ///< runs that failed before are tried again
-  bool collectOnly = false;      ///< make no runs
-  bool confirmed = false;        ///< accepts any number of runs
+  bool retryFailed = false;      ///< also repeat failed runs
+  bool collectOnly = false;      ///< do no runs
+  bool confirmed = false;        ///< accept any number of runs
 };
 
 /// Adds `sweep`. The order must outlive the parsing.
@@ -42,39 +42,39 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order);
 /// Throws InputError if an argument is missing. Call it after parsing.
 void completeOrder(const CLI::App& command, SweepOrder& order);
 
-/// Makes the missing runs and, unless it is one shard of several, collects all results. Returns
-/// the exit code: 1 if a run has failed (missing its target is not a failure), 4 after a
-/// signal. Throws InputError for an invalid sweep file, OutputError if the folder cannot be
+/// Does the missing runs. Then collects all results, except for one shard of several. Returns the
+/// exit code: 1 if a run has failed (missing its target is not a failure), 4 after a signal. Throws
+/// InputError for an invalid sweep file, OutputError if the folder cannot be
 /// written.
 int carryOut(const SweepOrder& order);
 
 // ------------------------------------------------------------------------------------------------
 // The runs of a sweep: their settings, names and execution.
 
-/// Keys and values as typed, by key.
+/// Keys and values as typed, ordered by key.
 using RunInputs = std::vector<std::pair<std::string, std::string>>;
 
-/// The runs of one sweep file. name() and make() may be called in forked workers; not from two
-/// threads at once, because of the cache.
+/// The runs of one sweep file. name() and make() may be called in forked workers, but not from two
+/// threads at once because of the cache.
 class SweepRuns {
  public:
-  /// Checks every key and value of the sweep against the options of `kirireel simulate` (or
-  /// `record`, as the sweep keeps more) and the family's parameters, which come first where both
-  /// have a key. Throws InputError with file:line:column, suggesting the nearest key.
+  /// Checks every key and value of the sweep against the family's parameters and the options of
+  /// `kirireel simulate` (or `record` if the sweep keeps pictures). Parameters precede options with
+  /// the same key. Throws InputError with file:line:column, suggesting the nearest key.
   explicit SweepRuns(sweep::Sweep sweep);
 
   /// The plan as read.
   const sweep::Sweep& sweep() const { return sweep_; }
 
-  /// All settings of a run: the family, the settings of all runs, and its own parameters. `index`
-  /// is below the number of runs of the plan. By key, the family first.
+  /// All settings of a run: the family, then the common settings and its own parameters by key.
+  /// `index` < number of runs of the plan.
   RunInputs inputs(std::uint64_t index) const;
 
-  /// Twenty hexadecimal digits of orderFingerprint() of the run as `kirireel simulate` (or
-  /// `record`) as orders, and of its files.
+  /// Twenty hexadecimal digits of the fingerprint of the run's order, as that of `kirireel
+  /// simulate` (or `record`), and of its files.
   std::string name(std::uint64_t index) const;
 
-  /// Makes the run in a folder. Throws like a run.
+  /// Does the run in a folder. Throws as a run.
   void make(std::uint64_t index, const std::filesystem::path& folder) const;
 
  private:

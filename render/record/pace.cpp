@@ -1,8 +1,8 @@
 // Pictures follow the length of the run's path, s(t) = integral of ds with
 //   ds^2 = mean over bricks of |dx|^2 + rho^2 |dphi|^2  (pathDistance),
-// dx a brick's move, dphi its turn, rho its radius of gyration: a mechanism that opens suddenly in
-// a tenth of a second and then creeps for two shows each part of its motion for equally long. A
-// frame at video time tau of T has s = S p(tau / T), p the integral of a trapezoid.
+// where dx is a brick's displacement, dphi its rotation and rho its radius of gyration. A mechanism
+// may open in a tenth of a second and then creep for two seconds: each part of its motion is shown
+// equally long. A frame at video time tau of T has s = S p(tau / T), p the integral of a trapezoid.
 #include "render/record/pace.h"
 
 #include <algorithm>
@@ -18,13 +18,13 @@
 namespace kirireel::record {
 namespace {
 
-/// In which an even pace gathers and loses speed, seconds of video.
+/// Duration of the ramps of an even pace, seconds of video.
 constexpr double kRampSeconds = 0.6;
-/// Times closer than this part of a step are the same.
+/// Times closer than this fraction of a step are equal.
 constexpr double kSameFrameTime = 1e-6;
 
-/// How far the bricks that both pictures show are from one state to the next, metres. Bricks that
-/// have flown off would take most of the path's length.
+/// The distance between two states of the bricks that both pictures show, metres. Bricks that have
+/// flown off would dominate the path's length.
 double shownDistance(const trajectory::Subject& subject, const picture::PictureContent& content,
                      const Poses& from, const Poses& to) {
   if (picture::showsAllBricks(content, from) && picture::showsAllBricks(content, to)) {
@@ -41,8 +41,8 @@ double shownDistance(const trajectory::Subject& subject, const picture::PictureC
   return bricks.empty() ? 0 : deploy::pathDistance(bricks, before, after);
 }
 
-/// The value of a line through points of rising x at a place within them. Straight between the
-/// points, constant beyond.
+/// Linear interpolation between points with ascending x; constant
+/// beyond.
 double along(const std::vector<double>& x, const std::vector<double>& y, double place) {
   const auto above = std::lower_bound(x.begin(), x.end(), place);
   if (above == x.begin()) return y.front();
@@ -52,7 +52,7 @@ double along(const std::vector<double>& x, const std::vector<double>& y, double 
   return y[k - 1] + share * (y[k] - y[k - 1]);
 }
 
-/// The ramp is a share of the time in which something moves, at most a half.
+/// The ramp is a fraction of the time with motion, at most 1/2.
 std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSettings& settings) {
   if (motion.length() == 0) return {momentAt(motion, Pace::Even, 0)};
   const double seconds = settings.length - 2 * settings.heldSeconds();
@@ -71,7 +71,7 @@ std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSet
 /// One frame if the run has no duration.
 std::vector<FrameMoment> realMoments(const MotionCurve& motion, const PictureSettings& settings) {
   const double step = settings.speed / settings.framesPerSecond;
-  // The last frame shows the end, a shorter step after the one before.
+  // The last frame shows the end; its step may be shorter.
   const long steps = static_cast<long>(std::ceil(motion.endTime() / step - kSameFrameTime));
   std::vector<FrameMoment> moments;
   for (long k = 0; k <= steps; ++k) {
@@ -117,8 +117,8 @@ FrameMoment momentAt(const MotionCurve& motion, Pace pace, double time) {
   return {time, progress, motion.endTime() > 0 ? time / motion.endTime() : 0};
 }
 
-/// With r = ramp, v = 1 / (1 - r) is the even speed; p = v x^2 / 2 r within the ramp, v (x - r / 2)
-/// after it, and the second half mirrors the first.
+/// With r = ramp and the constant speed v = 1 / (1 - r): p = v x^2 / 2 r within the ramp and
+/// v (x - r / 2) after it. The second half mirrors the first.
 double easedProgress(double share, double ramp) {
   if (share > 0.5) return 1 - easedProgress(1 - share, ramp);
   const double speed = 1 / (1 - ramp);
@@ -143,13 +143,12 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
 }
 
 // ------------------------------------------------------------------------------------------------
-// A state between two samples is interpolated by StateInterpolator (sim/deploy/continuation.h),
-// which closes the joints again. The two samples around the time are kept: frames in sequence read
-// each sample once.
+// StateInterpolator (sim/deploy/continuation.h) interpolates between two samples and closes the
+// joints again. The last two samples are kept, so frames in sequence read each sample once.
 
 namespace {
 
-/// Times closer than this part of the way between two samples are the same.
+/// Times closer than this fraction of the interval between two samples are equal.
 constexpr double kSameShare = 1e-6;
 
 }  // namespace
@@ -159,7 +158,7 @@ Replay::Replay(const trajectory::TrajectoryReader& run) : run_(run), interpolato
 /// Keeps the sample of this index and the next.
 void Replay::loadPair(std::size_t index) {
   if (!pair_.empty() && index_ == index) return;
-  // The later of the pair so far is often the earlier of the next.
+  // The second sample of one pair is often the first of the next.
   const bool isKept = !pair_.empty() && index_ + 1 == index;
   trajectory::Sample first = isKept ? std::move(pair_[1]) : run_.sample(index);
   pair_.clear();
@@ -168,8 +167,7 @@ void Replay::loadPair(std::size_t index) {
   index_ = index;
 }
 
-/// Times within a millionth of a sample are that sample, with its own measures, not interpolated
-/// ones.
+/// A time within a millionth of a sample gives that sample with its own measures.
 trajectory::Sample Replay::at(double time) {
   const std::vector<double>& times = run_.times();
   const auto above = std::lower_bound(times.begin(), times.end(), time);
@@ -204,15 +202,15 @@ StateSource replay(const trajectory::TrajectoryReader& run, const std::vector<Fr
 }
 
 // ------------------------------------------------------------------------------------------------
-// Which samples of a run become pictures of their own.
+// Selection of the samples of a run for single pictures.
 
 namespace {
 
-/// A requested time may be this much after the end, seconds: people round.
+/// A requested time may be this much after the end, seconds, because people round.
 constexpr double kAfterEnd = 0.01;
 
-/// The entry of rising numbers that is nearest to a requested one. Of two that are equally near,
-/// the lower.
+/// The entry of ascending numbers nearest to the requested one; the lower of two that are equally
+/// near.
 int nearestIndex(const std::vector<double>& numbers, double requested) {
   const auto above = std::lower_bound(numbers.begin(), numbers.end(), requested);
   if (above == numbers.begin()) return 0;

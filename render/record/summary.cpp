@@ -8,17 +8,17 @@
 //     at_target, shortfall, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
 //     events      [{time (s), what}]
 //     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
-//     view        of the pictures, chosen or given: azimuth_deg, elevation_deg, roll_deg
+//     view        of the pictures, automatic or given: azimuth_deg, elevation_deg, roll_deg
 //     order, left_out, inputs [{name, sha256}], files
 //     contents    {name: {bytes, sha256}}, see output_folder.cpp
 //     cost        counts of steps, seconds, peak_memory_bytes
 //     versions    name: version
 //     sha256      the seal (output_folder.h)
 //
-// Lengths are in metres. Missing values are null and never omitted: readers find every key. Numbers
-// have the shortest digits that read back to the same double.
+// Lengths are in metres. A missing value is null: every key is present. Numbers have the shortest
+// digits that read back to the same double.
 //
-// The same texts of settings and findings are in trajectory.h5, where `verify` compares them.
+// trajectory.h5 has the same texts of settings and findings, and `verify` compares them.
 #include "render/record/summary.h"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ Json modelJson(const model::Model& model) {
           {"tile_size", model::tileSize(model)}};
 }
 
-/// Adds the figures of the steps that belong into this part of the summary.
+/// Adds the figures of the steps in this part of the summary.
 void addStepFigures(Json& json, const std::string& part, const StepReport& took) {
   for (const StepFigure& figure : kStepFigures) {
     if (!figure.part || figure.part != part) continue;
@@ -71,7 +71,7 @@ void addStepFigures(Json& json, const std::string& part, const StepReport& took)
   }
 }
 
-/// Of the figures of accuracy, those that only runs with a target have.
+/// The figures of accuracy that only runs with a target have.
 constexpr std::array kOfTarget = {&deploy::Accuracy::targetErrorStart,
                                   &deploy::Accuracy::targetErrorEnd,
                                   &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::rigidBound,
@@ -120,7 +120,7 @@ Json candidatesJson(const std::vector<deploy::PathEvaluation>& candidates) {
   return json;
 }
 
-/// Times in simulated seconds, work in multiplications; what a kind of path does not have is null.
+/// Times in simulated seconds, work in multiplications; null if a kind of path has no such value.
 Json pathJson(const RunSummary& summary) {
   const double searchLimit = summary.deployCost.searchLimit;
   const scene::PathSettings& path = summary.path;
@@ -138,7 +138,7 @@ Json pathJson(const RunSummary& summary) {
           {"joint_ratio", onlyIf(path.jointsAreCompliant(), path.jointRatio)}};
 }
 
-/// Pairs of bricks that would overlap at the target, and what would free them.
+/// Pairs of bricks that would overlap at the target, and remedies.
 Json blockingJson(const std::vector<deploy::BlockingPair>& blocking) {
   Json pairs = Json::array();
   for (const deploy::BlockingPair& pair : blocking) {
@@ -212,7 +212,7 @@ Json viewJson(const std::optional<picture::ViewAngles>& view) {
   return {{"azimuth", view->azimuth}, {"elevation", view->elevation}, {"roll", view->roll}};
 }
 
-/// Of the pictures as they were painted, as `--view` takes it.
+/// The view of the painted pictures, in the form of `--view`.
 Json paintedViewJson(const std::optional<picture::AutomaticView>& view) {
   if (!view) return nullptr;
   return {{"azimuth_deg", view->angles.azimuth / kDegree},
@@ -282,7 +282,7 @@ Json settingJson(const scene::Setting& setting, const scene::Scene& scene) {
   return json.is_discarded() ? Json(text) : json;
 }
 
-/// What the springs of the bricks come to on the average; turning about a brick's normal.
+/// Mean stiffness of the springs per brick; rotation is about a brick's normal.
 Json springsJson(const scene::Scene& scene) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const auto mean = [&](const auto& part) {
@@ -305,7 +305,7 @@ Json springsJson(const scene::Scene& scene) {
            })}};
 }
 
-/// The settings by table and key, and values that follow from the model or are fixed. Values of
+/// The settings by table and key, and values that are fixed or follow from the model. Values of
 /// settings are JSON already; other text becomes a string.
 Json settingsJson(const scene::Scene& scene, const RecordSettings& settings) {
   Json json = Json::object();
@@ -330,12 +330,12 @@ Json settingsJson(const scene::Scene& scene, const RecordSettings& settings) {
   return json;
 }
 
-/// Names without their folders: the folder of a model does not change a run.
+/// Names without folders: the place of a model does not change a run.
 Json inputsJson(const std::vector<InputFile>& inputs) {
   Json json = Json::array();
   for (const InputFile& input : inputs) {
     const Json entry = {{"name", input.path.filename().string()}, {"sha256", input.sha256}};
-    // Some files are opened twice in a row.
+    // Some files are opened twice in succession.
     if (json.empty() || json.back() != entry) json.push_back(entry);
   }
   return json;
@@ -356,7 +356,7 @@ Json versionsJson(const std::string& graphics) {
   return versions;
 }
 
-/// What a run found out about its scene.
+/// Findings of a run about its scene.
 Json findingsJson(const scene::Scene& scene, const RunSummary& summary) {
   const std::optional<double>& leftOut = summary.leftOutFrom;
   return {{"at_target", flagJson(summary.atTarget)},
@@ -417,7 +417,7 @@ std::string settingsText(const scene::Scene& scene, const RecordSettings& settin
 }
 
 // ------------------------------------------------------------------------------------------------
-// The versions of the program and of the libraries that shape its results.
+// The versions of the program and of the libraries that affect its results.
 
 std::string programVersion() {
   return KIRIREEL_VERSION;

@@ -1,19 +1,19 @@
 // Checks a finished run in two steps.
 //
-// Files: every name in "contents" of summary.json and of contents.json must have the noted size and
-// SHA-256, and the records must be sealed (output_folder.h).
+// Files: every file in "contents" of summary.json and of contents.json must have the recorded size
+// and SHA-256, and both records must be sealed (output_folder.h).
 //
-// Figures: trajectory.h5 holds the poses of all samples, one record for each step, and the states
-// in which the extreme figures of the run were found ("figure states"). From these the figures are
-// computed again by the functions of sim/trajectory and compared with the summary:
+// Figures: trajectory.h5 has the poses of all samples, one record per step, and the states in which
+// the extreme figures of the run were found ("figure states"). From these the functions of
+// sim/trajectory recompute the figures, which are compared with the summary:
 //
 //     per sample   joint_gap, penetration, target_error
 //     all steps    joint_gap_mean = sum of means / steps, counts; with the samples joint_gap_max,
 //                  target_error_min
 //     one state    penetration_max and others, each at its own state; rigid_bound; elasticity
 //
-// Two figures a and b agree when |a - b| <= 1e-12 max(|a|, |b|), two lengths also when they differ
-// by 1e-12 of a tile or less.
+// Two figures a and b agree if |a - b| <= 1e-12 max(|a|, |b|). Two lengths also agree if they
+// differ by at most 1e-12 of a tile.
 //
 // This finds an edited summary and figures that the run computed wrongly. It does not find a wrong
 // simulation.
@@ -40,8 +40,8 @@ namespace kirireel::record {
 namespace {
 
 namespace fs = std::filesystem;
-// Figures are computed again from the same numbers by the same arithmetic, and agree to the last
-// bit. The tolerance allows for compilers that add in another order.
+// Figures are recomputed from the same numbers by the same arithmetic and agree to the last bit.
+// The tolerance allows for compilers that add in another order.
 constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError if there is none.
@@ -54,8 +54,8 @@ std::string summaryText(const fs::path& folder) {
       folder.string(), output::kSummary));
 }
 
-/// A text as in summary.json: bytes that are not UTF-8 are U+FFFD there. Names of models may hold
-/// any bytes.
+/// A text as in summary.json, which replaces bytes that are not UTF-8 by U+FFFD. Names of models
+/// may have any bytes.
 std::string asInJson(const std::string& text) {
   return parseJson(jsonText(Json(text)));
 }
@@ -64,13 +64,13 @@ output::FileDigest digestIn(const std::string& name, const Json& noted) {
   return {name, noted.at("bytes").get<std::uintmax_t>(), noted.at("sha256").get<std::string>()};
 }
 
-/// A figure of the summary that a single state decides, computed again from that state.
+/// A figure of the summary that follows from a single state, recomputed from that state.
 struct StateFigure {
   const char* name;
   std::function<double(const Poses&)> compute;
 };
 
-/// Goes on after a complaint, as far as what follows can still be read.
+/// Continues after a complaint if the rest can still be read.
 class Verifier {
  public:
   explicit Verifier(fs::path folder) : folder_(std::move(folder)) {}
@@ -86,7 +86,7 @@ class Verifier {
     }
     try {
       compareFiles(summary.at("contents"));
-      // A damaged trajectory would only repeat the complaint in many words.
+      // A damaged trajectory would only repeat the complaint.
       if (report_.complaints.empty()) compareFigures(summary);
     } catch (const Json::exception&) {
       complain(output::kSummary, "its entries are not those of a run");
@@ -99,7 +99,7 @@ class Verifier {
     report_.complaints.push_back(fmt::format("{}: {}", (folder_ / place).string(), what));
   }
 
-  /// What was exported or painted again since counts as listed in contents.json.
+  /// Files exported or painted later are compared as listed in contents.json.
   void compareFiles(const Json& contents) {
     output::FileList files = output::listedFiles(folder_ / output::kContents);
     if (files.empty() && fs::exists(folder_ / output::kContents)) {
@@ -114,7 +114,7 @@ class Verifier {
     }
   }
 
-  /// `place` is the file that states the figure, `least` the difference that counts as none.
+  /// `place`: the file with the figure; `least`: the difference that is tolerated.
   void compare(const std::string& place, const std::string& figure, double stated, double computed,
                double least = 0) {
     const double larger = std::max(std::abs(stated), std::abs(computed));
@@ -129,7 +129,7 @@ class Verifier {
     compare(output::kSummary, name, stated.at(name), computed, lengthRounding_);
   }
 
-  /// An entry of the summary of which trajectory.h5 has a copy.
+  /// An entry of the summary with a copy in trajectory.h5.
   void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
     if (stated != copy)
       complain(output::kSummary, fmt::format("{} differs from trajectory.h5", entry));
@@ -153,7 +153,7 @@ class Verifier {
     ++report_.samples;
   }
 
-  /// Files agree already, so what differs here was wrong when it was written.
+  /// The files are unchanged, so any difference found here was wrong when written.
   void compareFigures(const Json& summary) {
     const trajectory::TrajectoryReader run(folder_ / output::kTrajectory);
     const std::vector<model::Pivot> pivots =
@@ -185,14 +185,14 @@ class Verifier {
     const std::string outcome = summary.at("outcome");
     const std::string reason = summary.at("reason");
     const std::string stated = fmt::format("{}: {}", outcome, reason);
-    // What interrupts the painting comes after the run.
+    // Painting may have been interrupted after the run.
     if (outcome == "interrupted" || run.end().events.empty()) return;
     if (run.end().events.back().text != stated) {
       complain(output::kSummary, "outcome or reason differ from the last event of trajectory.h5");
     }
   }
 
-  /// Counts and sizes follow from the model that trajectory.h5 holds.
+  /// Counts and sizes follow from the model in trajectory.h5.
   void compareModel(const Json& stated, const model::Model& model) {
     compareCopy("model.name", stated.at("name"), asInJson(model.name));
     compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
@@ -204,7 +204,7 @@ class Verifier {
     compare(output::kSummary, "model.tile_size", stated.at("tile_size"), model::tileSize(model));
   }
 
-  /// The figures that all steps decide together.
+  /// Figures that depend on all steps.
   void compareSteps(const Json& summary, const trajectory::TrajectoryReader& run) {
     StepReport took;
     double gapSum = 0;
@@ -227,7 +227,7 @@ class Verifier {
     compareAccuracy(accuracy, &deploy::Accuracy::jointGapMax, largestGap);
     if (run.subject().model.target)
       compareAccuracy(accuracy, &deploy::Accuracy::targetErrorMin, leastError);
-    // Counts of steps: figures without a part are not in the summary.
+    // Figures of steps without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
       compare(output::kSummary, figure.partName,
@@ -235,7 +235,7 @@ class Verifier {
     }
   }
 
-  /// The figures that one state decides: the start, the end, or the one stored for it.
+  /// Figures that depend on one state: the start, the end, or a stored one.
   void compareStates(const Json& summary, const trajectory::TrajectoryReader& run,
                      const std::vector<model::Pivot>& pivots) {
     const trajectory::Subject& subject = run.subject();
@@ -254,7 +254,7 @@ class Verifier {
                       trajectory::rigidBound(subject.model.tiles, *subject.model.target));
     }
     compareElasticity(summary, subject, first.poses, last.poses);
-    // A run that ended among the samples of an earlier process does not know these states.
+    // A run that ended among the samples of an earlier process does not have these states.
     if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
     for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
       const auto state =
@@ -286,19 +286,19 @@ class Verifier {
       compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
     for (const auto& figure : fieldsOfType<double>(model::Elasticity::fields())) {
-      // Under grips bars of tiles that bend hold energy too, which poses do not show.
+      // Under grips, bars of tiles that bend also store energy, which does not follow from poses.
       if (isOfBars && std::string_view(figure.name).starts_with("energy")) continue;
       compare(output::kSummary, std::string("elasticity.") + figure.name, stated.at(figure.name),
               found.*figure.member);
     }
   }
 
-  /// How each figure is computed from its state. What is passed must outlive the list.
+  /// The function that computes each figure from its state. All arguments must outlive the list.
   static std::vector<StateFigure> stateFigures(const Json& summary,
                                                const trajectory::Subject& subject,
                                                const std::vector<model::Pivot>& pivots,
                                                const Poses& asRead) {
-    // As the run had it: overlaps in the corners that joined bricks share do not count as
+    // As in the run: overlaps in the corners that joined bricks share do not count as
     // "outside".
     const double zone = summary.at("settings").at("environment").at("pivot_zone");
     const double least = trajectory::kRoundingOverlap * model::tileSize(subject.model);
@@ -351,9 +351,9 @@ class Verifier {
   /// Counts the packets of the first video in the list.
   void compareVideo(const Json& summary) {
     for (const std::string name : summary.at("files")) {
-      // A GIF omits frames that its players could not show.
+      // A GIF omits frames that players cannot show.
       if (!picture::isVideo(name) || endingOf(name) == ".gif") continue;
-      // One that was painted again since is not the run's.
+      // A video that was painted again is not the run's.
       if (output::listedFiles(folder_ / output::kContents).contains(name)) return;
       compare(output::kSummary, "video_frames", summary.at("video_frames"),
               picture::countVideoFrames(folder_ / name));
@@ -381,7 +381,7 @@ std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::st
     }
     return FinishedRun{summary.at("outcome"), !summary.at("shortfall").is_null(), text};
   } catch (const Json::exception&) {
-    return std::nullopt;  // sealed, but no run's
+    return std::nullopt;  // sealed, but not a run
   }
 }
 

@@ -1,17 +1,17 @@
-// Grid: run i of axes with n_0, n_1, ... values has on each axis the digit of i in the mixed base
-// (n_0, n_1, ...), the last axis being the lowest digit. So no list of runs is kept.
+// Grid of axes with n_0, n_1, ... values: the digits of i in the mixed base (n_0, n_1, ...) are the
+// indices of run i on the axes; the last axis is the lowest digit. So no list of runs is kept.
 //
-// Latin hypercube (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 1979): with n runs
-// each range is cut into n equal parts, in share of the way; for each axis a random permutation p
-// of 0 to n - 1 is drawn, and run i has the share
+// Latin hypercube (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 1979): n runs cut
+// each range into n equal parts. Each axis has a random permutation p of 0 to n - 1. Run i has the
+// value at the fraction
 //
-//     (p(i) + r) / n,    r uniform in 0 to 1.
+//     (p(i) + r) / n,    r uniform in [0, 1).
 //
-// Each part of each range has one run: n runs have n values of every parameter. A grid of n runs in
-// d parameters has only the d-th root of n.
+// Each part of each range has one run, so n runs have n values of every parameter. A grid of n runs
+// in d parameters has only the d-th root of n.
 //
-// Random numbers come from std::mt19937_64, whose sequence the C++ standard fixes; distributions
-// and shuffles of the library are not fixed, so they are written out here.
+// The C++ standard fixes the sequence of std::mt19937_64, but not the library's distributions and
+// shuffles. These are written out here.
 #include "render/sweep/sweep_plan.h"
 
 #include <algorithm>
@@ -49,7 +49,7 @@ void sortAndDropRepeats(std::vector<Row>& rows) {
 
 /// In [0, 1). Not std::uniform_real_distribution, which may differ between libraries.
 double randomShare(std::mt19937_64& generator) {
-  // The upper 53 bits of 64, as many as a double holds.
+  // The upper 53 of 64 bits: a double has 53.
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }
 
@@ -58,7 +58,7 @@ std::vector<std::size_t> shuffledNumbers(std::size_t count, std::mt19937_64& gen
   std::vector<std::size_t> numbers(count);
   std::iota(numbers.begin(), numbers.end(), std::size_t{0});
   for (std::size_t left = count; left > 1; --left) {
-    // The bias of the remainder is below left / 2^64, which nobody can see.
+    // The bias of the remainder is below left / 2^64, which is negligible.
     std::swap(numbers[left - 1], numbers[generator() % left]);
   }
   return numbers;
@@ -85,7 +85,7 @@ bool comesBefore(const SweepValue& a, const SweepValue& b) {
 std::string SweepRange::at(double share) const {
   const double number =
       logarithmic ? from * std::pow(to / from, share) : from + (to - from) * share;
-  // Nine digits are fewer than a double has: 0.1 + 0.2 shows as 0.3.
+  // Nine digits are fewer than a double has, so 0.1 + 0.2 gives 0.3.
   return fmt::format("{:.9g}", whole ? std::round(number) : number);
 }
 
@@ -149,16 +149,16 @@ std::vector<SweepValue> SweepPlan::run(std::uint64_t index) const {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives values with their place in the
-// file; every refusal names file, line and column. What keys mean is not known here:
-// cli/sweep_command.cpp checks each of them against the options of a run.
+// Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives each value with its place in the
+// file, so every error has file, line and column. cli/sweep_command.cpp checks the keys against the
+// options of a run.
 //
-// A value is kept as the text that would be typed on a command line ("25", "0,0,-9.81", "true"),
-// because that is what the options read. Numbers of a range are made by SweepRange::at().
+// A value is stored as the text of a command line ("25", "0,0,-9.81", "true"), because options read
+// such text. SweepRange::at() computes the numbers of a range.
 
 namespace {
 
-constexpr std::size_t kMostValues = 100000;  // of all parameters, which are kept in memory
+constexpr std::size_t kMostValues = 100000;  // of all parameters together; they are in memory
 constexpr double kLargest = 1e300;
 
 const std::map<std::string, SweepKeep>& keepWords() {
@@ -197,7 +197,7 @@ SweepValue readValue(const std::string& key, const scene::TomlValue& value) {
   return {text, value.truth() != nullptr, value.where};
 }
 
-/// The texts of a word's choice: {"log": true, "linear": false}. True for "log".
+/// "log" is true, "linear" false.
 bool readScale(const scene::TomlValue& value) {
   const std::string* word = value.text();
   if (!word || (*word != "log" && *word != "linear"))
@@ -224,7 +224,7 @@ void readRangeKey(const scene::TomlEntry& entry, RangeTable& table) {
     if (!entry.value.truth()) scene::refuseValue(entry.value, "true or false");
     table.range.whole = *entry.value.truth();
   } else if (entry.key == "count") {
-    // Two at least: both ends.
+    // At least two: both ends.
     table.count = readCount(entry.value, 2, kMostValues);
   } else {
     scene::refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
@@ -245,7 +245,7 @@ RangeTable readRange(const scene::TomlValue& value) {
   return read;
 }
 
-/// Counts all parameters' values; a grid has far more runs.
+/// Counts the values of all parameters; a grid has many more runs.
 void requireFewValues(std::size_t count, const FileLocation& where) {
   if (count <= kMostValues) return;
   throw inputErrorAt(where, fmt::format("the parameters have more than {} values together; vary "
@@ -253,7 +253,7 @@ void requireFewValues(std::size_t count, const FileLocation& where) {
                                         kMostValues));
 }
 
-/// The values of a key in [grid] or [list]. A list of values, or a range with a count.
+/// The values of a key in [grid] or [list]: a list of values, or a range with a count.
 SweepAxis readAxis(const scene::TomlEntry& entry) {
   SweepAxis axis{entry.key, entry.where, {}};
   if (const std::vector<scene::TomlValue>* array = entry.value.array()) {
@@ -321,8 +321,8 @@ void readLatinHypercube(const scene::TomlEntry& entry, Sweep& sweep) {
       const auto end = [&](double share) {
         return SweepValue{table.range.at(share), false, key.value.where};
       };
-      // Both ends are tried by requireValid() before anything runs; what lies between is taken to
-      // be as good.
+      // requireValid() checks both ends before the first run. Values between them are assumed to
+      // be valid too.
       sweep.axes.push_back({key.key, key.where, {end(0), end(1)}});
     }
   }
@@ -336,9 +336,9 @@ void readLatinHypercube(const scene::TomlEntry& entry, Sweep& sweep) {
   sweep.plan = SweepPlan::latinHypercube(axes, runs, seed);
 }
 
-/// [grid], [list] or [latin_hypercube], whichever the entry is.
+/// Reads [grid], [list] or [latin_hypercube].
 void readPlan(const scene::TomlEntry& entry, Sweep& sweep) {
-  // Axes are there already: a second plan.
+  // A second plan if there are axes already.
   if (!sweep.axes.empty()) {
     throw inputErrorAt(entry.where,
                        "one of [grid], [list] and [latin_hypercube] will do; remove the others");
@@ -379,7 +379,7 @@ void readEntry(const scene::TomlEntry& entry, Sweep& sweep) {
   }
 }
 
-/// A key is set for all runs or varied, and only once.
+/// Checks that each key is either set for all runs or varied, and only once.
 void requireKeysOnce(const Sweep& sweep) {
   std::map<std::string, int> lines;
   const auto require = [&lines](const std::string& key, const FileLocation& where) {
@@ -404,7 +404,7 @@ Sweep readSweepFile(const std::filesystem::path& path) {
     throw inputErrorAt({path}, "there is nothing to vary; add [grid], [list] or [latin_hypercube]");
   }
   requireKeysOnce(sweep);
-  // The order in the file does not matter, and so does not show in names and tables.
+  // Names and tables must not depend on the order in the file.
   std::sort(sweep.settings.begin(), sweep.settings.end(),
             [](const SweepSetting& a, const SweepSetting& b) { return a.key < b.key; });
   return sweep;

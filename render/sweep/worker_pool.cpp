@@ -7,17 +7,16 @@
 //     poll, recv verdict      <-     send verdict (1 byte)
 //     watch(verdict)
 //
-// The channel is a pair of SOCK_SEQPACKET sockets (unix(7)): messages keep their bounds, and the
-// end of the process closes it, which the parent sees as an empty message. A worker that dies is
-// replaced by a new one; its job is lost, or tried once more where SIGKILL ended it, because the
-// kernel's choice under memory pressure may have hit a run that was not to blame.
+// The channel is a pair of SOCK_SEQPACKET sockets (unix(7)), which keep the bounds of messages. The
+// end of a process closes its socket, and the parent then receives an empty message. A new worker
+// replaces one that died. The job is lost, or repeated once after SIGKILL: if memory is short, the
+// kernel may have killed a run that did not use much of it.
 //
-// Processes and not threads: a crash of one run, memory that it ate, or a loop that never ends
-// cannot be repaired within a process. fork without exec keeps libraries loaded and tables warm.
+// Processes and not threads: a process cannot recover from a crash, exhausted memory or an endless
+// loop of one of its threads. fork without exec keeps libraries loaded and tables warm.
 //
-// Memory is bounded by RLIMIT_DATA (setrlimit(2)), beyond which allocations fail with
-// std::bad_alloc: most runs that need too much end with a reason. Time is wall time from the moment
-// when the job was given.
+// RLIMIT_DATA (setrlimit(2)) limits memory. Allocations beyond it fail with std::bad_alloc, so most
+// runs that need too much end with a reason. Time is wall time since the job was sent.
 #include "render/sweep/worker_pool.h"
 
 #include <array>
@@ -45,10 +44,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How often `watch` is called at least. It bounds how late Ctrl-C and the time limit are noticed.
+/// Longest time between two calls of `watch`. Bounds the delay of Ctrl-C and of the time limit.
 constexpr int kWatchMilliseconds = 200;
 
-// What a sanitizer keeps of each byte would count too, and be far beyond any limit.
+// The shadow memory of a sanitizer counts too and would exceed any limit.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kLimitsMemory = false;
 #else
@@ -62,8 +61,8 @@ void limitMemory(std::int64_t bytes) {
   ::setrlimit(RLIMIT_DATA, &limit);
 }
 
-/// The life of a worker: jobs come in as numbers, verdicts go out. The caller's normal end and its
-/// death look the same.
+/// The loop of a worker: receives numbers of jobs and sends verdicts. It ends in the same way
+/// whether the caller finished or died.
 [[noreturn]] void workUntilTheEnd(int channel, const WorkerJobs& jobs) {
   std::uint64_t job = 0;
   while (::recv(channel, &job, sizeof job, 0) == sizeof job) {
@@ -71,23 +70,23 @@ void limitMemory(std::int64_t bytes) {
     try {
       verdict = jobs.work(job);
     } catch (const std::exception& error) {
-      // Not fmt::print, which throws when there is no room on the disk that stderr goes to.
+      // Not fmt::print, which throws if stderr goes to a full disk.
       std::fputs(fmt::format("kirireel: {}\n", error.what()).c_str(), stderr);
       std::fflush(nullptr);
       ::_exit(1);
     }
-    // MSG_NOSIGNAL: a parent that is gone gives an error and not SIGPIPE.
+    // MSG_NOSIGNAL: an error instead of SIGPIPE if the parent has ended.
     if (::send(channel, &verdict, sizeof verdict, MSG_NOSIGNAL) != sizeof verdict) break;
   }
   std::fflush(nullptr);
-  // Not exit(): what the caller has set up is the caller's to take down.
+  // Not exit(): its handlers belong to the caller.
   ::_exit(0);
 }
 
 /// One child process, seen from its parent.
 class Worker {
  public:
-  /// `siblings` are what the child must not keep open.
+  /// `siblings`: the channels that the child must close.
   Worker(const WorkerJobs& jobs, const WorkerLimits& limits, const std::vector<int>& siblings) {
     std::array<int, 2> ends = {};
     if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) fail();
@@ -100,10 +99,10 @@ class Worker {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       // The parent may have died before that.
       if (::getppid() != parent) ::_exit(1);
-      // Ctrl-C reaches the whole process group; the parent decides what ends.
+      // Ctrl-C reaches the whole process group; only the parent handles it.
       std::signal(SIGINT, SIG_IGN);
       std::signal(SIGTERM, SIG_IGN);
-      // An end that a sibling keeps open would hide that the parent has closed it.
+      // If a sibling kept an end open, its peer would not notice that the parent closed it.
       for (const int sibling : siblings) ::close(sibling);
       ::close(ends[0]);
       limitMemory(limits.memoryBytes);
@@ -113,7 +112,7 @@ class Worker {
     ::close(ends[1]);
   }
 
-  /// Kills the process if it still runs, and waits for its end: no zombie stays.
+  /// Kills the process if it still runs, and waits for its end to leave no zombie.
   ~Worker() {
     ::kill(process_, SIGKILL);
     waitForEnd();
@@ -125,20 +124,20 @@ class Worker {
   void give(std::uint64_t job) {
     job_ = job;
     since_ = Clock::now();
-    // A worker that is gone is noticed by its silence.
+    // An ended worker is detected by poll().
     ::send(channel_, &job, sizeof job, MSG_NOSIGNAL);
   }
 
-  /// The verdict on its job; nothing when the process has ended.
+  /// The verdict on its job; null if the process has ended.
   std::optional<Verdict> take() {
     Verdict verdict = Verdict::Failed;
-    // An ended process gives 0 bytes.
+    // recv() returns 0 bytes if the process has ended.
     return ::recv(channel_, &verdict, sizeof verdict, 0) == sizeof verdict ? std::optional(verdict)
                                                                            : std::nullopt;
   }
 
-  /// Waits for the process, and says how it ended. The status of waitpid(2); further calls return
-  /// the same.
+  /// Waits for the end of the process. Returns the status of waitpid(2); further calls return the
+  /// same.
   int waitForEnd() {
     while (!ended_ && ::waitpid(process_, &status_, 0) < 0 && errno == EINTR) {
     }
@@ -178,13 +177,13 @@ bool wasKilled(int status) {
   return WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
 }
 
-/// All workers, each at one job.
+/// All workers, each with one job.
 class Pool {
  public:
   Pool(const WorkerJobs& jobs, const WorkerLimits& limits) : jobs_(jobs), limits_(limits) {}
 
   bool run() {
-    // No more workers than there are jobs.
+    // No more workers than jobs.
     for (int i = 0; i < limits_.count; ++i) {
       const std::optional<std::uint64_t> job = next();
       if (!job) break;
@@ -192,7 +191,7 @@ class Pool {
     }
     while (!workers_.empty()) {
       if (!jobs_.watch(std::nullopt)) return false;
-      // Backwards, because workers leave the list and join its end.
+      // Backwards, because workers are removed and appended.
       const std::vector<bool> spoke = listen();
       for (std::size_t i = spoke.size(); i-- > 0;) {
         if (spoke[i] && !hear(i)) return false;
@@ -217,19 +216,19 @@ class Pool {
     workers_.back()->give(job);
   }
 
-  /// Which workers have something to say, after a short while at most.
+  /// Which workers have sent something. Waits at most kWatchMilliseconds.
   std::vector<bool> listen() const {
     std::vector<pollfd> channels;
     for (const auto& worker : workers_) channels.push_back({worker->channel(), POLLIN, 0});
-    // Interrupted by a signal: nobody is heard in this round, and watch() asks for the signal in
-    // the next.
+    // A signal interrupted poll(): read nothing in this round; watch() checks for the signal in the
+    // next.
     if (::poll(channels.data(), channels.size(), kWatchMilliseconds) < 0) channels.clear();
     std::vector<bool> spoke;
     for (const pollfd& channel : channels) spoke.push_back(channel.revents != 0);
     return spoke;
   }
 
-  /// Takes the verdict of worker i and gives it the next job; false when `watch` ends all.
+  /// Takes the verdict of worker i and sends it the next job; false if `watch` stops all.
   bool hear(std::size_t i) {
     const std::optional<Verdict> verdict = workers_[i]->take();
     if (!verdict) return replace(i);
@@ -242,7 +241,7 @@ class Pool {
     return true;
   }
 
-  /// A worker that has ended by itself.
+  /// Replaces a worker that has ended by itself.
   bool replace(std::size_t i) {
     const std::uint64_t job = workers_[i]->job();
     const int status = workers_[i]->waitForEnd();
@@ -264,7 +263,7 @@ class Pool {
     return jobs_.watch(jobs_.lost(workers_[i]->job(), reason)) && dismiss(i);
   }
 
-  /// Puts a new worker, if there is work, in the place of one that has ended.
+  /// Removes a worker that has ended, and starts a new one if there is a job.
   bool dismiss(std::size_t i) {
     workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(i));
     if (const auto job = next()) hire(*job);
