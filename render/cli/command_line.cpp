@@ -1,19 +1,16 @@
 // How a command line becomes an order:
 //
-// - 1. PyKirigami's spellings are replaced by ours (command_line.h). If there are some, its
-// constants
-//   apply to what is not given. Underscores in other names are read as hyphens.
-// - 2. CLI11 parses the words. Each option calls a reader that writes into the order which its
-//   command was added with; a wrong value throws InputError there, with one wording for all
-//   options. Extra words are allowed at this stage.
-// - 3. What nothing took is refused here, with the nearest name that exists. CLI11's own error
-//   would not suggest one.
-// - 4. The command that was given completes its order: it checks what belongs together and reads
-//   its scene file.
+// - 1. Replace PyKirigami's spellings by ours (command_line.h). If there are any, its constants are
+//   the defaults of options that are not given. Read underscores in other names as hyphens.
+// - 2. CLI11 parses the words. Each option calls a reader that writes into the order of its
+//   command. A wrong value throws InputError there, with the same wording for all options. Extra
+//   words are allowed at this stage.
+// - 3. Reject remaining words, suggesting the nearest existing name. CLI11's own error suggests
+//   none.
+// - 4. The given command completes its order: it checks combinations and reads its scene file.
 //
-// The order is a plain value; main() visits it with carryOut(). Nothing but parsing has happened
-// until then. Other programs (sweeps, the Python module, tests) make orders in the same way and run
-// them.
+// The order is a plain value; main() visits it with carryOut(). Before that, nothing is done except
+// parsing. Other callers (sweeps, the Python module, tests) make and run orders in the same way.
 #include "render/cli/command_line.h"
 
 #include <algorithm>
@@ -56,15 +53,15 @@ std::vector<std::string> commandNames(const CLI::App& command) {
   return names;
 }
 
-/// Arguments that no option and no place took: the first unknown option, else the first of all.
+/// Arguments that CLI11 did not take: the first unknown option, else the first of all.
 void requireNothingLeft(const CLI::App& program) {
-  // CLI11 leaves the "--" that ends the options among what remains.
+  // The remaining words of CLI11 include the "--" that ends the options.
   std::vector<std::string> left = program.remaining(true);
   std::erase(left, "--");
   if (left.empty()) return;
   const CLI::App& command = chosenCommand(program);
   const std::string help = fmt::format("see {} --help", fullName(command));
-  // Report an unknown option first: its value is left over too, but is not a second mistake.
+  // Report an unknown option first: its value also remains, but is not a second error.
   for (const std::string& argument : left) {
     if (!argument.starts_with('-')) continue;
     const std::string name = argument.substr(0, argument.find('='));
@@ -75,7 +72,7 @@ void requireNothingLeft(const CLI::App& program) {
     throw InputError(fmt::format("error: unknown option {}{}; {}", name,
                                  suggestion(name, optionNames(command)), help));
   }
-  // After a command with subcommands, a surplus word is a mistyped subcommand.
+  // After a command with subcommands, an extra word is a mistyped subcommand.
   const std::vector<std::string> commands = commandNames(command);
   if (!commands.empty()) {
     throw InputError(fmt::format("error: unknown command {}{}; {}", left.front(),
@@ -84,13 +81,13 @@ void requireNothingLeft(const CLI::App& program) {
   throw InputError(fmt::format("error: '{}' is one argument too many; {}", left.front(), help));
 }
 
-/// CLI11's text starts with the option that lacks its value and a colon.
+/// CLI11's text starts with the option without its value and a colon.
 InputError missingValue(const std::string& text, const CLI::App& command) {
   return InputError(fmt::format("error: {} needs a value; see {} --help",
                                 text.substr(0, text.find(':')), fullName(command)));
 }
 
-/// `--letters` without one of its words is a switch: the next argument may be a place.
+/// `--letters` without one of its words is a switch: the next argument may be positional.
 std::vector<std::string> withLetters(std::vector<std::string> arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i] != "--letters") continue;
@@ -100,9 +97,9 @@ std::vector<std::string> withLetters(std::vector<std::string> arguments) {
   return arguments;
 }
 
-/// Parses into what the program's options point at, or gives the page that was asked for instead.
+/// Parses into the targets of the options, or returns the requested page of help.
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
-  // CLI11 takes the arguments from the back.
+  // CLI11 expects the arguments in reverse order.
   std::vector<std::string> reversed = withLetters(translatePeerSpellings(arguments));
   const std::string group = takeHelpGroup(reversed);
   std::reverse(reversed.begin(), reversed.end());
@@ -124,17 +121,17 @@ std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::st
 /// A command of the program.
 struct Command {
   CLI::App* app = nullptr;
-  /// Checks what was read, after parsing. `peerSpelling`: the word that selects PyKirigami's
-  /// constants if the command runs a scene; empty: none.
+  /// Checks the order after parsing. `peerSpelling`: the word that selects PyKirigami's constants
+  /// if the command runs a scene; empty: none.
   std::function<Order(const std::string& peerSpelling)> completeOrder;
 };
 
-/// A command with its order, which its options fill.
+/// A command with its order, which its options write.
 template <typename Wanted>
 Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
   const auto order = std::make_shared<Wanted>();
   CLI::App* app = add(program, *order);
-  // Both closures share the order, which lives until the list of commands goes.
+  // Both closures share the order, which lives as long as the list of commands.
   return {app, [app, order](const std::string& peerSpelling) -> Order {
             if constexpr (std::is_same_v<Wanted, RecordOrder>) order->peerSpelling = peerSpelling;
             completeOrder(*app, *order);
@@ -183,7 +180,7 @@ LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std:
   program.allow_extras();
   OptionGroup group(program, "Model");
   addReadOptions(group, settings);
-  // --help ends parsing early with a page, which callers in code cannot use.
+  // --help ends parsing with a page of help, which other callers cannot use.
   if (parseInto(program, options)) throw InputError("error: a model is read without --help");
   requireNothingLeft(program);
   const InputRecord record(loaded.inputs);
@@ -197,8 +194,8 @@ RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::st
   RecordOrder order;
   order.madeModel = loaded.model;
   CLI::App* command = addRecordCommand(program, order);
-  // The words of `kirireel record MODEL`: first the options that the model was read with, then the
-  // new ones. The later of two values counts.
+  // The words of `kirireel record MODEL`: first the options of the model's reading, then the new
+  // ones. The later of two values counts.
   std::vector<std::string> words = {command->get_name()};
   if (!loaded.place.empty()) words.push_back(loaded.place.string());
   words.insert(words.end(), loaded.options.begin(), loaded.options.end());
@@ -217,13 +214,13 @@ CommandDescription describeProgram() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reads descriptions off CLI11's objects, after all commands have been added and before anything is
-// parsed. Manual pages, shell completions, the Python stubs and the tests of documentation are made
-// from these values. None of them can differ from --help.
+// Reads descriptions from CLI11's objects, after all commands were added and before parsing. Manual
+// pages, shell completions, the Python stubs and the tests of documentation follow from these
+// values, so none of them can differ from --help.
 
 namespace {
 
-/// Short names first, as the help has them.
+/// Short names first, as in the help.
 std::vector<std::string> hyphenedNames(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
@@ -231,9 +228,9 @@ std::vector<std::string> hyphenedNames(const CLI::Option& option) {
   return names;
 }
 
-/// `key` and `table` are those of a scene file; "" where none can set it.
+/// `key` and `table` are those of a scene file; "" if none can set it.
 OptionDescription describeOption(CLI::Option& option) {
-  // In CLI11 a switch is an option that takes no words.
+  // In CLI11 a switch is an option without values.
   const bool isSwitch = option.get_items_expected_max() == 0;
   OptionDescription described;
   described.names = hyphenedNames(option);
@@ -244,7 +241,7 @@ OptionDescription describeOption(CLI::Option& option) {
   described.help = option.get_description();
   described.words = allowedWords(option);
   described.isSwitch = isSwitch;
-  // Options that may be given several times take all of their values; others the last one.
+  // Options that may be repeated take all values; others the last one.
   described.repeats = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
   return described;
 }
@@ -277,25 +274,25 @@ const CommandDescription& commandNamed(const CommandDescription& program, const 
 }
 
 // ------------------------------------------------------------------------------------------------
-// PyKirigami's command line has options in snake case, short names of two letters after one hyphen
-// (-bt), which CLI11 would read as two options, and a model by --model. The words are rewritten one
-// by one before parsing:
+// PyKirigami's options are in snake case. It has short names of two letters after one hyphen (-bt),
+// which CLI11 would read as two options, and --model for the model. The words are rewritten one by
+// one before parsing:
 //
 //     --brick_thickness 0.02  ->  --thickness 0.02
 //     -bt 0.02                ->  --thickness 0.02
 //     --no_collision          ->  --contacts=unjoined
 //     --model cylinder        ->  cylinder
-//     --camera_distance 3     ->  (nothing: it moves a window's camera)
-//     --headless              ->  (nothing: no window is ever opened)
+//     --camera_distance 3     ->  (nothing: moves the camera of a window)
+//     --headless              ->  (nothing: there is no window)
 //
-// This is a table of words instead of aliases: the help stays short, and a value that starts with a
-// hyphen is not changed.
+// A table of words instead of aliases keeps the help short, and does not change values that start
+// with a hyphen.
 
 namespace {
 
-/// All names that PyKirigami has, those of its paper, and what they are here; "" for those that it
-/// reads without effect or that only move its window's camera. An entry may bring a value along,
-/// after an equals sign. Names that both programs spell alike are not listed.
+/// All names of PyKirigami and of its paper with their counterparts here; "" for those that have no
+/// effect in it or only move its window's camera. An entry may have a value after an equals sign.
+/// Names that are the same in both programs are not listed.
 const std::map<std::string, std::string>& peerOptions() {
   static const std::map<std::string, std::string> options = {
       {"--brick_thickness", "--thickness"},
@@ -332,13 +329,13 @@ const std::map<std::string, std::string>& peerOptions() {
 const std::string kLike = "--like";
 const std::string kPeer = "pykirigami";
 
-/// Whether the argument at i, perhaps with the next one, is "--like pykirigami".
+/// Whether the argument at i, alone or with the next one, is "--like pykirigami".
 bool asksForPeer(const std::vector<std::string>& arguments, std::size_t i) {
   if (arguments[i] == kLike) return i + 1 < arguments.size() && arguments[i + 1] == kPeer;
   return arguments[i] == kLike + "=" + kPeer;
 }
 
-/// The hyphens or underscores within the name of a long option replaced by others.
+/// Replaces the hyphens or underscores within the name of a long option.
 std::string withSeparators(std::string name, char from, char to) {
   if (name.starts_with("--")) std::replace(name.begin() + 2, name.end(), from, to);
   return name;
@@ -350,7 +347,7 @@ std::string translateName(const std::string& name) {
   return found == peerOptions().end() ? withSeparators(name, '_', '-') : found->second;
 }
 
-/// Whether only PyKirigami spells an option so. With hyphens some of its names are ours.
+/// Whether an option has PyKirigami's spelling. With hyphens some of its names are ours.
 bool isPeerName(const std::string& name) {
   const auto found = peerOptions().find(withSeparators(name, '-', '_'));
   return found != peerOptions().end() && (found->first == name || found->second != name);
@@ -369,8 +366,8 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
       skip = argument == kLike;
       continue;
     }
-    // Values and places. Negative numbers begin with a hyphen too; no name in the table is a
-    // number.
+    // Values and positional arguments. Negative numbers also begin with a hyphen, but no name in
+    // the table is a number.
     if (!argument.starts_with('-')) {
       translated.push_back(argument);
       continue;
@@ -383,7 +380,7 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
       skip = value.empty();  // the value is the next argument
       continue;
     }
-    // --model NAME: the next argument becomes the place. --model=NAME has the name here.
+    // --model NAME: the next argument becomes positional. --model=NAME has the name here.
     if (name != "--model") {
       translated.push_back(name + value);
     } else if (!value.empty()) {

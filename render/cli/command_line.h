@@ -1,4 +1,4 @@
-/// The command line: parses the request to kirireel.
+/// Parses the command line.
 #pragma once
 
 #include <string>
@@ -32,14 +32,14 @@ using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder,
 
 /// A model in memory, with the files, options and warnings of its reading.
 struct LoadedModel {
-  model::Model model;                 ///< as it was generated, to be written into the folder
-  std::filesystem::path place;        ///< that it was read from, as it was named; may be empty
-  std::vector<std::string> options;   ///< of `record` that it was read with
-  std::vector<InputFile> inputs;      ///< files that it was read from
-  std::vector<std::string> warnings;  ///< about these, one line each
+  model::Model model;                 ///< the model itself
+  std::filesystem::path place;        ///< the folder or file as named; may be empty
+  std::vector<std::string> options;   ///< of `record`, used for reading
+  std::vector<InputFile> inputs;      ///< its files
+  std::vector<std::string> warnings;  ///< about these files, one line each
 };
 
-/// Reads a model as `kirireel record MODEL OPTIONS` does; of its options only --joints-file and
+/// Reads a model like `kirireel record MODEL OPTIONS`; the options are --joints-file and
 /// --strict. Throws as readModel() and parseCommandLine().
 LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options);
 
@@ -48,14 +48,14 @@ LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std:
 RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::string>& options);
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
-/// (suggesting the nearest), a value out of range, a missing or surplus argument. Scene files that
-/// the arguments name are read; models are not.
+/// (suggesting the nearest), a value out of range, a missing or extra argument. Reads scene files
+/// that the arguments name, but no models.
 Order parseCommandLine(const std::vector<std::string>& arguments);
 
 // ------------------------------------------------------------------------------------------------
 // The commands and options of the program as plain values, for man pages, completions and stubs.
 
-/// An option of a command. All texts are those that --help shows; a text that does not apply is
+/// An option of a command. All texts are as in --help; a text that does not apply is
 /// empty.
 struct OptionDescription {
   std::vector<std::string> names;  ///< with hyphens, e.g. "-h", "--help"; the last one is long
@@ -85,12 +85,12 @@ struct CommandDescription {
   std::vector<CommandDescription> commands;  ///< below it
 };
 
-/// Reads a command's description off the command itself, and leaves that as it was. The order of
-/// options and commands is that of the help. The command must not have been parsed.
+/// Reads a command's description from the command itself without changing it. Options and commands
+/// are in the order of the help. The command must not have been parsed.
 CommandDescription describeCommand(CLI::App& command);
 
-/// The whole program. Its name is "kirireel"; `commands` are those of the program, with theirs
-/// below them.
+/// Describes the whole program, "kirireel". `commands` are those of the program, with their own
+/// subcommands.
 CommandDescription describeProgram();
 
 /// The subcommand with this name. Throws std::out_of_range if there is none.

@@ -1,12 +1,11 @@
-// An option that is read and does nothing is worse than an error: a user would draw conclusions
-// from a number that nothing has used. So it is refused, with the reason.
+// An option without effect is an error, reported with its reason. Otherwise a user would draw
+// conclusions from a number that was not used.
 //
 // - Settings of a scene carry their conditions (sim/scene/settings.h), such as "--solver direct".
 //   They hold for the command line and for scene files.
-// - optionEffects() lists when all other options have an effect. It holds for what was typed only:
-// a
-//   scene file may carry settings for several uses.
-// - requireConsistent() has what concerns two settings at once.
+// - optionEffects() lists the conditions of all other options. It applies only to typed options: a
+//   scene file may have settings for several uses.
+// - requireConsistent() checks conditions on two settings.
 #include "render/cli/option_effect.h"
 
 #include <algorithm>
@@ -77,7 +76,7 @@ bool hasPreset(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   return !pictures.encoder.empty() || endingOf(pictures.videoFile) == ".mp4";
 }
-/// A video counts only if it was named, not if it is the default one.
+/// Only a video that was named counts, not the default one.
 bool mayBeTransparent(const OptionContext& context) {
   const record::PictureSettings& pictures = *context.pictures;
   if (pictures.video && picture::hasAlpha(pictures.videoFile)) return true;
@@ -102,7 +101,7 @@ bool hasDeck(const OptionContext& context) {
 bool hasPattern(const OptionContext& context) {
   return exportsOneOf(context, {"svg", "dxf"});
 }
-/// A cut pattern is of the start, and a GLB file of all samples.
+/// A cut pattern shows the start, and a GLB file all samples.
 bool hasStates(const OptionContext& context) {
   return std::ranges::any_of(context.exports->formats, [](const std::string& format) {
     return format != "svg" && format != "dxf" && format != "glb";
@@ -297,18 +296,18 @@ const std::vector<OptionEffect>& optionEffects() {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The check of what was given.
+// The check of the given options.
 
 namespace {
 
-/// The project's own solver: other engines have no pins, links or guided paths.
+/// Only the direct solver has pins, links and guided paths.
 bool isDirect(const scene::Scene& scene) {
   return scene.solver.kind == scene::SolverKind::Direct;
 }
 
-/// What must hold for an option of this command to mean anything.
+/// The condition for an effect of this option in this command.
 std::vector<scene::Condition> conditionsOf(const std::string& option) {
-  // Options of the model's parts are not settings.
+  // Options for the parts of the model are not settings.
   if (option == "--pin" || option == "--link") return {{isDirect, "`solver = direct`"}};
   for (const scene::SettingGroup& group : scene::sceneSettings()) {
     const auto found = std::ranges::find(group.settings, option, [](const scene::Setting& setting) {
@@ -319,13 +318,13 @@ std::vector<scene::Condition> conditionsOf(const std::string& option) {
   return {};
 }
 
-/// On the command line or by a scene file, which adds its values to the same option.
+/// On the command line or in a scene file, which adds its values to the same option.
 bool isGiven(const CLI::App& command, const char* option) {
   const CLI::Option* found = command.get_option_no_throw(option);
   return found && found->count() > 0;
 }
 
-/// Whether the command has what the effect asks about.
+/// Whether the command has the targets that the condition reads.
 bool mayAsk(const OptionEffect& effect, const OptionContext& context) {
   const auto isIn = [&effect](std::span<const OptionEffect> part) {
     return std::ranges::any_of(
@@ -337,7 +336,7 @@ bool mayAsk(const OptionEffect& effect, const OptionContext& context) {
   return context.pictures != nullptr;
 }
 
-/// The options that an effect is about: one, or all of a group.
+/// The options with this condition: one, or all of a group.
 std::vector<const CLI::Option*> optionsOf(const OptionEffect& effect, const CLI::App& command) {
   const std::string name = effect.option;
   if (name.starts_with("--")) {
@@ -395,7 +394,7 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
       refuse(option->get_name(), spellOptions(condition.needed));
     }
   }
-  // A guided path moves tiles towards the target in its own steps, and only with the direct solver.
+  // A guided path moves tiles to the target in its own steps, only with the direct solver.
   const bool isGuided = scene.path.kind == scene::PathKind::Guided;
   const scene::Drive drive = scene.actuation.drive;
   const bool pullsToTarget = drive == scene::Drive::Target || drive == scene::Drive::Auto;

@@ -1,11 +1,11 @@
-// A layer over CLI11 that gives every option a reader, a writer, and its table in a scene file.
-// CLI11 has no place for the last two and for the list of words, so they are kept where it has one
-// that goes unused:
+// A layer over CLI11. It gives every option a reader, a writer and its table in a scene file. CLI11
+// has no place for the last two and for the list of words. They are stored in two places that it
+// does not use here:
 //
-// - the writer, in default_function, which CLI11 calls only to capture a default;
-// - words and tables, as validators that never run (active(false)) with a name and a text.
+// - the writer in default_function, which CLI11 calls only to capture a default;
+// - words and tables as inactive validators (active(false)) with a name and a text.
 //
-// A second list of options would have to be kept in step with CLI11's.
+// A second list of options would have to be kept consistent with CLI11's.
 #include "render/cli/option_group.h"
 
 #include <algorithm>
@@ -34,14 +34,14 @@ namespace {
 constexpr const char* kWords = "words";
 constexpr const char* kTable = "table";
 
-/// Notes a text on an option, as a check that checks nothing: values are read, and refused, in one
-/// place for all options. `kind` is the validator's name, by which noteOf() finds it.
+/// Attaches a text to an option, as an inactive validator. `kind` is the validator's name for
+/// noteOf().
 void addNote(CLI::Option& option, const char* kind, const std::string& text) {
   CLI::Validator validator([](std::string&) { return std::string(); }, text, kind);
   option.check(validator.active(false));
 }
 
-/// The recorded statement; "" if there is none.
+/// The attached text; "" if there is none.
 std::string noteOf(CLI::Option& option, const char* kind) {
   try {
     // CLI11 returns the text of a check only while it is active.
@@ -62,8 +62,8 @@ std::string typedText(const CLI::Option& option) {
 }  // namespace
 
 OptionGroup::Statement& OptionGroup::Statement::serializedAs(const Writer& write) {
-  // CLI11 has a place for a function that returns the current text. It is called after parsing, so
-  // the help does not show it.
+  // CLI11 stores this function and calls it only after parsing, so the help does not show its
+  // result.
   option_->default_function(write);
   return *this;
 }
@@ -86,7 +86,7 @@ OptionGroup::Statement OptionGroup::added(CLI::Option* option) {
 OptionGroup::Statement OptionGroup::value(const std::string& name, const std::string& unit,
                                           const std::string& defaultText, const std::string& help,
                                           const Reader& read) {
-  // The help holds the default, because no variable is bound that CLI11 could print.
+  // The help text contains the default, because CLI11 has no variable that it could print.
   const std::string text =
       defaultText.empty() ? help : fmt::format("{} (default {})", help, defaultText);
   const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
@@ -150,7 +150,7 @@ OptionGroup::Statement OptionGroup::flag(const std::string& name, const std::str
   return added(option).serializedAs([option] { return fmt::format("{}", option->count() > 0); });
 }
 
-/// Runs the option's writer: CLI11 keeps what it gives as the default's text.
+/// Calls the option's writer: CLI11 stores its result as the default's text.
 std::string serializedValue(CLI::Option& option) {
   return option.capture_default_str()->get_default_str();
 }
@@ -179,7 +179,7 @@ void requireGiven(const std::filesystem::path& path, const char* what, const CLI
 
 const CLI::App& chosenCommand(const CLI::App& program) {
   const CLI::App* command = &program;
-  // CLI11 lists the commands that were parsed, and only one can be.
+  // CLI11 lists the parsed commands; there is only one.
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   return *command;
 }
@@ -204,17 +204,17 @@ std::string fullName(const CLI::App& command) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Readers and writers in pairs: for every value x that a reader gives, reading what the writer
-// makes of x gives x again, to the last bit. orderText() relies on it, for what it writes is a
-// scene file. Degrees are the hard case, since x pi / 180 rounds: numberReadAs() searches the
-// shortest number of degrees that reads back to the same radians.
+// Readers and writers in pairs: reading the text that the writer makes of a value gives the same
+// value to the last bit. orderText(), which writes a scene file, relies on it. Degrees need care
+// because x pi / 180 rounds: numberReadAs() searches the shortest number of degrees that reads back
+// to the same radians.
 
 namespace {
 
-/// Along each side; more pictures than 10,000 no page can show.
+/// Pictures along each side; no page can show more than 10,000 pictures.
 constexpr int kMostGridCells = 100;
 
-/// "3x4"; nothing if the text is not two whole numbers with an x between them.
+/// "3x4"; null if the text is not two whole numbers with an x between them.
 std::optional<std::pair<long, long>> readPair(std::string_view text) {
   const std::vector<std::string_view> parts = scene::split(text, 'x');
   if (parts.size() != 2) return std::nullopt;
@@ -224,8 +224,8 @@ std::optional<std::pair<long, long>> readPair(std::string_view text) {
   return std::pair(*first, *second);
 }
 
-/// The parts of a caption, in the order in which they are written. Words and the members that they
-/// switch on; reader and writer share the list.
+/// The parts of a caption in writing order: words and the members that they set. Reader and writer
+/// share this list.
 const scene::Choices<bool picture::CaptionParts::*>& captionChoices() {
   static const scene::Choices<bool picture::CaptionParts::*> choices = {
       {"progress", &picture::CaptionParts::progress},
@@ -243,7 +243,7 @@ bool isBetween(long number, long least, long most) {
 
 }  // namespace
 
-/// Names of colours as CSS has them.
+/// Names of colours as in CSS.
 const scene::Choices<picture::Colour>& namedColours() {
   static const scene::Choices<picture::Colour> names = {
       {"black", {0, 0, 0}},          {"white", {255, 255, 255}},  {"grey", {128, 128, 128}},
@@ -265,8 +265,8 @@ picture::Colour parseColour(const scene::TypedValue& value) {
   for (const auto& [name, colour] : namedColours()) {
     if (value.text == name) return colour;
   }
-  // from_chars would also read fewer than six digits and stop at other letters, so length and end
-  // are checked.
+  // from_chars also reads fewer than six digits and stops at other letters, so check length and
+  // end.
   std::string_view digits = value.text;
   if (digits.starts_with('#')) digits.remove_prefix(1);
   unsigned bits = 0;
@@ -286,7 +286,7 @@ std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value) 
   std::vector<picture::CameraKey> keys;
   for (const std::string_view text : scene::split(value.text, ',')) {
     const std::vector<std::string_view> parts = scene::split(text, ':');
-    // All four are required: without zoom the parts could be mistaken.
+    // All four are required; without zoom the parts would be ambiguous.
     if (parts.size() != 4) {
       throw scene::valueError({value.name, std::string(text)},
                               "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
@@ -321,7 +321,7 @@ picture::CaptionParts parseCaption(const scene::TypedValue& value) {
 std::vector<record::FrameChoice> parseFrameChoices(const scene::TypedValue& value) {
   std::vector<record::FrameChoice> choices;
   for (const std::string_view text : scene::split(value.text, ',')) {
-    // A share is kept as 0 to 1.
+    // A fraction, [0, 1].
     const bool isShare = text.ends_with('%');
     const scene::TypedValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
     if (isShare) {

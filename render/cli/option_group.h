@@ -23,15 +23,15 @@ class Option;
 
 namespace kirireel::cli {
 
-/// Whether a name is in a list, which is short.
+/// Whether a name is in a (short) list.
 inline bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reads the values of options about pictures and exports; those of a scene are read by
-// sim/scene/settings.h. Every function throws InputError that names the option, the value
-// found and what is allowed.
+// Reads the values of options about pictures and exports. sim/scene/settings.h reads those of a
+// scene. Every function throws InputError with the option, the value
+// and what is allowed.
 
 /// "1280x720": a valid frame size. Width before height, in pixels, each from 1 to kMaxFrameSide.
 picture::FrameSize parseSize(const scene::TypedValue& value);
@@ -39,14 +39,14 @@ picture::FrameSize parseSize(const scene::TypedValue& value);
 /// "3x4": rows x columns, each 1 to 100.
 picture::GridShape parseGrid(const scene::TypedValue& value);
 
-/// "0,1.5,50%": seconds >= 0, or shares of the progress in [0%, 100%].
+/// "0,1.5,50%": seconds >= 0, or fractions of the progress in [0%, 100%].
 std::vector<record::FrameChoice> parseFrameChoices(const scene::TypedValue& value);
 
 /// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal; or a CSS name, "teal".
 picture::Colour parseColour(const scene::TypedValue& value);
 
 /// "0:50:-35:1,2.5:90:-20:1.5": keys of a camera as TIME:YAW:PITCH:ZOOM, seconds and degrees. Yaw
-/// and pitch are PyKirigami's; zoom is a factor. That times rise is checked by CameraPath.
+/// and pitch are PyKirigami's; zoom is a factor. CameraPath checks that times ascend.
 std::vector<picture::CameraKey> parseCameraKeys(const scene::TypedValue& value);
 
 /// "time,error": parts of a caption, or "none". Parts are progress, time, angle, error and gap;
@@ -56,11 +56,11 @@ picture::CaptionParts parseCaption(const scene::TypedValue& value);
 /// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
 std::vector<int> parseTiles(const scene::TypedValue& value);
 
-/// "3,7,10-15=teal": numbers of tiles, or ranges of them, and a colour; "hinge row:3,7=teal": with
-/// the name that they have in the legend.
+/// "3,7,10-15=teal": numbers of tiles, or ranges of them, and a colour; "hinge row:3,7=teal": also
+/// a name for the legend.
 picture::TileColour parseTileColour(const scene::TypedValue& value);
 
-/// "3,7,10-15=0.3": numbers of tiles, or ranges of them, and how opaque they are, 0 to 1.
+/// "3,7,10-15=0.3": numbers of tiles, or ranges of them, and an opacity in [0, 1].
 picture::TileOpacity parseTileOpacity(const scene::TypedValue& value);
 
 /// The option that sets a key: "--brick-friction" for "brick_friction".
@@ -70,13 +70,13 @@ std::string optionName(const std::string& key);
 /// "--key value", and "`key = false`" becomes "--no-key".
 std::string spellOptions(const std::string& message);
 
-/// The functions below write what those above read, as values of a scene file.
+/// The functions below write values as in a scene file; the functions above read them.
 
 /// "1280x720" in quotation marks.
 std::string sizeText(picture::FrameSize size);
 /// Rows by columns, "3x4".
 std::string gridText(picture::GridShape grid);
-/// Shares with a per cent sign, seconds without.
+/// Fractions with a per cent sign, seconds without.
 std::string frameChoicesText(const std::vector<record::FrameChoice>& choices);
 /// Six hexadecimal digits in capitals.
 std::string colourText(picture::Colour colour);
@@ -91,7 +91,7 @@ std::string captionText(const picture::CaptionParts& parts);
 /// Numbers with commas, "all" for none.
 std::string tilesText(const std::vector<int>& tiles);
 
-/// Degrees that yaw and pitch were typed as.
+/// The typed yaw and pitch.
 struct TypedView {
   double yaw = 0;    ///< of the camera, degrees
   double pitch = 0;  ///< of the camera, degrees
@@ -106,30 +106,30 @@ TypedView typedView(const picture::ViewAngles& view);
 /// reported in the same words. Targets are written while CLI11 parses, in the order of the words.
 class OptionGroup {
  public:
-  /// `table`: of a scene file that sets these options too; empty where none can. `command` and
+  /// `table`: of a scene file that can also set these options; empty if none can. `command` and
   /// every target given below must outlive the parsing.
   OptionGroup(CLI::App& command, std::string heading, std::string table = "")
       : command_(command), heading_(std::move(heading)), table_(std::move(table)) {}
 
   /// Stores the value of the option. Throws InputError for a value that is not allowed.
   using Reader = std::function<void(const scene::TypedValue&)>;
-  /// The value that it has now, in the spelling of a scene file.
+  /// Returns the current value as in a scene file.
   using Writer = std::function<std::string()>;
 
   /// How an option enters the fingerprint of a run. By default it does, with its value as typed.
   class Statement {
    public:
-    /// Of this option, which must outlive it.
+    /// For this option, which must outlive it.
     explicit Statement(CLI::Option* option) : option_(option) {}
 
-    /// `write` returns the option's value in the spelling of a scene file (`0.02`, `true`, `"all"`,
-    /// `["3,4", "5,6"]`), read back to the last bit; "" if it has no value.
+    /// `write` returns the option's value as in a scene file (`0.02`, `true`, `"all"`, `["3,4",
+    /// "5,6"]`), which reads back to the last bit; "" without a value.
     Statement& serializedAs(const Writer& write);
 
-    /// The option does not change the result, or another option reports it.
+    /// For options that do not change the result or that another option reports.
     Statement& excludeFromFingerprint();
 
-    /// Notes the only values that the option accepts, see allowedWords().
+    /// Stores the allowed values of the option, see allowedWords().
     Statement& accepts(const std::vector<std::string>& words);
 
    private:
@@ -142,8 +142,8 @@ class OptionGroup {
   Statement value(const std::string& name, const std::string& unit, const std::string& defaultText,
                   const std::string& help, const Reader& read);
 
-  /// The same for an option that may be given several times; each value is read in turn. The reader
-  /// must append, because it cannot know which value is the first.
+  /// The same for an option that may be given several times. Each value is read in turn, and the
+  /// reader must append it.
   Statement values(const std::string& name, const std::string& unit, const std::string& help,
                    const Reader& read);
 
@@ -204,25 +204,25 @@ std::string serializedValue(CLI::Option& option);
 /// The only values that an option accepts; empty if any value is allowed.
 std::vector<std::string> allowedWords(CLI::Option& option);
 
-/// The table of a scene file that an option belongs to; empty when a scene file cannot set it.
+/// The option's table in a scene file; empty if a scene file cannot set it.
 std::string settingTable(CLI::Option& option);
 
 /// Adds a positional argument. The target stays empty if it is missing, see requireGiven().
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,
               const std::string& help);
 
-/// Throws InputError when an argument is missing: `what` is its name. `command` gives the example
+/// Throws InputError if an argument is missing. `what`: its name. `command`: for the example
 /// in the message.
 void requireGiven(const std::filesystem::path& path, const char* what, const CLI::App& command);
 
-/// What to give in place of an option that former versions had, "; give ..."; empty for others.
+/// The replacement for an option of former versions, "; give ..."; empty for others.
 std::string replacementOf(const std::string& option);
 
-/// The command with those it belongs to, e.g. "kirireel generate tessellation". For messages that
-/// name the page of the help.
+/// The command with its parents, e.g. "kirireel generate tessellation". For messages that
+/// refer to the help.
 std::string fullName(const CLI::App& command);
 
-/// The innermost command that was given, e.g. "generate tessellation". The program itself where no
+/// The innermost command that was given, e.g. "generate tessellation". The program itself if no
 /// command was given.
 const CLI::App& chosenCommand(const CLI::App& program);
 

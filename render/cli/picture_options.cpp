@@ -15,16 +15,16 @@
 namespace kirireel::cli {
 namespace {
 
-/// "180mm" or "7pt": a positive number with its unit, or without. In the unit that is named, as a
-/// plain number.
+/// "180mm" or "7pt": a positive number with or without this unit. Returns the
+/// number.
 double parseLength(const scene::TypedValue& value, const std::string& unit, scene::Range range) {
-  // The unit is optional, because only one is allowed.
+  // The unit is optional because only one is allowed.
   std::string digits = value.text;
   if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
   return scene::parseNumber({value.name, digits}, range);
 }
 
-/// Between commas; a comma at the very end adds no empty word.
+/// Splits at commas; a comma at the end adds no empty word.
 std::vector<std::string> parseWords(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream list(text);
@@ -43,7 +43,7 @@ std::vector<picture::PageFormat> parsePages(const scene::TypedValue& value) {
   return pages;
 }
 
-/// In the spelling of a scene file: "svg,pdf" in quotation marks.
+/// As in a scene file: "svg,pdf" in quotation marks.
 std::string pagesText(const std::vector<picture::PageFormat>& pages) {
   std::string text;
   for (const picture::PageFormat page : pages) {
@@ -53,7 +53,7 @@ std::string pagesText(const std::vector<picture::PageFormat>& pages) {
   return scene::quotedText(text);
 }
 
-/// What `--letters` is without a word; a scene file has true.
+/// The value of `--letters` without a word; true in a scene file.
 const scene::Choices<picture::PanelLetters>& letterChoices() {
   static const scene::Choices<picture::PanelLetters> choices = {
       {"a", picture::PanelLetters::Small},
@@ -160,13 +160,13 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
   group
-      // The number of painters changes no byte. It is not part of the fingerprint.
+      // The number of painters changes no byte, so it is not part of the fingerprint.
       .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
              [&](const scene::TypedValue& typed) {
                settings.painterCount = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
       .excludeFromFingerprint();
-  // Either library draws the same.
+  // Both libraries draw the same.
   group
       .choice<std::optional<picture::GraphicsLibrary>>(
           "--gl", settings.graphics,
@@ -179,9 +179,9 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Options of colours, drawing and camera. Angles are typed in degrees and kept in radians; lengths
-// are metres. A typed value is written back (serializedAs) as the shortest number that reads to the
-// same double. A scene file made from an order gives the same pictures to the last bit.
+// Options of colours, drawing and camera. Angles are typed in degrees and stored in radians;
+// lengths are metres. A value is written (serializedAs) as the shortest number that reads back to
+// the same double. A scene file made from an order gives the same pictures to the last bit.
 
 namespace {
 
@@ -190,9 +190,9 @@ std::string saidColour(const std::optional<picture::Colour>& colour) {
   return colour ? colourText(*colour) : "";
 }
 
-/// What the colours show, and their scale.
+/// The quantity of the colours, and their scale.
 void addScaleOptions(OptionGroup& group, picture::Look& look) {
-  // Measures of single bricks are coloured by a scale, "plain" and "shape" need none.
+  // Measures of single bricks need a scale, "plain" and "shape" do not.
   group.choice<picture::Colouring>("--colour", look.colouring,
                                    {{"plain", picture::Colouring::Plain},
                                     {"shape", picture::Colouring::Shape},
@@ -263,8 +263,8 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
       .serializedAs([&look] { return saidColour(look.background); });
 }
 
-/// "0.5pt", "0.5pt,0.75pt", or a factor of the default widths. One width is that between tiles; the
-/// other stands in the default ratio to it.
+/// "0.5pt", "0.5pt,0.75pt", or a factor of the default widths. A single width is that between
+/// tiles; the other one has the default ratio to it.
 picture::OutlineWidths parseOutlineWidths(const scene::TypedValue& value) {
   picture::OutlineWidths widths;
   const double ratio = widths.silhouettes / widths.slits;
@@ -287,7 +287,7 @@ std::string outlineWidthsText(const picture::OutlineWidths& widths) {
                            scene::numberText(widths.silhouettes) + "pt");
 }
 
-/// What decides a picture but not its camera.
+/// Options of a picture except its camera.
 void addDrawingOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Look", "style");
   group.choice<picture::Theme>("--theme", look.theme,
@@ -334,7 +334,7 @@ std::optional<picture::ViewAngles> parseView(
     return scene::parseNumber({value.name, text}, {-most, most}) * kDegree;
   };
   const std::size_t second = std::min(value.text.find(',', comma + 1), value.text.size());
-  // Azimuth and roll may be any number of turns, elevation is from -90 to 90 degrees.
+  // Azimuth and roll may be any number of turns; elevation is in [-90, 90] degrees.
   picture::ViewAngles view{degrees(value.text.substr(0, comma), 3600),
                            degrees(value.text.substr(comma + 1, second - comma - 1), 90)};
   if (second < value.text.size()) view.roll = degrees(value.text.substr(second + 1), 3600);
@@ -351,7 +351,7 @@ std::string anglesText(const picture::ViewAngles& view) {
          (view.roll != 0 ? "," + degrees(view.roll) : "");
 }
 
-/// `views` is kept by the readers, so it is copied into each.
+/// Each reader keeps its own copy of `views`.
 void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
   const scene::Choices<std::optional<picture::ViewAngles>> views = {
       {"auto", std::nullopt},
@@ -427,22 +427,22 @@ void addLookOptions(CLI::App& command, picture::Look& look) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Options of the video: file and format, pace, title, quality. Ranges of quality depend on the
-// format, which may be given after it, so requireValidSettings() checks them once all is known.
+// Options of the video: file and format, pace, title, quality. The range of the quality depends on
+// the format, which may be given later, so requireValidSettings() checks it after parsing.
 
 namespace {
 
-/// A bare name: the folder is --out's.
+/// A name without a folder: --out is the folder.
 std::string parseFileName(const scene::TypedValue& value) {
   const std::filesystem::path name = value.text;
-  // UTF-8 that is valid, since the name goes into summary.json.
+  // Valid UTF-8, because the name is stored in summary.json.
   const bool isName = name.has_filename() && !name.has_parent_path();
   if (isName && codePoints(value.text)) return value.text;
   throw scene::valueError(value,
                           "the name of a file, for example talk.webm; --out gives its folder");
 }
 
-/// Shells leave "\n" as it is typed. A backslash before an n is two characters on the command line.
+/// Replaces a typed "\n", two characters in most shells, by a line feed.
 std::string withLineFeeds(std::string text) {
   for (std::size_t at = 0; (at = text.find("\\n", at)) != std::string::npos;) {
     text.replace(at, 2, "\n");
@@ -450,8 +450,7 @@ std::string withLineFeeds(std::string text) {
   return text;
 }
 
-/// --length and --speed choose the pace that they belong to, and only the one in use is written
-/// down.
+/// --length and --speed each select a pace. Only the one in use is written.
 void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
   group.choice<record::Pace>("--pace", settings.pace,
                              {{"even", record::Pace::Even}, {"real", record::Pace::Real}},

@@ -1,10 +1,10 @@
-// Text about a run, made from its summary. Errors are in metres and in tiles (mean edges), by which
-// models of different size compare.
+// Text about a run, made from its summary. Errors are in metres and in tiles (mean edges), which
+// makes models of different size comparable.
 //
-// The reason of a missed target is the first of these causes, from the strongest proof to the
-// weakest: the input's rounding, the shapes of the target's tiles (a bound that no rigid tiles can
-// beat), contacts (a better state is known, and bricks overlap there), the pull (a better state is
-// known), the target's own open joints. Only when none of them holds is the thickness blamed.
+// The reason of a missed target is the first of these causes that applies, from the strongest proof
+// to the weakest: rounding of the input; shapes of the target's tiles (a lower bound for all rigid
+// tiles); contacts (a better state is known, and bricks overlap there); a local minimum (a better
+// state is known); open joints of the target itself; the thickness.
 #include "render/cli/report.h"
 
 #include <algorithm>
@@ -29,9 +29,9 @@ namespace {
 
 // A target is reached if the error is below this fraction of a tile.
 constexpr double kReached = 1e-6;
-// Depths that differ less are one.
+// Depths that differ less are equal.
 constexpr double kWhole = 0.999;
-// A bound explains an error that exceeds it by no more than this factor.
+// A bound explains an error up to this factor above it.
 constexpr double kExplains = 1.05;
 
 /// "0.0121 m (0.012 tiles)".
@@ -39,13 +39,13 @@ std::string inTiles(double metres, const model::Model& model) {
   return model::lengthInTiles(metres, model, 3);
 }
 
-/// Why a run at rest did not come nearer to its target; empty if it reached it. One line.
-/// The errors and bounds are metres.
+/// Why a run at rest missed its target, in one line; empty if it reached it.
+/// Errors and bounds are in metres.
 std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
   if (summary.outcome != deploy::Outcome::Settled || error <= kReached * tile) return "";
-  // Coordinates with few digits put tiles and target off by as much as the rounding spreads.
+  // Coordinates with few digits displace tiles and target by the rounding's spread.
   if (scene.model.rounding > 0 && error <= deploy::roundedReach(scene.model)) {
     return fmt::format(
         "why no nearer: coordinates rounded to {}, with which tiles and target fit no better\n",
@@ -106,8 +106,8 @@ std::string describeJoints(const scene::Scene& scene, const record::RunSummary& 
   return text + "\n";
 }
 
-/// Which tolerance in time the steps of a run kept, and when they did not; empty for runs without
-/// steps to a tolerance. The error that this makes together is only known if it was measured.
+/// The tolerance in time of the steps of a run, and the exceptions; empty for runs without such
+/// steps. The total error is only known if it was measured.
 std::string describeTime(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::DeployCost& cost = summary.deployCost;
   scene::Scene run = scene;
@@ -135,8 +135,8 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
                      cost.took.rejected);
 }
 
-/// The depth as a whole, and what of it contacts would have to prevent. Overlap in the corners that
-/// joined bricks share cannot be avoided with thick bricks. Contacts prevent the rest.
+/// The total depth, and its part outside the corners that joined bricks share. Thick bricks cannot
+/// avoid overlap in these corners; contacts prevent the rest.
 std::string describePenetration(const scene::Scene& scene, const record::RunSummary& summary) {
   const deploy::Accuracy& accuracy = summary.accuracy;
   const LengthUnit& unit = scene.model.unit;
@@ -180,7 +180,7 @@ std::string describeNeed(const char* name, const scene::Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
-/// Of the bricks that are in each other's way at the target, so many pairs are named.
+/// Largest number of named pairs of bricks that block each other at the target.
 constexpr std::size_t kPairsNamed = 3;
 
 /// The deepest pairs come first.
@@ -197,7 +197,7 @@ std::string describeBlocking(const std::vector<deploy::BlockingPair>& blocking,
                      blocking.size() > pairs.size() ? "; ..." : "");
 }
 
-/// CPU seconds of the threads together, wall time for all of it.
+/// CPU seconds of all threads together, and total wall time.
 std::string describeCost(const record::RunSummary& summary) {
   const deploy::DeployCost& deploy = summary.deployCost;
   const record::RecordCost& record = summary.recordCost;
@@ -216,7 +216,7 @@ std::string describeCost(const record::RunSummary& summary) {
   return text;
 }
 
-/// The files by name, and each subfolder once: "frames/" has hundreds of files.
+/// The files by name, but each subfolder only once: "frames/" has hundreds of files.
 std::vector<std::string> shortList(const std::vector<std::string>& files) {
   std::vector<std::string> list;
   for (const std::string& file : files) {
@@ -258,9 +258,9 @@ void ProgressLine::show(const record::Progress& progress) {
 }
 
 void ProgressLine::show(const std::string& line) {
-  // A log file gets no line at all, since it could not be taken back.
+  // No line in a log file, because it cannot be erased there.
   if (!isTerminal_ || line == shown_) return;
-  // Back to the start of the line and clear it.
+  // Return to the start of the line and clear it.
   fmt::print(stderr, "\r\033[K{}", line);
   std::fflush(stderr);
   shown_ = line;
@@ -289,7 +289,7 @@ std::string describeEnd(const scene::Scene& scene, const record::RunSummary& sum
   return isFailed || summary.shortfall.empty() ? end + ": " + summary.reason : end;
 }
 
-/// The end, and why a run that did not miss its target still has a shortfall.
+/// The end, and any shortfall other than a missed target.
 std::string headline(const scene::Scene& scene, const record::RunSummary& summary) {
   using enum deploy::Outcome;
   std::string text = describeEnd(scene, summary);
@@ -317,7 +317,7 @@ std::string describeMotion(const record::RunSummary& summary, double tile) {
                                                : "contacts off");
 }
 
-/// Up to two lines: overlaps of the run beyond its start, and those that block the target.
+/// Up to two lines: overlaps that grew during the run, and overlaps that block the target.
 std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double grown = summary.accuracy.penetrationGrownMax;
@@ -398,20 +398,20 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
 }
 
 // ------------------------------------------------------------------------------------------------
-// A handler may do nothing but note the number of its signal (C++ standard, [support.signal];
-// signal-safety(7)): a lock-free atomic. Long loops poll takeInterrupt() and stop when files are
-// complete. A second signal is noted in the same way, so an impatient user ends the next stage too,
-// and never leaves half a file.
+// A handler only stores the number of its signal in a lock-free atomic; more is not allowed (C++
+// standard, [support.signal]; signal-safety(7)). Long loops poll takeInterrupt() and stop when
+// files are complete. A second signal is stored in the same way and ends the next stage, so no file
+// is ever incomplete.
 //
-// SIGXFSZ comes when a file would grow beyond the limit of its process (ulimit -f); ignored, the
-// write fails with EFBIG, which is reported like a full disk.
+// SIGXFSZ is sent if a file would exceed the limit of its process (ulimit -f). It is ignored: the
+// write then fails with EFBIG, which is reported like a full disk.
 
 namespace {
 
 std::atomic<int> noted = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may not wait for a lock");
 
-/// Later signals replace earlier ones that nobody has taken.
+/// A later signal replaces an earlier one that was not taken yet.
 extern "C" void noteInterrupt(int signal) {
   noted = signal;
 }
@@ -421,7 +421,7 @@ extern "C" void noteInterrupt(int signal) {
 void noteSignals() {
   std::signal(SIGINT, noteInterrupt);
   std::signal(SIGTERM, noteInterrupt);
-  // signal() returns what was set before: nohup ignores SIGHUP, and so it stays.
+  // signal() returns the previous handler. nohup ignores SIGHUP, which is kept.
   if (std::signal(SIGHUP, noteInterrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }

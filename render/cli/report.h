@@ -23,7 +23,7 @@ class ProgressLine {
 
   /// Redraws the line if its text has changed. Shows stage and per cent.
   void show(const record::Progress& progress);
-  /// The text must be shorter than the terminal is wide, or the end of the line stays behind.
+  /// The text must be shorter than the terminal's width, else the end of the line remains.
   void show(const std::string& line);
 
  private:

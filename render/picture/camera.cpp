@@ -1,23 +1,23 @@
-// A view is two angles, azimuth a and elevation e, from which the picture's axes follow (unit
+// A view is two angles, azimuth a and elevation e. The picture's axes follow from them (unit
 // vectors in world axes):
 //
 //     right = (-sin a, cos a, 0)
 //     up    = (-sin e cos a, -sin e sin a, cos e)
 //     back  = ( cos e cos a,  cos e sin a, sin e)     from the centre towards the eye
 //
-// The camera's roll then turns right and up about back.
+// The camera's roll then rotates right and up about back.
 //
-// Fit in parallel projection: the points are projected on these axes; the picture's height is the
-// larger of their height and their width / aspect, over 1 - 2 margin and the zoom.
+// Fit in parallel projection: the points are projected on these axes. The picture's height is the
+// larger of their height and their width / aspect, divided by 1 - 2 margin and by the zoom.
 //
-// Fit in perspective: a point at (x, z), z along `back`, is within the picture's side when |x - X|
-// <= s (Z - z), with the eye at (X, Z) and s = tan(field of view / 2) (1 - 2 margin). With r =
-// max(x + s z) and l = min(x - s z) the least Z is (r - l) / 2 s, at X = (r + l) / 2. Both
-// directions of the picture are fitted so, and the larger Z is taken. The zoom then narrows the
-// field of view and does not move the eye: perspective does not change.
+// Fit in perspective: let z be along `back`, the eye at (X, Z), and s = tan(field of view / 2) (1 -
+// 2 margin). A point (x, z) is inside if |x - X| <= s (Z - z). With r = max(x + s z) and l = min(x
+// - s z) the least Z is (r - l) / 2 s, at X = (r + l) / 2. The larger Z of the picture's two
+// directions is taken. The zoom then narrows the field of view and does not move the eye, so the
+// perspective does not change.
 //
-// For cameras that turn, a ball round all points is fitted instead: its size is the same from every
-// side. The cone with half the angle t of the shorter side touches a ball of radius R at the
+// For rotating cameras, a ball around all points is fitted instead, which has the same size from
+// every side. The cone with half the angle t of the shorter side touches a ball of radius R at the
 // distance R / sin t.
 //
 // Clip coordinates follow OpenGL's conventions: x to the right, y up, z from -1 near to 1 far after
@@ -36,11 +36,11 @@
 namespace kirireel::picture {
 namespace {
 
-/// Flat models: how thick the layer of all points may be, against its larger side. A sheet that has
-/// begun to fold is seen from a corner.
+/// Flat models: largest thickness of the layer of all points, as a fraction of its larger side.
+/// Thicker models, such as a sheet that folds, have the isometric view.
 constexpr double kFlatView = 0.15;
 
-/// Empty until something is added: low is above high.
+/// Empty, with low > high, until something is added.
 struct AxisRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -60,7 +60,7 @@ struct PictureAxes {
   Vector3 back;  ///< towards the eye
 };
 
-/// Right is never zero, also for a view from straight above, which `up` does not define.
+/// Right is never zero, not even for a view along z, where `up` would not define it.
 PictureAxes pictureAxes(ViewAngles view) {
   const double ca = std::cos(view.azimuth), sa = std::sin(view.azimuth);
   const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
@@ -77,7 +77,7 @@ PictureAxes pictureAxes(const Camera& camera) {
   return {right, back.cross(right), back};
 }
 
-/// The points in picture axes, and the room they need.
+/// The points in picture axes, and their extents.
 struct Extents {
   std::vector<Vector3> points;
   AxisRange x, y, z;
@@ -101,8 +101,8 @@ double diagonal(const Extents& extents) {
   return length > 0 ? length : 1;
 }
 
-/// Where the eye must be in one direction of the picture for both borders to hold all points.
-/// A point at (x, z) is inside when |x - eye| <= slope * (distance - z).
+/// Position of the eye for which all points are between both borders in one direction of the
+/// picture. A point at (x, z) is inside if |x - eye| <= slope * (distance - z).
 struct SideFit {
   double eye = 0;       ///< across the view
   double distance = 0;  ///< along it
@@ -122,7 +122,7 @@ Vector3 toWorld(const PictureAxes& axes, double x, double y, double z) {
   return x * axes.right + y * axes.up + z * axes.back;
 }
 
-/// Points that all lie in one line along the view have no height: then the diagonal is taken.
+/// The diagonal if all points are on one line along the view and have no height.
 Camera fitOrthographic(const Extents& extents, const PictureAxes& axes, const CameraFit& fit) {
   const double size = diagonal(extents);
   Camera camera;
@@ -131,7 +131,7 @@ Camera fitOrthographic(const Extents& extents, const PictureAxes& axes, const Ca
   const double needed = std::max(extents.y.length(), extents.x.length() / fit.aspect);
   camera.viewHeight = (needed > 0 ? needed : size) / (1 - 2 * fit.margin) / fit.zoom;
   camera.centre = toWorld(axes, extents.x.middle(), extents.y.middle(), extents.z.middle());
-  // Room before and behind for bricks that leave the fitted points during a deployment.
+  // A margin in front and behind for bricks that leave the fitted points during a deployment.
   camera.eye = camera.centre + 3 * size * axes.back;
   camera.near = 0.01 * size;
   camera.far = 6 * size;
@@ -173,7 +173,7 @@ ViewAngles defaultView(std::span<const Vector3> points) {
     y.add(point.y());
     z.add(point.z());
   }
-  // Of a layer across two axes, which is a narrow strip, the first view counts.
+  // A narrow strip is a layer across two axes and takes the first view.
   const auto isThin = [](const AxisRange& across, const AxisRange& a, const AxisRange& b) {
     return across.length() < kFlatView * std::max(a.length(), b.length());
   };
@@ -231,7 +231,7 @@ std::optional<int> brickAround(const std::vector<model::Brick>& bricks, const Po
       const Vector3 normal = (face[1] - face[0]).cross(face[2] - face[1]);
       return normal.dot(inside - face[0]) < 0;
     };
-    // A concave brick holds what one of its convex pieces holds.
+    // A concave brick contains a point if one of its convex pieces does.
     for (const model::BrickPiece& piece : model::convexPieces(bricks[k])) {
       const auto faces = model::brickFaces(piece.shape);
       if (std::all_of(faces.begin(), faces.end(), isBehind)) return static_cast<int>(k);
@@ -277,14 +277,14 @@ Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Between two keys at t0 and t1 each number v (azimuth, elevation, log of the zoom) is the cubic
-// Hermite polynomial in s = (t - t0) / (t1 - t0), L = t1 - t0:
+// Between two keys at t0 and t1, each number v (azimuth, elevation, log of the zoom) is the cubic
+// Hermite polynomial in s = (t - t0) / L with L = t1 - t0:
 //
 //     v(s) = (1 - q) v0 + q v1 + s (1-s)^2 L m0 - s^2 (1-s) L m1,    q = s^2 (3 - 2 s)
 //
-// with slopes m from the neighbours of a key (Catmull and Rom's choice), 0 at the first and the
-// last. The path has no kinks and passes through every key. The zoom is interpolated by its
-// logarithm: it grows by equal factors in equal times.
+// The slopes m follow from the neighbours of a key (Catmull and Rom); they are 0 at the first and
+// last key. The path has no kinks and passes through every key. The logarithm of the zoom is
+// interpolated, so the zoom grows by equal factors in equal times.
 
 namespace {
 
@@ -300,12 +300,12 @@ void requireRisingTimes(const std::vector<CameraKey>& keys) {
   }
 }
 
-/// Numbers of a key that change between keys. Azimuth and elevation in radians, log of the zoom.
+/// The interpolated numbers of a key: azimuth and elevation in radians, log of the zoom.
 Eigen::Vector3d values(const CameraKey& key) {
   return {key.view.azimuth, key.view.elevation, std::log(key.zoom)};
 }
 
-/// Change per second at a key: the slope between its neighbours, zero at both ends for a soft start
+/// Change per second at a key: the slope between its neighbours; 0 at both ends for a soft start
 /// and stop.
 Eigen::Vector3d slopeAt(const std::vector<CameraKey>& keys, std::size_t k) {
   if (k == 0 || k + 1 == keys.size()) return Eigen::Vector3d::Zero();

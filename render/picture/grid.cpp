@@ -1,13 +1,13 @@
-// The sheet from the top: gap, heads of columns, then for each row letters, pictures, captions and
-// a gap, at last one strip for each scale. Every height follows from the em of the text, which is a
-// share of a picture's height, or is given. So a grid is laid out without any picture (layOutGrid),
-// and the same layout serves pixels (composeGrid) and vector graphics.
+// The sheet from the top: gap, headers of columns, then for each row letters, pictures, captions
+// and a gap, and finally one strip per scale. Every height follows from the em of the text, which
+// is given or a fraction of a picture's height. So layOutGrid() needs no picture, and the same
+// layout is used for pixels (composeGrid) and vector graphics.
 //
-// Where the em is given (for print), captions are broken into lines; where it is not, all text
-// shrinks until the widest caption fits.
+// If the em is given (for print), captions are broken into lines. Otherwise all text shrinks until
+// the widest caption fits.
 //
-// Trimming: the box of pixels that differ from the background is found over all pictures. All are
-// cut alike and keep one scale.
+// Trimming: one box contains the pixels of all pictures that differ from the background. All are
+// cut to this box and keep one scale.
 #include "render/picture/grid.h"
 
 #include <algorithm>
@@ -29,19 +29,20 @@ namespace {
 /// Text smaller than this cannot be read in pictures of any size.
 constexpr int kSmallestText = 9;
 
-/// Height of the strip under a picture, in ems of its text; the baseline's place in it.
+/// Height of the strip below a picture, in ems of its text; the baseline's position in it.
 constexpr double kStripEms = 1.6;
 constexpr double kBaselineEms = 1.25;
-/// From line to line of a caption; the strip over a picture with its letter, and its baseline; ems.
+/// Distance of two lines of a caption; the strip above a picture with its letter, and its baseline;
+/// ems.
 constexpr double kCaptionLineEms = 1.25;
 constexpr double kLetterEms = 1.4;
 constexpr double kLetterBaselineEms = 1;
-/// Strip over the columns with their heads, and its baseline; ems.
+/// Strip above the columns with their headers, and its baseline; ems.
 constexpr double kHeadEms = 1.6;
 constexpr double kHeadBaselineEms = 1.1;
 
-/// Em of an arrow between two pictures, in ems of the text; and the gap that it has room in, in
-/// heights of a picture.
+/// Em of an arrow between two pictures, in ems of the text; and the gap for it, in heights of a
+/// picture.
 constexpr double kArrowEms = 1.5;
 constexpr double kArrowGap = 0.14;
 
@@ -50,12 +51,12 @@ constexpr double kArrowGap = 0.14;
 constexpr double kScaleEms = 2;
 constexpr double kLongestBar = 0.5;
 
-/// What stays around the models when pictures are trimmed, in heights of the trimmed picture.
+/// Margin around the models in trimmed pictures, in heights of the trimmed picture.
 constexpr double kTrimMargin = 0.05;
-/// Least width of a trimmed picture, in its heights: room for a caption like "t = 12.34 s".
+/// Least width of a trimmed picture, in its heights, for a caption like "t = 12.34 s".
 constexpr double kLeastAspect = 0.45;
 
-/// Pixels from the top left corner; max is in the box.
+/// Pixels from the top left corner; max is inside the box.
 using PixelBox = Eigen::AlignedBox2i;
 
 /// Empty if all pixels are equal.
@@ -69,8 +70,8 @@ PixelBox filledBox(const Frame& frame, Colour empty) {
   return box;
 }
 
-/// The box with its margin and at least the width of a caption, within the picture. Grown evenly on
-/// both sides, cut off at the picture's borders.
+/// The box with its margin and at least the width of a caption. It grows equally on both sides and
+/// is clipped at the picture's borders.
 PixelBox withMargin(const PixelBox& box, FrameSize size) {
   const int height = box.sizes().y() + 1;
   const int margin = static_cast<int>(std::lround(kTrimMargin * height));
@@ -81,8 +82,8 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
   return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
 }
 
-/// The size at which the widest caption or head fits at its picture, at most the layout's. Never
-/// below the least size that can be read.
+/// The size at which the widest caption or header fits, at most the layout's and at least the least
+/// legible size.
 int captionSize(const std::vector<std::string>& captions, const GridLayout& layout,
                 const GridStyle& style) {
   const LabelWriter writer(layout.textSize);
@@ -116,7 +117,7 @@ bool nameRows(const GridStyle& style) {
   return !style.rows.empty() && style.letters != PanelLetters::Plain;
 }
 
-/// One line in the middle of `width` pixels.
+/// Draws one line centred in `width` pixels.
 void drawCentred(Surface& sheet, const std::string& line, int left, int width, double baseline,
                  int em, Colour colour) {
   sheet.text(line, left + (width - LabelWriter(em).width(line)) / 2, baseline, em, colour);
@@ -130,7 +131,7 @@ void drawHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style,
   }
 }
 
-/// The letter and the head of each row at its left end, its bar of length at its right end.
+/// Draws the letter and the header of each row at its left end, its bar of length at its right end.
 void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style, int em) {
   const ScaleDrawer drawer(em, style.text);
   const int right = layout.sheet.width - layout.gap;
@@ -154,7 +155,7 @@ void drawRowHeads(Surface& sheet, const GridLayout& layout, const GridStyle& sty
   }
 }
 
-/// Between pictures side by side, at half their height. None after the last picture of a row.
+/// Draws arrows between pictures at half their height, but none after the last picture of a row.
 void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style, int cells,
                 int columns) {
   const int em = std::max(
@@ -169,8 +170,8 @@ void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style
   }
 }
 
-/// Draws the scales that all pictures share, one below the other at the lower end of the sheet. Bar
-/// of length, bar of colours, legend, from above.
+/// Draws the common scales of all pictures, one below the other at the lower end of the sheet: bar
+/// of length, bar of colours, legend.
 void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style) {
   if (layout.scales == 0) return;
   const ScaleDrawer drawer(layout.textSize, style.text);
@@ -258,7 +259,7 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   layout.scaleHeight = static_cast<int>(std::lround(scaleEms * layout.textSize));
   layout.scales =
       (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.metresPerPixel ? 1 : 0);
-  // In 64 bits: rows and columns may be anything that a person typed.
+  // In 64 bits, because the typed numbers of rows and columns may be large.
   const long long width = 2LL * layout.gap + shape.columns * static_cast<long long>(picture.width) +
                           (shape.columns - 1) * static_cast<long long>(layout.columnGap);
   long long height =
@@ -381,7 +382,7 @@ std::string twoDigits(double value) {
   return value < 10 ? fmt::format("{:#.2g}", value) : fmt::format("{:.2g}", value);
 }
 
-/// Per cent to a tenth, without a zero at its end: "12.5%", "25%".
+/// Per cent with at most one decimal: "12.5%", "25%".
 std::string progressText(double progress) {
   return fmt::format("{}%", std::round(1000 * progress) / 10);
 }

@@ -1,10 +1,10 @@
-// Text by FreeType (freetype.org): each letter is loaded, rendered as 256 levels of cover and
+// Text by FreeType (freetype.org). Each letter is loaded, rendered with 256 levels of coverage and
 // blended over the frame,
 //
 //     c = (under (255 - cover) + colour cover) / 255, rounded.
 //
-// Pens count in 64ths of a pixel; glyphs are placed at whole pixels. There is no kerning and no
-// shaping, which some scripts need; captions are short and mostly figures.
+// Pens count in 64ths of a pixel; glyphs are at whole pixels. There is no kerning and no shaping,
+// which some scripts need: captions are short and mostly figures.
 #include "render/picture/label.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace kirireel::picture {
 namespace {
 
-/// Replaces text that cannot be read.
+/// Replaces invalid text.
 constexpr const char32_t* kUnknown = U"\ufffd";
 
 /// FreeType counts in 64ths of a pixel.
@@ -44,7 +44,7 @@ std::uint8_t mix(std::uint8_t under, std::uint8_t over, int cover) {
   return static_cast<std::uint8_t>((under * (255 - cover) + over * cover + 127) / 255);
 }
 
-/// Outside the frame nothing happens.
+/// Does nothing outside the frame.
 void blend(Frame& frame, int x, int y, Colour colour, int cover) {
   if (x < 0 || y < 0 || x >= frame.size.width || y >= frame.size.height) return;
   const Colour under = frame.at(x, y);
@@ -94,7 +94,7 @@ struct LabelWriter::Face {
     if (library != nullptr) FT_Done_FreeType(library);
   }
 
-  /// The glyph of a letter, drawn when asked for; the font's box when it lacks the letter.
+  /// The glyph of a letter, drawn on request; the font's box if it lacks the letter.
   FT_GlyphSlot load(char32_t letter, bool drawn) const {
     FT_Load_Char(face, letter, drawn ? FT_LOAD_RENDER : FT_LOAD_DEFAULT);
     return face->glyph;
@@ -165,9 +165,9 @@ void requireDrawable(const char* option, const std::string& text) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Asks fontconfig (fontconfig.org, Developers Reference) for the best match of a family, and takes
-// it only when the match bears that name: fontconfig always finds something, and a figure in
-// another font than the one that was asked for would go unnoticed.
+// Asks fontconfig (fontconfig.org, Developers Reference) for the best match of a family, and
+// accepts it only if it has that name. fontconfig always finds some font, and nobody would notice a
+// figure in another font than requested.
 
 namespace {
 
@@ -196,7 +196,7 @@ bool hasFamily(FcPattern* font, const FcChar8* family) {
 
 namespace {
 
-/// What fontconfig finds for a family and a weight.
+/// The match of fontconfig for a family and a weight.
 OwnedPattern matchFont(const std::string& family, Weight weight) {
   const auto* name = reinterpret_cast<const FcChar8*>(family.c_str());
   const OwnedPattern wanted(FcPatternCreate());
@@ -231,12 +231,12 @@ std::filesystem::path fontFile(const std::string& family) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Greedy: words are added to a line as long as it fits. For captions of a few words that is as good
-// as any other way.
+// Greedy: words are added to a line while it fits. Other methods give nothing better for captions
+// of a few words.
 
 namespace {
 
-/// Appends the lines of a text without line feeds.
+/// Breaks a text without line feeds and appends its lines.
 void wrapParagraph(const std::string& text, const LineWidth& width, double most,
                    std::vector<std::string>& lines) {
   std::istringstream words(text);
@@ -273,9 +273,9 @@ double widestLine(const std::vector<std::string>& lines, const LineWidth& width)
 }
 
 // ------------------------------------------------------------------------------------------------
-// Boxes are drawn from the pixel nearest to their upper left corner to the one nearest to their
-// lower right corner, each rounded by itself: boxes side by side neither overlap nor leave a gap. A
-// font is loaded for each text; captions are few.
+// A box spans from the pixel nearest to its upper left corner to the pixel nearest to its lower
+// right corner. Each is rounded separately, so adjacent boxes have no overlap and no gap. A font is
+// loaded for each text, because captions are few.
 
 namespace {
 
@@ -301,24 +301,25 @@ void FrameSurface::text(const std::string& line, double left, double baseline, i
 
 // ------------------------------------------------------------------------------------------------
 // A colour bar from the left: title, gap, bar, with ticks of round values below it. The bar is at
-// most 14 em long, shorter in a narrow sheet. It has as many ticks as fit with their numbers, at
-// most six.
+// most 14 em long, shorter in a narrow sheet. It has at most six ticks, fewer if their numbers do
+// not fit.
 //
-// A bar of length shows 1, 2 or 5 times a power of ten metres: with L the longest that is
-// allowed, p = 10^floor(log10 L) and q = L / p, it is 5 p for q >= 5, 2 p for q >= 2, else p.
+// A bar of length shows 1, 2 or 5 times a power of ten metres. With L the longest allowed length,
+// p = 10^floor(log10 L) and q = L / p, it is 5 p for q >= 5, 2 p for q >= 2, else p.
 //
-// A legend that needs more room than there is gets smaller letters and squares, all by one factor.
+// A legend that does not fit has smaller letters and squares, all by one factor.
 
 namespace {
 
 /// Height of a bar of colours, and of a bar of length, in ems of the text next to it.
 constexpr double kColourBarEms = 0.9;
 constexpr double kScaleBarEms = 0.25;
-/// Between a bar and its text, ems.
+/// Gap between a bar and its text, ems.
 constexpr double kSpaceEms = 0.5;
 /// Half the height of a capital letter, ems.
 constexpr double kHalfCapital = 0.36;
-/// A tick under a bar of colours, and from its end to the baseline of its value, ems.
+/// Length of a tick below a bar of colours, and distance from its end to the baseline of its value,
+/// ems.
 constexpr double kTickEms = 0.22;
 constexpr double kTickWidthEms = 0.07;
 constexpr int kMostTicks = 6;
@@ -361,7 +362,7 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
                                 int width) const {
   const int gap = pixels(2 * kSpaceEms * em_);
   const int title = writer_.width(scale.title);
-  // A tick's value may extend by half its width, and something stays free at each end.
+  // A tick's value may extend by half its width; a margin stays free at each end.
   const int length = std::clamp(width - title - 3 * gap, em_, pixels(kColourBarLengthEms * em_));
   const int left = x - (title + gap + length) / 2;
   const int height = std::max(3, pixels(kColourBarEms * em_));
@@ -370,13 +371,13 @@ void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int 
   const int bar = left + title + gap;
   for (int k = 0; k < length; ++k) {
     const double share = length > 1 ? static_cast<double>(k) / (length - 1) : 0;
-    // Each over the rest of the bar: no gap shows between two.
+    // Each colour extends to the end of the bar, so there is no gap between two.
     surface.box(bar + k, upper, length - k, height, colourAt(scale, share));
   }
   drawTicks(surface, scale, bar, upper + height, length);
 }
 
-/// With as many ticks as their values have room for.
+/// With as many ticks as values fit.
 Axis ScaleDrawer::axisThatFits(const ColourScale& scale, int length) const {
   Axis axis;
   for (int most = kMostTicks; most >= 2; --most) {
@@ -433,23 +434,23 @@ void ScaleDrawer::drawScaleBar(Surface& surface, const std::string& text, int le
 }
 
 // ------------------------------------------------------------------------------------------------
-// Steps are 1, 2 or 5 times a power of ten, the least for which at most `mostTicks` fit into the
-// range. Ticks are multiples k s of the step s, computed from k each time: no error adds up.
+// Steps are 1, 2 or 5 times a power of ten: the least with at most `mostTicks` ticks in the range.
+// Ticks are multiples k s of the step s, computed from k each time, so errors do not accumulate.
 // Numbers have as many decimals as the step.
 //
-// A range below 1e-5 of its values would give ticks that read alike; it is drawn as a constant in
-// the middle of an axis as wide as the value.
+// A range below 1e-5 of its values would give ticks with equal numbers. It is drawn as a constant
+// in the middle of an axis as wide as the value.
 
 namespace {
 
-/// Differences below this part of the values are rounding.
+/// Differences below this fraction of the values are rounding.
 constexpr double kConstant = 1e-9;
 /// A range below this fraction of its values is drawn as a constant: its numbers would be equal.
 constexpr double kUnreadable = 1e-5;
-/// Free above and below what is drawn, in parts of the range.
+/// Margin above and below the curves, as a fraction of the range.
 constexpr double kRoom = 0.05;
 
-/// The least of 1, 2 and 5 times a power of ten that is not below the step.
+/// The least of 1, 2 and 5 times a power of ten that is >= the step.
 double roundStep(double step) {
   const double power = std::pow(10, std::floor(std::log10(step)));
   for (const double factor : {1.0, 2.0, 5.0}) {

@@ -16,7 +16,7 @@ namespace kirireel::picture {
 // ------------------------------------------------------------------------------------------------
 // Text in pictures.
 
-/// Of letters.
+/// Weight of letters.
 enum class Weight { Regular, Bold };
 
 /// Sets the family of all text from now on, for example "Liberation Sans"; empty: the

@@ -1,18 +1,18 @@
-// Turns items into flat polygons of one colour. The painter draws them as triangles, the canvas as
-// shapes: both show the same.
+// Converts items into flat polygons of one colour. The painter draws them as triangles and the
+// canvas as shapes, so both show the same.
 //
-// A shadow is the projection of the bricks along the key light onto the plate: of a convex brick
-// the convex outline of its projected corners. Facets of the shadow overlap and have one colour, so
-// together they are one flat shape. A light of some size makes its edge soft: the shadow of a point
-// at height h fades out over s h, with the style's softness s. It is crisp where bricks touch the
-// plate. At the distance d from the edge t = 1 - d / (s h) is left, and the share
-// 3 t^2 - 2 t^3 of the full shadow is drawn, rounded in t to one of n steps from the palest to the
-// full. Step i has the share at t = i / n and reaches to t = (i - 1/2) / n: its outlines are those
-// of the projected corners widened to discs of radius s h (1 - t). Most of a shadow's cost are
-// pixels that are painted once a step, so there are no more steps than are to be seen.
+// A shadow is the projection of the bricks along the key light onto the plate. For a convex brick
+// it is the convex hull of the projected corners. Facets of the shadow overlap and have one colour,
+// so together they are one flat shape. A light with an extent makes the edge soft: the shadow of a
+// point at height h fades out over s h, with the style's softness s. It is sharp where bricks touch
+// the plate. With t = 1 - d / (s h) at the distance d from the edge, the fraction 3 t^2 - 2 t^3 of
+// the full shadow is drawn. t is rounded to one of n steps, from the palest to the full. Step i has
+// the fraction at t = i / n and extends to t = (i - 1/2) / n: its outlines are the hulls of the
+// projected corners widened to discs of radius s h (1 - t). The main cost of a shadow are its
+// pixels, painted once per step, so there are only as many steps as are visible.
 //
-// Faces that face away from the camera are left out: bricks are closed. Those of a translucent
-// brick, too: it is one layer of its colour, however thick it is.
+// Faces that face away from the camera are omitted, because bricks are closed. This includes
+// translucent bricks: they are one layer of colour at any thickness.
 #include "render/picture/picture_geometry.h"
 
 #include <algorithm>
@@ -32,19 +32,19 @@ namespace {
 /// Sides of the polygon of a dot. Its radius differs from that of a true circle by 2% at most.
 constexpr int kDotSides = 16;
 
-/// A face that the camera sees under a smaller angle (its sine) is seen edge-on: nothing of it
-/// shows.
+/// Sine of the smallest angle between a visible face and the line of sight; below it the face is
+/// edge-on.
 constexpr double kEdgeOn = 1e-9;
 
-/// A line on a brick is drawn this many of its widths nearer to the eye.
+/// A line on a brick is moved towards the eye by this many of its widths.
 constexpr double kLineLift = 1;
 
-/// A shadow fades out in steps so wide, in heights of the picture, or in so many steps, which are
-/// too small to be seen.
+/// Width of the steps in which a shadow fades out, in heights of the picture, and their largest
+/// number. Such steps are invisible.
 constexpr double kShadowStep = 0.004;
 constexpr int kMostShadowSteps = 10;
 
-/// Directions in which the corner of a shadow is widened.
+/// Number of directions in which the corner of a shadow is widened.
 constexpr int kShadowDirections = 12;
 
 /// Length of a dash, and of the gap after it, in widths of the line.
@@ -81,7 +81,7 @@ void drawPlate(const GroundPlate& plate, Colour colour, PictureGeometry& geometr
   geometry.ground.push_back(appendFacet(geometry, corners, colour));
 }
 
-/// The unit vectors in which the corners of a shadow are widened.
+/// The directions in which the corners of a shadow are widened, unit vectors.
 std::vector<Eigen::Vector2d> shadowDirections() {
   std::vector<Eigen::Vector2d> directions;
   for (int k = 0; k < kShadowDirections; ++k) {
@@ -142,8 +142,8 @@ void drawScenery(const std::vector<model::Tile>& polygons, const Style& style, c
   }
 }
 
-/// A straight line as a ribbon that faces the camera, whole among the solid facets and in dashes
-/// over everything: the dashes show where it is hidden. Nothing if it points at the camera.
+/// A straight line as a ribbon that faces the camera, once as a whole among the solid facets and
+/// once in dashes over everything, which show its hidden parts. Empty if it points at the camera.
 void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
               const Camera& camera, PictureGeometry& geometry) {
   const double length = (to - from).norm();
@@ -156,11 +156,11 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
     return std::array<Vector3, 4>{from + begin * along - side, from + end * along - side,
                                   from + end * along + side, from + begin * along + side};
   };
-  // Half a width longer at both ends: two lines meet in a closed corner.
+  // Half a width longer at both ends, so corners of two lines are closed.
   std::array<Vector3, 4> whole = ribbon(-0.5 * width, length + 0.5 * width);
   for (Vector3& corner : whole) corner += kLineLift * width * back;
   geometry.solid.push_back(appendFacet(geometry, whole, colour));
-  // Begins and ends with half a dash, longer as above.
+  // Begins and ends with half a dash, lengthened as above.
   const double dashes = std::max(1.0, std::round(length / (2 * kDashWidths * width)));
   const double dash = 0.5 * length / dashes;
   for (int k = 0; k <= static_cast<int>(dashes); ++k) {
@@ -183,7 +183,7 @@ void drawOverlay(const std::vector<model::Tile>& polygons, double width, Colour 
 
 }  // namespace
 
-/// Done once for each face of a run; per picture faces are only turned and moved.
+/// Computed once for each face of a run; each picture only moves and rotates faces.
 GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corners) {
   Face face{corners, {}, polygonNormal(corners)};
   if (!model::isConvexPolygon(corners, face.normal))
@@ -200,7 +200,7 @@ GeometryBuilder::GeometryBuilder(const std::vector<model::Brick>& bricks, const 
   }
 }
 
-/// Faces are bottom, top, then sides. Concave ones are divided into triangles.
+/// Faces: bottom, top, then sides. Concave ones are divided into triangles.
 void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
                                 const Camera& camera, const std::optional<Occluders>& occluders,
                                 PictureGeometry& geometry) const {
@@ -259,8 +259,8 @@ void GeometryBuilder::CastPoints::add(const Vector3& point, const Style& style) 
   heights.push_back(std::max(0.0, point.z() - style.plate->height));
 }
 
-/// That of a convex brick is the outline of all its corners. A concave one has those of its lit
-/// faces, which cast all of the shadow of a closed brick, in triangles where they are concave.
+/// The shadow of a convex brick is the hull of all its projected corners. That of a concave brick
+/// is the union of the shadows of its lit faces, divided into triangles if they are concave.
 void GeometryBuilder::appendCast(const std::vector<Face>& faces, const Pose& pose,
                                  std::vector<CastPoints>& cast) const {
   if (faces[0].triangles.empty()) {
@@ -343,27 +343,28 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
 }
 
 // ------------------------------------------------------------------------------------------------
-// A point with normal n receives of a uniformly bright sky the part
+// A polygon blocks from a point with normal n the fraction
 //
 //   F = (1 / 2 pi) sum_k angle(r_k, r_k+1) n . (r_k x r_k+1) / |r_k x r_k+1|
 //
-// through a polygon whose corners are seen from it in the directions r_k: Lambert's formula, exact
-// for a polygon above the point's horizon, to which polygons are cut first (J. Arvo, "Analytic
-// Methods for Simulated Light Transport", 1995, section 4.3). Those faces of a convex brick that
-// face the point tile its outline: their parts add up to the brick's. Bricks that may
-// hide each other are taken as independent: 1 - prod_b (1 - w_b F_b). The weight w_b falls to 0 at
-// a reach of two or three tiles: creases, gaps and the insides of tubes are dark.
+// of the light of a uniformly bright sky, where r_k are the directions from the point to its
+// corners. This is Lambert's formula, exact for polygons above the point's horizon, at which they
+// are clipped first (J. Arvo, "Analytic Methods for Simulated Light Transport", 1995, section 4.3).
+// The faces of a convex brick that face the point tile its outline, so their fractions add up to
+// that of the brick. Bricks that may hide each other are treated as independent: 1 - prod_b (1 -
+// w_b F_b). The weight w_b falls to 0 at a reach of two or three tiles, so creases, gaps and the
+// insides of tubes are dark.
 //
-// The result is smooth in the poses, needs no random directions, and is one number a face: faces
-// stay flat, in pixels and in vector graphics alike.
+// The result is smooth in the poses and needs no random directions. It is one number per face, so
+// faces have one colour in pixels and in vector graphics.
 
 namespace {
 
 /// In mean radii of bricks.
 constexpr double kOcclusionReach = 2.5;
 
-/// Points of a face are half way between its middle and its corners; thin faces have only their
-/// middle.
+/// Points of a face are halfway between its centre and its corners; thin faces have only their
+/// centre.
 constexpr double kThinFace = 0.25;
 
 Vector3 meanOf(std::span<const Vector3> points) {
@@ -389,8 +390,8 @@ double longestSide(std::span<const Vector3> corners) {
   return longest;
 }
 
-/// The part of a polygon above a point's horizon, its corners relative to the point. Sutherland and
-/// Hodgman's clipping at one plane. `above` is emptied first and keeps its memory.
+/// The part of a polygon above a point's horizon; corners are relative to the point. Sutherland and
+/// Hodgman's clipping at one plane. `above` is cleared first and keeps its memory.
 void cutToHorizon(std::span<const Vector3> corners, const Vector3& point, const Vector3& normal,
                   std::vector<Vector3>& above) {
   above.clear();
@@ -404,7 +405,7 @@ void cutToHorizon(std::span<const Vector3> corners, const Vector3& point, const 
 }
 
 /// Lambert's formula for corners relative to the point. 0 for fewer than three corners. The angle
-/// between two directions is atan2(|r x r'|, r . r'), which is exact for small angles, too.
+/// between two directions is atan2(|r x r'|, r . r'), which is also accurate for small angles.
 double skyPart(const std::vector<Vector3>& corners, const Vector3& normal) {
   double sum = 0;
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -417,8 +418,8 @@ double skyPart(const std::vector<Vector3>& corners, const Vector3& normal) {
   return std::abs(sum) / (2 * std::numbers::pi);
 }
 
-/// From 1 at distance 0 to 0 at the reach and beyond, smoothly. 1 - 3 s^2 + 2 s^3, whose slope is
-/// zero at both ends.
+/// Smooth from 1 at distance 0 to 0 at the reach and beyond: 1 - 3 s^2 + 2 s^3, whose slope is zero
+/// at both ends.
 double weightAt(double distance, double reach) {
   const double share = std::clamp(distance / reach, 0.0, 1.0);
   return 1 - share * share * (3 - 2 * share);

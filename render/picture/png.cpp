@@ -1,14 +1,14 @@
-// A PNG (W3C Recommendation, "Portable Network Graphics (PNG) Specification") by libpng. Chunks
-// that are written:
+// A PNG (W3C Recommendation, "Portable Network Graphics (PNG) Specification") by libpng. It has
+// these chunks:
 //
-//     IHDR   width, height, 8 bits a channel, RGB or RGBA
-//     sRGB   the colours' space: viewers need not guess
-//     pHYs   pixels by metre (dots per inch / 0.0254), when a resolution was asked for
-//     iTXt   Description: who made it from what, UTF-8
+//     IHDR   width, height, 8 bits per channel, RGB or RGBA
+//     sRGB   the colour space
+//     pHYs   pixels per metre (dots per inch / 0.0254), if a resolution was requested
+//     iTXt   Description: author and source, UTF-8
 //     IDAT   rows from the top, compressed by zlib
 //     IEND
 //
-// No time is written: the same picture gives the same bytes.
+// No time is written, so the same picture gives the same bytes.
 #include "render/picture/png.h"
 
 #include <cerrno>
@@ -39,15 +39,15 @@ OutputError writeError(const std::filesystem::path& path, const std::string& rea
                   path.string(), reason));
 }
 
-/// libpng reports errors by a long jump, which must not pass over anything with a destructor: the
-/// message is left here, and encode() holds only plain values.
+/// libpng reports errors by a long jump, which must not skip a destructor. So the message is stored
+/// here, and encode() has only plain values.
 struct Failure {
   std::string message;
 };
 
 /// Must not return: libpng would continue as if nothing had happened.
 void keepMessageAndJump(png_structp png, png_const_charp message) {
-  // A failed write says only "Write Error"; the system knows more.
+  // A failed write reports only "Write Error"; errno has the reason.
   const bool system = errno != 0;
   static_cast<Failure*>(png_get_error_ptr(png))->message = system ? std::strerror(errno) : message;
   png_longjmp(png, 1);
@@ -55,7 +55,7 @@ void keepMessageAndJump(png_structp png, png_const_charp message) {
 
 void ignoreWarning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// The writer that libpng works with, freed at the end of its scope.
+/// The writer of libpng, freed at the end of its scope.
 class Encoder {
  public:
   explicit Encoder(Failure& failure)
@@ -75,8 +75,8 @@ class Encoder {
   png_infop info_;
 };
 
-/// Everything before the rows. With an opaque picture the alpha bytes stay in the frame, and libpng
-/// leaves them out.
+/// Writes everything before the rows. For an opaque picture libpng skips the alpha bytes of the
+/// frame.
 void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaque,
                  const PngSettings& settings) {
   png_set_IHDR(png, info, frame.size.width, frame.size.height, 8,
@@ -84,8 +84,8 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (settings.dotsPerInch.has_value()) {
-    // Whole numbers only. Never fewer than requested, which journals check: 300 dots per inch are
-    // 11812 per metre.
+    // Rounded up to whole numbers, because journals check the least resolution: 300 dots per inch
+    // are 11812 per metre.
     constexpr double kRounding = 1e-6;
     const auto dotsPerMetre =
         static_cast<png_uint_32>(std::ceil(*settings.dotsPerInch / kMetresPerInch - kRounding));
@@ -102,13 +102,13 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
   png_set_compression_level(png, settings.compressionLevel);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
   png_write_info(png, info);
-  if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);  // leaves every alpha byte out
+  if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);  // skips every alpha byte
 }
 
-/// False when libpng failed; the message is then in the encoder's failure.
+/// False if libpng failed; the message is then in the encoder's failure.
 bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame, bool opaque,
             const PngSettings& settings) {
-  // libpng comes back here when anything below fails.
+  // libpng returns here if anything below fails.
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_init_io(png, file);
   writeHeader(png, info, frame, opaque, settings);
@@ -145,7 +145,7 @@ void writePng(const Frame& frame, const std::filesystem::path& path, const PngSe
   if (file == nullptr) throw writeError(path, std::strerror(errno));
 
   encodeInto(file.get(), frame, settings, path);
-  // The last bytes reach the disk here, so this can fail where all the writing went well.
+  // The last bytes reach the disk here, so this can fail even if all writes succeeded.
   if (std::fclose(file.release()) != 0) throw writeError(path, std::strerror(errno));
   pending.commit();
 }
@@ -153,10 +153,10 @@ void writePng(const Frame& frame, const std::filesystem::path& path, const PngSe
 std::string pngBytes(const Frame& frame, const PngSettings& settings) {
   char* bytes = nullptr;
   std::size_t size = 0;
-  // A stream that grows in memory (POSIX.1-2008): both functions share one encoder.
+  // A stream in memory (POSIX.1-2008), so both functions share one encoder.
   std::unique_ptr<std::FILE, FileCloser> file(open_memstream(&bytes, &size));
   if (file == nullptr) throw writeError("a picture in memory", std::strerror(errno));
-  // The buffer is final once the stream is closed, and then the caller's.
+  // After closing the stream, the buffer is final and the caller owns it.
   try {
     encodeInto(file.get(), frame, settings, "a picture in memory");
   } catch (...) {
@@ -174,7 +174,7 @@ Frame readPng(const std::filesystem::path& path) {
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;
   Frame frame;
-  // The simplified interface of libpng, which converts any PNG to the format that is asked for.
+  // The simplified interface of libpng converts any PNG to the requested format.
   bool read = png_image_begin_read_from_file(&image, path.c_str()) != 0;
   if (read) {
     image.format = PNG_FORMAT_RGBA;

@@ -3,9 +3,9 @@
 //     c = round(min(255, base (a + k max(0, n . l_k) + f max(0, n . l_f)) (1 - o s))),
 //
 // with the ambient brightness a, strengths k and f of the key and the fill light, their directions
-// l (unit vectors), the face's normal n, the style's occlusion o and the share s of light that
-// other bricks keep away. Channels are sRGB bytes as they are, not light: sums of light would need
-// a conversion for each face and look no better on flat faces.
+// l (unit vectors), the face's normal n, the style's occlusion o and the fraction s of light that
+// other bricks block. Channels are sRGB bytes and not linear light, which would need a conversion
+// for each face and would not improve flat faces.
 #include "render/picture/style.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace kirireel::picture {
 namespace {
 
-/// Lambert's cosine law; faces that look away get nothing.
+/// Lambert's cosine law; 0 for faces that face away.
 double brightness(const Vector3& normal, const Light& light) {
   return light.strength * std::max(0.0, normal.dot(light.direction));
 }
@@ -104,16 +104,16 @@ GroundPlate groundUnder(std::span<const Vector3> points, double height) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Scales are tables of 17 colours at equal steps; between two the colour is interpolated linearly
-// in each sRGB channel. The full tables have 256 entries; 17 with straight lines between differ
-// from them by two levels at most and can be read by people.
+// Scales are tables of 17 colours at equal steps, interpolated linearly in each sRGB channel. They
+// differ by at most two levels from the full tables of 256 colours, and are short enough to
+// read.
 
 namespace {
 
 using Scale = std::array<std::array<std::uint8_t, 3>, 17>;
 
 /// Every sixteenth colour of the viridis scale by N. Smith, S. van der Walt and E. Firing, in the
-/// public domain (CC0); straight lines between them are within 2 levels of the whole table.
+/// public domain (CC0).
 constexpr Scale kViridis = {{{68, 1, 84},
                              {72, 24, 106},
                              {71, 45, 123},
@@ -202,7 +202,7 @@ Colour mapColour(ColourMap map, double share) {
 
 namespace {
 
-/// Linear light of a byte of sRGB, 0 to 1, and back (IEC 61966-2-1).
+/// Linear light of a byte of sRGB, [0, 1], and back (IEC 61966-2-1).
 double toLight(std::uint8_t channel) {
   const double value = channel / 255.0;
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
@@ -213,13 +213,13 @@ std::uint8_t fromLight(double light) {
   return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0)));
 }
 
-/// Relative luminance (WCAG), 0 to 1.
+/// Relative luminance (WCAG), [0, 1].
 double luminance(Colour colour) {
   return 0.2126 * toLight(colour.red) + 0.7152 * toLight(colour.green) +
          0.0722 * toLight(colour.blue);
 }
 
-/// CIE lightness, 0 to 100, of a luminance, and back. Luminances out of 0 to 1 are taken as these.
+/// CIE lightness, [0, 100], of a luminance, and back. Luminances are clamped to [0, 1].
 double lightnessOf(double luminance) {
   const double bounded = std::clamp(luminance, 0.0, 1.0);
   return bounded <= 216.0 / 24389 ? bounded * 24389 / 27 : 116 * std::cbrt(bounded) - 16;
@@ -239,15 +239,15 @@ Colour withLuminance(Colour colour, double wanted) {
   return {change(colour.red), change(colour.green), change(colour.blue), colour.alpha};
 }
 
-/// What lights make of the luminance of a face in colours of a scale, at the least (in creases) and
-/// at the most.
+/// The factors of a lit face's luminance in colours of a scale: the least (in creases) and the
+/// largest.
 constexpr double kDimmed = 0.52;
 constexpr double kBrightened = 1.13;
 constexpr double kGraphicsContrast = 3;
 constexpr double kTextContrast = 4.5;
 
-/// The range of lightness with contrast to a background: the larger of the ranges below and above
-/// it.
+/// The range of lightness with contrast to a background: the larger one of the ranges below and
+/// above it.
 std::pair<double, double> readableRange(Colour background) {
   const double light = luminance(background) + 0.05;
   const double darkest = lightnessOf((light / kGraphicsContrast - 0.05) / kBrightened);
@@ -265,7 +265,7 @@ double contrastOf(Colour a, Colour b) {
 
 Colour readableText(Colour text, Colour background) {
   if (contrastOf(text, background) >= kTextContrast) return text;
-  // Of black and white one always has 4.58 or more.
+  // Black or white always has a contrast of at least 4.58.
   for (const Colour other : {Style().text, darkStyle().text}) {
     if (contrastOf(other, background) >= kTextContrast) return other;
   }

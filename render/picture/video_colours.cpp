@@ -1,14 +1,14 @@
-// ITU-R BT.709-6, items 3.2 to 3.4, in bytes of sRGB as they are:
+// ITU-R BT.709-6, items 3.2 to 3.4, applied to bytes of sRGB:
 //
 //   Y' = 16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B)
 //   Cb = 128 + 224/255 (B - E) / 1.8556,  Cr = 128 + 224/255 (R - E) / 1.5748,
 //
 // where E is the bracket of the first line. A sample of Cb or Cr covers two rows of pixels and
-// lies on a column of even number, which counts twice as much as its neighbours.
+// lies on an even column, whose weight is twice that of its neighbours.
 //
-// The loops are over plain numbers without branches, which the compiler turns into vector
-// instructions: two channels are added at once, as the halves of a 32-bit word, and weighed as
-// floats, whose products SSE2 has, unlike those of 32-bit integers.
+// The loops have plain numbers and no branches, so the compiler makes vector instructions. Two
+// channels are added at once, as the halves of a 32-bit word. They are weighted as floats, because
+// SSE2 has no products of 32-bit integers.
 #include <array>
 #include <bit>
 #include <cstring>
@@ -30,7 +30,7 @@ constexpr float kLumaRange = 219.0F / 255;
 constexpr Weights kBrightness = {kLumaRange * kLuma.red, kLumaRange* kLuma.green,
                                  kLumaRange* kLuma.blue};
 
-/// Pixels that a sample of Cb or Cr is the sum of, by weight: 2 rows of 1 + 2 + 1.
+/// Sum of the weights of the pixels of a sample of Cb or Cr: 2 rows of 1 + 2 + 1.
 constexpr float kSummed = 8;
 constexpr float kBlueRange = 224.0F / 255 / (2 - 2 * kLuma.blue) / kSummed;
 constexpr float kRedRange = 224.0F / 255 / (2 - 2 * kLuma.red) / kSummed;
@@ -39,11 +39,11 @@ constexpr Weights kBlueness = {-kBlueRange * kLuma.red, -kBlueRange* kLuma.green
 constexpr Weights kRedness = {kRedRange * (1 - kLuma.red), -kRedRange* kLuma.green,
                               -kRedRange* kLuma.blue};
 
-/// The nearest byte to an offset and the weighed channels. Adds a half and cuts off, which is to
-/// round, for all sums are positive.
+/// The byte nearest to an offset plus the weighted channels. Adds 1/2 and truncates, which rounds
+/// because all sums are positive.
 std::uint8_t weighed(float offset, const Weights& weights, std::uint32_t red, std::uint32_t green,
                      std::uint32_t blue) {
-  // Signed numbers become floats in one instruction.
+  // One instruction converts signed numbers to floats.
   const auto number = [](std::uint32_t channel) {
     return static_cast<float>(static_cast<int>(channel));
   };
@@ -59,14 +59,14 @@ std::uint32_t pixelAt(const std::uint8_t* row, int x) {
   return pixel;
 }
 
-/// By the bits that all pixels have in common: no branch within the loop.
+/// Combines the bits of all pixels, so the loop has no branch.
 bool isOpaqueRow(const std::uint8_t* row, int width) {
   std::uint32_t common = ~0U;
   for (int x = 0; x < width; ++x) common &= pixelAt(row, x);
   return common >> 24 == 255;
 }
 
-/// One byte a pixel.
+/// One byte per pixel.
 void convertBrightness(const std::uint8_t* row, int width, std::uint8_t* brightness) {
   for (int x = 0; x < width; ++x) {
     const std::uint32_t pixel = pixelAt(row, x);
@@ -76,7 +76,7 @@ void convertBrightness(const std::uint8_t* row, int width, std::uint8_t* brightn
 
 /// Sums of pixels, two channels in the halves of a word.
 struct ColumnSums {
-  std::vector<std::uint32_t> redBlue, green;  ///< one a column, and one before the first
+  std::vector<std::uint32_t> redBlue, green;  ///< one per column, and one before the first
 
   explicit ColumnSums(int width) : redBlue(width + 1), green(width + 1) {}
 
@@ -93,8 +93,8 @@ struct ColumnSums {
   }
 };
 
-/// The weights of columns are 1, 2, 1 round an even one; the last column has its right neighbour
-/// within the row, since the width is even.
+/// The weights of columns are 1, 2, 1 around an even one. The right neighbour of the last even
+/// column is inside the row, because the width is even.
 void convertColours(const ColumnSums& sums, int width, std::uint8_t* blueness,
                     std::uint8_t* redness) {
   const auto filtered = [](const std::uint32_t* left) { return left[0] + 2 * left[1] + left[2]; };

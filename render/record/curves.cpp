@@ -1,9 +1,9 @@
 // Writes curves.csv and the figures of a run.
 //
 // curves.csv is text in UTF-8 with commas (RFC 4180, but with "\n" at line ends). The first line
-// holds the names of the columns, each with its unit at its end (time_s, opening_mean_deg); each
-// further line is a sample of the trajectory, by rising time. A value that does not exist is an
-// empty field, which spreadsheets and pandas read as missing, where "nan" would make a column text.
+// has the names of the columns, which end with their units (time_s, opening_mean_deg). Each further
+// line is a sample of the trajectory, by ascending time. A value that does not exist is an empty
+// field: spreadsheets and pandas read it as missing, but "nan" would turn the column into text.
 //
 // Numbers have the shortest digits that read back to the same double.
 #include "render/record/curves.h"
@@ -31,14 +31,14 @@ namespace kirireel::record {
 namespace {
 
 constexpr const char* kTable = "curves.csv";
-// The column that --against opening takes.
+// The column for --against opening.
 constexpr const char* kOpening = "opening_mean_deg";
 // Selects the curves of loadCurvesOf().
 constexpr const char* kLoadCurves = "load_curve";
-// Smaller displacements, of the model's size or in radians, are rounding.
+// Smaller displacements are rounding, as a fraction of the model's size or in radians.
 constexpr double kStillGrip = 1e-9;
 
-/// A name for each format: a folder can have all of them.
+/// Each format has its own name, so a folder can have all of them.
 const char* fileOf(picture::PageFormat format) {
   switch (format) {
     case picture::PageFormat::Svg:
@@ -51,7 +51,7 @@ const char* fileOf(picture::PageFormat format) {
   return "curves.png";
 }
 
-/// No field needs quotation marks: all are numbers.
+/// All fields are numbers and need no quotation marks.
 std::string fieldText(double value) {
   return std::isnan(value) ? "" : fmt::format("{}", value);
 }
@@ -66,7 +66,7 @@ std::vector<const trajectory::Curve*> allCurves(const trajectory::RunCurves& cur
   return all;
 }
 
-/// The column that curves are drawn against.
+/// The column of the horizontal axis.
 const char* columnOf(CurvesAgainst against) {
   if (against == CurvesAgainst::Time) return "time_s";
   return against == CurvesAgainst::Progress ? "progress" : kOpening;
@@ -77,7 +77,7 @@ const char* abscissaTitle(CurvesAgainst against) {
   return against == CurvesAgainst::Progress ? "share of the motion" : "mean opening, degrees";
 }
 
-/// The values that curves are drawn against, one a sample. They need not rise: a sheet may close
+/// The values of the horizontal axis, one per sample. They may descend: a sheet may close
 /// again.
 PlotAbscissa abscissaOf(const trajectory::RunCurves& curves, const std::vector<double>& progress,
                         CurvesAgainst against) {
@@ -121,7 +121,7 @@ std::vector<std::string> wordsOf(const std::string& line) {
   return words;
 }
 
-/// The column of a table as a run of its own, in the group of the curve with that column.
+/// The column of a table as a separate run, in the group of the curve with that column.
 PlottedRun columnRun(const FileColumn& column, CurvesAgainst against,
                      const trajectory::RunCurves& curves) {
   std::istringstream lines(
@@ -207,7 +207,7 @@ std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& cu
   return selected;
 }
 
-// Between turnings the number of unstable modes is constant. A turning has the number of the part
+// The number of unstable modes is constant between turnings. A turning has the number of the part
 // that ends there.
 std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::LoadCurve& curve,
                                      double modelSize) {
@@ -215,7 +215,7 @@ std::vector<PlottedRun> loadCurvesOf(const std::string& name, const mechanics::L
   std::vector<bool> isDashed;
   for (std::size_t k = 0; k + 1 < states.size(); ++k) {
     const mechanics::Equilibrium &a = states[k], &b = states[k + 1];
-    // Rounding may give a turning the number beyond it: an ordinary state decides, if there is one.
+    // Rounding may give a turning the number of the next part, so ordinary states are preferred.
     const bool isAtEnd =
         b.turning != mechanics::Turning::None && a.turning == mechanics::Turning::None;
     isDashed.push_back((isAtEnd ? a : b).unstableModes > 0);
@@ -252,7 +252,7 @@ std::vector<PlottedRun> selectedLoadCurves(const NamedRun& run, const CurvesSett
   return loadCurvesOf(run.name, *run.loadCurve, model::modelSize(run.reader->subject().model));
 }
 
-/// The selected curves that are no load curves.
+/// The selected curves except load curves.
 std::vector<trajectory::CurveGroup> selectOthers(const trajectory::RunCurves& curves,
                                                  bool hasLoadCurve,
                                                  const CurvesSettings& settings) {
@@ -284,7 +284,7 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const trajectory::TrajectoryReader& run = *runs[k].reader;
     const trajectory::RunCurves curves = trajectory::curvesOf(run);
-    // The share of the motion at a time, as in a video at an even pace; 0 at the start, 1 at the
+    // The fraction of the motion at a time, as in a video at an even pace: 0 at the start, 1 at the
     // end.
     const MotionCurve motion = motionOf(run);
     std::vector<double> progress;
@@ -312,35 +312,35 @@ std::vector<std::string> writeCurves(const std::vector<NamedRun>& runs,
 }
 
 // ------------------------------------------------------------------------------------------------
-// A figure is a grid of diagrams, two in a row, one for each group of curves with the same unit.
-// All lengths follow from two numbers: the figure's width W (millimetres) and the size of its text
+// A figure is a grid of diagrams, two per row, one for each group of curves with the same unit. All
+// lengths follow from two numbers: the figure's width W (millimetres) and the size of its text
 // (points, 1/72 inch). With d dots per inch the em of the text is round(points / 72 d) pixels and
-// the figure is round(W / 25.4 d) pixels wide. Everything else is in em: figures of any width look
-// alike in print.
+// the figure is round(W / 25.4 d) pixels wide. All other lengths are in em, so figures of any width
+// appear alike in print.
 //
 //     4.5 em for numbers | diagram, height = 0.5 width | 0.5 em
 //     2 em above it for its title, 4 em below for numbers and words
 //
-// Axes: a group's values decide the vertical one (makeAxis, makeLogarithmicAxis in label.h), the
-// abscissa the horizontal one, which begins and ends with the curves. A place in a diagram is a
-// pair of shares, 0 to 1 from left to right and from bottom to top.
+// The vertical axis follows from a group's values (makeAxis, makeLogarithmicAxis in label.h). The
+// horizontal axis follows from the abscissa; it begins and ends with the curves. A position in a
+// diagram is a pair of fractions, [0, 1] from left to right and from bottom to top.
 //
-// The same code draws SVG, PDF and PNG: Canvas (render/picture/canvas.h) hides which.
+// The same code draws SVG, PDF and PNG through Canvas (render/picture/canvas.h).
 
 namespace {
 
 constexpr picture::Colour kText = {30, 30, 30};
 constexpr picture::Colour kFrame = {120, 126, 134};
 constexpr picture::Colour kGrid = {226, 229, 233};
-/// Of a diagram's lines in turn: they stay apart in grey and for the colour-blind.
+/// Colours of a diagram's lines in turn, distinguishable in grey and for colour-blind readers.
 constexpr picture::Colour kLines[] = {{43, 100, 166}, {194, 87, 26},  {61, 139, 95},
                                       {148, 62, 130}, {120, 100, 20}, {70, 70, 76}};
 
 constexpr int kColumns = 2;
-// About as many; makeAxis takes round numbers.
+// Approximate number of ticks; makeAxis takes round values.
 constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
-/// Height of a diagram in parts of its width.
+/// Height of a diagram as a fraction of its width.
 constexpr double kAspect = 0.5;
 /// Of dashed lines, em.
 constexpr double kDash = 0.5;
@@ -375,7 +375,7 @@ struct Diagram {
   std::vector<PlotLine> lines;
 };
 
-/// In the order of the groups' first run. Several runs are named; of one, several curves are.
+/// In the order of the groups' first run. Names of runs if there are several, else of curves.
 std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
   const bool isOne = std::ranges::count(runs, false, &PlottedRun::isLoadCurve) <= 1;
   std::vector<Diagram> diagrams;
@@ -403,12 +403,12 @@ std::vector<Diagram> diagramsOf(const std::vector<PlottedRun>& runs) {
   return diagrams;
 }
 
-/// A line cut into dashes, lengths in pixels. It begins and ends with a dash.
+/// Cuts a line into dashes; lengths in pixels. Begins and ends with a dash.
 std::vector<picture::Canvas::Points> dashesOf(const picture::Canvas::Points& line, double dash,
                                               double gap) {
   double length = 0;
   for (std::size_t k = 1; k < line.size(); ++k) length += (line[k] - line[k - 1]).norm();
-  // As many periods as fit, stretched.
+  // The largest number of periods that fits, stretched.
   const double periods = std::max(0.0, std::round((length - dash) / (dash + gap)));
   const double stretch = length / (periods * (dash + gap) + dash);
   std::vector<picture::Canvas::Points> dashes = {{line.front()}};
@@ -484,7 +484,7 @@ class Plotter {
                                  : picture::makeAxis(values, kTicksUp);
   }
 
-  /// Pixels from two shares of the box.
+  /// Pixels from two fractions of the box.
   Eigen::Vector2d place(double across, double up, const Box& box) const {
     return {box.left + across * box.width, box.lower() - up * box.height};
   }
@@ -500,7 +500,7 @@ class Plotter {
     }
     for (std::size_t k = 0; k < across_.ticks.size(); ++k) {
       const double share = across_.shareOf(across_.ticks[k]);
-      // The axis was cut to the curves' ends, beyond which its first and last ticks may lie.
+      // The axis was cut to the curves' ends, so its first and last ticks may lie beyond it.
       if (share < -1e-9 || share > 1 + 1e-9) continue;
       grid.push_back({place(share, 0, box), place(share, 1, box)});
       write(across_.texts[k], place(share, 0, box).x() - 0.5 * width(across_.texts[k]),
@@ -510,7 +510,7 @@ class Plotter {
     canvas_.lines({{place(0, 1, box), place(0, 0, box), place(1, 0, box)}}, 0.08 * em_, kFrame);
   }
 
-  /// A line for each stretch of samples that have a place, and the dashes of dashed ones.
+  /// Draws a line for each sequence of samples with values, with dashes where requested.
   std::vector<picture::Canvas::Points> linesOf(const PlotLine& line, const picture::Axis& up,
                                                const Box& box) const {
     std::vector<picture::Canvas::Points> lines, dashes;
@@ -547,8 +547,8 @@ class Plotter {
     return lines;
   }
 
-  /// The name of the diagram and its unit to the left, the curves' names in their colours to the
-  /// right; where they are too long for that, within the diagram one below the other.
+  /// Draws the diagram's name and unit on the left and the curves' names in their colours on the
+  /// right. If they do not fit, the names are inside the diagram, one below the other.
   void drawTitle(const Diagram& diagram, const Box& box) {
     const double baseline = box.upper - 0.6 * em_;
     const bool hasDashes = std::ranges::any_of(diagram.lines, &PlotLine::hasDashes);
@@ -559,7 +559,8 @@ class Plotter {
     for (const PlotLine& line : diagram.lines) needed += em_ + width(line.name);
     const bool isBelow = needed > box.width;
     double right = box.right();
-    // Names are at the right border in the order of the curves: they are set from the last one on.
+    // Names end at the right border in the order of the curves, so they are drawn from the last
+    // one.
     for (std::size_t k = diagram.lines.size(); k-- > 0;) {
       const std::string& name = diagram.lines[k].name;
       const picture::Colour colour = kLines[k % std::size(kLines)];
@@ -584,7 +585,7 @@ class Plotter {
   int em_;
   picture::LabelWriter writer_;
   std::map<std::string, picture::Axis> axes_;  ///< by the title of the abscissa
-  picture::Axis across_;                       ///< of the present diagram
+  picture::Axis across_;                       ///< of the current diagram
 };
 
 /// The places of the diagrams of a figure.
@@ -611,10 +612,10 @@ PlotLayout layOut(int diagrams, const PlotSettings& settings) {
   const double em = layout.em;
   const int columns = std::min(kColumns, diagrams);
   const int rows = (diagrams + kColumns - 1) / kColumns;
-  // No fewer than requested.
+  // Never fewer than requested.
   layout.size.width = static_cast<int>(
       std::ceil(settings.width / picture::kMillimetresPerInch * settings.dotsPerInch - 1e-6));
-  // From here on in pixels, not rounded.
+  // From here on in pixels without rounding.
   layout.across = (layout.size.width - em) / columns;
   const double wide = layout.across - 5 * em;
   layout.first = {4.5 * em, 2 * em, wide, kAspect * wide / (diagrams == 1 ? 1.2 : 1)};

@@ -330,7 +330,8 @@ bool wasCutShort(const trajectory::TrajectoryReader& run) {
          text.starts_with(deploy::toString(deploy::Outcome::Diverged));
 }
 
-/// Whether one picture shows all of a run. Motion shorter than this part of the model is none.
+/// Whether one picture shows all of a run. Motion shorter than this fraction of the model's size is
+/// ignored.
 bool isStill(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
              const picture::CameraChoice& camera) {
   constexpr double kStill = 1e-9;
