@@ -23,7 +23,7 @@ namespace {
 
 struct KnownLibrary {
   GraphicsLibrary library;
-  const char* name;     ///< as --gl has it
+  const char* name;     ///< as for --gl
   const char* package;  ///< of Debian
   std::unique_ptr<Backend> (*makeBackend)();
 };
@@ -44,7 +44,7 @@ const std::vector<KnownLibrary>& libraries() {
 
 GraphicsLibrary chosenLibrary = libraries().front().library;
 
-/// Null where the program was built without it.
+/// Null if the program was built without it.
 const KnownLibrary* find(GraphicsLibrary library) {
   const auto found = std::find_if(libraries().begin(), libraries().end(),
                                   [&](const KnownLibrary& k) { return k.library == library; });
@@ -139,7 +139,7 @@ Framebuffer::Framebuffer(int width, int height) : sides_(width, height) {
   colour_ = attach(GL_RGBA8, GL_COLOR_ATTACHMENT0, width, height);
   depth_ = attach(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width, height);
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  // A driver that is short of memory says so by an error, or by a framebuffer that is not complete.
+  // A driver that is short of memory reports an error or an incomplete framebuffer.
   if (glGetError() != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
     throw OutputError(
         fmt::format("error: the OpenGL driver cannot draw {} x {} samples (status {:#x}); choose a "

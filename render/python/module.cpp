@@ -27,7 +27,7 @@ void addErrors(py::module_& module) {
 
 PYBIND11_MODULE(_kirireel, module) {
   module.doc() = "Kirireel's C++, for the package kirireel.";
-  // pybind11 looks for NumPy when it makes its first array, and two threads that both do wait for
+  // pybind11 imports NumPy for its first array, and two threads that both do this wait for
   // each other: import it now.
   py::dtype::of<double>();
   module.attr("__version__") = record::programVersion();

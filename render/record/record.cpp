@@ -9,7 +9,7 @@
 // - 4. Files are hashed, summary.json is written, and all of them are put in place together
 //   (FileSet).
 //
-// An interruption ends the current stage; the results so far are written, and the summary says who
+// An interruption ends the current stage. The results so far are written, and the summary says who
 // ended it. Only errors (a full disk) leave the folder as it was, and then the checkpoint stays.
 //
 // Memory does not grow with the run: samples are streamed to the file and read back one by one.

@@ -514,7 +514,7 @@ void place(std::string& view, std::size_t index, const std::array<double, count>
 
 /// Reads keys in sequence into glTF's order by brick, relative to the `origin` of the first key.
 /// Returns the poses of the first key. Quaternions keep their sign between keys, because viewers
-/// would otherwise rotate the long way.
+/// would otherwise rotate by more than half a turn.
 Poses readKeys(const std::vector<model::Brick>& bricks, std::size_t keyCount,
                const std::function<AnimationKey(std::size_t)>& key, Asset& asset, Vector3& origin) {
   const std::size_t brickCount = bricks.size();

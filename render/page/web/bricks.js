@@ -1,9 +1,9 @@
 "use strict";
-// Bricks as faces: for drawing, and for finding the one under a finger. A shader draws the inner half
-// of a line on its face, by the distance from the face's sides; rims are the outer halves.
+// Bricks as faces, for drawing and for finding the brick under a finger. A shader draws the inner
+// half of a line on its face, by the distance from the face's sides. Rims are the outer halves.
 
-const BOTTOM = 0, TOP = 1, SIDE = 2; // kinds of faces, as their colours are listed
-const MOST_OUTLINE = 0.35; // of a face's shortest side that the ring of its outline takes
+const BOTTOM = 0, TOP = 1, SIDE = 2; // kinds of faces, in the order of their colours
+const MOST_OUTLINE = 0.35; // width of the outline's ring, as a fraction of the face's shortest side
 
 const vec = {
   add: (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]],
@@ -83,7 +83,7 @@ class Face {
   }
 }
 
-const FAR = 1e9; // metres: no side is so far that it has an outline
+const FAR = 1e9; // metres; sides at this distance have no outline
 
 /**
  * Faces as arrays for shaders. `sides` has the distances of a corner from up to four sides of its
@@ -105,7 +105,7 @@ class FaceMesh {
     this.sides = new Float32Array(4 * vertexCount).fill(FAR);
     this.info = new Float32Array(3 * vertexCount);
     this.indices = new Uint32Array(indexCount);
-    this.planes = new Float32Array(4 * faceCount); // normal, and its product with any corner
+    this.planes = new Float32Array(4 * faceCount); // normal, and its product with a corner
     this.firstIndices = new Uint32Array(faceCount + 1); // of each face
     this.firstFaces = new Uint32Array(facesOfBricks.length + 1); // of each brick
     this.faceEnd = this.vertexEnd = this.indexEnd = 0;
@@ -165,7 +165,7 @@ class FaceMesh {
       const px = isParallel ? from.x : from.x - poses[at];
       const py = isParallel ? from.y : from.y - poses[at + 1];
       const pz = isParallel ? from.z : from.z - poses[at + 2];
-      // In brick axes: turned back by the quaternion.
+// In brick axes: rotated back by the quaternion.
       const x = -poses[at + 4], y = -poses[at + 5], z = -poses[at + 6], w = poses[at + 7];
       const tx = y * pz - z * py + w * px, ty = z * px - x * pz + w * py, tz = x * py - y * px + w * pz;
       const ex = px + 2 * (y * tz - z * ty), ey = py + 2 * (z * tx - x * tz), ez = pz + 2 * (x * ty - y * tx);
@@ -270,7 +270,7 @@ class Bricks {
       const from = turned(away, poses, at + 4, -1), way = turned(direction, poses, at + 4, -1);
       for (const face of this.faces[brick]) {
         const distance = distanceToFace(from, way, face);
-        // Of faces in one plane the first counts, as in pictures.
+        // The first of several faces in one plane is visible, as in pictures.
         if (distance < nearest - 1e-6 * this.radii[brick]) {
           nearest = distance;
           found = brick;

@@ -1,5 +1,5 @@
 "use strict";
-// Colours that say something of each brick: the measures of render/picture/state_painter.cpp.
+// Colours by the measures of each brick, as in render/picture/state_painter.cpp.
 
 /** {name, unit, valueOf(stage, brick), mostOf(run)} of each measure. */
 const MEASURES = {

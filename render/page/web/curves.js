@@ -1,5 +1,5 @@
 "use strict";
-// Curves of a run over its motion, one small diagram each, with a line that moves along.
+// Curves of a run over its motion, each in a small diagram with a moving line at the current state.
 
 const DIAGRAM = { width: 260, height: 84, left: 4, right: 4, top: 6, bottom: 6 };
 

@@ -1,9 +1,9 @@
 "use strict";
-// What is drawn of a run with three.js, by the rules of render/picture: faces are flat in the one
-// colour that faceColour() gives, their outlines are as wide in print, lines and dots face the camera.
+// Draws a run with three.js by the rules of render/picture: each face has the one
+// colour of faceColour(), outlines have the same width in print, lines and dots face the camera.
 
-const POINT = 96 / 72; // of print, in pixels of a page
-const TEXELS = 512; // bricks in a row of the textures that tell shaders of each brick
+const POINT = 96 / 72; // of print, in CSS pixels
+const TEXELS = 512; // bricks per row of the textures with data of each brick
 
 const SHADER_PARTS = {
   /** Poses of bricks: two texels each, place and quaternion. */
@@ -70,7 +70,7 @@ const SHADERS = {
         vec4 pixels = distances / max(sqrt(right * right + up * up), 1e-12);
         vec4 shares = clamp(pixels - outline + 0.5, 0.0, 1.0);
         float share = min(min(shares.x, shares.y), min(shares.z, shares.w));
-        // Within the ring of a face that has one there is nothing to smooth.
+        // Nothing to smooth inside the ring of a face.
         if (outline <= 0.0 || distances.x >= 0.9999 * most && distances.y > 1e8) share = 1.0;
         gl_FragColor = vec4(mix(edge, face, share), 1.0);
       }`,
@@ -302,7 +302,7 @@ class Drawing {
     bricks.index.setUsage(THREE.DynamicDrawUsage);
     const under = { depthTest: false, depthWrite: false };
     const both = { side: THREE.DoubleSide };
-    // In the order of painting.
+    // In painting order.
     if (run.plate && run.plate.visible) {
       this.plate = this.add("plate", plateGeometry(run.plate), under);
     }
@@ -324,7 +324,7 @@ class Drawing {
       vertexShader: SHADERS[kind].vertex,
       fragmentShader: SHADERS[kind].fragment,
       uniforms: { ...this.uniforms, colour: { value: new THREE.Vector3() } },
-      depthFunc: THREE.LessDepth, // of faces in one plane the first counts, as in our pictures
+      depthFunc: THREE.LessDepth, // the first of faces in one plane is visible, as in pictures
       ...options,
     });
     const mesh = new THREE.Mesh(geometry, material);

@@ -1,10 +1,10 @@
 "use strict";
-// Ties the parts of the page together.
+// Connects the parts of the page.
 
-const TURN = Math.PI / 24; // of one key
-const NEARER = 1.15; // likewise
-const TAP = 6; // pixels: a finger or button that goes up nearer to where it came down has not dragged
-const STILL_AFTER = 150; // milliseconds without a change: then pictures are drawn finely
+const TURN = Math.PI / 24; // per key press, radians
+const NEARER = 1.15; // zoom factor per key press
+const TAP = 6; // pixels; a shorter movement of a finger or mouse is a tap
+const STILL_AFTER = 150; // milliseconds without a change before a fine picture is drawn
 const byId = (id) => document.getElementById(id);
 
 /** One run's section: its stage, what is said of it, and its curves. */
@@ -112,7 +112,7 @@ class Page {
     this.colouring.paint(this.data[this.theme]);
   }
 
-  // ---- where in the motion
+  // ---- position in the motion
 
   setUpTransport() {
     byId("transport").hidden = false;
@@ -161,7 +161,7 @@ class Page {
 
   /** Describes the tile that is chosen in the first run, in its shown state. */
   describeChosen() {
-    // A screen reader would read out every frame.
+    // Otherwise a screen reader would read out every frame.
     byId("said").setAttribute("aria-live", this.player.isPlaying ? "off" : "polite");
     byId("said").textContent = this.sections[0].words;
   }
@@ -230,7 +230,7 @@ class Page {
     canvas.addEventListener("pointermove", (event) => {
       if (event.buttons === 0 && event.pointerType === "mouse") at(event);
     });
-    // No clicks: OrbitControls keeps a touch from becoming one.
+    // Not clicks: OrbitControls prevents them for touches.
     let down = null;
     canvas.addEventListener("pointerdown", (event) => { down = event.isPrimary ? event : null; });
     canvas.addEventListener("pointerup", (event) => {
@@ -309,7 +309,7 @@ async function openPage() {
   const data = JSON.parse(byId("data").textContent);
   const runs = [];
   for (const run of data.runs) runs.push(await unpackRun(run));
-  // For those who look at the page from a console or a program.
+  // For consoles and programs.
   window.kirireel = new Page(data, runs);
 }
 

@@ -1,7 +1,7 @@
 "use strict";
-// The clock of a page: where in their motion all runs stand.
+// The clock of a page: the position of all runs in their motion.
 
-const PLAY_SECONDS = 8; // of the whole motion at an even pace, as our videos have it
+const PLAY_SECONDS = 8; // duration of the whole motion at an even pace, as in videos
 
 /** The sample, and the share of the way to the next, at which a rising list reaches a value. */
 function findPlace(list, value) {
@@ -23,7 +23,7 @@ class Player {
     this.onMove = onMove;
     this.position = 0; // 0 to 1
     this.isPlaying = false;
-    this.isEven = true; // equal motion in equal time, else the run's own time
+    this.isEven = true; // equal motion in equal time, else simulated time
     this.speed = 1;
     this.endTime = Math.max(...runs.map((run) => run.times[run.times.length - 1]));
   }

@@ -1,10 +1,10 @@
 "use strict";
-// One run on one canvas: where the eye stands, what is drawn, what is under the finger.
+// One run on one canvas: its camera, its drawing, and the brick under a finger.
 
-const TILT = 1e-6; // radians: orbits cannot look straight down, so this much is missing
-const STILL_SCALE = 2; // samples of a pixel across and down, once nothing moves
-const MOST_PIXELS = 12e6; // of a still picture, samples counted
-const MOST_FINE = 4000; // bricks: software takes too long to smooth pictures of more
+const TILT = 1e-6; // radians; an orbit cannot look straight down, so it stops this much before
+const STILL_SCALE = 2; // samples per pixel and direction when nothing moves
+const MOST_PIXELS = 12e6; // samples of a still picture
+const MOST_FINE = 4000; // bricks; software rendering takes too long to smooth pictures with more
 
 /** The camera of a stage, led by hand through OrbitControls. */
 class Viewpoint {
