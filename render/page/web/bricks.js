@@ -16,7 +16,7 @@ const vec = {
   unit: (a) => vec.scale(a, 1 / (vec.length(a) || 1)),
 };
 
-/** v turned by the unit quaternion whose x, y, z, w stand at q[at]. */
+/** v rotated by the unit quaternion whose x, y, z, w start at q[at]. */
 function turned(v, q, at, sign = 1) {
   const axis = [sign * q[at], sign * q[at + 1], sign * q[at + 2]];
   const inner = vec.add(vec.cross(axis, v), v, q[at + 3]);
@@ -33,7 +33,7 @@ function polygonNormal(corners) {
   return vec.unit(sum);
 }
 
-/** A polygon in brick axes with all that its drawing needs. */
+/** A polygon in brick axes with the data for drawing. */
 class Face {
   constructor(corners, kind, triangles) {
     this.corners = corners;
@@ -47,7 +47,7 @@ class Face {
     this.cornerDistances = this.hasFewSides && corners.map((corner) => this.distances(corner));
   }
 
-  /** Across each side, inwards in the face's plane; of unit length. */
+  /** Perpendicular to each side, inwards in the face's plane; unit length. */
   directionsAcross() {
     const { corners, normal } = this;
     return corners.map((corner, k) =>
@@ -59,7 +59,7 @@ class Face {
     return this.across.map((direction, k) => vec.dot(direction, vec.sub(point, this.corners[k])));
   }
 
-  /** How the corners move when all sides move in by 1 m. */
+  /** Displacements of the corners if all sides move inwards by 1 m. */
   directionsInwards() {
     const { corners, across } = this;
     const count = corners.length;
@@ -69,7 +69,7 @@ class Face {
     });
   }
 
-  /** The width at which the shortest side keeps its share of the face, metres. */
+  /** The largest width for which the shortest side keeps MOST_OUTLINE of the face, metres. */
   widestOutline() {
     const { corners, inwards } = this;
     let widest = Infinity;
@@ -87,9 +87,9 @@ const FAR = 1e9; // metres; sides at this distance have no outline
 
 /**
  * Faces as arrays for shaders. `sides` has the distances of a corner from up to four sides of its
- * face: they are linear within the face, so that shaders know how far from each side they are.
- * Faces with more sides, or notches, have a ring of corners as far inside as their outline may
- * come, and the distance from the nearest side alone. `info`: brick, kind, widest outline.
+ * face. They are linear within the face, so shaders know the distance from each side.
+ * Faces with more sides, or notches, have a ring of corners at the largest width of their
+ * outline, and only the distance from the nearest side. `info`: brick, kind, widest outline.
  */
 class FaceMesh {
   constructor(facesOfBricks) {
@@ -155,8 +155,8 @@ class FaceMesh {
   }
 
   /**
-   * Writes the indices of the faces that look at the eye into `out`, and returns their count.
-   * `from`: the eye, or the direction towards it where the projection is parallel.
+   * Writes the indices of the faces that face the eye into `out`, and returns their number.
+   * `from`: the eye, or the direction towards it in a parallel projection.
    */
   writeVisible(poses, from, isParallel, out) {
     const { planes, firstFaces, firstIndices, indices } = this;
@@ -224,7 +224,7 @@ class Bricks {
     return faces;
   }
 
-  /** All faces as triangles, and their planes, by which those that look away are left out. */
+  /** All faces as triangles, with their planes, which tell the faces that face away. */
   triangulate() {
     const mesh = new FaceMesh(this.faces);
     this.faces.forEach((faces, brick) => {
@@ -234,7 +234,7 @@ class Bricks {
     return mesh;
   }
 
-  /** A ribbon along each side of each face, to be widened outwards: its ends, its spot on it. */
+  /** A ribbon along each side of each face, to be widened outwards: its ends, position on it. */
   rims() {
     const positions = [], others = [], normals = [], spots = [], bricks = [];
     this.faces.forEach((faces, brick) => {
@@ -258,7 +258,7 @@ class Bricks {
     };
   }
 
-  /** The brick that a ray (world axes, unit direction) meets first at these poses; -1 for none. */
+  /** The brick that a ray (world axes, unit direction) hits first at these poses; -1 for none. */
   pick(origin, direction, poses) {
     let nearest = Infinity, found = -1;
     for (let brick = 0; brick < this.count; ++brick) {
@@ -281,7 +281,7 @@ class Bricks {
   }
 }
 
-/** Where a ray meets a face that looks at it, in lengths of its direction; Infinity for nowhere. */
+/** Distance at which a ray hits a face from outside, in lengths of its direction, or Infinity. */
 function distanceToFace(origin, direction, face) {
   const facing = vec.dot(direction, face.normal);
   if (facing >= 0) return Infinity;

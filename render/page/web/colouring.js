@@ -25,13 +25,13 @@ const MEASURES = {
   },
 };
 
-/** How far a brick is from where it stood, metres. */
+/** Distance of a brick from its start, metres. */
 function displacement(from, to, brick) {
   const at = 8 * brick;
   return Math.hypot(to[at] - from[at], to[at + 1] - from[at + 1], to[at + 2] - from[at + 2]);
 }
 
-/** The angle by which a brick is turned, degrees. */
+/** Rotation angle of a brick from its start, degrees. */
 function rotation(from, to, brick) {
   const at = 8 * brick + 4;
   let cosine = 0;
@@ -52,7 +52,7 @@ function largestOfRun(run, measure) {
   return most;
 }
 
-/** Paints the bricks of all stages by one measure, on one scale, or plainly. */
+/** Colours the bricks of all stages by one measure on one scale, or plainly. */
 class Colouring {
   constructor(stages) {
     this.stages = stages;
@@ -66,13 +66,13 @@ class Colouring {
     });
   }
 
-  /** The words of a choice of colours: those measures that every run has. */
+  /** The names for the choice of colours: measures that every run has. */
   get names() {
     const hasErrors = this.stages.every(({ run }) => run.errors);
     return ["plain", ...Object.keys(MEASURES).filter((name) => name !== "error" || hasErrors)];
   }
 
-  /** Takes a measure's name, or "plain". */
+  /** Selects a measure by name, or "plain". */
   choose(name) {
     this.measure = MEASURES[name] || null;
     for (const box of this.boxes) box.hidden = !this.measure;
@@ -85,7 +85,7 @@ class Colouring {
     }
   }
 
-  /** Gives the bricks their colours in their stages' states. */
+  /** Colours the bricks by their stages' current states. */
   paint(style) {
     const stops = style.map.map(([, top]) => `rgb(${top.join(",")})`).join(",");
     for (const bar of this.boxes.map((box) => box.querySelector(".bar")).filter(Boolean)) {
@@ -97,7 +97,7 @@ class Colouring {
     }
   }
 
-  /** The same where only the state of a stage has changed. */
+  /** The same if only the state of a stage has changed. */
   colour(stage, style) {
     if (!this.measure) {
       stage.setColours(() => style.brick);

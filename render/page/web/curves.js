@@ -9,7 +9,7 @@ const svgElement = (name, attributes) => {
   return element;
 };
 
-/** A number as a reader wants it: three digits. */
+/** A number with three digits. */
 function numberText(value) {
   if (value === null || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -54,7 +54,7 @@ class Diagram {
     return this.curve.logarithmic ? Math.log10(value) : value;
   }
 
-  /** The range of what is drawn; a constant has room on both sides. */
+  /** The range of the axis; a constant has a margin on both sides. */
   findRange() {
     const heights = this.curve.lines.flatMap(({ values }) =>
       values.filter((value) => value !== null && (!this.curve.logarithmic || value > 0))
@@ -97,7 +97,7 @@ class Diagram {
     return text;
   }
 
-  /** What the upper and the lower border stand for. */
+  /** The values at the upper and the lower border. */
   endsOfRange() {
     return [["high", this.top], ["low", this.bottom]].map(([className, value]) => {
       const end = document.createElement("span");
@@ -121,7 +121,7 @@ class Diagram {
     return this.picture;
   }
 
-  /** Moves the line to a share of the motion, and tells the values there. */
+  /** Moves the line to a fraction of the motion, and displays the values there. */
   show(sample, share, progress) {
     const x = this.x(progress).toFixed(2);
     this.marker.setAttribute("x1", x);

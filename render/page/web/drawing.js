@@ -6,7 +6,7 @@ const POINT = 96 / 72; // of print, in CSS pixels
 const TEXELS = 512; // bricks per row of the textures with data of each brick
 
 const SHADER_PARTS = {
-  /** Poses of bricks: two texels each, place and quaternion. */
+  /** Poses of bricks: two texels each, position and quaternion. */
   pose: `
     uniform highp sampler2D poses;
     vec3 turned(vec4 q, vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }
@@ -179,7 +179,7 @@ const SHADERS = {
 
 const QUAD = [[-1, -1], [1, -1], [1, 1], [-1, 1]];
 
-/** A geometry of these attributes, {name: [array, numbers a vertex]}. */
+/** A geometry of these attributes, {name: [array, numbers per vertex]}. */
 function makeGeometry(attributes, indices) {
   const geometry = new THREE.BufferGeometry();
   for (const [name, [array, size]] of Object.entries(attributes)) {
@@ -262,7 +262,7 @@ function plateGeometry({ centre, half_size: half, height }) {
 
 const toColour = (bytes) => new THREE.Vector3(...bytes).divideScalar(255);
 
-/** Everything of one run that three.js draws. */
+/** All objects of one run for three.js. */
 class Drawing {
   constructor(run) {
     this.run = run;
@@ -277,7 +277,7 @@ class Drawing {
     this.addMeshes();
   }
 
-  /** Shared by all materials, but for the colour of what has one colour. */
+  /** Shared by all materials, except the colour of objects with one colour. */
   makeUniforms() {
     const vector = () => ({ value: new THREE.Vector3() });
     const number = (value = 0) => ({ value });
@@ -333,7 +333,7 @@ class Drawing {
     return mesh;
   }
 
-  /** The target's lines are made when they are first wanted. */
+  /** The target's lines are made when first shown. */
   showLines(visible) {
     if (visible && !this.lines && this.run.target) {
       this.lines = this.add("lines", lineGeometry(this.run.target),
@@ -371,7 +371,7 @@ class Drawing {
     shades.forEach((shade, kind) => this.colours.set(shade, 4 * (3 * brick + kind)));
   }
 
-  /** `size`: of the picture, pixels of the page, and how many are drawn for each. */
+  /** `size`: of the picture in CSS pixels, and the number of drawn pixels for each. */
   setCamera(camera, viewpoint, size) {
     const { uniforms, style } = this;
     const height = viewpoint.heightAtCentre();
@@ -392,7 +392,7 @@ class Drawing {
     this.leaveOutHiddenFaces();
   }
 
-  /** Faces that look away cost as much to transform as others, and half of all do. */
+  /** Skips faces that face away, about half of all: transforming them costs as much as others. */
   leaveOutHiddenFaces() {
     const { eye, backwards, parallel } = this.uniforms;
     const { geometry } = this.bricks;

@@ -3,7 +3,7 @@
 
 const ARRAY_TYPES = { f32: Float32Array, f64: Float64Array, i32: Int32Array, u16: Uint16Array, u8: Uint8Array };
 
-/** The bytes that base 64 stands for. */
+/** Decodes base 64. */
 function bytesOfText(text) {
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);
@@ -11,13 +11,13 @@ function bytesOfText(text) {
   return bytes;
 }
 
-/** The bytes that zlib made smaller. */
+/** Decompresses zlib. */
 async function inflate(bytes) {
   const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(unpacked).arrayBuffer());
 }
 
-/** The typed array that {type, count, data} stands for. */
+/** Decodes {type, count, data} into a typed array. */
 async function unpackArray({ type, count, data }) {
   const planes = await inflate(bytesOfText(data));
   const Type = ARRAY_TYPES[type];
@@ -31,7 +31,7 @@ async function unpackArray({ type, count, data }) {
   return new Type(bytes.buffer);
 }
 
-/** The entries of which these are the zigzag second differences along the samples. */
+/** Decodes entries from their zigzag second differences along the samples. */
 function sumDifferences(differences, stride) {
   const entries = new Int32Array(differences.length);
   for (let k = 0; k < entries.length; ++k) {
@@ -59,9 +59,9 @@ class Poses {
   }
 
   /**
-   * Writes the poses at a share of the way from a sample to the next into `out`, 8 numbers a brick:
-   * x, y, z, 0, then the unit quaternion's x, y, z, w. Places go straight, rotations by the normed
-   * mean of the quaternions, which are near each other.
+   * Writes the poses at a fraction between a sample and the next into `out`, 8 numbers per brick:
+   * x, y, z, 0, then the unit quaternion's x, y, z, w. Positions are interpolated linearly,
+   * rotations by the normalised mean of the quaternions, which are near each other.
    */
   write(sample, share, out) {
     const { entries, brickCount } = this;
@@ -85,7 +85,7 @@ class Poses {
   }
 }
 
-/** Values that are told in steps of equal ratios: one a brick and sample. */
+/** Values quantised in steps of equal ratios, one per brick and sample. */
 class Magnitudes {
   static async unpack(packed) {
     return new Magnitudes(packed, await unpackArray(packed.codes));

@@ -7,7 +7,7 @@ const TAP = 6; // pixels; a shorter movement of a finger or mouse is a tap
 const STILL_AFTER = 150; // milliseconds without a change before a fine picture is drawn
 const byId = (id) => document.getElementById(id);
 
-/** One run's section: its stage, what is said of it, and its curves. */
+/** One run's section: its stage, its text and its curves. */
 class Section {
   constructor(element, words, run, curves, onSeek) {
     this.element = element;
@@ -21,7 +21,7 @@ class Section {
     words.querySelector(".curves").append(...this.diagrams.map(({ element: figure }) => figure));
   }
 
-  /** Puts the moving model in the place of the picture; says why where that cannot be. */
+  /** Replaces the picture by the moving model, or displays why this fails. */
   open() {
     try {
       this.canvas.hidden = false;
@@ -40,23 +40,23 @@ class Section {
     for (const diagram of this.diagrams) diagram.show(sample, share, progress);
   }
 
-  /** What is said of the chosen brick in the shown state; empty if none is chosen. */
+  /** The text about the selected brick in the current state; empty if none is selected. */
   get words() {
     return this.stage && this.stage.chosen >= 0 ? this.stage.wordsOf(this.stage.chosen) : "";
   }
 
-  /** Writes these words into the label, if it is shown. */
+  /** Writes this text into the label if it is visible. */
   describeChosen() {
     if (!this.tip.hidden) this.tip.textContent = this.words;
   }
 
-  /** Chooses a brick, without a label. */
+  /** Selects a brick, without a label. */
   choose(brick) {
     this.stage.choose(brick);
     this.tip.hidden = true;
   }
 
-  /** Chooses a brick and shows its label beside a point of the canvas; -1: none. */
+  /** Selects a brick and shows its label next to a point of the canvas; -1: none. */
   point(brick, x, y) {
     this.stage.choose(brick);
     this.tip.hidden = brick < 0;
@@ -159,7 +159,7 @@ class Page {
     this.wake();
   }
 
-  /** Describes the tile that is chosen in the first run, in its shown state. */
+  /** Describes the selected tile of the first run in its current state. */
   describeChosen() {
     // Otherwise a screen reader would read out every frame.
     byId("said").setAttribute("aria-live", this.player.isPlaying ? "off" : "polite");

@@ -3,7 +3,7 @@
 
 const PLAY_SECONDS = 8; // duration of the whole motion at an even pace, as in videos
 
-/** The sample, and the share of the way to the next, at which a rising list reaches a value. */
+/** The sample, and the fraction towards the next, at which an ascending list reaches a value. */
 function findPlace(list, value) {
   let low = 0, high = list.length - 1;
   if (value >= list[high]) return { sample: high, share: 0 };
@@ -17,7 +17,7 @@ function findPlace(list, value) {
 }
 
 class Player {
-  /** onMove() is called whenever the place has changed, or play has begun or ended. */
+  /** Calls onMove() when the position has changed, or playing has begun or ended. */
   constructor(runs, onMove) {
     this.runs = runs;
     this.onMove = onMove;
@@ -37,7 +37,7 @@ class Player {
     return findPlace(run.times, this.position * this.endTime);
   }
 
-  /** Where a run is: simulated seconds, and its share of the motion. */
+  /** The position of a run: simulated seconds, and the fraction of its motion. */
   whereOf(run) {
     const { sample, share } = this.placeOf(run);
     const next = Math.min(sample + 1, run.times.length - 1);
@@ -50,7 +50,7 @@ class Player {
     this.onMove();
   }
 
-  /** Moves by so many samples of the first run. */
+  /** Moves by this number of samples of the first run. */
   step(count) {
     const run = this.runs[0];
     const list = this.isEven ? run.progress : run.times;
@@ -84,7 +84,7 @@ class Player {
     else this.play();
   }
 
-  /** To be called for each picture, with the time in milliseconds. */
+  /** Call it for each picture, with the time in milliseconds. */
   tick(now) {
     if (!this.isPlaying) return;
     if (this.last !== null) this.position += (now - this.last) / 1000 / this.seconds;

@@ -6,7 +6,7 @@ const STILL_SCALE = 2; // samples per pixel and direction when nothing moves
 const MOST_PIXELS = 12e6; // samples of a still picture
 const MOST_FINE = 4000; // bricks; software rendering takes too long to smooth pictures with more
 
-/** The camera of a stage, led by hand through OrbitControls. */
+/** The camera of a stage, moved by hand through OrbitControls. */
 class Viewpoint {
   constructor(canvas, onChange) {
     this.cameras = {
@@ -23,7 +23,7 @@ class Viewpoint {
     this.ball = new THREE.Sphere(new THREE.Vector3(), 1);
   }
 
-  /** Takes one of a view's fits, see page.h; on a canvas narrower than its picture, from farther. */
+  /** Takes one of a view's fits, see page.h; farther away on a canvas narrower than its picture. */
   show(fit) {
     const centre = new THREE.Vector3(...fit.centre), eye = new THREE.Vector3(...fit.eye);
     const away = eye.distanceTo(centre);
@@ -38,7 +38,7 @@ class Viewpoint {
     this.exact = { fit, eye: this.camera.position.clone(), target: centre };
   }
 
-  /** The height of what is in sight. */
+  /** Height of the visible region. */
   takeLens(fit) {
     const narrow = Math.max(1, fit.aspect / this.aspect);
     this.viewHeight = narrow * fit.view_height;
@@ -46,7 +46,7 @@ class Viewpoint {
       THREE.Math.radToDeg(2 * Math.atan(narrow * Math.tan(0.5 * fit.field_of_view)));
   }
 
-  /** The canvas has another shape, which has this fit of the same view: all stays in sight. */
+  /** Takes the fit of the same view for a new shape of the canvas, so everything stays visible. */
   refit(fit) {
     if (this.isUnmoved) return this.show(fit);
     const { camera, controls, exact } = this;
@@ -60,14 +60,14 @@ class Viewpoint {
     controls.update();
   }
 
-  /** Whether nobody has moved the camera since it took a view. */
+  /** Whether the user has not moved the camera since it took a view. */
   get isUnmoved() {
     const { exact, camera, controls } = this;
     return Boolean(exact) && camera.zoom === 1 && camera.position.equals(exact.eye) &&
       controls.target.equals(exact.target);
   }
 
-  /** Turns, in radians, and comes nearer by a factor. */
+  /** Rotates, in radians, and zooms by a factor. */
   move(azimuth, elevation, nearer = 1) {
     const { camera, controls } = this;
     const offset = camera.position.clone().sub(controls.target);
@@ -86,7 +86,7 @@ class Viewpoint {
     controls.update();
   }
 
-  /** Height of the picture at the centre, metres, as heightAtCentre() in camera.cpp has it. */
+  /** Height of the picture at the centre, metres, as heightAtCentre() in camera.cpp. */
   heightAtCentre() {
     const { camera } = this;
     if (camera.isOrthographicCamera) return this.viewHeight / camera.zoom;
@@ -95,9 +95,9 @@ class Viewpoint {
   }
 
   /**
-   * Sets up the lens, the camera that draws, with all of the ball between its near and far planes.
-   * It looks as the view says while nobody moves it: in a sheet seen from straight above, all has
-   * one depth then, as in our pictures.
+   * Sets up the lens, the camera that draws, with the whole ball between its near and far planes.
+   * It has the exact direction of the view until the user moves it. A flat sheet seen from straight
+   * above then has one depth, as in pictures.
    */
   project() {
     const { ball } = this;
@@ -132,7 +132,7 @@ class Viewpoint {
   }
 }
 
-/** Unpacks what stage and curves need of a run's data. */
+/** Unpacks a run's data for stage and curves. */
 async function unpackRun(data) {
   const bricks = await Bricks.unpack(data.bricks);
   const { states } = data;
@@ -155,7 +155,7 @@ async function unpackRun(data) {
   };
 }
 
-/** Shows a run on a canvas. Throws where the browser cannot draw in 3-D. */
+/** Shows a run on a canvas. Throws if the browser cannot draw in 3-D. */
 class Stage {
   constructor(canvas, run) {
     const context = canvas.getContext("webgl2", {
@@ -178,7 +178,7 @@ class Stage {
     canvas.addEventListener("webglcontextrestored", () => this.changed());
   }
 
-  /** A ball around all that is shown in any sample. */
+  /** A ball around everything visible in any sample. */
   ballOfRun() {
     const box = new THREE.Box3();
     const out = new Float32Array(8 * this.run.bricks.count);
@@ -211,7 +211,7 @@ class Stage {
     this.changed();
   }
 
-  /** shadesOf(brick): its colours below, above and at its sides. */
+  /** shadesOf(brick): its colours on the bottom, the top and the sides. */
   setColours(shadesOf) {
     for (let brick = 0; brick < this.run.bricks.count; ++brick) {
       this.drawing.setColours(brick, shadesOf(brick));
@@ -220,7 +220,7 @@ class Stage {
     this.changed();
   }
 
-  /** Goes to a share of the way from a sample to the next. */
+  /** Moves to a fraction between a sample and the next. */
   setState(sample, share) {
     this.place = { sample, share };
     this.run.poses.write(sample, share, this.drawing.poses);
@@ -244,7 +244,7 @@ class Stage {
     this.changed();
   }
 
-  /** The widest picture that the canvas holds. */
+  /** The widest picture that fits the canvas. */
   fitOfView() {
     const { fits } = this.view;
     const held = fits.filter((fit) => fit.aspect <= this.viewpoint.aspect * 1.001);
@@ -257,7 +257,7 @@ class Stage {
     this.changed();
   }
 
-  /** Draws where something has changed; finely when `fine`, which takes longer. */
+  /** Draws if something has changed; `fine` is smoother and takes longer. */
   draw(fine) {
     const wantsFine = fine && !this.isFine && this.run.bricks.count <= MOST_FINE;
     if (!this.isStale && !wantsFine) return false;
@@ -285,7 +285,7 @@ class Stage {
     return this.run.bricks.pick(origin.toArray(), direction.toArray(), this.drawing.poses);
   }
 
-  /** What there is to say of a brick, in words. */
+  /** Text about a brick. */
   wordsOf(brick) {
     const words = [`Tile ${brick}`];
     const { errors, gaps } = this.run;
@@ -294,7 +294,7 @@ class Stage {
     return words.join(", ");
   }
 
-  /** What was measured of a brick in the nearest sample. */
+  /** A brick's measured value in the nearest sample. */
   measured(magnitudes, brick) {
     const { sample, share } = this.place;
     return magnitudes.at((share > 0.5 ? sample + 1 : sample) * this.run.bricks.count + brick);
