@@ -532,9 +532,9 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
 
 // ------------------------------------------------------------------------------------------------
 // Bent sides: each side of a tile gets further corners at p + x s + y (s x n). p is the first
-// corner of the side, s the side as a vector (m), n the tile's unit normal and (x, y) a point of the
-// list, as fractions of the side's length. s x n points out of an anticlockwise tile and has the
-// length of the side.
+// corner of the side, s the side as a vector (m), n the tile's unit normal and (x, y) a point of
+// the list, as fractions of the side's length. s x n points out of an anticlockwise tile and has
+// the length of the side.
 //
 // Two tiles with a common side have opposite directions along it: x of one is 1 - x of the other.
 // So lists that are the same from either end fit into each other.
