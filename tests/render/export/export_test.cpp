@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 #include "tests/support/opening_squares.h"
+#include "tests/support/start_warnings.h"
 
 namespace kirireel {
 namespace {
@@ -222,17 +223,11 @@ TEST_F(Export, LeavesNothingOfASetThatFails) {
 
 TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
   const auto warnings = [](int side, const exports::ExportSettings& settings) {
-    trajectory::Trajectory run;
-    run.model = model::makeTessellation(test::squares(side, side, 0.5));
-    run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
-    run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
-    const TemporaryFolder folder;
-    trajectory::writeTrajectory(run, folder / "trajectory.h5");
-    return exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"),
-                                   settings);
+    scene::Scene scene;
+    scene.model = model::makeTessellation(test::squares(side, side, 0.5));
+    return test::startWarnings(scene, settings);
   };
   exports::ExportSettings settings;
-  settings.states = {"initial"};
   settings.formats = {"msh"};
   EXPECT_THAT(warnings(21, settings), ElementsAre());
   EXPECT_THAT(warnings(22, settings),
@@ -244,18 +239,12 @@ TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
 
 TEST(ExportWarnings, TellOfSliversWhatIsMeasured) {
   const auto warnings = [](const std::vector<Vector3>& corners, int perEdge) {
-    trajectory::Trajectory run;
-    run.model.tiles = {model::Tile{corners}};
-    run.bricks = model::makeBricks(run.model.tiles, run.brickRule);
-    run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
-    const TemporaryFolder folder;
-    trajectory::writeTrajectory(run, folder / "trajectory.h5");
+    scene::Scene scene;
+    scene.model.tiles = {model::Tile{corners}};
     exports::ExportSettings settings;
-    settings.states = {"initial"};
     settings.formats = {"msh"};
     settings.elements.perEdge = perEdge;
-    return exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"),
-                                   settings);
+    return test::startWarnings(scene, settings);
   };
   const auto triangle = [](double degrees) {
     return std::vector<Vector3>{
@@ -283,25 +272,15 @@ TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   scene.brick.thickness = 0.02;
   scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
   scene.hinges.areLigaments = true;
-  trajectory::Trajectory run{trajectory::subjectOf(scene)};
-  run.samples.push_back({.time = 0, .poses = model::startPoses(run.model.tiles, run.bricks)});
-  const TemporaryFolder folder;
-  trajectory::writeTrajectory(run, folder / "trajectory.h5");
   exports::ExportSettings settings;
-  settings.states = {"initial"};
   settings.formats = {"inp"};
   settings.elements.joints = fea::JointStyle::Patch;
   const std::string warning =
       "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
       "--joints neck has the start with its necks";
-  EXPECT_THAT(
-      exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"), settings),
-      ElementsAre(warning));
-  run.pairForces = {};
-  trajectory::writeTrajectory(run, folder / "trajectory.h5");
-  EXPECT_THAT(
-      exports::exportWarnings(trajectory::TrajectoryReader(folder / "trajectory.h5"), settings),
-      ElementsAre());
+  EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre(warning));
+  scene.hinges = {};
+  EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
 }
 
 TEST_F(Export, RefusesAFormatGivenTwice) {

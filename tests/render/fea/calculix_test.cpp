@@ -10,7 +10,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/export.h"
 #include "render/fea/deck.h"
 #include "render/fea/element_mesh.h"
 #include "render/fea/job.h"
@@ -20,6 +19,7 @@
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
+#include "tests/support/start_warnings.h"
 
 namespace kirireel {
 namespace {
@@ -153,19 +153,13 @@ TEST(Bending, OfPlatesIsThatOfKirchhoff) {
 
 /// By how much a clamped square deflects too little, as exportWarnings() says; 0 without a warning.
 double errorInWarning(double thickness, const fea::ElementRule& rule) {
-  const Layout layout = strip(1, 1, thickness);
-  trajectory::Trajectory run;
-  run.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
-  run.bricks = layout.bricks;
-  run.samples.push_back({.time = 0, .poses = layout.poses});
-  const test::TemporaryFolder folder;
-  trajectory::writeTrajectory(run, folder / "trajectory.h5");
+  scene::Scene scene;
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  scene.brick.thickness = thickness;
   exports::ExportSettings settings;
-  settings.states = {"initial"};
   settings.formats = {"msh"};
   settings.elements = rule;
-  for (const std::string& line : exports::exportWarnings(
-           trajectory::TrajectoryReader(folder / "trajectory.h5"), settings)) {
+  for (const std::string& line : test::startWarnings(scene, settings)) {
     const std::size_t place = line.find("deflects about ");
     if (place != std::string::npos) return 0.01 * std::atof(line.c_str() + place + 15);
   }
