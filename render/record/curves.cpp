@@ -445,16 +445,17 @@ class Plotter {
       std::ranges::copy_if(run.abscissa.values, std::back_inserter(values[run.abscissa.title]),
                            [](double value) { return std::isfinite(value); });
     }
-    for (const auto& [title, across] : values) axes_[title] = acrossAxis(across);
+    for (const auto& [title, across] : values) axes_[title] = makeAcrossAxis(across);
   }
 
   /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
   void draw(const Diagram& diagram, const Box& box) {
     const picture::Axis up = axisOf(diagram);
-    across_ = axes_.at(diagram.across);
-    drawGrid(up, box);
+    const picture::Axis& across = axes_.at(diagram.across);
+    drawGrid(across, up, box);
     for (std::size_t k = 0; k < diagram.lines.size(); ++k) {
-      canvas_.lines(linesOf(diagram.lines[k], up, box), 0.13 * em_, kLines[k % std::size(kLines)]);
+      canvas_.lines(linesOf(diagram.lines[k], across, up, box), 0.13 * em_,
+                    kLines[k % std::size(kLines)]);
     }
     drawTitle(diagram, box);
     const double middle = box.left + 0.5 * box.width;
@@ -463,7 +464,7 @@ class Plotter {
 
  private:
   /// Curves begin and end at the borders.
-  static picture::Axis acrossAxis(const std::vector<double>& values) {
+  static picture::Axis makeAcrossAxis(const std::vector<double>& values) {
     picture::Axis axis = picture::makeAxis(values, kTicksAcross);
     const auto [least, largest] = std::ranges::minmax_element(values);
     if (*least < *largest) {
@@ -490,7 +491,7 @@ class Plotter {
   }
 
   /// Ticks and numbers of both axes, and the two axes themselves.
-  void drawGrid(const picture::Axis& up, const Box& box) {
+  void drawGrid(const picture::Axis& across, const picture::Axis& up, const Box& box) {
     std::vector<picture::Canvas::Points> grid;
     for (std::size_t k = 0; k < up.ticks.size(); ++k) {
       const double share = up.shareOf(up.ticks[k]);
@@ -498,21 +499,22 @@ class Plotter {
       write(up.texts[k], box.left - 0.5 * em_ - width(up.texts[k]),
             place(0, share, box).y() + 0.35 * em_, kText);
     }
-    for (std::size_t k = 0; k < across_.ticks.size(); ++k) {
-      const double share = across_.shareOf(across_.ticks[k]);
+    for (std::size_t k = 0; k < across.ticks.size(); ++k) {
+      const double share = across.shareOf(across.ticks[k]);
       // The axis was cut to the curves' ends, so its first and last ticks may lie beyond it.
       if (share < -1e-9 || share > 1 + 1e-9) continue;
       grid.push_back({place(share, 0, box), place(share, 1, box)});
-      write(across_.texts[k], place(share, 0, box).x() - 0.5 * width(across_.texts[k]),
+      write(across.texts[k], place(share, 0, box).x() - 0.5 * width(across.texts[k]),
             box.lower() + 1.25 * em_, kText);
     }
     canvas_.lines(grid, 0.06 * em_, kGrid);
     canvas_.lines({{place(0, 1, box), place(0, 0, box), place(1, 0, box)}}, 0.08 * em_, kFrame);
   }
 
-  /// Draws a line for each sequence of samples with values, with dashes where requested.
-  std::vector<picture::Canvas::Points> linesOf(const PlotLine& line, const picture::Axis& up,
-                                               const Box& box) const {
+  /// A line for each sequence of samples with values, and the dashes of dashed lines.
+  std::vector<picture::Canvas::Points> linesOf(const PlotLine& line,
+                                               const picture::Axis& acrossAxis,
+                                               const picture::Axis& up, const Box& box) const {
     std::vector<picture::Canvas::Points> lines, dashes;
     picture::Canvas::Points points;
     bool isDashed = false;
@@ -535,7 +537,7 @@ class Plotter {
         endLine();
         continue;
       }
-      points.push_back(place(across_.shareOf(across), up.shareOf(value), box));
+      points.push_back(place(acrossAxis.shareOf(across), up.shareOf(value), box));
       if (line.isDashedAfter(k) == isDashed) continue;
       const Eigen::Vector2d at = points.back();
       endLine();
@@ -585,7 +587,6 @@ class Plotter {
   int em_;
   picture::LabelWriter writer_;
   std::map<std::string, picture::Axis> axes_;  ///< by the title of the abscissa
-  picture::Axis across_;                       ///< of the current diagram
 };
 
 /// The places of the diagrams of a figure.
