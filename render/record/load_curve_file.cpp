@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "sim/trajectory/array_file.h"
 
 namespace kirireel::record {
@@ -86,9 +88,13 @@ void writeStates(ArrayWriter& file, const mechanics::LoadCurve& curve) {
   }
   write(file, kModes, modes, {states});
   write(file, kTurnings, turnings, {states});
-  file.setAttribute(
-      kTurnings, "values",
-      std::string("0 none, 1 limit of the load, 2 limit of the force, 3 bifurcation"));
+  std::string values = "0 none";
+  for (const mechanics::Turning turning :
+       {mechanics::Turning::LoadLimit, mechanics::Turning::ForceLimit,
+        mechanics::Turning::Bifurcation}) {
+    values += fmt::format(", {} {}", static_cast<int>(turning), mechanics::toString(turning));
+  }
+  file.setAttribute(kTurnings, "values", values);
 }
 
 /// Throws if an array has another shape.
