@@ -654,8 +654,7 @@ void appendSharpnessWarning(std::vector<std::string>& lines, const trajectory::S
   lines.push_back(fmt::format(
       "warning: tile {} has a corner of {:.2g} degrees, so natural frequencies may be too high: "
       "the first five of triangles with 8 elements per edge by up to 6% with a corner of 5 "
-      "degrees, "
-      "by 42 to 165% with 1 degree. Use more with --elements-per-edge",
+      "degrees, by 42 to 165% with 1 degree. Use more with --elements-per-edge",
       static_cast<std::size_t>(subject.model.fileOrder.countsFrom) + *sharp, sharpest));
 }
 
