@@ -1,4 +1,4 @@
-/// Loads on bricks, contacts between bricks, and shapes of joined bricks without shared corners.
+/// What pushes bricks: loads, contacts, and where joined bricks do not touch.
 #pragma once
 
 #include <map>
@@ -67,9 +67,9 @@ struct Contact {
   Vector3 edgeA = Vector3::Zero();  ///< direction of A's edge, in A's axes: edgeA x (B's edge)
                                     ///< points from B towards A
   double friction = 0;              ///< Coulomb coefficient of the pair
-  double slack = 0;                 ///< allowed overlap, which the pair had at the start, metres
-  int partA = 0;                    ///< convex part of a concave brick A, or of all obstacles
-  int partB = 0;                    ///< the same for B
+  double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
+  int partA = 0;                    ///< which convex part of a concave brick A, or of all obstacles
+  int partB = 0;                    ///< likewise of B
 
   bool operator==(const Contact&) const = default;
 
@@ -85,8 +85,8 @@ struct Contact {
   }
 };
 
-/// Whether two contacts are between points of one brick and the same plane of another, or between
-/// the same two edges.
+/// Whether two contacts hold points of one brick against the same plane of another, or points of
+/// two bricks along the normal of the same two edges.
 inline bool onOnePlane(const Contact& x, const Contact& y) {
   return x.brickA == y.brickA && x.brickB == y.brickB && x.partA == y.partA && x.partB == y.partB &&
          x.isEdge == y.isEdge && x.normal == y.normal && x.edgeA == y.edgeA;
@@ -107,7 +107,7 @@ inline double contactGap(const Contact& contact, const Poses& poses) {
   return contactNormal(contact, poses).dot(pointA - pointB) + contact.slack;
 }
 
-/// Finds contacts for a solver.
+/// Tells a solver what its bricks run into.
 class ContactSource {
  public:
   virtual ~ContactSource() = default;
@@ -120,12 +120,12 @@ class ContactSource {
   /// returned in this step. Returns the largest overlap at `end`, metres.
   virtual double appendViolated(const Poses& end, std::vector<Contact>& contacts) = 0;
 
-  /// Whether the step may begin with a contact that carried load in the last step. This is so if
-  /// its point touches the other brick at the start of the step, or no other contact separates the
-  /// bricks.
+  /// Whether a contact that carried load in the last step still is in force at the start of the
+  /// step, so that the step may begin with it: its point touches the other brick, or nothing else
+  /// keeps the bricks apart.
   virtual bool isCurrent(const Contact& contact) const = 0;
 
-  /// Number of pairs of bricks examined in detail, a measure of cost.
+  /// How many pairs of bricks were looked at closely so far; counts what the contacts cost.
   virtual double pairsExamined() const { return 0; }
 };
 
