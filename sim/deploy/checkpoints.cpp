@@ -51,7 +51,7 @@ std::string Checkpoints::find() {
     const trajectory::ArrayReader file(folder_ / kState);
     if (!isOf(file, order_)) {
       remove();
-      return place + " is of another order or program; the run starts anew";
+      return place + " is from another order or program version. The run starts from the beginning";
     }
     StateTape tape(file.checkedDoubles(kNumbers));
     transfer(tape);
@@ -59,18 +59,19 @@ std::string Checkpoints::find() {
     for (std::size_t k = 0; k < sampleFiles_.size(); ++k) readSamples(k);
   } catch (const InputError&) {
     remove();
-    return place + " is damaged or incomplete; the run starts anew";
+    return place + " is damaged or incomplete. The run starts from the beginning";
   }
-  if (run_.numbers.empty()) return "goes on with the search for a path, from " + place;
-  return fmt::format("goes on at {:.4g} s, from {}", run_.time, place);
+  if (run_.numbers.empty()) return "continues the search for a path from " + place;
+  return fmt::format("continues at {:.4g} s from {}", run_.time, place);
 }
 
 void Checkpoints::remove() {
   std::error_code error;
   fs::remove_all(folder_, error);
   if (error) {
-    throw OutputError(fmt::format("{}: error: an earlier run's checkpoint cannot be removed ({})",
-                                  folder_.string(), error.message()));
+    throw OutputError(
+        fmt::format("{}: error: the checkpoint of an earlier run cannot be removed ({})",
+                    folder_.string(), error.message()));
   }
   trials_.clear();
   searchSeconds_ = 0;
@@ -115,7 +116,7 @@ StateTape Checkpoints::readSamples(std::size_t index) const {
   const trajectory::ArrayReader file(samplesFile(index));
   std::vector<double> numbers = file.checkedDoubles(kNumbers);
   if (!isOf(file, order_) || numbers.size() != sampleFiles_[index]) {
-    file.refuse("these samples are of another checkpoint");
+    file.refuse("these samples belong to another checkpoint");
   }
   return StateTape(std::move(numbers));
 }

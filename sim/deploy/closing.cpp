@@ -174,14 +174,12 @@ class ClosingPath {
     if (!isExtension(scene_, path_)) {
       throw InputError(
           "error: `to = closed` follows the motion of the sheet, but the sheet does not extend "
-          "from "
-          "its start; give `target`, or other joints (`joints_file`)");
+          "from its start. Set `target` or other joints (`joints_file`)");
     }
     if (found_.evaluation.overlapGrowth > kClearShare * tile_) {
       throw InputError(
-          "error: `to = closed`: tiles overlap on the way to full extension, so that they cannot "
-          "get "
-          "beyond it; give `target`");
+          "error: `to = closed`: tiles overlap before full extension, so they cannot move beyond "
+          "it. Set `target`");
     }
     const auto half = std::ranges::lower_bound(path_.lengths, 0.5 * extension_);
     const Poses& state = path_.states[static_cast<std::size_t>(half - path_.lengths.begin())];
@@ -190,20 +188,20 @@ class ClosingPath {
         scene_.model, model::bottomTiles(bricks_, state),
         isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space, scene_.brick.thickness);
     if (!left.isCounted || left.freedoms <= 1) return;
-    throw InputError(fmt::format(
-        "error: `to = closed` needs a sheet with one motion, but this one has {} half way "
-        "to full extension; give `target`, or hold tiles together (`fix`)",
-        left.freedoms));
+    throw InputError(
+        fmt::format("error: `to = closed` needs a sheet with one motion, but this sheet has {} "
+                    "half way to full extension. Set `target`, or connect tiles rigidly (`fix`)",
+                    left.freedoms));
   }
 
   static InputError stopped() {
     return InputError(
-        "error: `to = closed`: the sheet stops beyond full extension before its tiles meet; give "
+        "error: `to = closed`: beyond full extension the sheet stops before its tiles meet. Set "
         "`target`");
   }
   static InputError neverMeets() {
     return InputError(
-        "error: `to = closed`: the tiles do not meet again beyond full extension; give `target`");
+        "error: `to = closed`: the tiles do not meet again beyond full extension. Set `target`");
   }
 
   /// The last state that is far enough from the end to define a direction.
@@ -321,8 +319,8 @@ class ClosingPath {
       count += std::min(std::abs(gaps_[2 * k]), std::abs(gaps_[2 * k + 1])) <= shut;
     }
     found_.closedWords =
-        fmt::format("the path ends where the tiles meet again{}: {} of {} hinges are shut",
-                    meetBetween ? " beside their hinges" : "", count, hinges_.size());
+        fmt::format("the path ends when the tiles meet again{}: {} of {} hinges are closed",
+                    meetBetween ? " away from their hinges" : "", count, hinges_.size());
     found_.evaluation.overlapGrowthAtEnd = meter_.at(path_.states.back()).grown;
     for (const Poses& state : path_.states) {
       found_.evaluation.overlapGrowth =

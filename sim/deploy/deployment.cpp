@@ -51,7 +51,7 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
     if (entry.when.kind != scene::Trigger::Kind::AtTime || entry.when.value <= duration) continue;
     throw inputErrorAt(
         entry.where,
-        fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise `duration`",
+        fmt::format("this entry is at {:g} s, but the run lasts at most {:g} s. Raise `duration`",
                     entry.when.value, duration));
   }
 }
@@ -60,13 +60,13 @@ void requireInTime(const scene::Timeline& timeline, double duration) {
 void requireBending(const scene::Scene& scene, const std::vector<model::HingeSpring>& springs) {
   if (!scene.hinges.panels) return;
   if (scene::sceneNeeds(scene).planar.on) {
-    throw InputError("error: tiles that bend leave their plane; remove `planar = on` or `panels`");
+    throw InputError("error: bending tiles leave their plane. Remove `planar = on` or `panels`");
   }
   if (!springs.empty()) return;
   throw InputError(
-      "error: in motion `panels` bends only split tiles and folds, and there are none: split tiles "
-      "(`split_tiles = all`), or give folds a length scale (`panels = E,NU,LENGTH`); tiles that "
-      "stretch too need a [[grip]] in scene.toml");
+      "error: `panels` bends only split tiles and folds in dynamic runs, and there are none. Split "
+      "tiles (`split_tiles = all`), or give folds a length scale (`panels = E,NU,LENGTH`). Tiles "
+      "that also stretch need a [[grip]] in scene.toml");
 }
 
 /// Tiles that stay rigid although they have a material.
@@ -76,16 +76,14 @@ std::string rigidTilesWarning(const scene::Scene& scene) {
   const auto count = std::ranges::count_if(scene.model.tiles, isWhole);
   if (count == 0) return "";
   return fmt::format(
-      "{} of {} tiles have more than three corners and stay rigid in motion; `split_tiles` lets "
-      "them bend",
+      "{} of {} tiles have more than three corners and stay rigid. `split_tiles` lets them bend",
       count, scene.model.tiles.size());
 }
 
 void requireSense(const scene::Scene& scene, double sampleInterval) {
   if (!(sampleInterval > 0) || !std::isfinite(sampleInterval)) {
-    throw InputError(
-        fmt::format("the time between samples is {}, but must be a positive number of seconds",
-                    sampleInterval));
+    throw InputError(fmt::format("the time between samples is {} s, but must be finite and > 0",
+                                 sampleInterval));
   }
   scene::requireRanges(scene);
   requireInTime(scene.timeline, scene.stop.duration);
@@ -123,9 +121,9 @@ void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
   if (!left.isCounted || left.freedoms > 0) return;
   requireDriveOutOfPlane(scene);
   throw InputError(
-      "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
-      "motion but that of the whole; give `target`, other joints (`joints_file`), or what moves it "
-      "as it is (`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
+      "error: nothing can drive this model. It has no target, and its joints allow only rigid "
+      "motions of the whole sheet. Set `target`, other joints (`joints_file`), or a load "
+      "(`gravity`, [[timeline]] or [[velocity]] in scene.toml)");
 }
 
 // Corners that fit only to a tolerance although all digits are given: designs from an optimiser.
@@ -215,14 +213,12 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
   if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) {
     if (!isClosing) return;
     throw InputError(
-        "error: `to = closed` follows the motion of the sheet as geometry; remove `path`, or use "
-        "`path = continuation`");
+        "error: `to = closed` needs a kinematic path. Remove `path` or use `path = continuation`");
   }
   if (std::string reason; !scene::isQuasiStatic(scene, reason)) {
     if (isClosing) {
       throw InputError(fmt::format(
-          "error: `to = closed` follows the motion of the sheet as geometry, but {}; remove that",
-          reason));
+          "error: `to = closed` supports kinematic scenes only, but {}. Remove it", reason));
     }
     if (kind == scene::PathKind::Continuation) {
       throw InputError(
@@ -252,9 +248,9 @@ void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
   const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
   if (result.needs.contacts.on || grown <= kClearShare * tile) return;
-  result.warnings.push_back(
-      fmt::format("bricks passed through each other by up to {}; `contacts = all` lets them touch",
-                  model::lengthInTiles(grown, scene.model)));
+  result.warnings.push_back(fmt::format(
+      "bricks overlapped by up to {} in a run without contacts. `contacts = all` prevents overlaps",
+      model::lengthInTiles(grown, scene.model)));
 }
 
 /// Factor on the tolerance in the run that measures the error in time.
@@ -284,10 +280,9 @@ DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice
   Run run(chosen, nearest, watch, checkpoints);
   DeploymentResult result = run.finish();
   if (!run.seesAllPairs()) {
-    result.warnings.push_back(
-        fmt::format("too many bricks lie in one place: overlaps are the deepest of "
-                    "the first {} pairs",
-                    trajectory::mostPairs(scene.model.tiles.size())));
+    result.warnings.push_back(fmt::format(
+        "too many bricks are in one place. The overlap is the largest of the first {} pairs",
+        trajectory::mostPairs(scene.model.tiles.size())));
   }
   result.pathReason = choice.reason + (result.pathReason.empty() ? "" : "; " + result.pathReason);
   return result;
@@ -402,11 +397,11 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   const bool isOverlapping = grown > kClearShare * tile;
   if (isOverlapping) {
     result.forbiddenOverlap = grown;
-    faults.push_back(fmt::format("bricks pass through each other by up to {}",
-                                 model::lengthInTiles(grown, scene.model)));
+    faults.push_back(
+        fmt::format("bricks overlap by up to {}", model::lengthInTiles(grown, scene.model)));
   }
   if (isCutShort(found, result, isOverlapping)) {
-    faults.push_back("the search for a path ended at its budget; raise `search_effort`");
+    faults.push_back("the search for a path spent its budget. Raise `search_effort`");
     result.warnings.push_back(faults.back());
   }
   result.shortfall = fmt::format("{}", fmt::join(faults, "; "));
@@ -440,8 +435,7 @@ bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const S
 void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
                 const TrialObserver& watch) {
   scene::Scene inSpace = given;
-  inSpace.spaceReason =
-      "no path in the plane keeps joints closed and bricks apart, one in space does";
+  inSpace.spaceReason = "only a path in space keeps joints closed without overlaps";
   SearchBudget budget;
   Search other;
   search(inSpace, budget, watch, other);

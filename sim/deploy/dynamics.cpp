@@ -113,16 +113,16 @@ void requireFree(const std::optional<contacts::ObstacleOverlap>& overlap,
                  const model::Model& model) {
   if (!overlap) return;
   throw InputError(
-      fmt::format("error: tile {} reaches {} into obstacle {} at the start; move the obstacle away",
-                  model.fileOrder.countsFrom + overlap->brick,
-                  lengthText(overlap->depth, model.unit), overlap->obstacle));
+      fmt::format("error: tile {} overlaps obstacle {} by {} at the start. Move the obstacle",
+                  model.fileOrder.countsFrom + overlap->brick, overlap->obstacle,
+                  lengthText(overlap->depth, model.unit)));
 }
 
 // Obstacles are bodies in space.
 void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
-      "error: obstacles need bricks that move in space; remove `planar = on` or the obstacles");
+      "error: obstacles work only with bricks in space. Remove `planar = on` or the obstacles");
 }
 
 }  // namespace
@@ -268,8 +268,8 @@ std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
   for (const model::Pivot& pivot : pivots) {
     if (pivot.distance == 0) continue;
     throw InputError(
-        fmt::format("error: tiles {} and {} are linked at a distance, which `solver = bullet` "
-                    "cannot hold; use `solver = direct`",
+        fmt::format("error: `solver = bullet` does not support links, as between tiles {} and {}. "
+                    "Use `solver = direct`",
                     scene.model.fileOrder.countsFrom + pivot.brickA,
                     scene.model.fileOrder.countsFrom + pivot.brickB));
   }
@@ -279,7 +279,7 @@ std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
 // Throws InputError for a scene with obstacles.
 void requireNoObstacles(const scene::Environment& environment) {
   if (environment.obstacles.empty()) return;
-  throw InputError("error: `solver = bullet` has no obstacles; use `solver = direct`");
+  throw InputError("error: `solver = bullet` does not support obstacles. Use `solver = direct`");
 }
 
 }  // namespace
@@ -291,7 +291,7 @@ WorldDynamics::WorldDynamics(std::unique_ptr<engines::BrickWorld> world, int sub
 // Pinning none is allowed, since every run says so at its start.
 void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
-  throw InputError("error: `solver = bullet` cannot pin tiles; use `solver = direct`");
+  throw InputError("error: `solver = bullet` does not support pinned tiles. Use `solver = direct`");
 }
 
 // One step as equal substeps. The motion is written to the engine first: what was changed outside

@@ -95,8 +95,8 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
   const double reach = std::hypot(x / halfLength, y / halfWidth);
   if (!(reach > 0)) {
     throw InputError(
-        "error: a corner of the hull lies at the middle of the outline, from where it could be "
-        "pulled in any direction; leave it out of the hull");
+        "error: a corner of the hull is at the centre of the outline, so the direction of its pull "
+        "is not defined. Remove it from the hull");
   }
   const double scale = 1 / reach;
   return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
@@ -126,7 +126,7 @@ BoundarySprings::BoundarySprings(const model::Model& model, const std::vector<mo
   // The model names a hull that could not be read. Only this drive needs a hull, and only it
   // throws.
   if (!model.hullFault.empty()) {
-    throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
+    throw InputError(model.hullFault + ". Or remove the file to pull the convex outline");
   }
   // In sheets that are not flat, the springs pull along x and y.
   const model::SheetFrame frame = model::sheetFrame(model).value_or(model::SheetFrame{});

@@ -128,12 +128,12 @@ std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found,
   const std::string words =
       fmt::format("the path ends {} short of the target: ", lengthText(error, unit));
   if (isNearest(scene.model, error, nearest)) {
-    return words + "no state with closed joints was found nearer";
+    return words + "no nearer state with closed joints was found";
   }
-  return words + fmt::format("{}, a state with closed joints {} from it is known",
+  return words + fmt::format("{}, although a state with closed joints exists {} from the target",
                              found.contacts == scene::ContactFilter::None
-                                 ? "no path was found that comes nearer"
-                                 : "among touching bricks no path was found that comes nearer",
+                                 ? "no nearer path was found"
+                                 : "no nearer path with contacts was found",
                              lengthText(nearest, unit));
 }
 
@@ -147,27 +147,26 @@ std::string endOf(const scene::Scene& scene, const GeometricPath& found, double 
     words = found.closedWords;
   } else if (found.path.endsAtOpenJoints) {
     words = fmt::format(
-        "the path ends at the last state with closed joints: beyond it they open by more than ten "
+        "the path ends at the last state with closed joints. Beyond it they open by more than ten "
         "times the last digit, {}, of the model's coordinates",
         lengthText(scene.model.rounding, scene.model.unit, 6));
   } else if (!isExtension(scene, found.path)) {
-    words = fmt::format(
-        "{}: no small motion of the mechanism takes them farther apart, so that nothing moves",
-        found.contacts == scene::ContactFilter::None
-            ? "the tiles are at full extension from the start"
-            : "the tiles hold each other at the start");
+    words = fmt::format("{}. No small motion of the mechanism moves the tiles farther apart",
+                        found.contacts == scene::ContactFilter::None
+                            ? "the start is fully extended"
+                            : "contacts lock the tiles at the start");
   }
   if (found.hasCompliantJoints) {
-    words += fmt::format(", joints open by up to {} on it",
+    words += fmt::format(", joints open by up to {} on the path",
                          model::lengthInTiles(found.evaluation.opening, scene.model));
   }
   if (found.path.isRounded && found.isFitMeasured) {
-    words += fmt::format("; the model's tiles fit each other to {} only",
+    words += fmt::format("; the model's tiles fit each other only to {}",
                          lengthText(scene.model.rounding, scene.model.unit, 1));
   } else if (found.path.isRounded) {
     words += fmt::format(
-        ", {:.2g} of the last digit, {}, of the model's coordinates: tiles so rounded fit each "
-        "other no better",
+        ", {:.2g} of the last digit, {}, of the model's coordinates. Tiles with this rounding do "
+        "not fit each other better",
         found.evaluation.opening / scene.model.rounding,
         lengthText(scene.model.rounding, scene.model.unit, 6));
   }
@@ -186,8 +185,7 @@ void addPushedWarning(const scene::Scene& scene, const Poses& closed, Deployment
   const double pushed = meter.at(closed).grown;
   if (pushed <= kClearShare * tile) return;
   result.warnings.push_back(fmt::format(
-      "closing the joints of the start, which are open by up to {}, pushes bricks {} into each "
-      "other",
+      "the joints are open by up to {} at the start. Closing them makes bricks overlap by {}",
       lengthText(trajectory::jointGap(pivots, asRead).max, scene.model.unit, 2),
       model::lengthInTiles(pushed, scene.model)));
 }

@@ -39,9 +39,9 @@ std::vector<int> pinnedTiles(const scene::Scene& scene) {
   for (const scene::TimelineEntry& entry : scene.timeline) {
     const auto* pin = std::get_if<scene::timeline::Pin>(&entry.action);
     if (!pin || entry.when.value != 0) {
-      throw inputErrorAt(entry.where,
-                         "grips are followed through equilibria, which know no time; "
-                         "leave this away, or the grips");
+      throw inputErrorAt(
+          entry.where,
+          "grips use equilibria without time, so this entry has no effect. Remove it or the grips");
     }
     tiles.insert(tiles.end(), pin->tiles.begin(), pin->tiles.end());
   }
@@ -60,31 +60,30 @@ void requireEquilibria(const scene::Scene& scene) {
   std::string reason;
   if (!scene::isQuasiStatic(bare, reason)) {
     throw InputError(fmt::format(
-        "error: grips are followed through equilibria, but {}; leave that away, or the grips",
-        reason));
+        "error: grips support scenes in equilibrium only, but {}. Remove it or the grips", reason));
   }
   if (scene.path.kind != scene::PathKind::Auto &&
       scene.path.kind != scene::PathKind::Continuation) {
-    throw InputError("error: grips are followed through equilibria; remove `path` or the grips");
+    throw InputError(
+        "error: grips follow equilibria instead of a path. Remove `path` or the grips");
   }
   const scene::ContactFilter contacts = scene.environment.contacts;
   if (contacts == scene::ContactFilter::All || contacts == scene::ContactFilter::Unjoined) {
     throw InputError(
-        "error: equilibria under grips have no contacts; remove `contacts` or the grips");
+        "error: equilibria under grips have no contacts. Remove `contacts` or the grips");
   }
   if (const scene::Need planar = scene::sceneNeeds(scene).planar;
       !planar.on && !scene.hinges.panels) {
     throw InputError(
-        fmt::format("error: grips load rigid tiles only in the plane, but {}; let the tiles bend "
-                    "(`panels`), or remove the grips",
+        fmt::format("error: grips load rigid tiles only in the plane, but {}. Let the tiles bend "
+                    "(`panels`) or remove the grips",
                     scene.solver.planar ? "`planar` is off" : planar.reason));
   }
   const auto isLink = [](const model::Joint& joint) {
     return joint.kind == model::JointKind::Link;
   };
   if (std::ranges::any_of(scene.model.joints, isLink)) {
-    throw InputError(
-        "error: grips load sheets of tiles and joints, not of links; remove `link` or the grips");
+    throw InputError("error: grips do not support links. Remove `link` or the grips");
   }
 }
 
@@ -130,8 +129,8 @@ std::size_t leadingOf(const std::vector<GripOrder>& grips) {
       std::ranges::find_if(grips, [](const GripOrder& grip) { return grip.amount != 0; });
   if (leading == grips.end()) {
     throw inputErrorAt(grips.front().setting->where,
-                       "no grip moves or pushes anything; give one of them move = {x = 0.1} or "
-                       "another amount that is not 0");
+                       "no grip moves or pushes. Set an amount other than 0 for one of them, for "
+                       "example move = {x = 0.1}");
   }
   return static_cast<std::size_t>(leading - grips.begin());
 }
@@ -199,7 +198,7 @@ void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& g
   if (names.size() < 2) return;
   throw inputErrorAt(last->setting->where,
                      fmt::format("grips contradict each other: the joints do not allow {} "
-                                 "together; remove one of them or change its move",
+                                 "together. Remove one of them or change its move",
                                  fmt::join(names, ", ")));
 }
 
@@ -223,17 +222,19 @@ void requireInPlane(const scene::GripSetting& grip) {
     directions.row(k) = inPlane(grip.axes.col(k)).head<2>();
     amounts[k] = **named[k];
     if (!directions.row(k).isZero(0)) continue;
-    throw inputErrorAt(grip.where, fmt::format("grips load this sheet in its plane; remove {}, or "
-                                               "let the tiles bend (`panels`)",
-                                               "xyz"[k]));
+    throw inputErrorAt(
+        grip.where,
+        fmt::format(
+            "grips load this sheet only in its plane. Remove {} or let the tiles bend (`panels`)",
+            "xyz"[k]));
   }
   const Eigen::Vector2d move = directions.colPivHouseholderQr().solve(amounts);
   const double out =
       grip.isForce ? std::abs((grip.axes * amounts).z()) : (directions * move - amounts).norm();
   if (out <= kRounding * amounts.norm()) return;
   throw inputErrorAt(grip.where,
-                     "this grip leaves the plane of the sheet; give x, y and z of a direction in "
-                     "the plane, or let the tiles bend (`panels`)");
+                     "this grip moves out of the plane of the sheet. Set x, y and z of a direction "
+                     "in the plane, or let the tiles bend (`panels`)");
 }
 
 /// The sheet with three coordinates per tile.
@@ -268,7 +269,7 @@ GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics:
                        bool isSoft) {
   GeometricPath walked;
   walked.hasCompliantJoints = isSoft;
-  walked.contactReason = "equilibria under grips are without contacts";
+  walked.contactReason = "equilibria under grips have no contacts";
   walked.reason = "equilibria under grips";
   for (const mechanics::Equilibrium& state : loaded.states) {
     MechanismPath& path = walked.path;
@@ -337,7 +338,7 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
   }
   if (loaded.arrives && modes > 0) {
     result.warnings.push_back(fmt::format(
-        "the last equilibrium is not stable: the sheet would leave it in {} independent way{}",
+        "the last equilibrium is unstable: the sheet would leave it in {} independent direction{}",
         modes, modes == 1 ? "" : "s"));
   }
   // Poses of bending tiles are only fits: their overlaps do not count.
@@ -347,8 +348,8 @@ void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
     result.outcome = Outcome::Locked;
     result.forbiddenOverlap = grown;
     result.shortfall = fmt::format(
-        "tiles overlap by up to {}: equilibria under grips have no contacts, and the "
-        "sheet is pressed through itself",
+        "tiles overlap by up to {}. Equilibria under grips have no contacts, so the sheet can pass "
+        "through itself",
         model::lengthInTiles(grown, scene.model));
     result.reason += "; " + result.shortfall;
   }
@@ -509,7 +510,7 @@ class BarHingeMaker {
   mechanics::NodeGrip gripOf(const GripOrder& order) const {
     if (order.name.isTurn) {
       throw inputErrorAt(order.setting->where,
-                         "tiles that bend have no turn of their own; hold or move their vertices");
+                         "bending tiles have no rotation. Hold or move their vertices");
     }
     mechanics::NodeGrip grip{{}, order.direction, order.amount, order.setting->isForce};
     for (const model::Corner& corner : order.setting->corners) {
@@ -593,10 +594,10 @@ class BarHingeMaker {
 
   [[noreturn]] void refuseHinge(int a, int b) const {
     const int first = scene_.model.fileOrder.countsFrom;
-    throw InputError(fmt::format(
-        "error: tiles that bend fold about edges that two of them have in common, but tiles {} and "
-        "{} have none; split the tile with the longer edge at the corner of the other",
-        first + a, first + b));
+    throw InputError(
+        fmt::format("error: bending tiles need common edges, but tiles {} and {} have none. Split "
+                    "the tile with the longer edge at the corner of the other",
+                    first + a, first + b));
   }
 
   const scene::Scene& scene_;
@@ -610,12 +611,13 @@ void requireNodes(const model::Model& model) {
   for (const model::Joint& joint : model.joints) {
     if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
-          "error: tiles that bend are joined at corners; remove `fix` and `link`, or `panels`");
+          "error: bending tiles can only be joined at corners. Remove `fix` and `link`, or "
+          "`panels`");
     }
     if (joint.face == model::JointFace::Both) {
       throw InputError(
-          "error: tiles that bend are joined at one face, not at both as hinges through their "
-          "thickness are; set the face of each joint to 1 (bottom), or remove `panels`");
+          "error: bending tiles must be joined at one face, not at both. Set the face of each "
+          "joint to 1 (bottom), or remove `panels`");
     }
   }
 }
@@ -624,10 +626,9 @@ void requireNodes(const model::Model& model) {
 void requireSpringsAlone(const model::PairForces& forces) {
   for (const std::shared_ptr<const model::PairForce>& force : forces) {
     if (force->hingeSprings()) continue;
-    throw InputError(
-        fmt::format("error: tiles that bend (`panels`) have springs at hinges, but no {}; remove "
-                    "one of the two",
-                    force->name().counted));
+    throw InputError(fmt::format(
+        "error: bending tiles (`panels`) support springs at hinges, but no {}. Remove one of them",
+        force->name().counted));
   }
 }
 

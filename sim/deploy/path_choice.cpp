@@ -362,17 +362,17 @@ class PathSearch {
     if (!isCutShort()) return "";
     std::vector<std::string> parts;
     if (cutShort_ > 0) {
-      parts.push_back(fmt::format("{} trial{} cut short", cutShort_, cutShort_ == 1 ? "" : "s"));
+      parts.push_back(fmt::format("{} trial{} stopped", cutShort_, cutShort_ == 1 ? "" : "s"));
     }
-    if (isIncomplete_) parts.push_back("others not made");
-    return fmt::format(" ({} by the search budget; raise `search_effort`)", fmt::join(parts, ", "));
+    if (isIncomplete_) parts.push_back("others not started");
+    return fmt::format(" ({}: search budget spent; raise `search_effort`)", fmt::join(parts, ", "));
   }
 
   /// Describes a path that reaches the equilibrium of the scene's springs.
   std::string arriving() const {
     return atTarget_.nearest.restError <= kFarShare * model::tileSize(scene_.model)
                ? " arrives"
-               : " comes as near as joints that stay closed were found to";
+               : " reaches the nearest known state with closed joints";
   }
 
   // In the plane without contacts, a straight pull with longer steps is tried
@@ -400,22 +400,21 @@ class PathSearch {
   }
 
   std::string noneArrives() const {
-    return (count_ == 0 ? "no path was tried" : "no path that was tried arrives") + untried();
+    return (count_ == 0 ? "no path was tried" : "no tried path arrives") + untried();
   }
 
   /// If bricks overlap on the path found, searches another path with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool fitsAtTarget) {
     if (const auto path = pathAmongBricks(waysOf(scene_, true))) {
-      return {*path, describe(*path) + " among touching bricks" + arriving(), true};
+      return {*path, describe(*path) + " with contacts" + arriving(), true};
     }
-    std::string reason = first.reason + " where bricks pass through each other";
+    std::string reason = first.reason + " with overlaps";
     if (fitsAtTarget) {
-      reason +=
-          "; no path that was tried arrives among bricks that touch" + untried() + widerJoints();
+      reason += "; no tried path arrives with contacts" + untried() + widerJoints();
     }
     if (!nearest_) return {withExactJoints(first.path), reason};
-    return {nearest_->path, fmt::format("{}; {} comes nearest among bricks that touch", reason,
-                                        describe(nearest_->path))};
+    return {nearest_->path,
+            fmt::format("{}; {} comes nearest with contacts", reason, describe(nearest_->path))};
   }
 
   /// The first path that arrives without overlaps and with small joint openings.
@@ -426,7 +425,7 @@ class PathSearch {
     bricks.ground.reset();
     bricks.gravity.setZero();
     for (const scene::PathSettings& path : paths) {
-      const std::string what = describe(path) + " among touching bricks";
+      const std::string what = describe(path) + " with contacts";
       if (!mayTry(what)) return {};
       const bool found = arrives(path, bricks, what);
       if (isOver_ || !last_.keepsClear) continue;
@@ -443,7 +442,7 @@ class PathSearch {
   /// For the summary: compliant joints that arrive but open too far. Empty if there are none.
   std::string widerJoints() const {
     if (!wide_) return "";
-    return fmt::format("; {} does, but joints open by {}", describe(wide_->path),
+    return fmt::format("; {} arrives, but joints open by {}", describe(wide_->path),
                        lengthText(wide_->end.opening, scene_.model.unit, 2));
   }
 
@@ -463,7 +462,7 @@ class PathSearch {
 
 std::string jamming() {
   return fmt::format(
-      "exact joints jam, the tiles fit each other in no open state; joint ratio {:g}",
+      "exact joints jam: the tiles do not fit each other in any open state. Joint ratio {:g}",
       kMisfitRatio);
 }
 
@@ -475,16 +474,16 @@ PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
                       SearchBudget& budget, const TrialObserver& observer,
                       std::vector<TrialEnd>& trials) {
   const TrialObserver watch = observer ? observer : [](const SearchNews&) { return true; };
-  if (scene.path.kind != scene::PathKind::Dynamic) return {scene.path, "asked for", true};
+  if (scene.path.kind != scene::PathKind::Dynamic) return {scene.path, "requested", true};
   scene::PathSettings straight = scene.path;
   straight.kind = scene::PathKind::Straight;
   if (scene.solver.kind == scene::SolverKind::Bullet)
-    return {straight, "the baseline tries no others"};
+    return {straight, "the baseline tries no other paths"};
   if (std::isfinite(roundedJointStiffness(scene.model)) && exactJointsJam(scene, budget, watch)) {
     straight.jointRatio = kMisfitRatio;
     return {straight, jamming(), true};
   }
-  if (!scene.timeline.empty()) return {straight, "the timeline leads"};
+  if (!scene.timeline.empty()) return {straight, "the timeline drives the sheet"};
   const scene::Drive drive = scene.actuation.drive;
   if (drive != scene::Drive::Target && drive != scene::Drive::None &&
       exactJointsJam(scene, budget, watch)) {
@@ -492,7 +491,7 @@ PathChoice choosePath(const scene::Scene& scene, const TargetFindings& atTarget,
     return {straight, jamming()};
   }
   if (!scene.model.target) return {straight, "there is no target"};
-  if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};
+  if (scene.hinges.areOn()) return {straight, "hinges have springs"};
   if (drive != scene::Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
   return PathSearch(scene, atTarget, budget, watch, trials).find();
@@ -521,8 +520,7 @@ std::string tornWarning(const scene::Scene& scene) {
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap <= kOpenJoints * tile) return "";
   return fmt::format(
-      "the target is torn: its own joints are open by {} there ({:.2g} tiles), so that closed "
-      "joints cannot reach it",
+      "the target opens its joints by {} ({:.2g} tiles); closed joints cannot reach it",
       lengthText(gap, scene.model.unit), gap / tile);
 }
 
@@ -536,9 +534,8 @@ std::string turnedWarning(const scene::Scene& scene) {
   const std::optional<model::SheetFrame> frame = model::sheetFrame(model.tiles, flat);
   const bool areFlat = frame && model::isParallel(*frame, *model.target, flat);
   if (turned == 0 || (!areFlat && turned < count)) return "";
-  return fmt::format(
-      "the target is turned over: {} of {} tiles face the other way there than at the start",
-      turned, count);
+  return fmt::format("the target is turned over: {} of {} tiles face the opposite side there",
+                     turned, count);
 }
 
 // Warns if the tiles' shapes differ from those of the target.
@@ -547,7 +544,7 @@ std::string rigidWarning(const scene::Scene& scene) {
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (bound <= kFarShare * tile) return "";
   return fmt::format(
-      "the target is out of reach: its tiles have other shapes, and rigid ones cannot come nearer "
+      "the target is out of reach: its tiles have other shapes. Rigid tiles cannot come nearer "
       "than {}",
       model::lengthInTiles(bound, scene.model, 3));
 }
@@ -579,8 +576,7 @@ std::string reachWarning(const scene::Scene& scene, const AssembledState& neares
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (nearest.error <= kAboveBound * bound) return "";
   return fmt::format(
-      "the target is out of reach: the search for the nearest state with closed joints ended {} "
-      "from it",
+      "the target is out of reach: the nearest state found with closed joints is {} from it",
       model::lengthInTiles(nearest.error, scene.model, 3));
 }
 

@@ -37,9 +37,8 @@ void requireDriveOutOfPlane(const scene::Scene& scene) {
   const int count = motionsOutOfPlane(scene);
   if (count == 0) return;
   throw InputError(
-      fmt::format("error: this sheet has no motion in its plane, {} out of it: give a target, "
-                  "gravity, a pull or a drive (`target`, `gravity`, [[timeline]] or "
-                  "[[velocity]] in scene.toml)",
+      fmt::format("error: this sheet has no motion in its plane, but {} out of it. Set a target or "
+                  "a load (`target`, `gravity`, [[timeline]] or [[velocity]] in scene.toml)",
                   count));
 }
 

@@ -77,8 +77,8 @@ std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
 
 /// The name of a candidate in summary.json.
 std::string describe(const Candidate& candidate) {
-  const char* guide = candidate.guide == Guide::OwnMotion    ? "own motion of each tile"
-                      : candidate.guide == Guide::FromTarget ? "from the target back"
+  const char* guide = candidate.guide == Guide::OwnMotion    ? "motion of each tile"
+                      : candidate.guide == Guide::FromTarget ? "backwards from the target"
                                                              : "previous path";
   const std::string joints = std::isinf(candidate.jointStiffness)
                                  ? "exact joints"
@@ -281,7 +281,7 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
   if (before.overlapGrowth > clear) better.contacts = contacts;
   evaluate(scene, better);
   PathEvaluation& after = better.evaluation;
-  after.candidate = "improved as a whole: " + before.candidate;
+  after.candidate = "smoothed: " + before.candidate;
   after.work = budget.spent() - spent;
   const PathEvaluation improved = after;
   // Joints with smaller gaps count as closed.
@@ -296,27 +296,26 @@ std::optional<PathEvaluation> improve(const scene::Scene& scene, GeometricPath& 
 // ------------------------------------------------------------------------------------------------
 // Description of a path, for the summary.
 
-const char* const kSmoothing = "improvement of the path as a whole";
+const char* const kSmoothing = "smoothing of the path";
 const char* const kExtending = "the path to full extension";
 
 /// Sets the reasons for the path and its contacts, from its figures.
 void addReasons(const scene::Scene& scene, GeometricPath& found) {
   const bool isTouching = found.contacts != scene::ContactFilter::None;
   const bool isOverlapping = overlaps(scene, found);
-  found.contactReason =
-      !mayTouch(scene)              ? "not asked for"
-      : isTouching && isOverlapping ? "bricks meet on the way, and some overlap all the same"
-      : isTouching                  ? "bricks meet on the way"
-      : isOverlapping ? "bricks pass through each other, no path among touching ones was found"
-                      : "no bricks meet on the way";
+  found.contactReason = !mayTouch(scene)              ? "not requested"
+                        : isTouching && isOverlapping ? "bricks touch on the path, and some overlap"
+                        : isTouching                  ? "bricks touch on the path"
+                        : isOverlapping ? "bricks overlap, and no path with contacts was found"
+                                        : "no bricks touch on the path";
   const bool isOpen = found.hasCompliantJoints && !found.path.isRounded;
   const double opening = found.evaluation.opening;
-  found.reason =
-      fmt::format("a path of the mechanism{}{}", isTouching ? " among touching bricks" : "",
-                  isOpen ? fmt::format(" with compliant joints, which open by up to {}: "
-                                       "none with exact joints was found",
-                                       model::lengthInTiles(opening, scene.model))
-                         : ", nothing given needs dynamics");
+  found.reason = fmt::format(
+      "kinematic path{}{}", isTouching ? " with contacts" : "",
+      isOpen
+          ? fmt::format(", compliant joints open by up to {}: no path with exact joints was found",
+                        model::lengthInTiles(opening, scene.model))
+          : "");
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -175,7 +175,7 @@ void Run::takeStep() {
       takeBack();
       const bool areLoose = bricks_.scene.model.joints.empty();
       return end(
-          {Outcome::Diverged, fmt::format("{} left all bounds at {:.4g} s; try {}",
+          {Outcome::Diverged, fmt::format("{} left all bounds at {:.4g} s. Try {}",
                                           areLoose ? "a brick without joints" : "a brick", lostAt,
                                           areLoose ? "a shorter `duration`, or `actuation = none`"
                                                    : "a shorter `timestep` or more damping")});
@@ -238,9 +238,8 @@ void Run::warnOfEnergy(std::vector<std::string>& warnings) const {
   const double source = account.largestWork;
   if (!(gain > kEnergyGain * source)) return;
   warnings.push_back(fmt::format(
-      "energy grows by {:.3g} J ({:.2g}% of what was put in), though nothing drives the bricks; "
-      "use a smaller `{}`",
-      gain, 100 * gain / source, keepsTolerance(bricks_.scene) ? "tolerance" : "timestep"));
+      "energy grows by {:.3g} J ({:.2g}% of the input) without a drive. Use a smaller `{}`", gain,
+      100 * gain / source, keepsTolerance(bricks_.scene) ? "tolerance" : "timestep"));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -277,7 +276,7 @@ void Run::restOrGoOn() {
     settleAtNearest();
     end(reasons().atRest(isTrial_));
   } else {
-    end({Outcome::Locked, fmt::format("came to rest, yet {}", timeline_.pending())});
+    end({Outcome::Locked, fmt::format("came to rest, but {}", timeline_.pending())});
   }
 }
 
@@ -436,9 +435,8 @@ std::string contactWords(std::vector<std::string> contacts) {
 
 RunEnding RunReasons::atRest(bool isTrial) const {
   if (!target_.isPulledTo()) {
-    return {Outcome::Settled, target_.tiles()
-                                  ? "everything came to rest; nothing pulls to the target"
-                                  : "everything came to rest; there is no target"};
+    return {Outcome::Settled, target_.tiles() ? "came to rest; nothing pulls to the target"
+                                              : "came to rest; there is no target"};
   }
   const double error = target_.error(motion_.poses());
   const LengthUnit& unit = bricks_.scene.model.unit;
@@ -501,34 +499,34 @@ std::string RunReasons::friction() const {
   }
   return fmt::format(
       "friction on the ground holds the tiles: the drive pulls each with at most {:.3g} N, "
-      "friction "
-      "holds mu m g = {:.3g} N; lower `ground_friction` or raise `spring_stiffness`",
+      "friction holds up to mu m g = {:.3g} N. Lower `ground_friction` or raise `spring_stiffness`",
       pull, most);
 }
 
 // What prevents a run at rest from reaching its target.
 std::string RunReasons::holdup() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
-    return "the baseline does not tell why";
+    return "the baseline solver reports no reason";
   if (const std::string held = friction(); !held.empty()) return held;
   const std::vector<std::string> contacts = motion_.solver().loadedContacts();
   if (!contacts.empty()) return contactWords(contacts);
-  if (rest_.isStuck(motion_.poses())) return "exact joints leave the tiles no way on";
+  if (rest_.isStuck(motion_.poses())) return "exact joints allow no further motion";
   if (isImmobile()) {
     return fmt::format(
-        "the joints leave the tiles no way to move (0 degrees of freedom); compliant joints would "
-        "(`path = guided` with `joint_ratio = {:g}`)",
+        "the joints allow no motion (0 degrees of freedom). Compliant joints would (`path = "
+        "guided` with `joint_ratio = {:g}`)",
         kCompliantRatio);
   }
   const double error = target_.error(motion_.poses());
-  if (target_.isNearest(error)) return "no state with closed joints was found nearer";
+  if (target_.isNearest(error)) return "no nearer state with closed joints was found";
   if (target_.isWhereSpringsRest(error)) {
     return fmt::format(
-        "the springs rest there; a state with closed joints {} from the target is known",
+        "the springs are in equilibrium, although a state with closed joints exists {} from the "
+        "target",
         lengthText(target_.nearestError(), bricks_.scene.model.unit));
   }
-  if (bricks_.scene.hinges.areOn()) return "the springs at the hinges hold them";
-  return "a local minimum of the pull, no small move brings the tiles nearer";
+  if (bricks_.scene.hinges.areOn()) return "the springs at the hinges hold the tiles";
+  return "stuck in a local energy minimum";
 }
 
 }  // namespace kirireel::deploy

@@ -229,15 +229,15 @@ void JointFit::hold(Dynamics& solver) const {
 std::string JointFit::trouble() const {
   const double misfit = misfitStiffness(bricks_.scene, bricks_.bricks);
   if (isMisfit_) {
-    return fmt::format("{}, so joints are slightly compliant, with {:.2g} N/m",
-                       isHeldOpen_ ? "bricks are in the way of closing joints"
-                                   : "the tiles do not quite fit each other",
-                       misfit);
+    return fmt::format(
+        "{}. Joints are slightly compliant, with {:.2g} N/m",
+        isHeldOpen_ ? "contacts prevent closed joints" : "the tiles do not fit each other exactly",
+        misfit);
   }
   if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
   return fmt::format(
-      "closing the joints at the start pushes bricks {} into each other, joints "
-      "that are compliant would not (`path = guided` with `joint_ratio = {:g}`)",
+      "closing the joints at the start makes bricks overlap by {}. Compliant joints avoid this "
+      "(`path = guided` with `joint_ratio = {:g}`)",
       lengthText(pushedAtStart_, bricks_.scene.model.unit, 2), kMisfitRatio);
 }
 

@@ -77,7 +77,7 @@ std::string momentText(const scene::Trigger& moment, const LengthUnit& unit) {
     case scene::Trigger::Kind::AtTime:
       return fmt::format("{:g} s", moment.value);
     case scene::Trigger::Kind::After:
-      return fmt::format("{:g} s after the entry before", moment.value);
+      return fmt::format("{:g} s after the previous entry", moment.value);
     case scene::Trigger::Kind::AtRest:
       return "rest";
     case scene::Trigger::Kind::AtTarget:

@@ -273,7 +273,7 @@ class Follower {
       // A singular H at the start means a mechanism. No load path begins there.
       if (equations.isLoose()) {
         throw RunError(
-            "error: the sheet can move without resistance; hold it with grips or `pin`, and put "
+            "error: the sheet can move without resistance. Hold it with grips or `pin`, and add "
             "springs at its hinges (`hinge_stiffness`)");
       }
       const Vector gaps = sheet_.residual(at.q, 0);
@@ -286,7 +286,7 @@ class Follower {
       at.q += share * change.q;
       at.multipliers += share * change.multipliers;
     }
-    throw RunError("error: no equilibrium was found near the start, before any load");
+    throw RunError("error: no equilibrium was found near the unloaded start");
   }
 
   // The direction (dq, dm, dload) in which the equations stay satisfied: H dq + J^T dm = pull, J dq

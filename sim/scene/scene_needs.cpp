@@ -77,7 +77,7 @@ std::string whyGravityLifts(const Scene& scene, const model::SheetFrame& frame, 
   const std::optional<Ground>& ground = scene.environment.ground;
   if (!frame.isHorizontal()) {
     if (ground) return "the sheet does not lie on the ground";
-    return gravity.isZero(0) ? "" : "gravity pulls at a sheet that is not horizontal";
+    return gravity.isZero(0) ? "" : "there is gravity and the sheet is not horizontal";
   }
   if (!isVertical(gravity)) return "gravity is not vertical";
   // Gravity towards the ground is balanced by a normal force. Otherwise the sheet rises or falls.
@@ -103,7 +103,7 @@ bool foldsOutOfPlane(const Scene& scene) {
 // Reports the first reason, ordered from basic to special.
 Need planarNeed(const Scene& scene) {
   // The user's choice has priority.
-  if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
+  if (scene.solver.planar) return {*scene.solver.planar, "requested"};
   if (!scene.spaceReason.empty()) return {false, scene.spaceReason};
   if (const std::string why = whySpace(scene); !why.empty()) return {false, why};
   const double tolerance = model::flatTolerance(scene.model);
@@ -127,9 +127,9 @@ Need planarNeed(const Scene& scene) {
     return leavesPlane(*frame, velocity);
   };
   if (std::ranges::any_of(scene.velocities, leaves)) {
-    return {false, "tiles begin with a speed out of the plane"};
+    return {false, "tiles have initial velocities out of the plane"};
   }
-  if (foldsOutOfPlane(scene)) return {false, "springs fold the sheet as its file says"};
+  if (foldsOutOfPlane(scene)) return {false, "springs fold the sheet to the angles of its file"};
   if (dragsOutOfPlane(scene, *frame, tolerance)) {
     return {false, "a tile is dragged out of the plane"};
   }
@@ -148,9 +148,9 @@ Need planarNeed(const Scene& scene) {
 Need contactNeed(const Scene& scene) {
   switch (scene.environment.contacts) {
     case ContactFilter::Auto:
-      return {false, "unless bricks meet on the way"};
+      return {false, "unless bricks touch on the path"};
     case ContactFilter::None:
-      return {false, "not asked for"};
+      return {false, "not requested"};
     case ContactFilter::Unjoined:
       return {true, "unjoined bricks may touch"};
     case ContactFilter::All:
@@ -182,9 +182,9 @@ const char* timelineReason(const Timeline& timeline) {
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
   // Full extension has no end state if a part is unconnected.
-  reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
+  reason = scene.actuation.drive != defaultDrive(scene.model) ? "`actuation` is set"
            : !scene.timeline.empty()                          ? timelineReason(scene.timeline)
-           : !scene.velocities.empty()                        ? "tiles begin with a speed"
+           : !scene.velocities.empty()                        ? "tiles have initial velocities"
            : !scene.environment.obstacles.empty()             ? "there is ground or an obstacle"
            : scene.hinges.panels                              ? "tiles bend"
            : scene.hinges.areOn()                             ? "hinges have springs"
@@ -211,8 +211,7 @@ std::optional<model::SheetFrame> ownAxes(const Scene& scene) {
   if (!frame || frame->isHorizontal() || !sceneNeeds(scene).planar.on) return std::nullopt;
   if (!scene.environment.ground) return frame;
   throw InputError(
-      "error: `planar = on` keeps tiles in the plane of the sheet, which is not horizontal, but "
-      "there is a ground; remove one of the two");
+      "error: `planar = on` with a ground needs a horizontal sheet. Remove one of them");
 }
 
 Scene inAxes(const model::SheetFrame& frame, Scene scene) {

@@ -67,8 +67,8 @@ struct RunCurves {
 
 /// Message for a run without energies and forces.
 inline constexpr const char* kNoMechanics =
-    "the run has no energies and forces: a path of the mechanism is geometry, and engines do not "
-    "tell theirs; one recorded with `path = dynamic` has both";
+    "the run has no energies and forces: kinematic paths have none, and engines do not report "
+    "theirs. Record it with `path = dynamic`";
 
 /// Measures quantities that trajectory.h5 does not contain, from the poses of samples: the channels
 /// width to opening_largest of the list above, and each joint's opening as rows. Keeps a reference

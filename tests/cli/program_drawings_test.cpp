@@ -81,7 +81,7 @@ TEST(ProgramDrawings, GoToTheirSecondCompactState) {
         runKirireel({"simulate", std::string(KIRIREEL_SOURCE_DIR "/docs/drawings/") + name, "--to",
                      "closed", "--out", scratch / name});
     EXPECT_EQ(end.exitCode, 0) << end.err;
-    EXPECT_THAT(end.out, HasSubstr("the path ends where the tiles meet again: ")) << name;
+    EXPECT_THAT(end.out, HasSubstr("the path ends when the tiles meet again: ")) << name;
   }
 }
 

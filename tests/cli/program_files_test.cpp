@@ -127,10 +127,10 @@ TEST_F(Files, HullsThatAreWrongAreRefusedWhereTheyAreNeeded) {
   EXPECT_THAT(unused.err, HasSubstr("this hull is left out"));
   const ProgramEnd needed = simulate("sheet_vertices.txt", {"--actuation", "boundary"});
   EXPECT_EQ(needed.exitCode, 2);
-  EXPECT_THAT(needed.err, HasSubstr("sheet_hull.txt: error: its 3 rows name corners that are not "
-                                    "there, or too few; write one corner of the sheet's outside a "
-                                    "line, \"tile vertex\", from 0, at least 3; or remove it, and "
-                                    "the convex outline is pulled instead"));
+  EXPECT_THAT(needed.err,
+              HasSubstr("sheet_hull.txt: error: its 3 rows name corners that are not there, or too "
+                        "few; write one corner of the sheet's outside a line, \"tile vertex\", "
+                        "from 0, at least 3. Or remove the file to pull the convex outline"));
   EXPECT_EQ(simulate("sheet_vertices.txt", {"--strict"}).exitCode, 2);
 }
 

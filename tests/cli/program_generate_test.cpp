@@ -164,7 +164,7 @@ TEST(ProgramInspect, TellsWhatAModelIs) {
 TEST(ProgramInspect, LeavesContactsToTheRun) {
   for (const char* name : {"cap", "fan", "cube_to_sphere"}) {
     EXPECT_THAT(runKirireel({"inspect", (kData / name).string()}).out,
-                testing::HasSubstr("contacts off (unless bricks meet on the way)"))
+                testing::HasSubstr("contacts off (unless bricks touch on the path)"))
         << name;
   }
 }

@@ -122,7 +122,7 @@ TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
   EXPECT_TRUE(fs::exists(out_ / ".unfinished/checkpoint/state.h5"));
   // A kill takes nothing away.
   const auto goesOn =
-      testing::MatchesRegex("kirireel: goes on at .* s, from the checkpoint in .*\n");
+      testing::MatchesRegex("kirireel: continues at .* s from the checkpoint in .*\n");
   endBy(SIGKILL, recordLongInto(out_, {"--resume"}));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--resume"}));
   EXPECT_EQ(end.exitCode, 0) << end.err;
@@ -133,8 +133,9 @@ TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
 TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
   endBy(SIGTERM, recordLongInto(out_));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10", "--resume"}));
-  EXPECT_EQ(end.err, "kirireel: the checkpoint in " + (out_ / ".unfinished/checkpoint").string() +
-                         " is of another order or program; the run starts anew\n");
+  EXPECT_EQ(end.err,
+            "kirireel: the checkpoint in " + (out_ / ".unfinished/checkpoint").string() +
+                " is from another order or program version. The run starts from the beginning\n");
   EXPECT_EQ(end.exitCode, 0);
   EXPECT_FALSE(fs::exists(out_ / ".unfinished"));
 }

@@ -40,14 +40,15 @@ TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
   }
   const ProgramEnd end = simulate(model, {"--verbose"});
   EXPECT_NE(end.exitCode, 0);
-  EXPECT_THAT(end.err, HasSubstr("model: warning: the target is torn: its own joints are open by 1 "
-                                 "m there (1 tiles), so that closed joints cannot reach it"));
+  EXPECT_THAT(end.err, HasSubstr("model: warning: the target opens its joints by 1 m (1 tiles); "
+                                 "closed joints cannot reach it"));
   EXPECT_THAT(end.out, HasSubstr("locked after "));
-  EXPECT_THAT(end.out, HasSubstr("warning: the target is torn"));
+  EXPECT_THAT(end.out, HasSubstr("warning: the target opens its joints"));
   EXPECT_THAT(end.out, HasSubstr("bounds: no rigid tiles come nearer than "));
   EXPECT_THAT(end.out, HasSubstr("; nearest found with joints closed 0.5"));
   ASSERT_EQ(summary_["warnings"].size(), 2u);
-  EXPECT_EQ(summary_["warnings"][0].get<std::string>().substr(0, 18), "the target is torn");
+  EXPECT_EQ(summary_["warnings"][0].get<std::string>().substr(0, 27),
+            "the target opens its joints");
 }
 
 TEST_F(Targets, AMissedOneIsReportedInSixLines) {

@@ -213,7 +213,7 @@ class Pages(unittest.TestCase):
                 self.assertIn(name, words)
             self.assertEqual(window.messages(), [])
         with Browser(self.page("cylinder")) as window:
-            self.assertIn("no energies and forces: a path of the mechanism is geometry",
+            self.assertIn("no energies and forces: kinematic paths have none",
                           window.run("return document.body.textContent"))
 
     def test_measures_have_their_scale(self):

@@ -64,7 +64,7 @@ TEST(Arrival, OverlapsAreAShortfallUnlessContactsAreSwitchedOff) {
   const double tile = model::tileSize(scene.model);
   ASSERT_GT(open.accuracy.penetrationGrownMax, 0.1 * tile);  // measured: 0.84 tiles
   EXPECT_EQ(open.outcome, deploy::Outcome::Settled);
-  EXPECT_THAT(open.shortfall, HasSubstr("bricks pass through each other by up to "));
+  EXPECT_THAT(open.shortfall, HasSubstr("bricks overlap by up to "));
   EXPECT_THAT(open.reason, HasSubstr(open.shortfall));
   EXPECT_THAT(open.trajectory.events.back().text, HasSubstr(open.shortfall));
   scene.environment.contacts = scene::ContactFilter::None;
@@ -91,8 +91,8 @@ TEST(Arrival, ASearchThatItsBudgetEndsIsAShortfall) {
   scene.path.searchEffort = 0;
   const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_THAT(run.shortfall,
-              HasSubstr("the search for a path ended at its budget; raise `search_effort`"));
-  EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("ended at its budget")));
+              HasSubstr("the search for a path spent its budget. Raise `search_effort`"));
+  EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("spent its budget")));
 }
 
 // Bricks that lie on the ground are pulled by less than friction holds.
@@ -108,7 +108,7 @@ TEST(Arrival, FrictionThatHoldsASheetIsReported) {
   EXPECT_THAT(run.shortfall, HasSubstr("friction on the ground holds the tiles: the drive pulls "
                                        "each with at most "));
   // mu m g = 0.5 * 1 kg * 1e4 m/s2.
-  EXPECT_THAT(run.shortfall, HasSubstr("friction holds mu m g = 5e+03 N"));
+  EXPECT_THAT(run.shortfall, HasSubstr("friction holds up to mu m g = 5e+03 N"));
 }
 
 }  // namespace

@@ -252,14 +252,14 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
   scene::Scene scene = bendingSquare(1e6);
   scene.solver.planar = true;
   EXPECT_EQ(messageFor(scene),
-            "error: tiles that bend leave their plane; remove `planar = on` or `panels`");
+            "error: bending tiles leave their plane. Remove `planar = on` or `panels`");
   scene = bendingSquare(1e6);
   scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   scene.model.joints.clear();
   EXPECT_EQ(messageFor(scene),
-            "error: in motion `panels` bends only split tiles and folds, and there are none: split "
-            "tiles (`split_tiles = all`), or give folds a length scale (`panels = E,NU,LENGTH`); "
-            "tiles that stretch too need a [[grip]] in scene.toml");
+            "error: `panels` bends only split tiles and folds in dynamic runs, and there are none. "
+            "Split tiles (`split_tiles = all`), or give folds a length scale (`panels = "
+            "E,NU,LENGTH`). Tiles that also stretch need a [[grip]] in scene.toml");
   // Folds alone are enough, and that tiles stay rigid is said.
   scene = frustratedSheet(0.02);
   scene.stop.duration = 0.1;
@@ -268,7 +268,7 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
     said += news.warning;
     return true;
   });
-  EXPECT_THAT(said, HasSubstr("4 of 4 tiles have more than three corners and stay rigid in motion; "
+  EXPECT_THAT(said, HasSubstr("4 of 4 tiles have more than three corners and stay rigid. "
                               "`split_tiles` lets them bend"));
 }
 

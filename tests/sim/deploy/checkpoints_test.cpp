@@ -103,7 +103,7 @@ void expectResumedAt(const std::vector<std::size_t>& samples, const scene::Scene
     }
     std::string found;
     const deploy::DeploymentResult resumed = runProcess(scene, folder, kNoLast, ending, &found);
-    EXPECT_THAT(found, StartsWith("goes on at"));
+    EXPECT_THAT(found, StartsWith("continues at"));
     expectSame(resumed, undisturbed);
   }
 }
@@ -314,7 +314,7 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   }
   deploy::Checkpoints checkpoints(folder, "this order");
   EXPECT_EQ(checkpoints.find(),
-            "goes on with the search for a path, from the checkpoint in " + folder.string());
+            "continues the search for a path from the checkpoint in " + folder.string());
   EXPECT_THAT(checkpoints.trials(), SizeIs(2));
   const double earlierSeconds = checkpoints.searchSeconds();
   EXPECT_GT(earlierSeconds, 0);
@@ -324,7 +324,7 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
       runProcess(scene, folder, kNoLast, Ending::Asked, &found);
   expectSame(resumed, undisturbed);
   EXPECT_GT(resumed.cost.cpuSecondsSearch, earlierSeconds);
-  EXPECT_THAT(found, HasSubstr("with the search"));
+  EXPECT_THAT(found, HasSubstr("the search"));
 }
 
 TEST(Checkpoints, StayWhereARunEndsBeforeItHasCaughtUp) {
@@ -340,7 +340,7 @@ TEST(Checkpoints, StayWhereARunEndsBeforeItHasCaughtUp) {
   EXPECT_NEAR(early.trajectory.events.back().time, 5 * kInterval, 1e-9);
   std::string found;
   expectSame(runProcess(scene, folder, kNoLast, Ending::Asked, &found), undisturbed);
-  EXPECT_THAT(found, StartsWith("goes on at 1 s"));
+  EXPECT_THAT(found, StartsWith("continues at 1 s"));
 }
 
 TEST(Checkpoints, AreNotMadeOfARunByAnEngine) {
@@ -415,7 +415,7 @@ class LeftCheckpoint : public testing::Test {
     return numbers;
   }
 
-  const std::string damaged_ = " is damaged or incomplete; the run starts anew";
+  const std::string damaged_ = " is damaged or incomplete. The run starts from the beginning";
   scene::Scene scene_ = sheetScene(3, 0.3, 1.5);
   test::TemporaryFolder scratch_;
   fs::path folder_ = scratch_ / "checkpoint";
@@ -438,8 +438,9 @@ TEST_F(LeftCheckpoint, WithoutAllOfItsSamplesIsNotUsed) {
 
 TEST_F(LeftCheckpoint, OfAnotherOrderIsNotUsed) {
   deploy::Checkpoints other(folder_, "another order");
-  EXPECT_EQ(other.find(), "the checkpoint in " + folder_.string() +
-                              " is of another order or program; the run starts anew");
+  EXPECT_EQ(other.find(),
+            "the checkpoint in " + folder_.string() +
+                " is from another order or program version. The run starts from the beginning");
   EXPECT_EQ(other.run(), nullptr);
   EXPECT_TRUE(scratch_.isEmpty());
 }

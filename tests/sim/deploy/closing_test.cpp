@@ -62,7 +62,7 @@ TEST(Closing, EndsAtTheOtherCompactStateOfTheDesign) {
     const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
     const double tile = model::tileSize(model);
     EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
-    EXPECT_THAT(run.reason, HasSubstr("the path ends where the tiles meet again: "));
+    EXPECT_THAT(run.reason, HasSubstr("the path ends when the tiles meet again: "));
     const std::vector<model::Tile> end =
         model::bottomTiles(run.trajectory.bricks, run.trajectory.samples.back().poses);
     EXPECT_LE(distanceAtBest(end, *model.target), 1e-6 * tile) << model.name;
@@ -84,7 +84,7 @@ TEST(Closing, RefusesSheetsWithoutOneMotion) {
   model::Model chain = model::makeTessellation({});
   chain.joints.resize(chain.joints.size() - 3);
   EXPECT_THAT(refusal(closing(chain)),
-              HasSubstr("error: `to = closed` needs a sheet with one motion, but this one has "));
+              HasSubstr("error: `to = closed` needs a sheet with one motion, but this sheet has "));
   model::Model loose = model::makeTessellation({});
   loose.joints.clear();
   EXPECT_THAT(refusal(closing(loose)), HasSubstr("error: `to = closed`"));
@@ -93,14 +93,15 @@ TEST(Closing, RefusesSheetsWithoutOneMotion) {
 TEST(Closing, RefusesWhatItDoesNotFollow) {
   scene::Scene falling = closing(model::makeTessellation({}));
   falling.environment.gravity = {0, 0, -9.81};
-  EXPECT_THAT(refusal(falling), HasSubstr("error: `to = closed` follows the motion of the sheet as "
-                                          "geometry, but there is gravity; remove "
-                                          "that"));
+  EXPECT_THAT(
+      refusal(falling),
+      HasSubstr(
+          "error: `to = closed` supports kinematic scenes only, but there is gravity. Remove it"));
   scene::Scene dynamic = closing(model::makeTessellation({}));
   dynamic.path.kind = scene::PathKind::Dynamic;
-  EXPECT_EQ(refusal(dynamic),
-            "error: `to = closed` follows the motion of the sheet as geometry; remove `path`, or use "
-            "`path = continuation`");
+  EXPECT_EQ(
+      refusal(dynamic),
+      "error: `to = closed` needs a kinematic path. Remove `path` or use `path = continuation`");
   scene::SceneParts parts;
   parts.targets = {"other"};
   scene::Scene scene = scene::openScene();

@@ -320,7 +320,7 @@ TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
   scene.environment.contacts = scene::ContactFilter::Unjoined;
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_LT(run.accuracy.targetErrorEnd, 1e-9);
-  EXPECT_EQ(run.needs.contacts.reason, "no bricks meet on the way");
+  EXPECT_EQ(run.needs.contacts.reason, "no bricks touch on the path");
   EXPECT_GT(run.accuracy.penetrationGrownMax, 0.1);
 }
 
@@ -371,7 +371,7 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   EXPECT_LE(run.accuracy.jointOpeningMax, 0.02 * tile);
   EXPECT_GT(run.accuracy.jointOpeningMax, 0.005 * tile);
   EXPECT_THAT(run.reason, testing::HasSubstr("joints open by up to"));
-  EXPECT_THAT(run.pathReason, testing::HasSubstr("none with exact joints was found"));
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("no path with exact joints was found"));
 }
 
 /// Through space ball joints of the same design stay closed, and its bricks apart.
@@ -381,8 +381,7 @@ TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
   const double tile = model::tileSize(scene.model);
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_FALSE(run.needs.planar.on);
-  EXPECT_EQ(run.needs.planar.reason,
-            "no path in the plane keeps joints closed and bricks apart, one in space does");
+  EXPECT_EQ(run.needs.planar.reason, "only a path in space keeps joints closed without overlaps");
   EXPECT_EQ(run.atTarget, true);
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 8e-16
   EXPECT_LE(run.accuracy.jointGapMax, 1e-3 * tile);          // 2.1e-4, to leave the flush start
@@ -404,7 +403,7 @@ TEST(Continuation, OpensJointsToLeaveAFlushStart) {
   const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
   EXPECT_LE(samples.front().jointGap, 1e-10 * tile);
   EXPECT_LE(samples.back().jointGap, 1e-10 * tile);
-  EXPECT_THAT(run.pathReason, testing::HasSubstr("with compliant joints"));
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("compliant joints"));
 }
 
 /// The symmetric start of this sheet is a saddle of its extent.
@@ -427,7 +426,7 @@ TEST(Continuation, SaysThatFlushTilesHoldEachOther) {
   scene.environment.contacts = scene::ContactFilter::All;
   const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_EQ(run.outcome, deploy::Outcome::Settled);
-  EXPECT_THAT(run.reason, testing::StartsWith("the tiles hold each other at the start"));
+  EXPECT_THAT(run.reason, testing::StartsWith("contacts lock the tiles at the start"));
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 
@@ -512,7 +511,7 @@ TEST(Continuation, ExtendsTilesThatFitToATolerance) {
     const deploy::DeploymentResult run = deploy::deploy(sceneOf(moved), 1, nullptr);
     EXPECT_NEAR(widthOf(run), width, 1e-2 * width) << e << run.reason;
     EXPECT_LE(run.accuracy.jointGapMax, 30 * e) << e;
-    EXPECT_THAT(run.reason, testing::HasSubstr("fit each other to")) << e;
+    EXPECT_THAT(run.reason, testing::HasSubstr("fit each other only to")) << e;
   }
 }
 

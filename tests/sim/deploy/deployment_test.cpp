@@ -274,7 +274,7 @@ TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   // Half a tile away is not called arrived.
   EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
-  EXPECT_THAT(result.reason, HasSubstr("no state with closed joints was found nearer"));
+  EXPECT_THAT(result.reason, HasSubstr("no nearer state with closed joints was found"));
   EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidBound);
   EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledError, 1, 1e-3);  // measured 1e-5
 }
@@ -284,7 +284,7 @@ TEST(Deploy, WithoutTargetItSettlesWhereItStands) {
   scene.model.target.reset();
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, deploy::Outcome::Settled);
-  EXPECT_EQ(result.reason, "everything came to rest; there is no target");
+  EXPECT_EQ(result.reason, "came to rest; there is no target");
   EXPECT_EQ(result.accuracy.targetErrorEnd, 0);
 }
 
@@ -337,7 +337,7 @@ std::string errorOf(const scene::Scene& scene, double interval) {
 
 TEST(Deploy, RefusesTimesThatMakeNoSense) {
   EXPECT_EQ(errorOf(smallScene(), 0),
-            "the time between samples is 0, but must be a positive number of seconds");
+            "the time between samples is 0 s, but must be finite and > 0");
   scene::Scene scene = smallScene();
   scene.solver.timestep = -0.5;
   EXPECT_EQ(errorOf(scene, 0.1),
@@ -381,18 +381,17 @@ TEST(Deploy, RefusesAModelThatNothingCanDrive) {
   // Ball joints let the truss fold out of its plane.
   EXPECT_THAT([] { deploy::deploy(truss(), 0.1, nullptr); },
               testing::ThrowsMessage<InputError>(
-                  "error: this sheet has no motion in its plane, 3 out of it: give a target, "
-                  "gravity, a pull or a drive (`target`, `gravity`, [[timeline]] or [[velocity]] "
-                  "in scene.toml)"));
+                  "error: this sheet has no motion in its plane, but 3 out of it. Set a target or "
+                  "a load (`target`, `gravity`, [[timeline]] or [[velocity]] in scene.toml)"));
   scene::Scene inPlane = truss();
   inPlane.solver.planar = true;
   for (scene::Scene scene : {inPlane, single}) {
     EXPECT_THAT(
         [&] { deploy::deploy(scene, 0.1, nullptr); },
         testing::ThrowsMessage<InputError>(
-            "error: nothing can drive this model: it has no target, and its joints leave the tiles "
-            "no motion but that of the whole; give `target`, other joints (`joints_file`), or what "
-            "moves it as it is (`gravity`, [[timeline]] or [[velocity]] in scene.toml)"));
+            "error: nothing can drive this model. It has no target, and its joints allow only "
+            "rigid motions of the whole sheet. Set `target`, other joints (`joints_file`), or a "
+            "load (`gravity`, [[timeline]] or [[velocity]] in scene.toml)"));
     scene.solver.planar.reset();
     scene::Scene falling = scene;
     falling.environment.gravity = {0, 0, -9.81};
@@ -410,7 +409,8 @@ TEST(Deploy, LeavesAPlaneThatLocksTheSheet) {
   scene::Scene scene = truss();
   scene.stop.duration = 0.1;
   scene.path.kind = scene::PathKind::Dynamic;
-  EXPECT_THAT(errorOf(scene, 0.1), testing::HasSubstr("no motion in its plane, 3 out of it: give"));
+  EXPECT_THAT(errorOf(scene, 0.1),
+              testing::HasSubstr("no motion in its plane, but 3 out of it. Set"));
   scene.velocities = {{.tiles = {}, .linear = {1, 0, 0}, .angular = {}, .where = {}}};
   const deploy::DeploymentResult inSpace = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_FALSE(inSpace.needs.planar.on);

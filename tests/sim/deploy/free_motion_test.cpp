@@ -156,7 +156,7 @@ TEST(FreeMotion, StepsThatGiveEnergyAreWarnedOf) {
   const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   ASSERT_EQ(run.warnings.size(), 1U);
   EXPECT_TRUE(run.warnings[0].starts_with("energy grows by 9.")) << run.warnings[0];
-  EXPECT_NE(run.warnings[0].find("use a smaller `timestep`"), std::string::npos);
+  EXPECT_NE(run.warnings[0].find("Use a smaller `timestep`"), std::string::npos);
   scene.solver.tolerance = 1e-6;
   EXPECT_TRUE(deploy::deploy(scene, 1, nullptr).warnings.empty());
 }

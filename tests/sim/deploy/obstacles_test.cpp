@@ -245,16 +245,16 @@ std::string refusal(const scene::Scene& scene) {
 
 TEST(Obstacles, MayNotReachIntoABrickAtTheStart) {
   EXPECT_EQ(refusal(sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()))),
-            "error: tile 0 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
+            "error: tile 0 overlaps obstacle 0 by 0.05 m at the start. Move the obstacle");
   EXPECT_EQ(refusal(sceneOf({rectangle({0, 0, 0}, 1, 1)}, sphere({0, 0, -0.45}, 0.5))),
-            "error: tile 0 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
+            "error: tile 0 overlaps obstacle 0 by 0.05 m at the start. Move the obstacle");
 }
 
 TEST(Obstacles, TilesAreNumberedAsInTheModelsFile) {
   scene::Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()));
   scene.model.fileOrder.countsFrom = 1;
   EXPECT_EQ(refusal(scene),
-            "error: tile 1 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
+            "error: tile 1 overlaps obstacle 0 by 0.05 m at the start. Move the obstacle");
 }
 
 TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
@@ -262,10 +262,11 @@ TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
   scene.solver.planar = true;
   EXPECT_EQ(
       refusal(scene),
-      "error: obstacles need bricks that move in space; remove `planar = on` or the obstacles");
+      "error: obstacles work only with bricks in space. Remove `planar = on` or the obstacles");
   scene.solver.planar.reset();
   scene.solver.kind = scene::SolverKind::Bullet;
-  EXPECT_EQ(refusal(scene), "error: `solver = bullet` has no obstacles; use `solver = direct`");
+  EXPECT_EQ(refusal(scene),
+            "error: `solver = bullet` does not support obstacles. Use `solver = direct`");
 }
 
 }  // namespace

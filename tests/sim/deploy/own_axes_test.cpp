@@ -181,10 +181,11 @@ std::string refusalOf(const scene::Scene& scene) {
 TEST(OwnAxes, RefuseGripsThatLeaveThePlane) {
   scene::Scene scene = turned(gripped());
   *scene.grips[1].z += 0.01;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("this grip leaves the plane of the sheet; give x, y and z"));
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("this grip moves out of the plane of the sheet. Set x, y and z"));
   scene = turned(gripped());
   scene.grips[2].z.reset();
-  EXPECT_THAT(refusalOf(scene), HasSubstr("this grip leaves the plane of the sheet"));
+  EXPECT_THAT(refusalOf(scene), HasSubstr("this grip moves out of the plane of the sheet"));
 }
 
 TEST(OwnAxes, PlanarMotionNeedsAHorizontalSheetOnlyForTheGround) {
@@ -192,13 +193,14 @@ TEST(OwnAxes, PlanarMotionNeedsAHorizontalSheetOnlyForTheGround) {
   scene.solver.planar = true;
   EXPECT_TRUE(deploy::deploy(scene, 0.5, nullptr).needs.planar.on);
   scene.environment.ground = scene::Ground{-10};
-  EXPECT_THAT(refusalOf(scene), HasSubstr("but there is a ground; remove one of the two"));
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("with a ground needs a horizontal sheet. Remove one of them"));
   scene.solver.planar.reset();
   EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "the sheet does not lie on the ground");
   scene.environment.ground.reset();
   scene.environment.gravity = Vector3(0, 0, -1);
   EXPECT_EQ(scene::sceneNeeds(scene).planar.reason,
-            "gravity pulls at a sheet that is not horizontal");
+            "there is gravity and the sheet is not horizontal");
 }
 
 }  // namespace

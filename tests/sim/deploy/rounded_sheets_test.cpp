@@ -118,8 +118,8 @@ TEST(RoundedSheets, LeaveAndReachClosedStates) {
 TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
   const deploy::DeploymentResult run =
       deploy::deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
-  EXPECT_NE(run.reason.find("of the last digit, 0.001 m, of the model's coordinates: tiles so "
-                            "rounded fit each other no better"),
+  EXPECT_NE(run.reason.find("of the last digit, 0.001 m, of the model's coordinates. Tiles with "
+                            "this rounding do not fit each other better"),
             std::string::npos)
       << run.reason;
 }
@@ -157,7 +157,7 @@ TEST(RoundedSheets, EndBeforeJointsOpenByMoreThanRoundingExplains) {
   const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_LE(largestOpening(run), 10 * 0.01) << run.reason;
   EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
-  EXPECT_NE(run.shortfall.find("the path ends at the last state with closed joints: beyond it they "
+  EXPECT_NE(run.shortfall.find("the path ends at the last state with closed joints. Beyond it they "
                                "open by more than ten times the last digit, 0.01 m"),
             std::string::npos)
       << run.reason;

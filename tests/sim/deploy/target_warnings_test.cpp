@@ -49,17 +49,17 @@ TEST(TargetWarnings, NoneWhereTheTargetFits) {
 }
 
 TEST(TargetWarnings, ATornTargetIsTold) {
-  EXPECT_THAT(deploy::targetWarnings(tornSheet(1)),
-              ElementsAre("the target is torn: its own joints are open by 1 m there (1 tiles), so "
-                          "that closed joints cannot reach it"));
+  EXPECT_THAT(
+      deploy::targetWarnings(tornSheet(1)),
+      ElementsAre("the target opens its joints by 1 m (1 tiles); closed joints cannot reach it"));
   EXPECT_THAT(deploy::targetWarnings(tornSheet(1e-4)), IsEmpty());
 }
 
 TEST(TargetWarnings, ATurnedOverTargetIsToldAndLeavesThePlane) {
   const scene::Scene scene = mirroredSheet();
-  EXPECT_THAT(deploy::targetWarnings(scene),
-              ElementsAre("the target is turned over: 16 of 16 tiles face the other way there than "
-                          "at the start"));
+  EXPECT_THAT(
+      deploy::targetWarnings(scene),
+      ElementsAre("the target is turned over: 16 of 16 tiles face the opposite side there"));
   EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "tiles are turned over at the target");
   EXPECT_FALSE(scene::sceneNeeds(scene).planar.on);
 }
@@ -77,7 +77,7 @@ TEST(TargetWarnings, TilesOfOtherShapesAreOutOfReach) {
   }
   // A square's corner lies sqrt(1/2) from its middle.
   EXPECT_THAT(deploy::targetWarnings(scene),
-              Contains("the target is out of reach: its tiles have other shapes, and rigid ones "
+              Contains("the target is out of reach: its tiles have other shapes. Rigid tiles "
                        "cannot come nearer than 0.354 m (0.35 tiles)"));
 }
 
@@ -97,14 +97,16 @@ TEST(TargetWarnings, ARunToATornTargetSaysSoAtItsBeginningAndDoesNotClaimToArriv
         if (!news.warning.empty()) told.push_back(news.warning);
         return true;
       });
-  EXPECT_THAT(told, ElementsAre(StartsWith("the target is torn"),
-                                StartsWith("the target is out of reach: the search for the nearest "
-                                           "state with closed joints ended 0.5")));
+  EXPECT_THAT(
+      told,
+      ElementsAre(
+          StartsWith("the target opens its joints"),
+          StartsWith(
+              "the target is out of reach: the nearest state found with closed joints is 0.5")));
   EXPECT_EQ(result.warnings, told);
   EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
-  EXPECT_THAT(result.reason, HasSubstr("short of the target: no state with closed joints"));
-  EXPECT_THAT(result.pathReason,
-              HasSubstr("comes as near as joints that stay closed were found to"));
+  EXPECT_THAT(result.reason, HasSubstr("short of the target: no nearer state with closed joints"));
+  EXPECT_THAT(result.pathReason, HasSubstr("reaches the nearest known state with closed joints"));
 }
 
 }  // namespace

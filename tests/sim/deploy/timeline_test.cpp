@@ -221,7 +221,7 @@ TEST(Timelines, WaitingInVainEndsTheRun) {
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
   EXPECT_EQ(result.reason,
-            "came to rest, yet the timeline still waits for an error below 0 m to quit");
+            "came to rest, but the timeline still waits for an error below 0 m to quit");
 }
 
 TEST(Timelines, AnEntryAfterTheEndIsRefused) {
@@ -232,8 +232,8 @@ TEST(Timelines, AnEntryAfterTheEndIsRefused) {
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "scene.toml:3:1: error: this happens at 30 s, but the run lasts 20 s at most; "
-                 "raise `duration`");
+                 "scene.toml:3:1: error: this entry is at 30 s, but the run lasts at most 20 s. "
+                 "Raise `duration`");
   }
 }
 
@@ -245,7 +245,7 @@ TEST(Timelines, PinsThatHoldTheMechanismLockItSoon) {
   scene.timeline = {{{}, Pin{{0, 15}}}};
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
-  EXPECT_THAT(result.reason, HasSubstr("exact joints leave the tiles no way on"));
+  EXPECT_THAT(result.reason, HasSubstr("exact joints allow no further motion"));
   EXPECT_LT(result.trajectory.samples.back().time, 2);  // measured 0.78 s
 }
 

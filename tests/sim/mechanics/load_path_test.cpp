@@ -414,8 +414,8 @@ TEST(LoadPath, IsRefusedWhereNothingResists) {
     FAIL();
   } catch (const RunError& error) {
     EXPECT_STREQ(error.what(),
-                 "error: the sheet can move without resistance; hold it with grips or `pin`, and "
-                 "put springs at its hinges (`hinge_stiffness`)");
+                 "error: the sheet can move without resistance. Hold it with grips or `pin`, and "
+                 "add springs at its hinges (`hinge_stiffness`)");
   }
 }
 

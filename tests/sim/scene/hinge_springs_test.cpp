@@ -235,7 +235,8 @@ TEST(FoldSprings, FoldLettersByTheirOwnRest) {
   EXPECT_FALSE(scene.model.target);
   EXPECT_EQ(scene.actuation.drive, scene::Drive::None);
   EXPECT_EQ(springOf(scene).rest, -60 * kDegree);
-  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "springs fold the sheet as its file says");
+  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason,
+            "springs fold the sheet to the angles of its file");
 }
 
 // Angles that close round no loop fold the sheet out of its plane though there is no target.
@@ -243,7 +244,8 @@ TEST(FoldSprings, LeaveThePlane) {
   const test::TemporaryFolder folder;
   scene::Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
   scene.model.target.reset();
-  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason, "springs fold the sheet as its file says");
+  EXPECT_EQ(scene::sceneNeeds(scene).planar.reason,
+            "springs fold the sheet to the angles of its file");
   scene.hinges.stiffness = 0;
   EXPECT_TRUE(scene::sceneNeeds(scene).planar.on);
 }

@@ -74,10 +74,10 @@ TEST(SceneNeeds, GravityIsPlanarOnlyOnTheGround) {
 TEST(SceneNeeds, TheUserCanOverrideThePlane) {
   scene::Scene scene = sheetScene();
   scene.solver.planar = false;
-  expectNeed(scene::sceneNeeds(scene).planar, false, "asked for");
+  expectNeed(scene::sceneNeeds(scene).planar, false, "requested");
   scene.model.tiles[0].vertices[0].z() = 1;
   scene.solver.planar = true;
-  expectNeed(scene::sceneNeeds(scene).planar, true, "asked for");
+  expectNeed(scene::sceneNeeds(scene).planar, true, "requested");
 }
 
 TEST(SceneNeeds, ContactsFollowTheFilter) {
@@ -87,9 +87,9 @@ TEST(SceneNeeds, ContactsFollowTheFilter) {
   scene.environment.contacts = scene::ContactFilter::Unjoined;
   expectNeed(scene::sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
   scene.environment.contacts = scene::ContactFilter::None;
-  expectNeed(scene::sceneNeeds(scene).contacts, false, "not asked for");
+  expectNeed(scene::sceneNeeds(scene).contacts, false, "not requested");
   scene.environment.contacts = scene::ContactFilter::Auto;
-  expectNeed(scene::sceneNeeds(scene).contacts, false, "unless bricks meet on the way");
+  expectNeed(scene::sceneNeeds(scene).contacts, false, "unless bricks touch on the path");
 }
 
 TEST(SceneNeeds, ASingleBrickTouchesNone) {
