@@ -432,7 +432,7 @@ double checkedValue(const Family& family, const FamilyParameter& parameter,
   // False for NaN.
   const bool inRange = value >= parameter.least && value <= parameter.most;
   if (inRange && (!parameter.whole || value == std::floor(value))) return value;
-  throw InputError(fmt::format("{}: error: {} is {:g}; give a {}number from {:g} to {:g}",
+  throw InputError(fmt::format("{}: error: {} is {:g}, but must be a {}number in [{:g}, {:g}]",
                                family.name, parameter.name, value, parameter.whole ? "whole " : "",
                                parameter.least, parameter.most));
 }
@@ -451,8 +451,8 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
   }
   for (const auto& [name, value] : given) {
     if (values.contains(name)) continue;
-    throw InputError(fmt::format("{}: error: there is no parameter {}; give some of {}",
-                                 family.name, name, fmt::join(names(family.parameters), ", ")));
+    throw InputError(fmt::format("{}: error: there is no parameter {}. Available: {}", family.name,
+                                 name, fmt::join(names(family.parameters), ", ")));
   }
   return FamilyValues(values);
 }
@@ -463,16 +463,14 @@ std::string stateFault(const model::Model& model, const std::vector<model::Tile>
   // Cheap checks first. The last one compares pairs of tiles.
   const double size = model::tileSize(model);
   if (!(trajectory::largestJointGap(model.joints, tiles) <= kExactModel * size))
-    return "its joints do not close";
-  if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size))
-    return "its tiles are not flat";
-  if (!isConcave && !(trajectory::leastCornerSine(tiles) >= kConvex))
-    return "its tiles are not convex";
+    return "joints do not close";
+  if (!(trajectory::largestUnevenness(tiles) <= kExactModel * size)) return "tiles are not flat";
+  if (!isConcave && !(trajectory::leastCornerSine(tiles) >= kConvex)) return "tiles are not convex";
   const std::vector<trajectory::TileOverlap> overlaps =
       trajectory::tileOverlaps(tiles, kTouchingTiles * size);
   if (overlaps.empty()) return "";
-  return fmt::format("its tiles {} and {} overlap by {:.2g} m", overlaps[0].tileA,
-                     overlaps[0].tileB, overlaps[0].depth);
+  return fmt::format("tiles {} and {} overlap by {:.2g} m", overlaps[0].tileA, overlaps[0].tileB,
+                     overlaps[0].depth);
 }
 
 // Checks both states, and that tiles are congruent.
@@ -482,7 +480,7 @@ std::string modelFault(const model::Model& model, bool isConcave) {
   if (!model.target) return "";
   if (!(trajectory::largestShapeChange(model.tiles, *model.target) <=
         kExactModel * model::tileSize(model))) {
-    return "its tiles change their shape";
+    return "tiles change their shape";
   }
   const std::string atTarget = stateFault(model, *model.target, isConcave);
   return atTarget.empty() ? "" : atTarget + " at the target";
@@ -524,10 +522,9 @@ model::Model generateModel(const Family& family, const std::map<std::string, dou
   model::symmetrise(model);  // a fit has the symmetries only within its own tolerance
   const std::string fault = modelFault(model, family.isConcave);
   if (fault.empty()) return model;
-  throw InputError(
-      fmt::format("{}: error: no sheet with these parameters was found ({}); give values nearer to "
-                  "the defaults",
-                  family.name, fault));
+  throw InputError(fmt::format(
+      "{}: error: no sheet with these parameters was found ({}). Use values nearer to the defaults",
+      family.name, fault));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -41,8 +41,8 @@ Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorX
   Fit fit = fitDesign(source, std::move(start), settings);
   if (fit.violation <= kExactFit) return fit;
   throw InputError(
-      fmt::format("{}: error: no sheet of this shape was found (equations miss by {:.2g}); give "
-                  "parameters nearer to the defaults",
+      fmt::format("{}: error: no sheet of this shape was found (residual {:.2g}). Use parameters "
+                  "nearer to the defaults",
                   family, fit.violation));
 }
 

@@ -501,8 +501,8 @@ Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
   const Fit fit = fitDesign(source, std::move(start), settings);
   if (fit.violation <= kExactFit) return fit.unknowns;
   throw InputError(
-      fmt::format("{}: error: no sheet of this shape was found (its equations miss by {:.2g}); "
-                  "give sizes and parameters nearer to the defaults",
+      fmt::format("{}: error: no sheet of this shape was found (residual {:.2g}). Use sizes and "
+                  "parameters nearer to the defaults",
                   family, fit.violation));
 }
 

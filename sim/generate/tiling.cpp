@@ -643,8 +643,7 @@ model::Model makeChain(const Tiling& tiling) {
   const std::vector<int> path = kept.empty() ? kept : ChainSearch(neighbours, kept).find();
   if (path.empty()) {
     throw InputError(fmt::format(
-        "chain: error: none through all of these {} tiles was found; give another number "
-        "of tiles",
+        "chain: error: no closed chain through all {} tiles was found. Use another number of tiles",
         kept.size()));
   }
   std::map<std::pair<int, int>, SharedEdge> edges;

@@ -351,7 +351,7 @@ class SheetMaker {
     addJoints(whole);
     dropLooseFaces(whole);
     Model made = model(whole);
-    if (made.tiles.empty()) throw fault("there are no tiles in it; draw the outline of the sheet");
+    if (made.tiles.empty()) throw fault("the drawing has no tiles. Draw the outline of the sheet");
     return made;
   }
 
@@ -418,8 +418,8 @@ class SheetMaker {
     });
     if (!crosses) return;
     throw faultAt({lines.at(node)},
-                  fmt::format("a cut crosses a line at {} and ends {:.4g} mm beyond it; end it "
-                              "there, or short of the line so that a neck stays",
+                  fmt::format("a cut crosses a line at {} and ends {:.4g} mm beyond it. End it at "
+                              "the line, or before the line to keep a neck",
                               drawing_.place(lines.at(node)), length * 1e3));
   }
 
@@ -455,12 +455,11 @@ class SheetMaker {
     for (int c = 0; c < std::ssize(lines.cycles()) && !hasFace; ++c) hasFace = lines.areaOf(c) > 0;
     for (const CutRay& ray : rays_) {
       if (ray.hit < kNever && hasFace) continue;
-      throw faultAt({ray.from},
-                    fmt::format("the outline is open: the line that ends at {} leads out of the "
-                                "sheet; close the outline, or end the line at it",
-                                drawing_.place(ray.from)));
+      throw faultAt({ray.from}, fmt::format("the outline is open: the line that ends at {} leaves "
+                                            "the sheet. Close the outline, or end the line at it",
+                                            drawing_.place(ray.from)));
     }
-    if (!hasFace) throw fault("there are no lines of a sheet in it; draw its outline and its cuts");
+    if (!hasFace) throw fault("the drawing has no lines of a sheet. Draw its outline and its cuts");
   }
 
   void takeNecks(double scale) {
@@ -559,7 +558,7 @@ class SheetMaker {
       const CutRay& ray = rays_[neck.ray];
       const std::optional<int> half = arriving(whole, neck);
       if (!half) {
-        ++leftOut_["cut that parts no tiles"];
+        ++leftOut_["cut that separates no tiles"];
         continue;
       }
       const int left = faceOf_[whole.cycleOf(*half)], right = faceOf_[whole.cycleOf(*half ^ 1)];
@@ -581,9 +580,8 @@ class SheetMaker {
         const Vector2 first = whole.at(others.front().node), second = whole.at(node);
         throw faultAt(
             {strip, first, second},
-            fmt::format("the strip of material at {} has necks to its neighbour at {} "
-                        "and {}: it can only bend, and is no rigid tile; see "
-                        "docs/drawings.md",
+            fmt::format("the strip of material at {} has necks to its neighbour at {} and {}. It "
+                        "can only bend and is not a rigid tile. See docs/drawings.md",
                         drawing_.place(strip), drawing_.place(first), drawing_.place(second)));
       }
       others.push_back({node, joints_.size()});
@@ -639,8 +637,8 @@ class SheetMaker {
       const bool isShared = facesOf[partOf(f)] > 1;
       if (isShared && (isLikeTile || sheets.empty())) {
         const Vector2 piece = inner(whole, faces_[f]);
-        throw faultAt({piece}, fmt::format("the piece at {} hangs by nothing; let a cut round it "
-                                           "stop short of the line that it runs into",
+        throw faultAt({piece}, fmt::format("the piece at {} hangs by nothing. End a cut around it "
+                                           "before the line that it meets",
                                            drawing_.place(piece)));
       }
       if (isWithin)
@@ -649,7 +647,7 @@ class SheetMaker {
         if (fallen.empty()) fallen = drawing_.place(inner(whole, faces_[f]));
         ++leftOut_[fmt::format("piece that falls out (one at {})", fallen)];
       } else if (isRound && !sheets.empty())
-        ++leftOut_["frame round the sheet"];
+        ++leftOut_["frame around the sheet"];
       else if (!sheets.empty())
         ++leftOut_["outline without cuts"];
       else
@@ -863,7 +861,7 @@ class CutPatternReader {
       for (Joint& joint : reading.model.joints) joint.face = JointFace::Bottom;
     }
     warnings.push_back(describe(reading) +
-                       (isHeld ? "; no motion in its plane: its hinges are ball joints" : ""));
+                       (isHeld ? "; no motion in its plane, so its hinges are ball joints" : ""));
     return std::move(reading.model);
   }
 
@@ -910,9 +908,9 @@ class CutPatternReader {
           if (!path.layer.empty()) names.insert(path.layer);
         }
         throw inputErrorAt(
-            {file_},
-            fmt::format("no line has the colour, layer or id '{}' of {}; there are {}", shown(word),
-                        words == &settings_.cut ? "`cut`" : "`ignore`", fmt::join(names, ", ")));
+            {file_}, fmt::format("no line has the colour, layer or id '{}' of {}. Available: {}",
+                                 shown(word), words == &settings_.cut ? "`cut`" : "`ignore`",
+                                 fmt::join(names, ", ")));
       }
     }
   }
@@ -1156,7 +1154,7 @@ class CutPatternReader {
       });
     };
     const auto count = std::erase_if(paths, isOutside);
-    if (count > 0) leftOut["line beside the sheet"] += static_cast<int>(count);
+    if (count > 0) leftOut["line outside the sheet"] += static_cast<int>(count);
   }
 
   /// Removes relief circles at the ends of slits. The slit then ends on their far side.
@@ -1270,7 +1268,7 @@ Model readDrawnModel(const Drawing& drawing, const fs::path& file, const ReadSet
   constexpr double kLeastDrawing = 1e-9;  // metres
   if (!(drawing.size() > kLeastDrawing)) {
     throw inputErrorAt({file},
-                       "there are no lines of a sheet in it; draw its outline and its cuts");
+                       "the drawing has no lines of a sheet. Draw its outline and its cuts");
   }
   const bool isPlain = settings.cut.empty() && settings.ignore.empty() && settings.neckWidth == 0 &&
                        !settings.areJointsInNecks;

@@ -70,7 +70,7 @@ double drawnNumber(std::string_view text, const std::filesystem::path& file,
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value)) {
     throw inputErrorAt({file},
-                       fmt::format("'{}' is no number; {}", shown(text, 24), kDrawingPurpose));
+                       fmt::format("'{}' is not a number; {}", shown(text, 24), kDrawingPurpose));
   }
   const std::size_t point = typed.find('.');
   const std::size_t exponent = std::min(typed.find_first_of("eE"), typed.size());
@@ -98,9 +98,11 @@ void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file
   std::vector<Vector2> points;
   for (const Vector2& point : path.points) {
     if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kMaxCoordinate) {
-      throw inputErrorAt({file}, fmt::format("a line leads to ({:.6g}, {:.6g}) m; coordinates may "
-                                             "be up to {:g} m",
-                                             point.x(), point.y(), kMaxCoordinate));
+      throw inputErrorAt(
+          {file},
+          fmt::format(
+              "a line has the point ({:.6g}, {:.6g}) m, but coordinates must be within {:g} m",
+              point.x(), point.y(), kMaxCoordinate));
     }
     if (points.empty() || points.back() != point) points.push_back(point);
   }
@@ -118,9 +120,9 @@ void addPath(Drawing& drawing, DrawnPath path, const std::filesystem::path& file
     count += drawing.paths[k].points.size();
   }
   if (count <= kMostDrawnPoints && drawing.paths.size() <= kMostDrawnPoints / 2) return;
-  throw inputErrorAt({file}, fmt::format("the drawing has more than {} points; leave out what is "
-                                         "not to be cut",
-                                         kMostDrawnPoints));
+  throw inputErrorAt(
+      {file}, fmt::format("the drawing has more than {} points. Remove lines that are not cuts",
+                          kMostDrawnPoints));
 }
 
 bool isDrawing(const std::filesystem::path& file) {

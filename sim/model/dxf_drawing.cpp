@@ -115,7 +115,7 @@ class DxfReader {
       if (code->empty() && !value) break;  // an empty line at the end
       if (!value || error != std::errc() || end != code->data() + code->size()) {
         throw inputErrorAt({file_, line - 1},
-                           "this is no group code; save the drawing as ASCII DXF");
+                           "this is not a group code. Save the drawing as ASCII DXF");
       }
       if (number == 0) {
         if (hasSections)
@@ -254,9 +254,10 @@ class DxfReader {
     const std::string name = lowerCase(entity.text(2).value_or(""));
     const auto block = blocks_.find(name);
     if (block == blocks_.end() || depth >= kDeepestBlock) {
-      throw inputErrorAt({file_}, fmt::format("an INSERT of block '{}' leads to no block, or to "
-                                              "itself",
-                                              shown(name, 24)));
+      throw inputErrorAt(
+          {file_},
+          fmt::format("an INSERT names the block '{}', which does not exist or contains itself",
+                      shown(name, 24)));
     }
     const int columns = std::clamp(whole(entity, 70, 1), 1, 1000);
     const int rows = std::clamp(whole(entity, 71, 1), 1, 1000);

@@ -177,8 +177,7 @@ class PlanarGraph {
     }
     if (sheet.empty()) {
       throw fault(
-          "its edges enclose no face; close the outline of the sheet, or add "
-          "faces_vertices");
+          "the edges enclose no face. Close the outline of the sheet, or add faces_vertices");
     }
     return sheet;
   }
@@ -204,8 +203,8 @@ class PlanarGraph {
     for (const Vector3& point : points) {
       if (std::abs((point - mean).dot(normal)) > 1e-6 * size_) {
         throw fault(
-            "there are no faces_vertices, and only those of a flat drawing can be found "
-            "from its edges; add faces_vertices");
+            "faces_vertices is missing, and faces can be found from edges only if the drawing is "
+            "flat. Add faces_vertices");
       }
       places_.emplace_back(point.dot(x), point.dot(y));
     }
@@ -290,8 +289,8 @@ class PlanarGraph {
       return;
     }
     throw fault(
-        fmt::format("edges {} and {} {} without a common vertex, and there are no "
-                    "faces_vertices; split them at a vertex there",
+        fmt::format("edges {} and {} {} without a common vertex, and faces_vertices is missing. "
+                    "Split the edges at a common vertex",
                     std::min(edgeNumber_[a], edgeNumber_[b]),
                     std::max(edgeNumber_[a], edgeNumber_[b]), cross ? "cross" : "touch"));
   }
@@ -365,9 +364,8 @@ class PlanarGraph {
         const bool isOther = isSheet_[face] && part.lowestOf(tail(walks_[face].front())) != own;
         if (!isOther || !holds(face, places_[own])) continue;
         throw fault(
-            fmt::format("the face at vertex {} has a separate drawing inside, at vertex "
-                        "{}; a tile has no hole: connect the two by an edge, or add "
-                        "faces_vertices",
+            fmt::format("the face at vertex {} has a separate drawing inside, at vertex {}. Tiles "
+                        "cannot have holes. Connect the two by an edge, or add faces_vertices",
                         tail(walks_[face].front()), own));
       }
     }

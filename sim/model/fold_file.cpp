@@ -64,15 +64,17 @@ Json parsedFile(const fs::path& file) {
   try {
     return parseJson(readTextFile(file, "give a FOLD file"), kMostNested);
   } catch (const std::length_error&) {
-    throw inputErrorAt({file}, fmt::format("its values are nested more than {} deep, and those of "
-                                           "FOLD 5 deep; give a FOLD file",
-                                           kMostNested));
+    throw inputErrorAt(
+        {file},
+        fmt::format(
+            "values are nested more than {} deep, but a FOLD file has 5 levels. Give a FOLD file",
+            kMostNested));
   } catch (const Json::exception& error) {
     // The library's texts begin with "[json.exception.parse_error.101] ", which is not useful.
     const std::string_view text = error.what();
     const std::string_view reason = text.substr(text.find("] ") + 2);  // after its number
     throw inputErrorAt({file},
-                       fmt::format("this is no JSON ({}); give a FOLD file", shown(reason, 160)));
+                       fmt::format("this is not JSON ({}). Give a FOLD file", shown(reason, 160)));
   }
 }
 
@@ -90,7 +92,7 @@ class FoldReader {
  public:
   FoldReader(const fs::path& file, const ReadSettings& settings)
       : file_(file), whole_(parsedFile(file)) {
-    if (!whole_.is_object()) throw fault("the file holds no JSON object; give a FOLD file");
+    if (!whole_.is_object()) throw fault("the file has no JSON object. Give a FOLD file");
     findFrames();
     chooseFrame(settings);
   }
@@ -165,10 +167,8 @@ class FoldReader {
       const bool isNeck = entry.is_array() && entry.size() == 4 && fitsInt(entry[0]) &&
                           std::ranges::all_of(entry, [](const Json& v) { return v.is_number(); });
       if (!isNeck) {
-        throw fault(
-            fmt::format("{} has an entry that is no neck; write joint, width, length and "
-                        "kerf",
-                        kNecks));
+        throw fault(fmt::format(
+            "{} has an entry that is not a neck. Write joint, width, length and kerf", kNecks));
       }
       setNeck(entry[0].get<int>(),
               {entry[1].get<double>(), entry[2].get<double>(), entry[3].get<double>()}, {file_},
@@ -187,8 +187,8 @@ class FoldReader {
     std::vector<int> pulled = wholeNumbers(*list, 0);
     for (const int tile : pulled) {
       if (tile >= 0 && tile < static_cast<int>(tileCount)) continue;
-      throw fault(fmt::format("{} names tile {}, but there are tiles 0-{}; correct it", kPulled,
-                              tile, tileCount - 1));
+      throw fault(fmt::format("{} names tile {}, but the file has tiles 0-{}. Correct the number",
+                              kPulled, tile, tileCount - 1));
     }
     return pulled;
   }
@@ -237,7 +237,7 @@ class FoldReader {
     // A value that is not a whole number makes the counts differ.
     if (list.is_array() && numbers.size() == list.size()) return numbers;
     throw fault(
-        fmt::format("entry {} is no list of whole numbers; write vertex numbers, from 0", index));
+        fmt::format("entry {} is not a list of whole numbers. Write vertex numbers >= 0", index));
   }
 
   // Coordinates of all vertices, metres. The default of z is 0.
@@ -282,12 +282,12 @@ class FoldReader {
     frames_ = {&whole_};
     const Json* frames = own(whole_, "file_frames");
     if (frames != nullptr && !frames->is_array()) {
-      throw fault("file_frames is no list of frames; correct or delete it");
+      throw fault("file_frames is not a list of frames. Correct or delete it");
     }
     for (std::size_t k = 0; frames != nullptr && k < frames->size(); ++k) {
       if (!(*frames)[k].is_object()) {
         throw fault(
-            fmt::format("entry {} of file_frames is no JSON object; correct or delete it", k));
+            fmt::format("entry {} of file_frames is not a JSON object. Correct or delete it", k));
       }
       frames_.push_back(&(*frames)[k]);
     }
@@ -328,7 +328,7 @@ class FoldReader {
       std::size_t steps = 0;
       for (int at = parents_[k]; at >= 0; at = parents_[static_cast<std::size_t>(at)]) {
         if (++steps <= frames_.size()) continue;
-        throw fault(fmt::format("frame {} inherits from itself; correct frame_parent", k));
+        throw fault(fmt::format("frame {} inherits from itself. Correct frame_parent", k));
       }
     }
   }
@@ -357,12 +357,11 @@ class FoldReader {
     frame_ = settings.frame.value_or(0);
     while (!settings.frame && frame_ + 1 < count && !holdsModel(frame_)) ++frame_;
     if (!hasCoordinates(frame_)) {
-      throw fault("there are no vertices_coords; add the vertices' coordinates");
+      throw fault("vertices_coords is missing. Add the coordinates of the vertices");
     }
     if (!hasStructure(frame_)) {
       throw fault(
-          "there are no faces_vertices and no edges_vertices; a sheet needs its faces, or the "
-          "edges that they are found from: add them");
+          "faces_vertices and edges_vertices are missing. Add the faces or the edges of the sheet");
     }
     states_ = {frame_};
     if (settings.frame || ownTarget() != nullptr) return;
@@ -386,7 +385,7 @@ class FoldReader {
     const Json* edges = find("edges_vertices");
     if (edges != nullptr) {
       if (edges->is_array()) return *edges;
-      throw fault("edges_vertices is no list of edges; correct or delete it");
+      throw fault("edges_vertices is not a list of edges. Correct or delete it");
     }
     const Json* neighbours = find("vertices_vertices");
     Json found = Json::array();
@@ -404,19 +403,16 @@ class FoldReader {
     if (assignment == nullptr) return;
     const std::size_t count = drawing.creases.size();
     if (!assignment->is_array() || assignment->size() != count) {
-      throw fault(
-          fmt::format("edges_assignment is no list of {} letters, one for each edge; correct "
-                      "or delete it",
-                      count));
+      throw fault(fmt::format(
+          "edges_assignment is not a list of {} letters, one per edge. Correct or delete it",
+          count));
     }
     drawing.hasLetters = true;
     for (std::size_t k = 0; k < count; ++k) {
       drawing.creases[k].assignment = letterOf((*assignment)[k]);
       if (drawing.creases[k].assignment != 0) continue;
       throw fault(
-          fmt::format("edge {} has an assignment that FOLD does not know; write one of B, "
-                      "M, V, F, U, C, J",
-                      k));
+          fmt::format("edge {} has an unknown assignment. Write one of B, M, V, F, U, C, J", k));
     }
   }
 
@@ -428,10 +424,8 @@ class FoldReader {
     if (angles == nullptr) return;
     const std::size_t count = drawing.creases.size();
     if (!angles->is_array() || angles->size() != count) {
-      throw fault(
-          fmt::format("{} is no list of {} angles, one for each edge; correct "
-                      "or delete it",
-                      name, count));
+      throw fault(fmt::format("{} is not a list of {} angles, one per edge. Correct or delete it",
+                              name, count));
     }
     drawing.hasAngles = true;
     for (std::size_t k = 0; k < count; ++k) {
@@ -439,10 +433,9 @@ class FoldReader {
       // FOLD writes null for edges whose angle is unknown, boundaries among them.
       if (angle.is_null()) continue;
       if (!angle.is_number() || !(std::abs(angle.get<double>()) <= 180)) {
-        throw fault(
-            fmt::format("edge {} has a fold angle that is no number of degrees from -180 to "
-                        "180, nor null; correct it",
-                        k));
+        throw fault(fmt::format(
+            "edge {} has a fold angle that is neither null nor in [-180, 180] degrees. Correct it",
+            k));
       }
       drawing.creases[k].foldAngle = angle.get<double>();
     }
@@ -484,8 +477,8 @@ class FoldReader {
       // Two edges of a face with two edges share both ends. Such a face is refused later.
       if (!areThere || (!joins(all[last].from) && !joins(all[last].to))) {
         throw fault(
-            fmt::format("face {} has the edges {} and {} one after the other, which do not "
-                        "meet; correct faces_edges, or write faces_vertices",
+            fmt::format("face {} has the consecutive edges {} and {}, which have no common vertex. "
+                        "Correct faces_edges, or write faces_vertices",
                         face, last, next));
       }
       corners.push_back(joins(all[last].to) ? all[last].to : all[last].from);
@@ -580,10 +573,9 @@ Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
   if (kind != JointKind::Link) return joint;
   const Joint link = makeLink(tiles, joint.a, joint.b);
   if (link.apart.norm() > 0) return link;
-  throw reader.fault(
-      fmt::format("the link between tiles {} and {} has no length; leave its kind out to "
-                  "join their corners",
-                  joint.a.tile, joint.b.tile));
+  throw reader.fault(fmt::format(
+      "the link between tiles {} and {} has no length. Remove its kind to join the corners",
+      joint.a.tile, joint.b.tile));
 }
 
 std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles, Model& model,
@@ -636,8 +628,8 @@ bool foldByLetters(const ReadSettings& settings, FoldSheet& drawing, std::vector
   }
   if (count > 0) {
     warnings.push_back(
-        fmt::format("{}: warning: {} edges have a letter (M or V) and no angle; they fold by {:g} "
-                    "degrees, `fold = FRACTION` gives another fraction of 180",
+        fmt::format("{}: warning: {} edges have a letter (M or V) but no angle. They fold by {:g} "
+                    "degrees. `fold = FRACTION` sets another fraction of 180",
                     file.string(), count, angle));
   } else if (settings.fold) {
     throw inputErrorAt({file},
@@ -693,8 +685,8 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
   }
   if (worst > kTornFold * tileSize(model)) {
     warnings.push_back(
-        fmt::format("{}: warning: folded by its angles, joints would open by "
-                    "{:.2g} m; there is no target, and springs at folds rest at these angles",
+        fmt::format("{}: warning: with its fold angles, joints would open by {:.2g} m. So the "
+                    "model has no target, and springs at folds rest at these angles",
                     file.string(), worst));
     return;
   }

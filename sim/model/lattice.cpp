@@ -130,8 +130,7 @@ void requireLength(const char* name, double value, int count) {
 void requireAngle(const char* name, double value) {
   if (value >= 0 && value <= std::numbers::pi) return;
   throw InputError(
-      fmt::format("tessellation: error: the {} angle is {:g} degrees; give a number "
-                  "from 0 to 180",
+      fmt::format("tessellation: error: the {} angle is {:g} degrees, but must be in [0, 180]",
                   name, value / kDegree));
 }
 

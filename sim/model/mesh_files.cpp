@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kPurpose = "give a Wavefront OBJ file with one face a tile";
+const std::string kPurpose = "give a Wavefront OBJ file with one face per tile";
 
 /// Removes padding from a face of a mesh: entries without a vertex (-1), repeated vertices, and
 /// corners that coincide with their neighbour. Returns the remaining entries.
@@ -90,10 +90,10 @@ std::vector<int> completeMesh(const CornerNumbers& ownNumbers, TileTable& table,
           return joined.tiles[tile].size() == numbers[face].size() || numbers[face++].size() == 3;
         });
     if (count > 1 && count < numbers.size() && areTriangles) {
-      warnings.push_back(fmt::format(
-          "{}: warning: {} faces look like {} tiles cut to triangles; `join_coplanar` joins faces "
-          "of one plane that share an edge",
-          table.file.string(), numbers.size(), count));
+      warnings.push_back(
+          fmt::format("{}: warning: {} faces are probably {} tiles cut to triangles. "
+                      "`join_coplanar` joins coplanar faces with a common edge",
+                      table.file.string(), numbers.size(), count));
     }
     return joined.tileOf;
   }
@@ -149,7 +149,7 @@ class ObjReader {
       }
     }
     if (sheet_.tiles.tiles.empty()) {
-      throw inputErrorAt({text_.file()}, fmt::format("the file holds no face; {}", kPurpose));
+      throw inputErrorAt({text_.file()}, fmt::format("the file has no face; {}", kPurpose));
     }
     requirePulledTiles();
     return std::move(sheet_);
@@ -194,10 +194,11 @@ class ObjReader {
     // Negative numbers count backwards from the last vertex so far.
     const int fromZero = value < 0 ? count + value : value - 1;
     if (fromZero >= 0 && fromZero < count) return vertices_[fromZero].allFinite() ? fromZero : -1;
-    throw inputErrorAt(at(line, field),
-                       fmt::format("there are vertices 1-{} so far, not {}; {}", count, value,
-                                   value == 0 ? "OBJ counts from 1: add 1 to all vertex numbers"
-                                              : "correct this number"));
+    throw inputErrorAt(
+        at(line, field),
+        fmt::format(
+            "there are only vertices 1-{} before this line, not {}; {}", count, value,
+            value == 0 ? "OBJ counts from 1: add 1 to all vertex numbers" : "correct this number"));
   }
 
   // As in OBJ, a face can only use vertices before it in the file.
@@ -293,8 +294,8 @@ void warnOfIgnored(const std::map<std::string, int>& ignored, const fs::path& fi
   if (ignored.empty()) return;
   std::vector<std::string> words;
   for (const auto& [word, count] : ignored) words.push_back(fmt::format("{} ({})", word, count));
-  warnings.push_back(fmt::format("{}: warning: statements that make no tile are not read: {}",
-                                 file.string(), fmt::join(words, ", ")));
+  warnings.push_back(
+      fmt::format("{}: warning: ignored statements: {}", file.string(), fmt::join(words, ", ")));
 }
 
 /// NAME_contracted and NAME are the same model.
@@ -363,8 +364,8 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
   if (!sheet.joints.rows.empty()) {
     if (settings.joinCoplanar) {
       throw inputErrorAt({start, sheet.joints.rows.front().line},
-                         "this comment names a joint of two faces, and `join_coplanar` changes "
-                         "faces; remove `join_coplanar`, or these comments");
+                         "this comment names a joint of two faces, but `join_coplanar` changes "
+                         "faces. Remove `join_coplanar` or these comments");
     }
     dropRepeatedJoints(sheet.joints, model, warnings);
     model.joints = checkedJoints(sheet.joints, sheet.tiles);
@@ -388,8 +389,8 @@ void writeObjPair(const Model& inOrder, const fs::path& file) {
   for (const Joint& joint : model.joints) {
     if (joint.kind != JointKind::Pivot) {
       throw InputError(
-          fmt::format("{}: error: OBJ holds joints at shared vertices, not the link between tiles "
-                      "{} and {}; convert to a .fold file",
+          fmt::format("{}: error: OBJ supports only joints at shared vertices, not the link "
+                      "between tiles {} and {}. Convert to a .fold file",
                       file.string(), first + joint.a.tile, first + joint.b.tile));
     }
     comments += fmt::format("# joint {} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
@@ -422,7 +423,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kPlyPurpose = "give a PLY mesh with one face a tile";
+const std::string kPlyPurpose = "give a PLY mesh with one face per tile";
 
 /// A number's type: its width in bytes and their interpretation.
 struct PlyType {
@@ -451,7 +452,7 @@ class PlyReader {
   explicit PlyReader(const fs::path& file) : file_(file), text_(readTextFile(file, kPlyPurpose)) {
     readHeader();
     for (const PlyElement& element : elements_) readElement(element);
-    if (faces_.empty()) throw fault("the file holds no face");
+    if (faces_.empty()) throw fault("the file has no face");
   }
 
   /// The faces without padding, as tiles, and their vertex numbers.
@@ -530,7 +531,7 @@ class PlyReader {
     bool hasFormat = false;
     for (;;) {
       const std::string_view key = word();
-      if (key.empty()) throw fault("its header has no end");
+      if (key.empty()) throw fault("the header has no end");
       if (key == "end_header") break;
       if (key == "format") {
         const std::string_view name = word();
@@ -561,11 +562,11 @@ class PlyReader {
       skipLine();
     }
     skipLine();
-    if (!hasFormat) throw fault("its header names no format");
+    if (!hasFormat) throw fault("the header has no format");
   }
 
   void readProperty() {
-    if (elements_.empty()) throw fault("a property stands before its element");
+    if (elements_.empty()) throw fault("a property is before its element");
     PlyProperty property;
     std::string_view type = word();
     property.isList = type == "list";
@@ -585,7 +586,7 @@ class PlyReader {
       double value = 0;
       if (readNumber(text, value)) return value;
       throw fault(text.empty() ? "the file ends early"
-                               : fmt::format("'{}' is no number", shown(text, 24)));
+                               : fmt::format("'{}' is not a number", shown(text, 24)));
     }
     const auto width = static_cast<std::size_t>(type.width);
     if (text_.size() - at_ < width) throw fault("the file ends early");

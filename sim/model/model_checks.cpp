@@ -93,17 +93,15 @@ void checkDistinctVertices(const TileTable& table, int tile, double extent) {
       if (leadsToHole(vertices, a, b, tolerance)) {
         throw inputErrorAt(
             table.at(tile, static_cast<int>(b)),
-            fmt::format(
-                "tile {} has a hole, to which its outline leads and back at its vertices {} "
-                "and {}; tiles have none: divide it into tiles without holes, joined to "
-                "each other",
-                table.countsFrom + tile, table.countsFrom + a, table.countsFrom + b));
+            fmt::format("tile {} has a hole, connected to its outline at vertices {} and {}. Tiles "
+                        "cannot have holes. Divide it into tiles without holes and join them",
+                        table.countsFrom + tile, table.countsFrom + a, table.countsFrom + b));
       }
       throw inputErrorAt(
           table.at(tile, static_cast<int>(b)),
-          fmt::format("vertex {} of tile {} is where its vertex {} is; a tile's "
-                      "vertices are all different: correct it or delete it",
-                      table.countsFrom + b, table.countsFrom + tile, table.countsFrom + a));
+          fmt::format(
+              "vertex {} of tile {} is at the position of its vertex {}. Correct it or delete it",
+              table.countsFrom + b, table.countsFrom + tile, table.countsFrom + a));
     }
   }
 }
@@ -111,10 +109,11 @@ void checkDistinctVertices(const TileTable& table, int tile, double extent) {
 // Relative to the square of the diameter. This rejects needles of any size.
 void checkArea(const TileTable& table, int tile, double extent) {
   if (tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
-  throw inputErrorAt(table.at(tile),
-                     fmt::format("tile {} has no area; its vertices must enclose some: list them "
-                                 "in order round the tile, not all on one line",
-                                 table.countsFrom + tile));
+  throw inputErrorAt(
+      table.at(tile),
+      fmt::format(
+          "tile {} has no area. List its vertices in order around the tile, not all on one line",
+          table.countsFrom + tile));
 }
 
 // Relative to the plane of Newell's normal through the mean of the vertices.
@@ -178,8 +177,8 @@ void checkSimple(const TileTable& table, int tile, double extent) {
   };
   const InputError error = inputErrorAt(
       table.at(tile, second),
-      fmt::format("tile {} crosses or touches itself: its side {} meets the one {}; list its "
-                  "vertices in order round the tile, and a tile in two pieces as two",
+      fmt::format("tile {} crosses or touches itself: its side {} meets the side {}. List its "
+                  "vertices in order around the tile, and list separate pieces as separate tiles",
                   table.countsFrom + tile, side(second), side(first)));
   const std::size_t count = vertices.size();
   throw CrossedTile(error, table.tiles[tile],
@@ -264,21 +263,20 @@ void checkTarget(const TileTable& target, const Model& start, const TileTable& t
     if (change.size() > allowed) {
       throw inputErrorAt(
           target.at(tile, change.vertexB),
-          fmt::format("vertices {} and {} of target tile {} are {:.4g} m apart, at "
-                      "{} {:.4g}; a target is the same rigid tiles moved: correct "
-                      "it or give this model's own",
-                      table.countsFrom + change.vertexA, table.countsFrom + change.vertexB,
-                      table.countsFrom + tile, change.targetDistance, table.shortName(tile),
-                      change.startDistance));
+          fmt::format(
+              "vertices {} and {} of target tile {} are {:.4g} m apart, but at {} {:.4g}. The "
+              "target must have the same rigid tiles. Correct it, or use this model's target",
+              table.countsFrom + change.vertexA, table.countsFrom + change.vertexB,
+              table.countsFrom + tile, change.targetDistance, table.shortName(tile),
+              change.startDistance));
     }
     changed += change.size() > rounding ? 1 : 0;
     if (change.size() > worst.size()) worst = change;
   }
   if (changed == 0) return;
   warnings.push_back(
-      fmt::format("{}: warning: {} target tiles are not quite their tiles' shape, "
-                  "this one least: a length differs by {:.2g} m; rigid tiles can "
-                  "only come near such a target",
+      fmt::format("{}: warning: {} target tiles have slightly different shapes. Here a length "
+                  "differs most, by {:.2g} m. Rigid tiles can only come near this target",
                   toString(target.at(worst.tile)), changed, worst.size()));
 }
 
@@ -438,7 +436,7 @@ double flatToleranceAsRead(const std::vector<Tile>& tiles, double size) {
 }  // namespace
 
 std::string toString(const Mend& mend) {
-  return fmt::format("{}: mended: {}; {}", mend.place, mend.found, mend.done);
+  return fmt::format("{}: repaired: {}; {}", mend.place, mend.found, mend.done);
 }
 
 void noteMend(Mend mend, Model& model, std::vector<std::string>& warnings) {
@@ -469,8 +467,8 @@ void noteNoJoints(const std::filesystem::path& file, Model& model,
                   std::vector<std::string>& warnings) {
   noteMend({file.string(),
             "the file is empty",
-            "the tiles are taken as loose",
-            "write the line \"# no joints\" if they are",
+            "the tiles are read as loose",
+            "write the line \"# no joints\" if the tiles are loose",
             {}},
            model, warnings);
 }
@@ -493,7 +491,7 @@ void RoundedCorners::note(Model& model, std::vector<std::string>& warnings) {
   mend_.found =
       fmt::format("the corners of {} joint{} are {}{:.2g} m apart, by rounding to {:g} m", count,
                   count == 1 ? "" : "s", count == 1 ? "" : "up to ", largest_, lastPlace_);
-  mend_.done = count == 1 ? "they are one corner" : "they are one corner each";
+  mend_.done = count == 1 ? "joined at one corner" : "joined at one corner each";
   mend_.advice = "write the same numbers for both corners";
   noteMend(std::move(mend_), model, warnings);
 }
@@ -534,10 +532,10 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
   if (mend.corners.empty()) return;
   table.rows = std::move(kept);
   const std::string earlier =
-      firstRepeated > 0 ? fmt::format(", here that of line {}", firstRepeated) : "";
+      firstRepeated > 0 ? fmt::format(", first in line {}", firstRepeated) : "";
   mend.found = fmt::format("{} listed again{}", countOf(mend.corners.size(), "joint"), earlier);
-  mend.done = "each counts once, whichever end comes first";
-  mend.advice = "delete what is repeated";
+  mend.done = "repeated joints are removed, regardless of the order of their ends";
+  mend.advice = "delete the repeated lines";
   noteMend(std::move(mend), model, warnings);
 }
 
@@ -561,7 +559,7 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
   mend.place = table.file.string();
   mend.found = fmt::format("tiles and vertices of all {} joints count from {}, not from {}",
                            table.rows.size(), other, usual);
-  mend.done = fmt::format("they are taken as counted from {}", other);
+  mend.done = fmt::format("they are read as counted from {}", other);
   mend.advice =
       fmt::format("{} all tile and vertex numbers", usual > other ? "add 1 to" : "subtract 1 from");
   noteMend(std::move(mend), model, warnings);
@@ -584,8 +582,8 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
       model.target && !isParallel(*frame, *model.target, flatToleranceAsRead(*model.target, size));
   if (isFolded && count == std::ssize(model.tiles)) {
     warnings.push_back(
-        fmt::format("{}: warning: all tiles run clockwise seen from above, so that bricks grow "
-                    "downwards; list their vertices anticlockwise to have them grow upwards",
+        fmt::format("{}: warning: all tiles run clockwise seen from above, so bricks extend "
+                    "downwards. List their vertices anticlockwise to extend bricks upwards",
                     table.file.string()));
     return;
   }
@@ -595,8 +593,8 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
   mend.place = toString(table.at(first));
   mend.found = fmt::format("{} of {} tiles run{} clockwise seen from {}", count, model.tiles.size(),
                            count == 1 ? "s" : "",
-                           frame->isHorizontal() ? "above" : "the side of the others");
-  mend.done = "turned round, and written in the file's own order again";
+                           frame->isHorizontal() ? "above" : "the side of most tiles");
+  mend.done = "reversed, and written in the file's own order";
   mend.advice = "list their vertices anticlockwise";
   for (int tile = 0; tile < std::ssize(clockwise); ++tile) {
     if (clockwise[tile]) mend.corners.push_back({tile, 0});
@@ -632,7 +630,7 @@ void checkTileNumber(const JointTable& table, const TileTable& tiles, const Join
   if (tile >= 0 && tile < count) return;
   throw inputErrorAt(
       locationOf(table, row, entry),
-      fmt::format("{} has tiles {}-{}, not {}; correct this column", tiles.file.filename().string(),
+      fmt::format("{} has tiles {}-{}, not {}. Correct this column", tiles.file.filename().string(),
                   table.countsFrom, table.countsFrom + count - 1, table.countsFrom + tile));
 }
 
@@ -774,8 +772,8 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
   rounded.note(model, warnings);
   if (open == 0) return;
   warnings.push_back(
-      fmt::format("{}: warning: {} joints are open at the start, this one most, by "
-                  "{:.2g} m; the run pulls them together",
+      fmt::format("{}: warning: {} joints are open at the start, this one most, by {:.2g} m. The "
+                  "run closes them",
                   kirireel::toString({table.file, worstLine}), open, worst));
 }
 
@@ -945,9 +943,10 @@ class NearCorners {
 
   [[noreturn]] void refuse(std::size_t tile) const {
     throw inputErrorAt(
-        {file_}, fmt::format("corners at tile {} are within {:.2g} m, less than their digits can "
-                             "tell, without being one; give joined corners one vertex number",
-                             tile, tolerance_));
+        {file_},
+        fmt::format("corners at tile {} are within {:.2g} m, below the precision of their digits, "
+                    "but are different vertices. Give joined corners the same vertex number",
+                    tile, tolerance_));
   }
 
   const std::vector<const std::vector<Tile>*>& states_;

@@ -36,7 +36,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPatternPurpose = "give a cut pattern that `kirireel export` left";
+constexpr const char* kPatternPurpose = "give a cut pattern from `kirireel export`";
 // Points nearer than this fraction of the pattern's size are one.
 constexpr double kSamePatternPoint = 1e-7;
 // Sides whose directions differ by less than this, radians, are parallel.
@@ -108,7 +108,7 @@ class PatternReader {
                               : kSamePatternPoint * sizeOf(lines_)),
         origin_(lines_.empty() ? Vector2(0, 0) : lines_.front().from),
         points_(tolerance_, origin_) {
-    if (!(tolerance_ > 0)) throw patternFault(file_, "there are no lines of a sheet in it");
+    if (!(tolerance_ > 0)) throw patternFault(file_, "the file has no lines of a sheet");
     takeNecks();
     restoreEnds();
     for (const DirectedSide& side : sides_) {
@@ -234,8 +234,8 @@ class PatternReader {
       if (!nearest || (neck.joint - end).norm() < (nearest->joint - end).norm()) nearest = &neck;
     }
     if (nearest) return nearest->joint;
-    throw patternFault(file_,
-                       fmt::format("the line that ends at {} leads nowhere", drawing_.place(end)));
+    throw patternFault(
+        file_, fmt::format("the line that ends at {} is not connected", drawing_.place(end)));
   }
 
   // A slit becomes two sides, one for each tile. A cut has a tile only on its left.
@@ -292,7 +292,7 @@ class PatternReader {
       if (isStray) {
         const Vector2& where = points_[sides_[cycle.back()].to];
         throw patternFault(
-            file_, fmt::format("the lines round {} do not close to tiles", drawing_.place(where)));
+            file_, fmt::format("the lines around {} do not enclose tiles", drawing_.place(where)));
       }
     } while (side != first);
     cycles_.push_back(std::move(cycle));
@@ -324,8 +324,8 @@ class PatternReader {
       }
     }
     if (!before || !after || before->tile == after->tile) {
-      throw patternFault(
-          file_, fmt::format("the hinge at {} joins no two tiles", drawing_.place(neck.joint)));
+      throw patternFault(file_, fmt::format("the hinge at {} does not join two tiles",
+                                            drawing_.place(neck.joint)));
     }
     Joint joint{*before, *after, JointFace::Both};
     joint.neck.width = (neck.middle - neck.joint).norm();
@@ -380,11 +380,11 @@ void refuseHoles(const std::vector<Tile>& tiles, double tolerance, const Drawing
             return isWithinRing(ringOf(around), vertex.head<2>());
           });
       if (!isHole) continue;
-      throw inputErrorAt({file},
-                         fmt::format("the lines round {} cut a hole into a tile; "
-                                     "tiles have none: leave the hole out, or divide the tile into "
-                                     "tiles without holes, hinged to each other",
-                                     drawing.place(outline[0].head<2>())));
+      throw inputErrorAt(
+          {file},
+          fmt::format("the lines around {} cut a hole into a tile. Tiles cannot have holes. Remove "
+                      "the hole, or divide the tile into hinged tiles without holes",
+                      drawing.place(outline[0].head<2>())));
     }
   }
 }
@@ -416,7 +416,7 @@ Model ownPattern(const Drawing& drawing, const fs::path& file, std::vector<std::
   Model model;
   model.name = file.stem().string();
   model.tiles = reader.tiles();
-  if (model.tiles.empty()) throw patternFault(file, "there are no tiles in it");
+  if (model.tiles.empty()) throw patternFault(file, "the file has no tiles");
   const TileTable table = patternTable(file, model.tiles);
   checkTiles(table);
   refuseHoles(model.tiles, kSamePatternPoint * modelSize(model), drawing, file);

@@ -129,13 +129,14 @@ fs::path chosenList(const fs::path& named, const fs::path& vertices,
   if (contains(lists, usual)) return usual;
   if (lists.size() == 1) return lists.front();
   if (lists.empty()) {
-    throw inputErrorAt({vertices}, fmt::format("there is no list of joints beside it; write {}, or "
-                                               "name one with `joints_file`",
-                                               usual.filename().string()));
+    throw inputErrorAt(
+        {vertices},
+        fmt::format("there is no list of joints next to it. Write {}, or set `joints_file`",
+                    usual.filename().string()));
   }
   throw inputErrorAt(
       {vertices},
-      fmt::format("there are {} lists of joints beside it: {}; choose one with `joints_file`",
+      fmt::format("there are {} lists of joints next to it: {}. Select one with `joints_file`",
                   lists.size(), fileNames(lists)));
 }
 
@@ -172,9 +173,9 @@ fs::path planarVertices(const fs::path& file) {
   if (wordOf(file) == kVertices) return file;
   const std::optional<fs::path> owner = ownerOf(file, textFilesBeside(file));
   if (owner) return *owner;
-  throw inputErrorAt({file},
-                     "no file of vertices beside it has a name that begins like this one; "
-                     "put NAME_vertices.txt there");
+  throw inputErrorAt(
+      {file},
+      "there is no file of vertices with the same beginning of its name. Add NAME_vertices.txt");
 }
 
 std::vector<fs::path> jointLists(const fs::path& vertices) {
@@ -209,11 +210,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kPlanarTilePurpose = "write one tile a line, \"x y\" for each vertex";
+const std::string kPlanarTilePurpose = "write one tile per line, \"x y\" for each vertex";
 const std::string kPlanarJointPurpose =
-    "write one joint a line, \"tile vertex tile vertex\", from 1";
+    "write one joint per line, \"tile vertex tile vertex\", from 1";
 const std::string kPlanarHullPurpose =
-    "write one corner of the sheet's outside a line, \"tile vertex\", from 0, at least 3";
+    "write one corner of the sheet's outline per line, \"tile vertex\", from 0, at least 3";
 
 // Pairs of numbers, at height 0.
 TileTable readPlanarTiles(const fs::path& file) {
@@ -241,7 +242,7 @@ TileTable readPlanarTiles(const fs::path& file) {
     }
   }
   if (table.tiles.empty()) {
-    throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kPlanarTilePurpose));
+    throw inputErrorAt({file}, fmt::format("the file has no tile; {}", kPlanarTilePurpose));
   }
   return table;
 }
@@ -261,7 +262,7 @@ JointTable readPlanarJoints(const fs::path& file, Model& model,
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 4) {
-      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a joint; {}",
+      throw inputErrorAt({file, line.number}, fmt::format("a joint does not have {} numbers; {}",
                                                           line.fields.size(), kPlanarJointPurpose));
     }
     JointRow& row = table.rows.emplace_back();
@@ -285,7 +286,7 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 2) {
-      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a corner; {}",
+      throw inputErrorAt({file, line.number}, fmt::format("a corner does not have {} numbers; {}",
                                                           line.fields.size(), kPlanarHullPurpose));
     }
     JointRow& row = table.rows.emplace_back();
@@ -297,8 +298,7 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
   // The default base of a hull is 0. A vertex number equal to the number of vertices shows base 1.
   const int shift = namesWhatIsThere(table, tiles, 0) ? 0 : -1;
   if (!namesWhatIsThere(table, tiles, shift) || table.rows.size() < 3) {
-    throw inputErrorAt({file}, fmt::format("its {} rows name corners that are not there, or too "
-                                           "few; {}",
+    throw inputErrorAt({file}, fmt::format("its {} rows name missing corners, or too few; {}",
                                            table.rows.size(), kPlanarHullPurpose));
   }
   std::vector<Corner> hull;
@@ -315,8 +315,8 @@ std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, Model& m
   if (!place.hull) {
     if (!place.otherHulls.empty()) {
       warnings.push_back(
-          fmt::format("{}: note: none of the hulls beside it ({}) has the name of "
-                      "these joints; the convex outline stands for it",
+          fmt::format("{}: note: none of the hulls next to it ({}) has the name of these joints. "
+                      "The convex outline is used",
                       place.joints.string(), fileNames(place.otherHulls)));
     }
     return std::nullopt;
@@ -325,7 +325,7 @@ std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, Model& m
     return readPlanarHull(*place.hull, model.tiles);
   } catch (const InputError& error) {
     model.hullFault = error.what();
-    warnings.push_back(fmt::format("{}; this hull is left out", error.what()));
+    warnings.push_back(fmt::format("{}. This hull is ignored", error.what()));
     return std::nullopt;
   }
 }
@@ -428,16 +428,15 @@ SheetFrame requirePlanar(const Model& model, const fs::path& file) {
   const int first = model.fileOrder.countsFrom;
   const std::optional<SheetFrame> frame = sheetFrame(model);
   if (!frame) {
-    throw InputError(
-        fmt::format("{}: error: planar files hold x and y only, and the start is not flat; convert "
-                    "to a folder",
-                    file.string()));
+    throw InputError(fmt::format(
+        "{}: error: planar files have only x and y, but the start is not flat. Convert to a folder",
+        file.string()));
   }
   for (const Joint& joint : model.joints) {
     if (joint.kind != JointKind::Fixed) continue;
     throw InputError(
-        fmt::format("{}: error: planar files hold corners that stay together, not the "
-                    "fixed tiles {} and {}; convert to a .fold file",
+        fmt::format("{}: error: planar files support only joints at corners, not the fixed tiles "
+                    "{} and {}. Convert to a .fold file",
                     file.string(), first + joint.a.tile, first + joint.b.tile));
   }
   return *frame;
@@ -480,7 +479,7 @@ Model readPlanarFiles(const fs::path& named, const ReadSettings& settings,
   makeRods(rows, model, warnings);
   if (settings.jointsFile.empty() && !place.otherJoints.empty()) {
     warnings.push_back(
-        fmt::format("{}: note: these joints were taken; beside them are {} (see `joints_file`)",
+        fmt::format("{}: note: these joints are used. Next to them are {} (see `joints_file`)",
                     place.joints.string(), fileNames(place.otherJoints)));
   }
   model.hull = hullBeside(place, model, warnings);

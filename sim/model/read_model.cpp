@@ -34,7 +34,7 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return;
   throw inputErrorAt(
       {path},
-      "this file has its joints within; remove `joints_file`, or convert the model to a folder");
+      "this file contains its joints. Remove `joints_file`, or convert the model to a folder");
 }
 
 /// Options of one format are refused for another.
@@ -42,7 +42,7 @@ void requireOwnOptions(const fs::path& path, const ReadSettings& settings) {
   const std::string ending = endingOf(path);
   const auto require = [&](bool isGiven, bool isOwn, const char* option, const char* formats) {
     if (!isGiven || isOwn) return;
-    throw inputErrorAt({path}, fmt::format("{} is for {} only; remove it", option, formats));
+    throw inputErrorAt({path}, fmt::format("{} is only for {}. Remove it", option, formats));
   };
   const bool isFold = ending == ".fold";
   const char* const kDrawings = "drawings (.svg, .dxf)";
@@ -79,7 +79,8 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
     // A requested target replaces the sibling, so faults in the sibling do not matter.
     return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings, settings);
   }
-  throw inputErrorAt({path}, fmt::format("'{}' is no model's ending; give {}", ending, kFormats));
+  throw inputErrorAt({path},
+                     fmt::format("'{}' is not the ending of a model. Give {}", ending, kFormats));
 }
 
 bool isPlanarFolder(const fs::path& folder) {
@@ -96,9 +97,10 @@ void requireSameTiles(const Model& model, const Model& other, const fs::path& pa
                  same)) {
     return;
   }
-  throw inputErrorAt({path}, fmt::format("the target has {} tiles of other vertex counts than the "
-                                         "model's {}; give the same tiles in the same order",
-                                         other.tiles.size(), model.tiles.size()));
+  throw inputErrorAt({path},
+                     fmt::format("the target has {} tiles, the model {}, with different numbers of "
+                                 "vertices. Give the same tiles in the same order",
+                                 other.tiles.size(), model.tiles.size()));
 }
 
 /// The start of another model in any format, with the model's order of vertices.
@@ -172,10 +174,10 @@ void writeModel(const Model& inMetres, const fs::path& path) {
   if (ending == ".obj") return writeObjPair(model, path);
   if (ending.empty()) return writeModelFolder(model, path);
   if (path.filename().string().ends_with("vertices.txt")) return writePlanarFiles(model, path);
-  throw inputErrorAt({path}, fmt::format("there is no format '{}'; give an ending .fold or .obj, "
-                                         "a name that ends with vertices.txt for planar files, or "
-                                         "no ending for a folder",
-                                         ending));
+  throw inputErrorAt(
+      {path}, fmt::format("there is no format '{}'. Give an ending .fold or .obj, a name that ends "
+                          "with vertices.txt for planar files, or no ending for a folder",
+                          ending));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -194,22 +196,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kTilePurpose = "write one tile a line, \"x y z\" for each vertex";
+const std::string kTilePurpose = "write one tile per line, \"x y z\" for each vertex";
 const std::string kJointPurpose =
-    "write one joint a line, \"tileA vertexA tileB vertexB face\", or the line \"# no joints\" if "
-    "the tiles are loose";
+    "write one joint per line, \"tileA vertexA tileB vertexB face\", or the line \"# no joints\" "
+    "if the tiles are loose";
 const std::string kPullPurpose =
     "list the numbers of the tiles to pull, or delete the file to pull all";
 
 const std::string kHullPurpose =
-    "write one corner of the sheet's outside a line, \"tile vertex\", in order, at least 3";
+    "write one corner of the sheet's outline per line, \"tile vertex\", in order, at least 3";
 
 const std::string kNeckPurpose =
-    "write one neck a line, \"joint width length kerf\", joints being rows of constraints.txt, "
+    "write one neck per line, \"joint width length kerf\". Joints are rows of constraints.txt, "
     "from 0";
 
 void requireFolder(const fs::path& folder) {
-  const std::string mend = "give a folder that holds vertices.txt and constraints.txt";
+  const std::string mend = "give a folder with vertices.txt and constraints.txt";
   std::error_code ignored;
   if (!fs::exists(folder, ignored)) {
     throw inputErrorAt({folder}, fmt::format("there is no such folder; {}", mend));
@@ -293,7 +295,7 @@ TileTable readTiles(const fs::path& file) {
       table.padded.push_back(static_cast<int>(table.tiles.size()) - 1);
   }
   if (table.tiles.empty()) {
-    throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kTilePurpose));
+    throw inputErrorAt({file}, fmt::format("the file has no tile; {}", kTilePurpose));
   }
   return table;
 }
@@ -303,8 +305,8 @@ JointRow readJointRow(const TextTable& text, const TextLine& line) {
   const size_t count = line.fields.size();
   if (count != 4 && count != 5) {
     throw inputErrorAt({text.file(), line.number},
-                       fmt::format("{} numbers do not make a joint; write \"tileA vertexA tileB "
-                                   "vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted",
+                       fmt::format("a joint does not have {} numbers. Write \"tileA vertexA tileB "
+                                   "vertexB\", and optionally a face (1 bottom, 2 top, 3 both)",
                                    count));
   }
   static const std::string kMeanings[] = {"a tile number", "a vertex number", "a tile number",
@@ -336,7 +338,7 @@ void readNecks(const fs::path& file, JointTable& joints) {
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 4) {
-      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a neck; {}",
+      throw inputErrorAt({file, line.number}, fmt::format("a neck does not have {} numbers; {}",
                                                           line.fields.size(), kNeckPurpose));
     }
     const auto at = [&](std::size_t k) { return text.at(line, line.fields[k]); };
@@ -363,7 +365,7 @@ std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
     }
   }
   if (pulled.empty()) {
-    throw inputErrorAt({file}, fmt::format("the file lists no tile; {}", kPullPurpose));
+    throw inputErrorAt({file}, fmt::format("the file has no tile numbers; {}", kPullPurpose));
   }
   return pulled;
 }
@@ -375,22 +377,22 @@ std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tile
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 2) {
-      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a corner; {}",
+      throw inputErrorAt({file, line.number}, fmt::format("a corner does not have {} numbers; {}",
                                                           line.fields.size(), kHullPurpose));
     }
     const auto number = [&](std::size_t k, const char* meaning, std::size_t count) {
       const FileLocation where = text.at(line, line.fields[k]);
       const int value = parseWholeNumber(line.fields[k], where, meaning);
       if (value >= 0 && value < static_cast<int>(count)) return value;
-      throw inputErrorAt(where, fmt::format("{} is from 0 to {}, not {}; correct this column",
+      throw inputErrorAt(where, fmt::format("{} must be in [0, {}], not {}. Correct this column",
                                             meaning, count - 1, value));
     };
     const int tile = number(0, "a tile number", tiles.size());
     hull.push_back({tile, number(1, "a vertex number", tiles[tile].vertices.size())});
   }
   if (hull.size() >= 3) return hull;
-  throw inputErrorAt(
-      {file}, fmt::format("{} corners do not go round anything; {}", hull.size(), kHullPurpose));
+  throw inputErrorAt({file},
+                     fmt::format("{} corners enclose nothing; {}", hull.size(), kHullPurpose));
 }
 
 std::string tilesText(const std::vector<Tile>& tiles) {
@@ -413,20 +415,19 @@ void requireFree(const fs::path& file, const std::string& text) {
   if (!fs::exists(fs::symlink_status(file, ignored))) return;
   // A file with the same contents is allowed. The same model can thus be written twice.
   if (fs::is_regular_file(file, ignored) && !text.empty() && readTextFile(file, "") == text) return;
-  throw InputError(
-      fmt::format("{}: error: this file of another model is in the way; move it away, or choose "
-                  "another folder",
-                  file.string()));
+  throw InputError(fmt::format(
+      "{}: error: this file belongs to another model. Move it, or choose another folder",
+      file.string()));
 }
 
 void requirePivots(const Model& model, const fs::path& folder) {
   const int first = model.fileOrder.countsFrom;
   for (const Joint& joint : model.joints) {
     if (joint.kind == JointKind::Pivot) continue;
-    throw InputError(fmt::format(
-        "{}: error: constraints.txt holds joints at corners, not the link between tiles "
-        "{} and {}; convert to a .fold file",
-        folder.string(), first + joint.a.tile, first + joint.b.tile));
+    throw InputError(
+        fmt::format("{}: error: constraints.txt supports only joints at corners, not the link "
+                    "between tiles {} and {}. Convert to a .fold file",
+                    folder.string(), first + joint.a.tile, first + joint.b.tile));
   }
 }
 

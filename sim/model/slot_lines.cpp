@@ -60,7 +60,7 @@ class GeosPlane {
     }
     GEOSGeometry* shell = GEOSGeom_createLinearRing_r(handle_, points);
     GEOSGeometry* whole = shell ? GEOSGeom_createPolygon_r(handle_, shell, nullptr, 0) : nullptr;
-    if (!whole) throw InputError("error: an outline of the drawing is no polygon");
+    if (!whole) throw InputError("error: an outline of the drawing is not a polygon");
     keep(whole);
     return GEOSisValid_r(handle_, whole) == 1 ? whole : wound(whole, ring);
   }
@@ -115,7 +115,7 @@ class GeosPlane {
   }
 
   GEOSGeometry* keep(GEOSGeometry* one) {
-    if (!one) throw InputError("error: the outlines of the drawing cross in too many ways");
+    if (!one) throw InputError("error: the outlines of the drawing have too many crossings");
     made_.push_back(one);
     return one;
   }
@@ -226,7 +226,7 @@ void dropFrames(std::vector<SlotRing>& rings, CutLines& cuts) {
   };
   while (rings.size() > 2 && holdsFrom(0) && holdsFrom(1)) {
     rings.erase(rings.begin());
-    ++cuts.leftOut["frame round the sheet"];
+    ++cuts.leftOut["frame around the sheet"];
   }
 }
 

@@ -148,7 +148,7 @@ class SvgReader {
           text.begin(), text.begin() + std::min<std::ptrdiff_t>(parsed.offset, std::ssize(text)),
           '\n');
       throw inputErrorAt({file_, static_cast<int>(lines) + 1},
-                         fmt::format("this is no XML: {}; save the drawing as SVG again",
+                         fmt::format("this is not XML: {}. Save the drawing as SVG again",
                                      lowerCase(parsed.description())));
     }
     collect(document, 0);
@@ -283,9 +283,10 @@ class SvgReader {
     if (unit == "%") return value / 100 * whole;
     const auto known = kSvgUnits.find(unit);
     if (known == kSvgUnits.end()) {
-      throw inputErrorAt({file_}, fmt::format("the length '{}' has no unit of SVG; give one of mm, "
-                                              "cm, in, pt, pc, px",
-                                              shown(text, 24)));
+      throw inputErrorAt(
+          {file_},
+          fmt::format("the length '{}' has an unknown unit. Use one of mm, cm, in, pt, pc, px",
+                      shown(text, 24)));
     }
     return value * known->second / kPixel;
   }
@@ -379,7 +380,7 @@ class SvgReader {
       else if (name == "skewY")
         one.matrix()(1, 0) = std::tan(n[0] * std::numbers::pi / 180);
       else
-        throw inputErrorAt({file_}, fmt::format("'{}' is no transform of SVG", shown(name, 24)));
+        throw inputErrorAt({file_}, fmt::format("'{}' is not a transform of SVG", shown(name, 24)));
       whole = whole * one;
       at = close + 1;
     }
@@ -453,8 +454,9 @@ class SvgReader {
     }
     const auto found = elements_.find(reference.empty() ? "" : reference.substr(1));
     if (found == elements_.end() || depth >= kDeepestElement || ++uses_ > 200'000) {
-      throw inputErrorAt({file_}, fmt::format("a 'use' of '{}' leads to no element, or to itself",
-                                              shown(reference, 24)));
+      throw inputErrorAt({file_},
+                         fmt::format("a 'use' names '{}', which does not exist or contains itself",
+                                     shown(reference, 24)));
     }
     transform.translate(Vector2(length(node, "x", view_.x()), length(node, "y", view_.y())));
     const std::string tag = localName(found->second.name());
@@ -644,7 +646,7 @@ class SvgReader {
           at = first;
           break;
         default:
-          throw inputErrorAt({file_}, fmt::format("'{}' is no command of path data", command));
+          throw inputErrorAt({file_}, fmt::format("'{}' is not a command of path data", command));
       }
       before = kind;
     }

@@ -102,10 +102,9 @@ void TextTable::splitFields(std::string_view text, TextLine& line) const {
     if (line.fields.size() > kMaxFields) {
       throw inputErrorAt(
           at(line, line.fields.back()),
-          fmt::format(
-              "this line has more than {} numbers, and a tile has at most {} vertices; break "
-              "the line where it holds several rows, or split the tile",
-              kMaxFields, kMaxFields / 3));
+          fmt::format("this line has more than {} numbers, but a tile has at most {} vertices. "
+                      "Break the line if it has several rows, or split the tile",
+                      kMaxFields, kMaxFields / 3));
     }
     begin = text.find_first_not_of(parts, end);
   }
@@ -145,8 +144,7 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
   if (!(std::abs(value) <= kMaxCoordinate)) {
     throw inputErrorAt(
         location,
-        fmt::format("{} cannot be a coordinate, which lies between -{:g} and {:g} metres; "
-                    "correct it or scale the model",
+        fmt::format("{} is not a coordinate in [-{:g}, {:g}] m. Correct it or scale the model",
                     quoted(field.text), kMaxCoordinate, kMaxCoordinate));
   }
   return value;

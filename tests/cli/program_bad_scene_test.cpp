@@ -56,8 +56,8 @@ TEST_F(BadScene, TilesThatDoNotExist) {
 
 TEST_F(BadScene, TargetsOfAnotherShape) {
   expectRefused(simulate("", {"--target", shippedModel("fan").string()}),
-                "fan: error: the target has 36 tiles of other vertex counts than the model's 16; "
-                "give the same tiles in the same order");
+                "fan: error: the target has 36 tiles, the model 16, with different numbers of "
+                "vertices. Give the same tiles in the same order");
   expectRefused(simulate("", {"--target", "nowhere.txt"}), "nowhere.txt: error: there is no such");
 }
 

@@ -100,7 +100,7 @@ TEST_F(Files, ListsOfJointsHaveManyNames) {
   writeText(scratch_ / "sheet_expansion_constraints.txt", "1 1 2 1\n");
   const ProgramEnd several = simulate("sheet_vertices.txt");
   EXPECT_EQ(several.exitCode, 2);
-  EXPECT_THAT(several.err, HasSubstr("choose one with --joints-file"));
+  EXPECT_THAT(several.err, HasSubstr("Select one with --joints-file"));
   EXPECT_EQ(simulate("sheet_vertices.txt", {"--joints-file", "sheet_hamiltonian_constraints.txt"})
                 .exitCode,
             0);
@@ -124,13 +124,13 @@ TEST_F(Files, HullsThatAreWrongAreRefusedWhereTheyAreNeeded) {
   writeText(scratch_ / "sheet_hull.txt", "0 0\n99 1\n2 2\n");
   const ProgramEnd unused = simulate("sheet_vertices.txt");
   EXPECT_EQ(unused.exitCode, 0);
-  EXPECT_THAT(unused.err, HasSubstr("this hull is left out"));
+  EXPECT_THAT(unused.err, HasSubstr("This hull is ignored"));
   const ProgramEnd needed = simulate("sheet_vertices.txt", {"--actuation", "boundary"});
   EXPECT_EQ(needed.exitCode, 2);
   EXPECT_THAT(needed.err,
-              HasSubstr("sheet_hull.txt: error: its 3 rows name corners that are not there, or too "
-                        "few; write one corner of the sheet's outside a line, \"tile vertex\", "
-                        "from 0, at least 3. Or remove the file to pull the convex outline"));
+              HasSubstr("sheet_hull.txt: error: its 3 rows name missing corners, or too few; write "
+                        "one corner of the sheet's outline per line, \"tile vertex\", from 0, at "
+                        "least 3. Or remove the file to pull the convex outline"));
   EXPECT_EQ(simulate("sheet_vertices.txt", {"--strict"}).exitCode, 2);
 }
 
@@ -201,7 +201,7 @@ TEST_F(Files, RepeatedJointsCountOnceAndStrictRefuses) {
                                     joint.a.tile + 1, joint.a.vertex + 1)});
   const ProgramEnd end = simulate("sheet_vertices.txt");
   EXPECT_EQ(end.exitCode, 0);
-  EXPECT_THAT(end.err, HasSubstr("mended: 1 joint is listed again"));
+  EXPECT_THAT(end.err, HasSubstr("repaired: 1 joint is listed again"));
   EXPECT_EQ(simulate("sheet_vertices.txt", {"--strict"}).exitCode, 2);
 }
 
@@ -224,7 +224,7 @@ TEST_F(Files, ClockwiseTilesComeBackInTheirOwnOrder) {
   write(openSquares(), {.isClockwise = true});
   const ProgramEnd end = simulate("sheet_vertices.txt");
   EXPECT_EQ(end.exitCode, 0);
-  EXPECT_THAT(end.err, HasSubstr("mended: 9 of 9 tiles run clockwise seen from above"));
+  EXPECT_THAT(end.err, HasSubstr("repaired: 9 of 9 tiles run clockwise seen from above"));
   std::istringstream starts(readText(scratch_ / "sheet_vertices.txt"));
   for (const model::Tile& tile : model::readTileFile(scratch_ / "out/final_vertices.txt")) {
     EXPECT_LT(model::tileNormal(tile).z(), 0);
@@ -281,7 +281,7 @@ TEST_F(Files, EmptyListsOfJointsAreLooseTiles) {
   write(openSquares(), {});
   writeText(scratch_ / "sheet_constraints.txt", "");
   const ProgramEnd end = simulate("sheet_vertices.txt", {"--actuation", "none"});
-  EXPECT_THAT(end.err, HasSubstr("mended: the file is empty; the tiles are taken as loose"));
+  EXPECT_THAT(end.err, HasSubstr("repaired: the file is empty; the tiles are read as loose"));
   EXPECT_NE(end.exitCode, 2);
 }
 

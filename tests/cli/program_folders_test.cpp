@@ -158,9 +158,10 @@ TEST_F(Folders, OfOtherCommandsAreHeldToo) {
     const auto before = treeOf(out_);
     const ProgramEnd end = runKirireel({"generate", "tessellation", out_.string()});
     EXPECT_EQ(end.exitCode, 2);
-    EXPECT_EQ(end.err, "kirireel: " + (out_ / name).string() +
-                           ": error: this file of another model is in the way; move it away, or "
-                           "choose another folder\n");
+    EXPECT_EQ(
+        end.err,
+        "kirireel: " + (out_ / name).string() +
+            ": error: this file belongs to another model. Move it, or choose another folder\n");
     EXPECT_EQ(treeOf(out_), before);
   }
 }

@@ -147,15 +147,16 @@ std::string refusalOf(const std::string& name, const std::string& text) {
 
 TEST(Patterns, ThatAreBrokenAreRefused) {
   EXPECT_EQ(refusalOf("a.svg", "<svg><path d=\"M 0 0 L 1 1\"/></svg>"),
-            "/a.svg: error: the outline is open: the line that ends at (0, 0) px leads out of the "
-            "sheet; close the outline, or end the line at it");
-  EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
-            "/a.svg: error: '' is no number; give an SVG or an ASCII DXF file with lines to cut");
+            "/a.svg: error: the outline is open: the line that ends at (0, 0) px leaves the sheet. "
+            "Close the outline, or end the line at it");
+  EXPECT_EQ(
+      refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
+      "/a.svg: error: '' is not a number; give an SVG or an ASCII DXF file with lines to cut");
   EXPECT_EQ(refusalOf("a.svg",
                       "<g id=\"cuts\"><path d=\"M 0 0 L 1000 0\"/><path d=\"M 1000 0 L 0 "
                       "1000\"/></g><g id=\"hinges\"><path d=\"M 500 100 L 500 200\"/></g>"),
-            "/a.svg: error: the line that ends at (0, 0) px leads nowhere; give a cut pattern that "
-            "`kirireel export` left");
+            "/a.svg: error: the line that ends at (0, 0) px is not connected; give a cut pattern "
+            "from `kirireel export`");
   EXPECT_EQ(refusalOf("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
             "/a.dxf: error: a LINE lacks an end (group 11); save the drawing again");
 }

@@ -181,13 +181,13 @@ std::string messageFor(const Request& request) {
 
 TEST(Families, SayWhatIsWrongWithARequest) {
   EXPECT_EQ(messageFor({"cap", {{"half-size", 9}}}),
-            "cap: error: half-size is 9; give a whole number from 1 to 6");
+            "cap: error: half-size is 9, but must be a whole number in [1, 6]");
   EXPECT_EQ(messageFor({"cap", {{"half-size", 2.5}}}),
-            "cap: error: half-size is 2.5; give a whole number from 1 to 6");
+            "cap: error: half-size is 2.5, but must be a whole number in [1, 6]");
   EXPECT_EQ(messageFor({"nonrigid", {{"depth", -1}}}),
-            "nonrigid: error: depth is -1; give a number from 1e-06 to 1e+06");
+            "nonrigid: error: depth is -1, but must be a number in [1e-06, 1e+06]");
   EXPECT_EQ(messageFor({"heart", {{"size", 3}}}),
-            "heart: error: there is no parameter size; give some of columns, rows, start-angle, "
+            "heart: error: there is no parameter size. Available: columns, rows, start-angle, "
             "target-angle");
   EXPECT_TRUE(
       messageFor({"hart", {}})
@@ -198,11 +198,11 @@ TEST(Families, SayWhatIsWrongWithARequest) {
 TEST(Families, RefuseSheetsThatAreNone) {
   // Tiles of the narrow strip fold over.
   EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
-            "heart: error: no sheet with these parameters was found (its tiles are not convex at "
-            "the start); give values nearer to the defaults");
-  EXPECT_EQ(messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
-            "chain: error: none through all of these 24 tiles was found; give another number of "
-            "tiles");
+            "heart: error: no sheet with these parameters was found (tiles are not convex at the "
+            "start). Use values nearer to the defaults");
+  EXPECT_EQ(
+      messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
+      "chain: error: no closed chain through all 24 tiles was found. Use another number of tiles");
 }
 
 TEST(Families, GiveTheSameModelEveryTime) {

@@ -250,9 +250,9 @@ TEST(CutPatterns, OtherLinesAreToldApart) {
   expectPlainGrid(read("a.svg", gridWith("<text>name</text>")), "left out: 1 x text");
   expectPlainGrid(
       read("a.svg", gridWith("<rect x=\"-20\" y=\"-20\" width=\"120\" height=\"120\"/>")),
-      "1 x frame round the sheet");
+      "1 x frame around the sheet");
   expectPlainGrid(read("a.svg", gridWith("<path d=\"M-10 -12V-8M-12 -10H-8\"/>")),
-                  "2 x line beside the sheet");
+                  "2 x line outside the sheet");
   expectPlainGrid(read("a.svg", gridWith("<circle cx=\"-10\" cy=\"-10\" r=\"2\"/>")),
                   "1 x outline without cuts");
   expectPlainGrid(read("a.svg", gridWith("<circle cx=\"10\" cy=\"10\" r=\"2\"/>")),
@@ -277,8 +277,8 @@ TEST(CutPatterns, OptionsChooseLines) {
   expectPlainGrid(read("a.svg", text, settings), "1 x line that was not chosen");
   settings.cut = {"green"};
   EXPECT_THAT(read("a.svg", text, settings).refusal,
-              HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of `cut`; there "
-                        "are #000000, #ff0000"));
+              HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of `cut`. "
+                        "Available: #000000, #ff0000"));
   EXPECT_THAT(read("a.obj", "v 0 0 0\n", settings).refusal,
               HasSubstr("`cut` is for drawings (.svg, .dxf) only"));
 }
@@ -338,7 +338,7 @@ TEST(CutPatterns, SheetsThatCannotOpenInTheirPlaneHaveBallJoints) {
   const Reading truss = read("a.svg", ring("34"));
   ASSERT_EQ(truss.model.joints.size(), 3U) << truss.refusal;
   for (const Joint& joint : truss.model.joints) EXPECT_EQ(joint.face, JointFace::Bottom);
-  EXPECT_THAT(truss.note, HasSubstr("no motion in its plane: its hinges are ball joints"));
+  EXPECT_THAT(truss.note, HasSubstr("no motion in its plane, so its hinges are ball joints"));
   const Reading chain = read("a.svg", ring("35"));
   ASSERT_EQ(chain.model.joints.size(), 2U) << chain.refusal;
   for (const Joint& joint : chain.model.joints) EXPECT_EQ(joint.face, JointFace::Both);
@@ -371,21 +371,18 @@ TEST(CutPatterns, TheWidestNeckMayBeGiven) {
 
 TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
-              HasSubstr("a.svg: error: there are no lines of a sheet in it"));
-  EXPECT_THAT(
-      read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
-      HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leads out of "
-                "the sheet; close the outline, or end the line at it"));
+              HasSubstr("a.svg: error: the file has no lines of a sheet"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
+              HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leaves "
+                        "the sheet. Close the outline, or end the line at it"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0V1M20 0V18\"/>")).refusal,
               HasSubstr("the outline is open"));
-  EXPECT_THAT(
-      read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
-      HasSubstr("the piece at (10, 10) mm hangs by nothing; let a cut round it stop short"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H60V20H0ZM20 0V20M40 0V18\"/>")).refusal,
+              HasSubstr("the piece at (10, 10) mm hangs by nothing. End a cut around it"));
   // A slit that crosses another one by mistake, and one that crosses it to cut four tiles.
-  EXPECT_THAT(
-      read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H42\"/>")).refusal,
-      HasSubstr("a.svg: error: a cut crosses a line at (40, 40) mm and ends 2 mm beyond it; end it "
-                "there, or short of the line so that a neck stays"));
+  EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H42\"/>")).refusal,
+              HasSubstr("a.svg: error: a cut crosses a line at (40, 40) mm and ends 2 mm beyond "
+                        "it. End it at the line, or before the line to keep a neck"));
   EXPECT_EQ(read("a.svg", page("<path d=\"M0 0H80V80H0ZM40 2V78M2 40H78\"/>")).model.tiles.size(),
             4U);
   // A slot whose outline crosses itself.
@@ -400,7 +397,7 @@ TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
                        : fmt::format("M0 {0}H10M20 {0}H40M50 {0}H60", 10 * row);
   }
   EXPECT_THAT(read("a.svg", page(ribbons + "\"/>")).refusal,
-              HasSubstr("it can only bend, and is no rigid tile"));
+              HasSubstr("It can only bend and is not a rigid tile"));
   EXPECT_THAT(read("a.svg", gridWith("<path stroke=\"red\" d=\"M-10 10H30\"/>")).refusal,
               HasSubstr("`cut` and `ignore` choose"));
 }

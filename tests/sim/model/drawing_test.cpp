@@ -196,18 +196,19 @@ TEST(SvgDrawing, EncodingsAndLineEndsDoNotMatter) {
 
 TEST(SvgDrawing, SaysWhatIsWrong) {
   EXPECT_THAT(refusal("a.svg", "<svg>\n<path d=\"M0 0\"</svg>"),
-              HasSubstr("a.svg:2: error: this is no XML"));
-  EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M 0 x\"/></svg>"), HasSubstr("'x' is no number"));
+              HasSubstr("a.svg:2: error: this is not XML"));
+  EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M 0 x\"/></svg>"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(refusal("a.svg", "<svg><path d=\"0 0 1 1\"/></svg>"), HasSubstr("begin it with M"));
   EXPECT_THAT(refusal("a.svg", "<svg><path d=\"M0 0 K 1\"/></svg>"),
-              HasSubstr("'K' is no command"));
+              HasSubstr("'K' is not a command"));
   EXPECT_THAT(refusal("a.svg", "<svg><g id=\"a\"><use href=\"#a\"/></g></svg>"),
               HasSubstr("groups or uses are nested more than 200 deep"));
-  EXPECT_THAT(refusal("a.svg", "<svg><use href=\"#b\"/></svg>"), HasSubstr("leads to no element"));
+  EXPECT_THAT(refusal("a.svg", "<svg><use href=\"#b\"/></svg>"),
+              HasSubstr("does not exist or contains itself"));
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"3 parsec\"/></svg>"),
-              HasSubstr("has no unit of SVG"));
+              HasSubstr("has an unknown unit"));
   EXPECT_THAT(refusal("a.svg", "<svg><line x2=\"1e30\" stroke=\"red\"/></svg>"),
-              HasSubstr("coordinates may be up to 1e+06 m"));
+              HasSubstr("coordinates must be within 1e+06 m"));
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -320,10 +321,10 @@ TEST(DxfDrawing, SaysWhatIsWrong) {
   EXPECT_THAT(refusal("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
               HasSubstr("a LINE lacks an end"));
   EXPECT_THAT(refusal("a.dxf", "0\nSECTION\nx\n"),
-              HasSubstr("a.dxf:3: error: this is no group code"));
+              HasSubstr("a.dxf:3: error: this is not a group code"));
   EXPECT_THAT(refusal("a.dxf", "AutoCAD Binary DXF\r\n"), HasSubstr("save it as ASCII DXF"));
   EXPECT_THAT(refusal("a.dxf", section("ENTITIES", "0\nINSERT\n2\nb\n10\n0\n20\n0\n")),
-              HasSubstr("leads to no block"));
+              HasSubstr("does not exist or contains itself"));
 }
 
 TEST(Drawing, PlacesAreTheDrawingsOwn) {

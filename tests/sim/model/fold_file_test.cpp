@@ -94,18 +94,17 @@ TEST(FoldFile, TakesBothNamesOfAngles) {
     ASSERT_TRUE(sheet.model.target) << name;
     EXPECT_LT((cornerOf(*sheet.model.target, 1, 1) - Vector3(1, 0, 1)).norm(), 1e-15);
   }
-  EXPECT_EQ(
-      readText(edited(twoSquares(), {{"edges_foldAngles", {1}}}).dump()).said,
-      "@/a.fold: error: edges_foldAngles is no list of 7 angles, one for each edge; correct or "
-      "delete it");
+  EXPECT_EQ(readText(edited(twoSquares(), {{"edges_foldAngles", {1}}}).dump()).said,
+            "@/a.fold: error: edges_foldAngles is not a list of 7 angles, one per edge. Correct or "
+            "delete it");
 }
 
 TEST(FoldFile, LettersGiveTheSign) {
   // Folded by 180 degrees, the square lies on the other one; by 90 degrees it stands.
   const ReadSheet flat = readText(twoSquares().dump());
   EXPECT_EQ(flat.said,
-            "@/a.fold: warning: 1 edges have a letter (M or V) and no angle; they fold by 180 "
-            "degrees, `fold = FRACTION` gives another fraction of 180");
+            "@/a.fold: warning: 1 edges have a letter (M or V) but no angle. They fold by 180 "
+            "degrees. `fold = FRACTION` sets another fraction of 180");
   ASSERT_TRUE(flat.model.target);
   EXPECT_LT((cornerOf(*flat.model.target, 1, 1) - Vector3(0, 0, 0)).norm(), 1e-15);
   json mountain = twoSquares();
@@ -242,11 +241,11 @@ TEST(FoldFile, FramesOfTheirOwnAreModelsOfTheirOwn) {
   }
   settings.frame = 1;
   EXPECT_EQ(readText(file.dump(), settings).said,
-            "@/a.fold: error: its edges enclose no face; close the outline of the sheet, or add "
+            "@/a.fold: error: the edges enclose no face. Close the outline of the sheet, or add "
             "faces_vertices");
   file["file_frames"][2]["frame_parent"] = 3;
   EXPECT_EQ(readText(file.dump()).said,
-            "@/a.fold: error: frame 3 inherits from itself; correct frame_parent");
+            "@/a.fold: error: frame 3 inherits from itself. Correct frame_parent");
   file["file_frames"][2]["frame_parent"] = 9;
   EXPECT_EQ(
       readText(file.dump()).said,
@@ -347,17 +346,17 @@ TEST(FoldFile, FindsHolesByBoundaries) {
   // Unconnected, the inner square would make a hole in a tile.
   for (int k = 0; k < 4; ++k) ring["edges_vertices"].erase(8);
   EXPECT_EQ(readText(ring.dump()).said,
-            "@/a.fold: error: the face at vertex 0 has a separate drawing inside, at vertex 4; a "
-            "tile has no hole: connect the two by an edge, or add faces_vertices");
+            "@/a.fold: error: the face at vertex 0 has a separate drawing inside, at vertex 4. "
+            "Tiles cannot have holes. Connect the two by an edge, or add faces_vertices");
   ring["edges_vertices"] = json::parse("[[0,1],[1,2],[2,3],[3,0],[0,2],[1,3]]");
   EXPECT_EQ(readText(ring.dump()).said,
-            "@/a.fold: error: edges 4 and 5 cross without a common vertex, and there are no "
-            "faces_vertices; split them at a vertex there");
+            "@/a.fold: error: edges 4 and 5 cross without a common vertex, and faces_vertices is "
+            "missing. Split the edges at a common vertex");
   ring["vertices_coords"][4] = {1.5, 0};
   ring["edges_vertices"] = json::parse("[[0,1],[1,2],[2,3],[3,0],[4,2]]");
   EXPECT_EQ(readText(ring.dump()).said,
-            "@/a.fold: error: edges 0 and 4 touch without a common vertex, and there are no "
-            "faces_vertices; split them at a vertex there");
+            "@/a.fold: error: edges 0 and 4 touch without a common vertex, and faces_vertices is "
+            "missing. Split the edges at a common vertex");
 }
 
 TEST(FoldFile, TakesFacesAndEdgesInOtherWords) {
@@ -370,8 +369,8 @@ TEST(FoldFile, TakesFacesAndEdgesInOtherWords) {
   EXPECT_EQ(readText(file.dump()).model.tiles.size(), 2U);
   file["faces_edges"] = json::parse("[[0,5,2,3]]");
   EXPECT_EQ(readText(file.dump()).said,
-            "@/a.fold: error: face 0 has the edges 0 and 5 one after the other, which do not meet; "
-            "correct faces_edges, or write faces_vertices");
+            "@/a.fold: error: face 0 has the consecutive edges 0 and 5, which have no common "
+            "vertex. Correct faces_edges, or write faces_vertices");
   for (const char* key : {"faces_edges", "edges_vertices", "edges_assignment"}) file.erase(key);
   file["vertices_vertices"] = json::parse("[[1,5],[0,2,4],[1,3],[2,4],[1,3,5],[0,4]]");
   EXPECT_EQ(readText(file.dump()).model.tiles.size(), 2U);
@@ -522,16 +521,17 @@ TEST(MeshFile, TakesObjAsPeopleWriteIt) {
   ASSERT_EQ(fortran.model.tiles.size(), 1U) << fortran.said;
   EXPECT_EQ(fortran.model.tiles[0].vertices[2], Vector3(1, 1, 0));
   EXPECT_EQ(fortran.said,
-            "@/a.obj:5: mended: 1 of 1 tiles list a vertex again, or NaN in place of one; removed "
-            "as padding");
+            "@/a.obj:5: repaired: 1 of 1 tiles list a vertex again, or NaN in place of one; "
+            "removed as padding");
 }
 
 TEST(MeshFile, SaysWhatObjHoldsBesides) {
   EXPECT_EQ(
       readText(twoTriangles("f 1 2 3 4\nl 1 2\nl 2 3\np 1\ng a\nusemtl b\n"), {}, "a.obj").said,
-      "@/a.obj: warning: statements that make no tile are not read: l (2), p (1)");
+      "@/a.obj: warning: ignored statements: l (2), p (1)");
   EXPECT_EQ(readText(twoTriangles("f 1 2 \\\n 3 9\n"), {}, "a.obj").said,
-            "@/a.obj:8:4: error: there are vertices 1-6 so far, not 9; correct this number");
+            "@/a.obj:8:4: error: there are only vertices 1-6 before this line, not 9; correct this "
+            "number");
   EXPECT_EQ(readText(twoTriangles("f 1 2 2 1 NaN\n"), {}, "a.obj").said,
             "@/a.obj:7: error: face 0 has 2 vertices; a tile has at least 3: complete it or delete "
             "the line");
@@ -572,8 +572,8 @@ TEST(MeshFile, JoinsTrianglesOfOneTile) {
     const ReadSheet apart = readText(text, {}, "a.obj");
     EXPECT_EQ(apart.model.tiles.size(), 4U);
     EXPECT_EQ(apart.said,
-              "@/a.obj: warning: 4 faces look like 2 tiles cut to triangles; `join_coplanar` joins "
-              "faces of one plane that share an edge");
+              "@/a.obj: warning: 4 faces are probably 2 tiles cut to triangles. `join_coplanar` "
+              "joins coplanar faces with a common edge");
     const ReadSheet joined = readText(text, join, "a.obj");
     EXPECT_EQ(joined.said, "");
     ASSERT_EQ(joined.model.tiles.size(), 2U);
@@ -581,10 +581,10 @@ TEST(MeshFile, JoinsTrianglesOfOneTile) {
     EXPECT_EQ(joined.model.joints.size(), 1U);
   }
   EXPECT_EQ(readText(shared + "# joint 0 0 1 0 1\n", join, "a.obj").said,
-            "@/a.obj:12: error: this comment names a joint of two faces, and `join_coplanar` "
-            "changes faces; remove `join_coplanar`, or these comments");
+            "@/a.obj:12: error: this comment names a joint of two faces, but `join_coplanar` "
+            "changes faces. Remove `join_coplanar` or these comments");
   EXPECT_EQ(readText(twoSquares().dump(), join).said,
-            "@/a.fold: error: `join_coplanar` is for OBJ and PLY meshes only; remove it");
+            "@/a.fold: error: `join_coplanar` is only for OBJ and PLY meshes. Remove it");
 }
 
 TEST(MeshFile, TakesPaddedPly) {

@@ -95,8 +95,8 @@ TEST(FolderErrors, MissingFolder) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "/nowhere/model: error: there is no such folder; give a folder that holds "
-                 "vertices.txt and constraints.txt");
+                 "/nowhere/model: error: there is no such folder; give a folder with vertices.txt "
+                 "and constraints.txt");
   }
 }
 
@@ -109,17 +109,17 @@ TEST(FolderErrors, FileInsteadOfFolder) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
-              "@/model: error: this is not a folder; give a folder that holds vertices.txt and "
+              "@/model: error: this is not a folder; give a folder with vertices.txt and "
               "constraints.txt");
   }
 }
 
 TEST(FolderErrors, MissingFile) {
   EXPECT_EQ(forVertices("absent"),
-            "@/vertices.txt: error: there is no such file; write one tile a line, \"x y z\" for "
+            "@/vertices.txt: error: there is no such file; write one tile per line, \"x y z\" for "
             "each vertex");
   EXPECT_EQ(forJoints("absent"),
-            "@/constraints.txt: error: there is no such file; write one joint a line, \"tileA "
+            "@/constraints.txt: error: there is no such file; write one joint per line, \"tileA "
             "vertexA tileB vertexB face\", or the line \"# no joints\" if the tiles are loose");
 }
 
@@ -132,23 +132,23 @@ TEST(FolderErrors, FolderInsteadOfFile) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
-              "@/vertices.txt: error: this is not a text file; write one tile a line, \"x y z\" "
+              "@/vertices.txt: error: this is not a text file; write one tile per line, \"x y z\" "
               "for each vertex");
   }
 }
 
 TEST(FolderErrors, EmptyFile) {
   EXPECT_EQ(forVertices("\n# nothing\n"),
-            "@/vertices.txt: error: the file holds no tile; write one tile a line, \"x y z\" for "
+            "@/vertices.txt: error: the file has no tile; write one tile per line, \"x y z\" for "
             "each vertex");
   EXPECT_EQ(forJoints("\n \n"),
-            "@/constraints.txt: mended: the file is empty; the tiles are taken as loose");
+            "@/constraints.txt: repaired: the file is empty; the tiles are read as loose");
   EXPECT_EQ(forTarget(""),
-            "@/target.txt: error: the file holds no tile; write one tile a line, \"x y z\" for "
+            "@/target.txt: error: the file has no tile; write one tile per line, \"x y z\" for "
             "each vertex");
   EXPECT_EQ(messageFor({{"pull.txt", ""}}),
-            "@/pull.txt: error: the file lists no tile; list the numbers of the tiles to pull, or "
-            "delete the file to pull all");
+            "@/pull.txt: error: the file has no tile numbers; list the numbers of the tiles to "
+            "pull, or delete the file to pull all");
 }
 
 TEST(FolderErrors, FileTooLarge) {
@@ -162,7 +162,7 @@ TEST(FolderErrors, FileTooLarge) {
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
               "@/vertices.txt: error: the file has 67108865 bytes, at most 67108864 are read; "
-              "write one tile a line, \"x y z\" for each vertex");
+              "write one tile per line, \"x y z\" for each vertex");
   }
 }
 
@@ -170,8 +170,8 @@ TEST(FolderErrors, LineTooLong) {
   std::string line;
   for (int k = 0; k < 901; ++k) line += "0 ";
   EXPECT_EQ(forVertices(line),
-            "@/vertices.txt:1:1801: error: this line has more than 900 numbers, and a tile has at "
-            "most 300 vertices; break the line where it holds several rows, or split the tile");
+            "@/vertices.txt:1:1801: error: this line has more than 900 numbers, but a tile has at "
+            "most 300 vertices. Break the line if it has several rows, or split the tile");
 }
 
 TEST(FolderErrors, UnfinishedVertex) {
@@ -203,21 +203,20 @@ TEST(FolderErrors, NotFiniteOrHuge) {
   for (const std::string text : {"nan", "inf", "-inf", "1e7", "1e999", "-1000001"}) {
     EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 " + text + "\n"),
               "@/vertices.txt:1:17: error: '" + text +
-                  "' cannot be a coordinate, which lies between -1e+06 and 1e+06 metres; correct "
-                  "it or scale the model");
+                  "' is not a coordinate in [-1e+06, 1e+06] m. Correct it or scale the model");
   }
 }
 
 TEST(FolderErrors, RepeatedVertex) {
   EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 1 0 0\n"),
-            "@/vertices.txt:1:19: error: vertex 3 of tile 0 is where its vertex 1 is; a tile's "
-            "vertices are all different: correct it or delete it");
+            "@/vertices.txt:1:19: error: vertex 3 of tile 0 is at the position of its vertex 1. "
+            "Correct it or delete it");
 }
 
 TEST(FolderErrors, TileWithoutArea) {
   EXPECT_EQ(forVertices("0 0 0 1 0 0 2 0 0\n"),
-            "@/vertices.txt:1: error: tile 0 has no area; its vertices must enclose some: list "
-            "them in order round the tile, not all on one line");
+            "@/vertices.txt:1: error: tile 0 has no area. List its vertices in order around the "
+            "tile, not all on one line");
 }
 
 TEST(FolderErrors, TileNotFlat) {
@@ -235,30 +234,30 @@ TEST(FolderErrors, ConcaveTilesAreFine) {
 TEST(FolderErrors, TileThatCrossesItself) {
   EXPECT_EQ(forVertices("0 0 0 3 0 0 3 2 0 1 -1 0 0 2 0\n"),
             "@/vertices.txt:1:13: error: tile 0 crosses or touches itself: its side from vertex 2 "
-            "to 3 meets the one from vertex 0 to 1; list its vertices in order round the tile, and "
-            "a tile in two pieces as two");
+            "to 3 meets the side from vertex 0 to 1. List its vertices in order around the tile, "
+            "and list separate pieces as separate tiles");
   // A corner on a far side: two pieces.
   EXPECT_EQ(forVertices("0 0 0 4 0 0 4 2 0 2 0 0 0 2 0\n"),
             "@/vertices.txt:1:13: error: tile 0 crosses or touches itself: its side from vertex 2 "
-            "to 3 meets the one from vertex 0 to 1; list its vertices in order round the tile, and "
-            "a tile in two pieces as two");
+            "to 3 meets the side from vertex 0 to 1. List its vertices in order around the tile, "
+            "and list separate pieces as separate tiles");
 }
 
 TEST(FolderErrors, TileRoundTwice) {
   // A pentagram: every corner turns left, two rounds in all.
   EXPECT_EQ(forVertices("0 1 0 -0.588 -0.809 0 0.951 0.309 0 -0.951 0.309 0 0.588 -0.809 0\n"),
             "@/vertices.txt:1:23: error: tile 0 crosses or touches itself: its side from vertex 2 "
-            "to 3 meets the one from vertex 0 to 1; list its vertices in order round the tile, and "
-            "a tile in two pieces as two");
+            "to 3 meets the side from vertex 0 to 1. List its vertices in order around the tile, "
+            "and list separate pieces as separate tiles");
 }
 
 TEST(FolderErrors, JointColumns) {
   EXPECT_EQ(forJoints("0 1 1\n"),
-            "@/constraints.txt:1: error: 3 numbers do not make a joint; write \"tileA vertexA "
-            "tileB vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted");
+            "@/constraints.txt:1: error: a joint does not have 3 numbers. Write \"tileA vertexA "
+            "tileB vertexB\", and optionally a face (1 bottom, 2 top, 3 both)");
   EXPECT_EQ(forJoints("# a comment\n0 1 1 0 3 0\n"),
-            "@/constraints.txt:2: error: 6 numbers do not make a joint; write \"tileA vertexA "
-            "tileB vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted");
+            "@/constraints.txt:2: error: a joint does not have 6 numbers. Write \"tileA vertexA "
+            "tileB vertexB\", and optionally a face (1 bottom, 2 top, 3 both)");
 }
 
 TEST(FolderErrors, JointNotWholeNumbers) {
@@ -275,10 +274,10 @@ TEST(FolderErrors, JointNotWholeNumbers) {
 
 TEST(FolderErrors, JointTileOutOfRange) {
   EXPECT_EQ(forJoints(kJoint + "0 2 2 3\n"),
-            "@/constraints.txt:2:5: error: vertices.txt has tiles 0-1, not 2; correct this column");
+            "@/constraints.txt:2:5: error: vertices.txt has tiles 0-1, not 2. Correct this column");
   EXPECT_EQ(
       forJoints("-1 2 1 3\n"),
-      "@/constraints.txt:1:1: error: vertices.txt has tiles 0-1, not -1; correct this column");
+      "@/constraints.txt:1:1: error: vertices.txt has tiles 0-1, not -1. Correct this column");
 }
 
 TEST(FolderErrors, JointVertexOutOfRange) {
@@ -290,13 +289,12 @@ TEST(FolderErrors, JointVertexOutOfRange) {
 }
 
 TEST(FolderErrors, JointsThatCountFromOne) {
-  EXPECT_EQ(
-      forJoints("1 2 2 1\n"),
-      "@/constraints.txt: mended: tiles and vertices of all 1 joints count from 1, not from 0; "
-      "they are taken as counted from 1");
+  EXPECT_EQ(forJoints("1 2 2 1\n"),
+            "@/constraints.txt: repaired: tiles and vertices of all 1 joints count from 1, not "
+            "from 0; they are read as counted from 1");
   // From neither base are all of them there.
   EXPECT_EQ(forJoints("1 2 2 1\n0 1 1 0\n"),
-            "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2; correct this column");
+            "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2. Correct this column");
 }
 
 TEST(FolderErrors, JointFace) {
@@ -312,14 +310,12 @@ TEST(FolderErrors, JointToItself) {
 }
 
 TEST(FolderErrors, RepeatedJoint) {
-  EXPECT_EQ(
-      forJoints("0 1 1 0\n0 1 1 0 2\n\n1 0 0 1 3\n"),
-      "@/constraints.txt:4: mended: 1 joint is listed again, here that of line 1; each counts "
-      "once, whichever end comes first");
-  EXPECT_EQ(
-      forJoints("0 1 1 0 3\n0 1 1 0 2\n"),
-      "@/constraints.txt:2: mended: 1 joint is listed again, here that of line 1; each counts "
-      "once, whichever end comes first");
+  EXPECT_EQ(forJoints("0 1 1 0\n0 1 1 0 2\n\n1 0 0 1 3\n"),
+            "@/constraints.txt:4: repaired: 1 joint is listed again, first in line 1; repeated "
+            "joints are removed, regardless of the order of their ends");
+  EXPECT_EQ(forJoints("0 1 1 0 3\n0 1 1 0 2\n"),
+            "@/constraints.txt:2: repaired: 1 joint is listed again, first in line 1; repeated "
+            "joints are removed, regardless of the order of their ends");
   EXPECT_EQ(forJoints("0 1 1 0 1\n0 1 1 0 2\n"), "");
 }
 
@@ -330,7 +326,7 @@ TEST(FolderErrors, JointsApart) {
             "vertices.txt:1 and vertices.txt:2");
   EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 0 1 0\n1.002 0 0 2 0 0 2 1 0 1 1 0\n"),
             "@/constraints.txt:1: warning: 1 joints are open at the start, this one most, by 0.002 "
-            "m; the run pulls them together");
+            "m. The run closes them");
 }
 
 TEST(FolderErrors, TargetOfOtherTiles) {
@@ -347,12 +343,12 @@ TEST(FolderErrors, TargetOfOtherTiles) {
 
 TEST(FolderErrors, TargetOfOtherShape) {
   EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n1 0 0 2.5 0 0 2 1 0 1 1 0\n"),
-            "@/target.txt:2:7: error: vertices 0 and 1 of target tile 1 are 1.5 m apart, at "
-            "vertices.txt:2 1; a target is the same rigid tiles moved: correct it or give this "
-            "model's own");
+            "@/target.txt:2:7: error: vertices 0 and 1 of target tile 1 are 1.5 m apart, but at "
+            "vertices.txt:2 1. The target must have the same rigid tiles. Correct it, or use this "
+            "model's target");
   EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n1 0 0 2.001 0 0 2 1 0 1 1 0\n"),
-            "@/target.txt:2: warning: 1 target tiles are not quite their tiles' shape, this one "
-            "least: a length differs by 0.001 m; rigid tiles can only come near such a target");
+            "@/target.txt:2: warning: 1 target tiles have slightly different shapes. Here a length "
+            "differs most, by 0.001 m. Rigid tiles can only come near this target");
 }
 
 // A target of a planar model, whose tiles count from 1.
@@ -374,10 +370,10 @@ TEST(FolderErrors, TargetTilesAreNumberedAsTheModelsAre) {
   EXPECT_EQ(refusal("0 0 0 1 0 0 1 1 0\n"),
             "@/target.txt:1: error: target tile 1 has 3 vertices, the tile at sheet:1 has 4; write "
             "the same tiles with the same vertices in the same order");
-  EXPECT_EQ(refusal("0 0 0 2.5 0 0 1 1 0 0 1 0\n"),
-            "@/target.txt:1:7: error: vertices 1 and 2 of target tile 1 are 2.5 m apart, at "
-            "sheet:1 1; a target is the same rigid tiles moved: correct it or give this model's "
-            "own");
+  EXPECT_EQ(
+      refusal("0 0 0 2.5 0 0 1 1 0 0 1 0\n"),
+      "@/target.txt:1:7: error: vertices 1 and 2 of target tile 1 are 2.5 m apart, but at sheet:1 "
+      "1. The target must have the same rigid tiles. Correct it, or use this model's target");
 }
 
 TEST(FolderErrors, PulledTileOutOfRange) {

@@ -74,10 +74,10 @@ TEST(Folder, NeverTakesThePlaceOfAnotherModel) {
       model::writeModelFolder(model, folder.path());
       FAIL();
     } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()),
-                (folder.path() / name).string() +
-                    ": error: this file of another model is in the way; move it away, or choose "
-                    "another folder");
+      EXPECT_EQ(
+          std::string(error.what()),
+          (folder.path() / name).string() +
+              ": error: this file belongs to another model. Move it, or choose another folder");
     }
     expectSameModel(read(folder.path()), whole);
   };

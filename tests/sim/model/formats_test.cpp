@@ -359,10 +359,11 @@ const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
 
 TEST(FormatErrors, Obj) {
   EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 0 1 2\n"}}, "a.obj"),
-            "@/a.obj:4:3: error: there are vertices 1-3 so far, not 0; OBJ counts from 1: add 1 to "
-            "all vertex numbers");
+            "@/a.obj:4:3: error: there are only vertices 1-3 before this line, not 0; OBJ counts "
+            "from 1: add 1 to all vertex numbers");
   EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 1 2 4\n"}}, "a.obj"),
-            "@/a.obj:4:7: error: there are vertices 1-3 so far, not 4; correct this number");
+            "@/a.obj:4:7: error: there are only vertices 1-3 before this line, not 4; correct this "
+            "number");
   EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 1 2\n"}}, "a.obj"),
             "@/a.obj:4: error: face 0 has 2 vertices; a tile has at least 3: complete it or delete "
             "the line");
@@ -370,7 +371,7 @@ TEST(FormatErrors, Obj) {
             "@/a.obj:1: error: a vertex has x, y and z, not 2 numbers; complete it");
   EXPECT_EQ(
       messageFor({{"a.obj", kTriangle}}, "a.obj"),
-      "@/a.obj: error: the file holds no face; give a Wavefront OBJ file with one face a tile");
+      "@/a.obj: error: the file has no face; give a Wavefront OBJ file with one face per tile");
 }
 
 TEST(FormatErrors, PairsWhoseFacesDiffer) {
@@ -390,27 +391,25 @@ TEST(FormatErrors, PairsWhoseFacesDiffer) {
 TEST(FormatErrors, Orientation) {
   const std::string four = kTriangle + "v 2 0 0\n";
   EXPECT_EQ(messageFor({{"a.obj", four + "f 1 2 3\nf 3 4 2\n"}}, "a.obj"),
-            "@/a.obj:6: mended: 1 of 2 tiles runs clockwise seen from above; turned round, and "
-            "written in "
-            "the file's own order again");
-  EXPECT_EQ(
-      messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
-      "@/a.obj:5: mended: 2 of 2 tiles run clockwise seen from above; turned round, and written "
-      "in the file's own order again");
+            "@/a.obj:6: repaired: 1 of 2 tiles runs clockwise seen from above; reversed, and "
+            "written in the file's own order");
+  EXPECT_EQ(messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
+            "@/a.obj:5: repaired: 2 of 2 tiles run clockwise seen from above; reversed, and "
+            "written in the file's own order");
   // The faces of joints hang on the sense where the sheet folds.
   EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 3 2 1\nf 3 4 2\n"},
                         {"a_deployed.obj", kTriangle + "v 1 0 1\nf 3 2 1\nf 3 4 2\n"}},
                        "a_contracted.obj"),
-            "@/a_contracted.obj: warning: all tiles run clockwise seen from above, so that bricks "
-            "grow downwards; list their vertices anticlockwise to have them grow upwards");
+            "@/a_contracted.obj: warning: all tiles run clockwise seen from above, so bricks "
+            "extend downwards. List their vertices anticlockwise to extend bricks upwards");
 }
 
 TEST(FormatErrors, Fold) {
   EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": [[0,0]]})"}}, "a.fold"),
-            "@/a.fold: error: there are no faces_vertices and no edges_vertices; a sheet needs its "
-            "faces, or the edges that they are found from: add them");
+            "@/a.fold: error: faces_vertices and edges_vertices are missing. Add the faces or the "
+            "edges of the sheet");
   EXPECT_EQ(messageFor({{"a.fold", R"({"faces_vertices": [[0,1,2]]})"}}, "a.fold"),
-            "@/a.fold: error: there are no vertices_coords; add the vertices' coordinates");
+            "@/a.fold: error: vertices_coords is missing. Add the coordinates of the vertices");
   EXPECT_EQ(
       messageFor(
           {{"a.fold", R"({"vertices_coords": [[0,0],[1,0],[1,1]], "faces_vertices": [[1,2,3]]})"}},
@@ -423,11 +422,11 @@ TEST(FormatErrors, Fold) {
       "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
-      "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
+      "@/a.fold: error: entry 0 is not a list of whole numbers. Write vertex numbers >= 0");
   EXPECT_TRUE(messageFor({{"a.fold", "{\"x\": "}}, "a.fold")
                   .starts_with("@/a.fold: error: this is no JSON ("));
   EXPECT_EQ(messageFor({{"a.fold", "3"}}, "a.fold"),
-            "@/a.fold: error: the file holds no JSON object; give a FOLD file");
+            "@/a.fold: error: the file has no JSON object. Give a FOLD file");
 }
 
 /// The message about a sheet of one triangle with more keys.
@@ -443,9 +442,8 @@ TEST(FormatErrors, FacesWithHoles) {
   EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": )" + places +
                                        R"(, "faces_vertices": [[0,1,2,3,0,4,5,6,7,4]]})"}},
                        "a.fold"),
-            "@/a.fold: error: tile 0 has a hole, to which its outline leads and back at its "
-            "vertices 0 and 4; tiles have none: divide it into tiles without holes, joined to each "
-            "other");
+            "@/a.fold: error: tile 0 has a hole, connected to its outline at vertices 0 and 4. "
+            "Tiles cannot have holes. Divide it into tiles without holes and join them");
 }
 
 TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
@@ -457,29 +455,26 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
         "edges_vertices");
   }
   EXPECT_EQ(messageForFold(one, R"(,"edges_vertices": 7)"),
-            "@/a.fold: error: edges_vertices is no list of edges; correct or delete it");
+            "@/a.fold: error: edges_vertices is not a list of edges. Correct or delete it");
   const std::string edges = R"(,"edges_vertices": [[0,1],[1,2],[2,0]], "edges_assignment": )";
   for (const char* assignment : {"[\"B\"]", "3"}) {
-    EXPECT_EQ(
-        messageForFold(one, edges + assignment),
-        "@/a.fold: error: edges_assignment is no list of 3 letters, one for each edge; correct "
-        "or delete it");
+    EXPECT_EQ(messageForFold(one, edges + assignment),
+              "@/a.fold: error: edges_assignment is not a list of 3 letters, one per edge. Correct "
+              "or delete it");
   }
   EXPECT_EQ(messageForFold(one, edges + R"(["B","X","M"])"),
-            "@/a.fold: error: edge 1 has an assignment that FOLD does not know; write one of B, M, "
-            "V, F, U, C, J");
+            "@/a.fold: error: edge 1 has an unknown assignment. Write one of B, M, V, F, U, C, J");
   const std::string angles = R"(,"edges_vertices": [[0,1],[1,2]], "edges_foldAngle": )";
-  EXPECT_EQ(
-      messageForFold(one, angles + "[null]"),
-      "@/a.fold: error: edges_foldAngle is no list of 2 angles, one for each edge; correct or "
-      "delete it");
+  EXPECT_EQ(messageForFold(one, angles + "[null]"),
+            "@/a.fold: error: edges_foldAngle is not a list of 2 angles, one per edge. Correct or "
+            "delete it");
   EXPECT_EQ(messageForFold(one, angles + "[null, 270]"),
-            "@/a.fold: error: edge 1 has a fold angle that is no number of degrees from -180 to "
-            "180, nor null; correct it");
+            "@/a.fold: error: edge 1 has a fold angle that is neither null nor in [-180, 180] "
+            "degrees. Correct it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": {"frame_title": "a"})"),
-            "@/a.fold: error: file_frames is no list of frames; correct or delete it");
+            "@/a.fold: error: file_frames is not a list of frames. Correct or delete it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
-            "@/a.fold: error: entry 1 of file_frames is no JSON object; correct or delete it");
+            "@/a.fold: error: entry 1 of file_frames is not a JSON object. Correct or delete it");
   // A frame that is not read may be anything.
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
             "@/a.fold: warning: of frames 0-1, frame 0 is the start, and 1 is not read; `frame = "
@@ -491,22 +486,22 @@ TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
             "@/a.fold: error: face 1 has 0 vertices; a tile has at least 3: complete it or delete "
             "it");
   EXPECT_EQ(messageForFold("[[0,1,4294967298]]"),
-            "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
+            "@/a.fold: error: entry 0 is not a list of whole numbers. Write vertex numbers >= 0");
   EXPECT_EQ(messageForFold("[[0,1,2]]", R"(,"kirireel:pulled_tiles": [0, 1])"),
-            "@/a.fold: error: kirireel:pulled_tiles names tile 1, but there are tiles 0-0; correct "
-            "it");
+            "@/a.fold: error: kirireel:pulled_tiles names tile 1, but the file has tiles 0-0. "
+            "Correct the number");
   const std::string two = "[[0,1,2],[0,1,2]]";
   EXPECT_EQ(messageForFold(two, R"(,"kirireel:joints": [[0,0,1,0,1,3]])"),
             "@/a.fold: error: joint 0 has the kind 3; write 0 (pivot), 1 (link) or 2 (fixed)");
   EXPECT_EQ(messageForFold(two, R"(,"kirireel:joints": [[0,0,1,0,1,1]])"),
-            "@/a.fold: error: the link between tiles 0 and 1 has no length; leave its kind out to "
-            "join their corners");
+            "@/a.fold: error: the link between tiles 0 and 1 has no length. Remove its kind to "
+            "join the corners");
 }
 
 TEST(FormatErrors, FoldNestedWithoutEnd) {
   const std::string open(200000, '['), closed(200000, ']');
   const std::string message =
-      "@/a.fold: error: its values are nested more than 64 deep, and those of FOLD 5 deep; give a "
+      "@/a.fold: error: values are nested more than 64 deep, but a FOLD file has 5 levels. Give a "
       "FOLD file";
   EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"x\": " + open + closed), message);
   EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed), message);
@@ -526,10 +521,10 @@ TEST(FormatErrors, Ply) {
   const auto message = [](const std::string& text) {
     return messageFor({{"a.ply", text}}, "a.ply");
   };
-  const std::string end = "; give a PLY mesh with one face a tile";
+  const std::string end = "; give a PLY mesh with one face per tile";
   EXPECT_EQ(message("solid"), "@/a.ply: error: the file does not begin with \"ply\"" + end);
-  EXPECT_EQ(message("ply\n"), "@/a.ply: error: its header has no end" + end);
-  EXPECT_EQ(message("ply\nend_header\n"), "@/a.ply: error: its header names no format" + end);
+  EXPECT_EQ(message("ply\n"), "@/a.ply: error: the header has no end" + end);
+  EXPECT_EQ(message("ply\nend_header\n"), "@/a.ply: error: the header has no format" + end);
   EXPECT_EQ(message("ply\nformat cuneiform 1.0\n"),
             "@/a.ply: error: there is no format 'cuneiform'" + end);
   const std::string header =
@@ -567,27 +562,26 @@ TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
                          "v 0 0 0\nv 1000 0 0\nv 0 1000 0\n"
                          "v 0 0 0\nv 0.0001 0 0\nv 0 0.0001 0\nf 1 2 3\nf 4 5 6\n"}},
                        "a.obj"),
-            "@/a.obj: error: corners at tile 1 are within 0.0014 m, less than their digits "
-            "can tell, without being one; give joined corners one vertex number");
+            "@/a.obj: error: corners at tile 1 are within 0.0014 m, below the precision of their "
+            "digits, but are different vertices. Give joined corners the same vertex number");
 }
 
 TEST(FormatErrors, PlanarFiles) {
   const std::string squares = "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n";
   const std::string turned =
-      "@/./vertices.txt:1: mended: 2 of 2 tiles run clockwise seen from above; turned round, and "
-      "written in the file's own order again";
-  EXPECT_EQ(
-      messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
-      "@/./constraints.txt: mended: tiles and vertices of all 1 joints count from 0, not from "
-      "1; they are taken as counted from 0" +
-          turned);
+      "@/./vertices.txt:1: repaired: 2 of 2 tiles run clockwise seen from above; reversed, and "
+      "written in the file's own order";
+  EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
+            "@/./constraints.txt: repaired: tiles and vertices of all 1 joints count from 0, not "
+            "from 1; they are read as counted from 0" +
+                turned);
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 -2147483648 2 1\n"}}, "."),
       "@/./constraints.txt:1:3: error: tile 1 has vertices 1-4, not -2147483646; correct this "
       "column");
   EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 4 2\n"}}, "."),
-            "@/./constraints.txt:1: error: 3 numbers do not make a joint; write one joint a line, "
-            "\"tile vertex tile vertex\", from 1");
+            "@/./constraints.txt:1: error: a joint does not have 3 numbers; write one joint per "
+            "line, \"tile vertex tile vertex\", from 1");
   EXPECT_EQ(
       messageFor({{"a_vertices.txt", "0 0 0 1\n"}, {"a_constraints.txt", ""}}, "a_vertices.txt"),
       "@/a_vertices.txt:1: error: tile 1 has 4 numbers; write x and y for each of at least 3 "
@@ -640,22 +634,20 @@ TEST(FileEndings, MayHaveCapitals) {
 TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   EXPECT_EQ(
       messageFor({{"a.stl", ""}}, "a.stl"),
-      "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a planar "
-      "NAME_vertices.txt, a .fold, .obj or .ply file, or a cut pattern (.svg, .dxf)");
-  EXPECT_EQ(
-      messageFor(
-          {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
-          "a.obj", "b.obj"),
-      "@/b.obj: error: the target has 1 tiles of other vertex counts than the model's 1; give "
-      "the same tiles in the same order");
+      "@/a.stl: error: '.stl' is not the ending of a model. Give a folder with vertices.txt, a "
+      "planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut pattern (.svg, .dxf)");
+  EXPECT_EQ(messageFor(
+                {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
+                "a.obj", "b.obj"),
+            "@/b.obj: error: the target has 1 tiles, the model 1, with different numbers of "
+            "vertices. Give the same tiles in the same order");
   try {
     model::writeModel(model::makeTessellation({}), "/tmp/sheet.stl");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, a name "
-        "that ends with vertices.txt for planar files, or no ending for a folder");
+    EXPECT_STREQ(error.what(),
+                 "/tmp/sheet.stl: error: there is no format '.stl'. Give an ending .fold or .obj, "
+                 "a name that ends with vertices.txt for planar files, or no ending for a folder");
   }
   model::Model linked = model::makeTessellation({});
   linked.joints = {model::makeLink(linked.tiles, {0, 0}, {5, 2})};
@@ -664,8 +656,8 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "/tmp/sheet.obj: error: OBJ holds joints at shared vertices, not the link between "
-                 "tiles 0 and 5; convert to a .fold file");
+                 "/tmp/sheet.obj: error: OBJ supports only joints at shared vertices, not the link "
+                 "between tiles 0 and 5. Convert to a .fold file");
   }
 }
 
@@ -682,15 +674,15 @@ TEST(FormatErrors, WritersNumberTilesAsTheModelsFileDoes) {
   model::Model model = model::makeTessellation({});
   model.joints = {model::makeLink(model.tiles, {0, 0}, {5, 2})};
   EXPECT_EQ(refusal(model, "/tmp/sheet.obj"),
-            "/tmp/sheet.obj: error: OBJ holds joints at shared vertices, not the link between "
-            "tiles 1 and 6; convert to a .fold file");
+            "/tmp/sheet.obj: error: OBJ supports only joints at shared vertices, not the link "
+            "between tiles 1 and 6. Convert to a .fold file");
   EXPECT_EQ(refusal(model, "/tmp/sheet"),
-            "/tmp/sheet: error: constraints.txt holds joints at corners, not the link between "
-            "tiles 1 and 6; convert to a .fold file");
+            "/tmp/sheet: error: constraints.txt supports only joints at corners, not the link "
+            "between tiles 1 and 6. Convert to a .fold file");
   model.joints = {model::makeFixedJoint(model.tiles, 0, 5)};
   EXPECT_EQ(refusal(model, "/tmp/sheet_vertices.txt"),
-            "/tmp/sheet_vertices.txt: error: planar files hold corners that stay together, not the "
-            "fixed tiles 1 and 6; convert to a .fold file");
+            "/tmp/sheet_vertices.txt: error: planar files support only joints at corners, not the "
+            "fixed tiles 1 and 6. Convert to a .fold file");
 }
 
 }  // namespace

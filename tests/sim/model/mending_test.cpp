@@ -93,8 +93,8 @@ TEST(Mending, RepeatedJointsCountOnce) {
   ASSERT_EQ(read.model.joints.size(), 1U);
   EXPECT_EQ(read.model.joints[0].face, model::JointFace::Both);
   EXPECT_THAT(read.warnings,
-              ElementsAre("@/constraints.txt:2: mended: 2 joints are listed again, here that of "
-                          "line 1; each counts once, whichever end comes first"));
+              ElementsAre("@/constraints.txt:2: repaired: 2 joints are listed again, first in line "
+                          "1; repeated joints are removed, regardless of the order of their ends"));
   ASSERT_EQ(read.model.mends.size(), 1U);
   EXPECT_EQ(read.model.mends[0].corners.size(), 2U);
 }
@@ -112,11 +112,11 @@ TEST(Mending, StrictRefusesAndSaysHowToMend) {
   EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0\n1 0 0 1\n"}},
                       "", strict)
                 .error,
-            "@/constraints.txt:2: error: 1 joint is listed again, here that of line 1; delete what "
-            "is repeated, or remove `strict` to have it repaired");
+            "@/constraints.txt:2: error: 1 joint is listed again, first in line 1; delete the "
+            "repeated lines, or remove `strict` to have it repaired");
   EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", ""}}, "", strict).error,
-            "@/constraints.txt: error: the file is empty; write the line \"# no joints\" if they "
-            "are, or remove `strict` to have it repaired");
+            "@/constraints.txt: error: the file is empty; write the line \"# no joints\" if the "
+            "tiles are loose, or remove `strict` to have it repaired");
   EXPECT_EQ(readFiles({{"vertices.txt", "0 0 0 0 1 0 1 1 0\n"}, {"constraints.txt", "# none\n"}},
                       "", strict)
                 .error,
@@ -148,8 +148,8 @@ TEST(Mending, OneDigitApartIsOneCorner) {
   for (const model::Joint& joint : read.model.joints)
     EXPECT_EQ(joint.kind, model::JointKind::Pivot);
   ASSERT_EQ(read.warnings.size(), 1U);
-  EXPECT_THAT(read.warnings[0], HasSubstr("are 0.001 m apart, by rounding to 0.001 m; they are one "
-                                          "corner"));
+  EXPECT_THAT(read.warnings[0],
+              HasSubstr("are 0.001 m apart, by rounding to 0.001 m; joined at one corner"));
   EXPECT_NEAR(read.model.rounding, 1e-3, 1e-12);
   model::ReadSettings strict;
   strict.strict = true;
@@ -260,23 +260,23 @@ TEST(PlanarNames, SeveralListsAreChosenFrom) {
   EXPECT_THAT(
       read.warnings,
       ElementsAre(
-          "@/a_constraints.txt: note: these joints were taken; beside them are "
+          "@/a_constraints.txt: note: these joints are used. Next to them are "
           "a_expansion_constraints.txt, a_hamiltonian_constraints.txt (see `joints_file`)"));
   files.erase("a_constraints.txt");
   EXPECT_EQ(
       readFiles(files, "a_vertices.txt").error,
-      "@/a_vertices.txt: error: there are 2 lists of joints beside it: "
-      "a_expansion_constraints.txt, a_hamiltonian_constraints.txt; choose one with `joints_file`");
+      "@/a_vertices.txt: error: there are 2 lists of joints next to it: "
+      "a_expansion_constraints.txt, a_hamiltonian_constraints.txt. Select one with `joints_file`");
   model::ReadSettings settings;
   settings.jointsFile = "a_expansion_constraints.txt";
   read = readFiles(files, "a_vertices.txt", settings);
   EXPECT_EQ(read.model.joints.size(), 1U);
   EXPECT_EQ(readFiles({{"a_vertices.txt", "0 0 1 0 0 1\n"}}, "a_vertices.txt").error,
-            "@/a_vertices.txt: error: there is no list of joints beside it; write "
-            "a_constraints.txt, or name one with `joints_file`");
+            "@/a_vertices.txt: error: there is no list of joints next to it. Write "
+            "a_constraints.txt, or set `joints_file`");
   EXPECT_EQ(readFiles({{"a_constraints.txt", "1 1 2 1\n"}}, "a_constraints.txt").error,
-            "@/a_constraints.txt: error: no file of vertices beside it has a name that begins like "
-            "this one; put NAME_vertices.txt there");
+            "@/a_constraints.txt: error: there is no file of vertices with the same beginning of "
+            "its name. Add NAME_vertices.txt");
 }
 
 TEST(PlanarNames, FoldersTakeAnotherListToo) {
@@ -287,7 +287,7 @@ TEST(PlanarNames, FoldersTakeAnotherListToo) {
                        {"other.txt", "0 1 1 0 1\n"}};
   EXPECT_EQ(readFiles(files, "", settings).model.joints.size(), 1U);
   EXPECT_EQ(readFiles({{"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}}, "a.obj", settings).error,
-            "@/a.obj: error: this file has its joints within; remove `joints_file`, or convert the "
+            "@/a.obj: error: this file contains its joints. Remove `joints_file`, or convert the "
             "model to a folder");
 }
 
@@ -297,9 +297,9 @@ TEST(PlanarNames, AHullThatIsWrongIsLeftOutWithAWord) {
   const Reading read = readFiles(files, "a_vertices.txt");
   EXPECT_FALSE(read.model.hull);
   EXPECT_THAT(read.warnings,
-              ElementsAre("@/a_hull.txt: error: its 3 rows name corners that are not there, or too "
-                          "few; write one corner of the sheet's outside a line, \"tile vertex\", "
-                          "from 0, at least 3; this hull is left out"));
+              ElementsAre("@/a_hull.txt: error: its 3 rows name missing corners, or too few; write "
+                          "one corner of the sheet's outline per line, \"tile vertex\", from 0, at "
+                          "least 3. This hull is ignored"));
 }
 
 /// Shuffles the tiles and reverses some of them, with joints, hull and target. Gives a model whose
@@ -398,14 +398,14 @@ TEST(FileOrder, MessagesCountAsTheFileDoes) {
                        {"a_constraints.txt", "# none\n"}},
                       "a_vertices.txt")
                 .error,
-            "@/a_vertices.txt:2:13: error: vertex 4 of tile 2 is where its vertex 1 is; a tile's "
-            "vertices are all different: correct it or delete it");
-  EXPECT_EQ(readFiles({{"a_vertices.txt", "0 0 1 0 1 1\n1 1 2 1 2 2\n"},
-                       {"a_constraints.txt", "1 3 3 1\n"}},
-                      "a_vertices.txt")
-                .error,
-            "@/a_constraints.txt:1:5: error: a_vertices.txt has tiles 1-2, not 3; correct this "
-            "column");
+            "@/a_vertices.txt:2:13: error: vertex 4 of tile 2 is at the position of its vertex 1. "
+            "Correct it or delete it");
+  EXPECT_EQ(
+      readFiles(
+          {{"a_vertices.txt", "0 0 1 0 1 1\n1 1 2 1 2 2\n"}, {"a_constraints.txt", "1 3 3 1\n"}},
+          "a_vertices.txt")
+          .error,
+      "@/a_constraints.txt:1:5: error: a_vertices.txt has tiles 1-2, not 3. Correct this column");
 }
 
 }  // namespace

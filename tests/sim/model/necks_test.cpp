@@ -95,8 +95,8 @@ TEST(Necks, OfFilesAreChecked) {
   };
   EXPECT_EQ(refusal("# a comment\n0 0.1 0.02 0.01\n"), "accepted");
   EXPECT_EQ(refusal("0 0.1\n"),
-            "/necks.txt:1: error: 2 numbers do not make a neck; write one neck a line, \"joint "
-            "width length kerf\", joints being rows of constraints.txt, from 0");
+            "/necks.txt:1: error: a neck does not have 2 numbers; write one neck per line, \"joint "
+            "width length kerf\". Joints are rows of constraints.txt, from 0");
   EXPECT_EQ(refusal("1 0.1 0 0\n"),
             "/necks.txt:1: error: a neck names joint 1, but there are joints 0-0; correct the "
             "number");

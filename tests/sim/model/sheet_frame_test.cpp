@@ -96,8 +96,8 @@ TEST(SheetFrames, TurnOneClockwiseTileInAnyPlane) {
     model::turnClockwiseTiles(table, model, warnings);
     ASSERT_EQ(warnings.size(), 1U);
     EXPECT_EQ(warnings[0],
-              "vertices.txt:5: mended: 1 of 6 tiles runs clockwise seen from the side of the "
-              "others; turned round, and written in the file's own order again");
+              "vertices.txt:5: repaired: 1 of 6 tiles runs clockwise seen from the side of most "
+              "tiles; reversed, and written in the file's own order");
     EXPECT_EQ(model.tiles[4].vertices, whole.tiles[4].vertices);
   }
 }

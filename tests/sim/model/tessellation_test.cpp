@@ -152,11 +152,11 @@ TEST(Tessellation, RefusesValuesOutOfRange) {
   shape = {};
   shape.startAngle = -kPi / 2;
   EXPECT_EQ(messageFor(shape),
-            "tessellation: error: the start angle is -90 degrees; give a number from 0 to 180");
+            "tessellation: error: the start angle is -90 degrees, but must be in [0, 180]");
   shape = {};
   shape.targetAngle = 2 * kPi;
   EXPECT_EQ(messageFor(shape),
-            "tessellation: error: the target angle is 360 degrees; give a number from 0 to 180");
+            "tessellation: error: the target angle is 360 degrees, but must be in [0, 180]");
 }
 
 }  // namespace
