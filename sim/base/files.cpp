@@ -53,8 +53,8 @@ void requireReadable(const std::filesystem::path& file, const std::string& purpo
   }
   const std::uintmax_t size = std::filesystem::file_size(file, ignored);
   if (size > mostBytes) {
-    throw inputErrorAt({file}, fmt::format("the file has {} bytes, at most {} are read; {}", size,
-                                           mostBytes, purpose));
+    throw inputErrorAt({file}, fmt::format("the file has {} bytes, but at most {} are allowed; {}",
+                                           size, mostBytes, purpose));
   }
 }
 
@@ -117,7 +117,7 @@ Json parseJson(std::string_view text) {
 
 Json parseJson(std::string_view text, int mostNested) {
   return Json::parse(text, [&](int depth, Json::parse_event_t, const Json&) {
-    if (depth > mostNested) throw std::length_error("nested too deep");
+    if (depth > mostNested) throw std::length_error("nested too deeply");
     return true;
   });
 }
@@ -157,7 +157,7 @@ std::filesystem::path pendingName(const std::filesystem::path& finalPath) {
 void requireWritableFolder(const std::filesystem::path& folder) {
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
   throw OutputError(
-      fmt::format("{}: error: cannot write in this folder ({}); choose another folder",
+      fmt::format("{}: error: cannot write in this folder ({}). Choose another folder",
                   folder.string(), std::strerror(errno)));
 }
 
@@ -187,8 +187,8 @@ void makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!error && std::filesystem::is_directory(folder)) return;
-  const std::string reason = error ? error.message() : "a file of that name is there";
-  throw OutputError(fmt::format("{}: error: the folder cannot be made ({}); choose another",
+  const std::string reason = error ? error.message() : "a file with this name exists";
+  throw OutputError(fmt::format("{}: error: the folder cannot be created ({}). Choose another",
                                 folder.string(), reason));
 }
 

@@ -42,7 +42,7 @@ int tileOfModel(int number, const model::Model& model, const FileLocation& where
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
   if (number >= first && number < end) return number - first;
-  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
+  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}. Correct this number",
                                         first, end - 1, number));
 }
 
@@ -117,10 +117,11 @@ void readGripKey(const TomlEntry& entry, GripSetting& grip) {
 /// Moves vertices that are listed one per tile to the corners, still in the numbers of the file.
 void giveEachTileItsVertex(const TomlValue& vertex, GripSetting& grip) {
   if (grip.vertices.size() != grip.tiles.size()) {
-    throw inputErrorAt(vertex.where,
-                       fmt::format("a list of vertices has one for each tile, {}, not {}; correct "
-                                   "one of the two lists",
-                                   grip.tiles.size(), grip.vertices.size()));
+    throw inputErrorAt(
+        vertex.where,
+        fmt::format(
+            "a list of vertices needs one entry per tile, {}, not {}. Correct one of the lists",
+            grip.tiles.size(), grip.vertices.size()));
   }
   for (std::size_t k = 0; k < grip.tiles.size(); ++k) {
     grip.corners.push_back({grip.tiles[k], grip.vertices[k]});
@@ -137,21 +138,20 @@ GripSetting readGrip(const TomlValue& value) {
   // Exactly one of two keys must be given.
   const auto has = [&](const char* key) { return find(*table, key) ? 1 : 0; };
   if (has("tile") + has("tiles") != 1) {
-    throw inputErrorAt(value.where, "a grip holds tiles; give one of tile = 3 and tiles = [3, 4]");
+    throw inputErrorAt(value.where, "a grip needs tiles. Set either tile = 3 or tiles = [3, 4]");
   }
   if (has("vertex") + has("edge") > 1) {
     throw inputErrorAt(value.where,
-                       "a grip holds a vertex, an edge or the whole tile; leave vertex "
-                       "or edge away");
+                       "a grip holds a vertex, an edge or the whole tile. Remove vertex or edge");
   }
   if (has("move") + has("force") != 1) {
-    throw inputErrorAt(value.where,
-                       "a grip moves or pushes; give one of move = {x = 0.1} and force "
-                       "= {x = 1.5}");
+    throw inputErrorAt(
+        value.where,
+        "a grip either moves or pushes. Set either move = {x = 0.1} or force = {x = 1.5}");
   }
   // A point has no direction, so it cannot rotate.
   if (grip.turn && !grip.vertices.empty()) {
-    throw inputErrorAt(value.where, "points do not turn; remove turn, or vertex and edge");
+    throw inputErrorAt(value.where, "points do not rotate. Remove turn, or vertex and edge");
   }
   if (const TomlValue* vertex = find(*table, "vertex"); vertex && vertex->array()) {
     giveEachTileItsVertex(*vertex, grip);
@@ -161,7 +161,7 @@ GripSetting readGrip(const TomlValue& value) {
 
 [[noreturn]] void refuseNumber(const GripSetting& grip, const std::string& whose, int first,
                                int count, int found) {
-  throw inputErrorAt(grip.where, fmt::format("{} {}-{}, not {}; correct this grip", whose, first,
+  throw inputErrorAt(grip.where, fmt::format("{} {}-{}, not {}. Correct this grip", whose, first,
                                              first + count - 1, found));
 }
 
@@ -361,7 +361,7 @@ void requireVertex(const timeline::Drag& drag, const model::Model& model,
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles[drag.tile - first].vertices.size());
   if (*drag.vertex >= first && *drag.vertex < end) return;
-  throw inputErrorAt(where, fmt::format("tile {} has vertices {}-{}, not {}; correct this number",
+  throw inputErrorAt(where, fmt::format("tile {} has vertices {}-{}, not {}. Correct this number",
                                         drag.tile, first, end - 1, *drag.vertex));
 }
 
@@ -402,8 +402,8 @@ void checkTimeline(const Timeline& timeline, const model::Model& model) {
     check(entry, model);
     if (needsTarget(entry) && !hasTarget) {
       throw inputErrorAt(entry.where,
-                         "this waits for a target, but there is none; add target.txt to the model "
-                         "or name one with `target`");
+                         "this entry needs a target, but there is none. Add target.txt to the "
+                         "model or set `target`");
     }
     // After this entry there is a target to wait for.
     hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);

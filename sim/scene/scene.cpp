@@ -25,9 +25,10 @@ double lowestPoint(const std::vector<model::Tile>& tiles, const model::BrickRule
 
 std::string describe(const StartAlignment& alignment, const LengthUnit& unit) {
   return fmt::format(
-      "the start was moved by up to {} and turned by {:.3g} degrees onto its target{} "
-      "(`align = false` keeps its position)",
-      lengthText(alignment.moved, unit), alignment.turned / kDegree, alignment.byHeld ? ", by its pinned tiles" : "");
+      "the start was moved by up to {} and rotated by {:.3g} degrees to match its target{} (`align "
+      "= false` keeps its position)",
+      lengthText(alignment.moved, unit), alignment.turned / kDegree,
+      alignment.byHeld ? ", aligned at its pinned tiles" : "");
 }
 
 TargetSpringSettings paperSprings() {

@@ -225,9 +225,9 @@ TimelineEntry readEntry(const TomlValue& value) {
   if (parts.actions.size() != 1 || parts.moments.size() > 1) {
     throw inputErrorAt(
         value.where,
-        fmt::format("this entry has {} times and {} actions; give one of at, after, "
-                    "error_below, progress (or none: at once), and one of pin, unpin, drag, "
-                    "forces, pause, target, snapshot, export, reset, quit",
+        fmt::format("this entry has {} times and {} actions. It needs at most one of at, after, "
+                    "error_below, progress (none: immediately), and exactly one of pin, unpin, "
+                    "drag, forces, pause, target, snapshot, export, reset, quit",
                     parts.moments.size(), parts.actions.size()));
   }
   return {parts.moments.empty() ? Trigger{} : parts.moments.front(), parts.actions.front(),
@@ -307,7 +307,7 @@ void requireMeasure(const TomlValue& obstacle, const std::string& shape) {
     const bool isGiven = find(*obstacle.table(), kind.second) != nullptr;
     if (isGiven == (name == shape)) continue;
     throw inputErrorAt(obstacle.where,
-                       fmt::format("a {} {} {}; box has size, sphere has radius, mesh has file",
+                       fmt::format("a {} {} {}. A box has size, a sphere radius, a mesh file",
                                    shape, name == shape ? "needs" : "has no", kind.second));
   }
 }
@@ -334,9 +334,11 @@ std::vector<Obstacle> readObstacles(const TomlValue& value) {
   const std::vector<TomlValue>* array = value.array();
   if (!array) refuseValue(value, "tables, each under [[obstacle]]");
   if (array->size() > kMostObstacles) {
-    throw inputErrorAt(value.where, fmt::format("there are {} obstacles, at most {} are allowed; "
-                                                "put several into one mesh",
-                                                array->size(), kMostObstacles));
+    throw inputErrorAt(
+        value.where,
+        fmt::format(
+            "there are {} obstacles, but at most {} are allowed. Combine several in one mesh",
+            array->size(), kMostObstacles));
   }
   std::vector<Obstacle> obstacles;
   for (const TomlValue& entry : *array) obstacles.push_back(readObstacle(entry));

@@ -84,7 +84,7 @@ void requireTile(const model::Model& model, int tile, const char* option) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
   if (tile >= first && tile < end) return;
-  throw InputError(fmt::format("{}: error: the model has tiles {}-{}, not {}; correct this number",
+  throw InputError(fmt::format("{}: error: the model has tiles {}-{}, not {}. Correct this number",
                                option, first, end - 1, tile));
 }
 
@@ -93,14 +93,14 @@ void requireTwoTiles(const model::Model& model, int tileA, int tileB, const char
   requireTile(model, tileB, option);
   if (tileA != tileB) return;
   throw InputError(
-      fmt::format("{}: error: tile {} cannot be joined to itself; name two tiles", option, tileA));
+      fmt::format("{}: error: tile {} cannot be joined to itself. Name two tiles", option, tileA));
 }
 
 void requireVertex(const model::Model& model, const model::Corner& corner, const char* option) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles[corner.tile - first].vertices.size());
   if (corner.vertex >= first && corner.vertex < end) return;
-  throw InputError(fmt::format("{}: error: tile {} has vertices {}-{}, not {}; correct this number",
+  throw InputError(fmt::format("{}: error: tile {} has vertices {}-{}, not {}. Correct this number",
                                option, corner.tile, first, end - 1, corner.vertex));
 }
 
@@ -124,10 +124,10 @@ void addLinks(const std::vector<std::array<int, 4>>& links, model::Model& model)
                         model.fileOrder.toModel({tileB, vertexB}, model.tiles));
     // kSamePlace of model_checks.h: nearer points count as one.
     if (link.apart.norm() <= 1e-6 * model::modelSize(model)) {
-      throw InputError(fmt::format(
-          "`link`: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
-          "them in constraints.txt instead",
-          vertexA, tileA, vertexB, tileB));
+      throw InputError(
+          fmt::format("`link`: error: vertex {} of tile {} and vertex {} of tile {} are at the "
+                      "same position. Join them in constraints.txt instead",
+                      vertexA, tileA, vertexB, tileB));
     }
     model.joints.push_back(link);
   }
@@ -195,8 +195,8 @@ void requireNecks(const Scene& scene) {
   if (without == model.joints.end()) return;
   const int first = model.fileOrder.countsFrom;
   throw InputError(fmt::format(
-      "error: `hinge_neck` has a material only, but the model has no neck at the joint between "
-      "tiles {} and {}; give width, length and Young's modulus, for example 0.1,0.3,2e9",
+      "error: `hinge_neck` has only a material, but the model has no neck at the joint between "
+      "tiles {} and {}. Give width, length and Young's modulus, for example 0.1,0.3,2e9",
       first + without->a.tile, first + without->b.tile));
 }
 
@@ -242,8 +242,8 @@ void moveToOrigin(Scene& scene, std::vector<std::string>& warnings) {
   }
   const Vector3 shown = move / model.unit.metres;
   warnings.push_back(fmt::format(
-      "{}: warning: the model is {:.2g} times its size away from the origin, where numbers keep "
-      "too few digits; it is moved by ({:.17g}, {:.17g}, {:.17g}) {}, with obstacles and drags",
+      "{}: warning: the model is {:.2g} times its size away from the origin, which costs "
+      "precision. It is moved by ({:.17g}, {:.17g}, {:.17g}) {}, with obstacles and drags",
       model.name, move.norm() / model::modelSize(model), shown.x(), shown.y(), shown.z(),
       model.unit.name));
 }
@@ -254,7 +254,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   requireNecks(scene);
   if (scene.path.to == Destination::Closed) {
     if (!parts.targets.empty()) {
-      throw InputError("error: `to = closed` finds its own end, and `target` names another; use one");
+      throw InputError("error: `to = closed` and `target` define different ends. Use only one");
     }
     scene.model.target.reset();
     scene.model.waypoints.clear();
@@ -328,8 +328,8 @@ void splitTiles(const std::vector<int>& tiles, Scene& scene) {
   if (!scene.grips.empty() || !scene.hinges.own.empty() ||
       std::ranges::any_of(scene.timeline, namesWholeTiles)) {
     throw InputError(
-        "error: `split_tiles` renumbers the tiles that drags, chains of targets, grips and files "
-        "of hinges name; remove one of the two");
+        "error: `split_tiles` renumbers tiles, so drags, chains of targets, grips and files of "
+        "hinges do not work with it. Remove one of them");
   }
   const std::size_t count = scene.model.tiles.size();
   scene.model = model::splitTiles(scene.model, tiles);
@@ -392,21 +392,24 @@ OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& 
                           const model::Model& model) {
   const FileLocation where = table.at(line, line.fields.front());
   if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
-    throw inputErrorAt(where, fmt::format("there are {} columns; a hinge is tile, tile, stiffness, "
-                                          "rest angle, damping, of which the last are optional",
-                                          line.fields.size()));
+    throw inputErrorAt(where,
+                       fmt::format("there are {} columns. A hinge has tile, tile, stiffness, rest "
+                                   "angle, damping. The last ones are optional",
+                                   line.fields.size()));
   }
   OwnHingeSpring spring;
   spring.tileA = readTile(table, line, 0, model);
   spring.tileB = readTile(table, line, 1, model);
   spring.stiffness =
       readOptional(table, line, 2, 0, kMostStiffness,
-                   "a stiffness from 0 to 1e12 N m/rad, or - for that of all hinges");
-  spring.rest = readOptional(table, line, 3, -kMostRest, kMostRest,
-                             "a rest angle from -360 to 360 degrees, or - for that of all hinges");
+                   "a stiffness in [0, 1e12] N m/rad, or - for the value of all hinges");
+  spring.rest =
+      readOptional(table, line, 3, -kMostRest, kMostRest,
+                   "a rest angle in [-360, 360] degrees, or - for the value of all hinges");
   if (spring.rest) *spring.rest *= kDegree;
-  spring.damping = readOptional(table, line, 4, 0, kMostStiffness,
-                                "a damping from 0 to 1e12 N m s/rad, or - for that of all hinges");
+  spring.damping =
+      readOptional(table, line, 4, 0, kMostStiffness,
+                   "a damping in [0, 1e12] N m s/rad, or - for the value of all hinges");
   spring.where = where;
   return spring;
 }
@@ -420,8 +423,7 @@ void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* l
   }
   const int first = model.fileOrder.countsFrom;
   const std::string message = fmt::format(
-      "a rest angle of {:.6g} degrees closes tiles {} and {} into each other; give one from {:.6g} "
-      "to {:.6g}",
+      "with a rest angle of {:.6g} degrees tiles {} and {} overlap. Use [{:.6g}, {:.6g}] degrees",
       spring.rest / kDegree, first + hinge.brickA, first + hinge.brickB, hinge.least / kDegree,
       hinge.most / kDegree);
   throw line ? inputErrorAt(line->where, message) : InputError("`hinge_rest`: error: " + message);
@@ -497,14 +499,14 @@ model::FoundHinges requireHinges(const Scene& scene, const std::vector<model::Br
   if (!found.hinges.empty() || !scene.hinges.areGiven()) return found;
   if (found.ballJoints.empty()) {
     throw InputError(
-        "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
-        "share; remove `hinge_stiffness`");
+        "error: springs need hinges, but no two tiles rotate about a common corner or edge. Remove "
+        "`hinge_stiffness`");
   }
-  throw InputError(fmt::format(
-      "error: springs need hinges, but in space joints at one corner of one face are balls, which "
-      "turn about no axis ({} of them); join both faces (column 5 of constraints.txt: 3), or keep "
-      "the sheet in its plane (`planar = on`)",
-      found.ballJoints.size()));
+  throw InputError(
+      fmt::format("error: springs need hinges, but in space {} joints at one corner of one face "
+                  "are ball joints without an axis. Join both faces (column 5 of constraints.txt: "
+                  "3), or keep the sheet in its plane (`planar = on`)",
+                  found.ballJoints.size()));
 }
 
 /// A common edge of two tiles: its corner numbers in the first and in the second tile.
@@ -682,10 +684,10 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
   });
   throw inputErrorAt(
       line.where,
-      fmt::format("tiles {} and {} {}; remove this line", first + line.tileA, first + line.tileB,
-                  isBall ? "share one corner of one face, which in space is a ball joint without "
-                           "an axis"
-                         : "turn about no corner or edge that they share"));
+      fmt::format(
+          "tiles {} and {} {}. Remove this line", first + line.tileA, first + line.tileB,
+          isBall ? "share one corner of one face, which is a ball joint without an axis in space"
+                 : "have no common corner or edge to rotate about"));
 }
 
 }  // namespace
@@ -701,9 +703,9 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
     const auto [known, isNew] =
         lines.try_emplace(std::minmax(spring.tileA, spring.tileB), line.number);
     if (isNew) continue;
-    throw inputErrorAt(spring.where, fmt::format("this hinge is already on line {}; remove one "
-                                                 "of the two",
-                                                 known->second));
+    throw inputErrorAt(
+        spring.where,
+        fmt::format("this hinge is already on line {}. Remove one of them", known->second));
   }
   return springs;
 }

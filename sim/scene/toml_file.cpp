@@ -57,9 +57,8 @@ void requireShortKeys(const std::filesystem::path& file, std::string_view text) 
     if (std::string_view("\n=,[]{}#").find(letter) != std::string_view::npos) dots = 0;
     before = letter;
     if (dots < kMostDots) continue;
-    throw inputErrorAt({file, line}, fmt::format("there are {} dots in a key or a text here; write "
-                                                 "less than that",
-                                                 kMostDots));
+    throw inputErrorAt({file, line},
+                       fmt::format("a key or a text has {} dots here. Use fewer", kMostDots));
   }
 }
 
@@ -82,10 +81,10 @@ class Translator {
     TomlValue value{{}, placeIn(file_, node.source())};
     // The conversion is recursive too.
     if (depth > kDeepest) {
-      throw inputErrorAt(value.where,
-                         fmt::format("tables and arrays are more than {} deep here; nothing needs "
-                                     "more than a few: take brackets away",
-                                     kDeepest));
+      throw inputErrorAt(
+          value.where,
+          fmt::format("tables and arrays are nested more than {} deep here. Remove brackets",
+                      kDeepest));
     }
     if (const auto* truth = node.as_boolean()) value.content = truth->get();
     if (const auto* whole = node.as_integer()) value.content = whole->get();
@@ -118,7 +117,7 @@ TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hin
     return Translator(path).tableOf(toml::parse(text), 1);
   } catch (const toml::parse_error& error) {
     throw inputErrorAt(placeIn(path, error.source()),
-                       fmt::format("this is no TOML: {}", shown(error.description(), 160)));
+                       fmt::format("this is not TOML: {}", shown(error.description(), 160)));
   }
 }
 

@@ -37,7 +37,7 @@
 #include "sim/base/files.h"
 
 #ifndef H5_HAVE_THREADSAFE
-#error "this HDF5 serves one thread only, but trajectories and checkpoints have one each"
+#error "this HDF5 library is not thread-safe, but trajectories and checkpoints use separate threads"
 #endif
 
 namespace kirireel::trajectory {
@@ -348,9 +348,8 @@ bool isText(const Handle& type) {
 
 struct ArrayReader::Internals {
   [[noreturn]] void refuse(const std::string& found) const {
-    throw InputError(
-        fmt::format("{}: error: {}; give a whole trajectory.h5 as kirireel record leaves it",
-                    path.string(), found));
+    throw InputError(fmt::format(
+        "{}: error: {}. Give a complete trajectory.h5 from kirireel record", path.string(), found));
   }
 
   /// Arrays stay open: HDF5 caches the chunk that neighbouring rows share.
@@ -384,7 +383,7 @@ struct ArrayReader::Internals {
     const H5D_layout_t layout = H5Pget_layout(properties.id());
     bool isPlain = layout == H5D_CONTIGUOUS && H5Pget_external_count(properties.id()) == 0;
     if (layout == H5D_CHUNKED) isPlain = hasPlainFilters(properties) && hasSmallChunks(properties);
-    if (!isPlain) refuse(fmt::format("the array {} is stored in another way", name));
+    if (!isPlain) refuse(fmt::format("the array {} has another layout", name));
   }
 
   static bool hasPlainFilters(const Handle& properties) {
@@ -419,7 +418,7 @@ struct ArrayReader::Internals {
   void requireType(const Handle& array, const std::string& name, TypeCheck isRequested,
                    const char* shownType) const {
     const Handle type(H5Dget_type(array.id()), H5Tclose);
-    if (!isRequested(type)) refuse(fmt::format("the array {} does not hold {}", name, shownType));
+    if (!isRequested(type)) refuse(fmt::format("the array {} does not have {}", name, shownType));
   }
 
   // The lengths that the file claims, after a check that they are possible.
@@ -429,7 +428,7 @@ struct ArrayReader::Internals {
         static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.id()))));
     H5Sget_simple_extent_dims(space.id(), lengths.data(), nullptr);
     const Shape shape(lengths.begin(), lengths.end());
-    if (!isClaimable(shape)) refuse("an array claims more entries than the file holds");
+    if (!isClaimable(shape)) refuse("an array has more entries than its file");
     return shape;
   }
 
@@ -441,7 +440,7 @@ struct ArrayReader::Internals {
   std::size_t textLength(const Handle& type, std::size_t count) const {
     const std::size_t length = H5Tget_size(type.id());
     if (!isClaimable({count, length / sizeof(double)})) {
-      refuse("an array claims more entries than the file holds");
+      refuse("an array has more entries than its file");
     }
     return length;
   }
@@ -483,15 +482,14 @@ ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_uniq
   std::error_code error;
   if (!std::filesystem::is_regular_file(in.path, error)) {
     throw InputError(
-        fmt::format("{}: error: there is no such file; give a trajectory.h5 as "
-                    "kirireel record leaves it",
+        fmt::format("{}: error: there is no such file. Give a trajectory.h5 from kirireel record",
                     in.path.string()));
   }
   in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
   // Checks the bytes themselves, before HDF5 opens the file.
   if (!in.beginsAsOurs()) in.refuse("this is not an HDF5 file");
   in.file = Handle(H5Fopen(in.path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
-  if (!in.file.valid()) in.refuse("the file is cut short or damaged");
+  if (!in.file.valid()) in.refuse("the file is incomplete or damaged");
 }
 
 ArrayReader::~ArrayReader() = default;

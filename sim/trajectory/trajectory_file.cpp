@@ -569,7 +569,7 @@ class SubjectReader {
       if (size < 3) file_.refuse(fmt::format("a tile in {} has {} vertices", name, size));
       sizes.push_back(static_cast<std::size_t>(size));
     }
-    if (sizes.empty()) file_.refuse(fmt::format("{} holds no tile", name));
+    if (sizes.empty()) file_.refuse(fmt::format("{} has no tile", name));
     return sizes;
   }
 
@@ -587,7 +587,7 @@ class SubjectReader {
     }
     std::vector<double> entries = file_.doubles(name);
     if (!std::ranges::all_of(entries, [](double entry) { return std::isfinite(entry); })) {
-      file_.refuse(fmt::format("the array {} holds a number that is not finite", name));
+      file_.refuse(fmt::format("the array {} has a number that is not finite", name));
     }
     return entries;
   }
@@ -620,8 +620,8 @@ class SubjectReader {
                         vertex >= 0 &&
                         static_cast<std::size_t>(vertex) < sizes_[static_cast<std::size_t>(tile)];
     if (!exists) {
-      file_.refuse(
-          fmt::format("model/joints names vertex {} of tile {}, which is not there", vertex, tile));
+      file_.refuse(fmt::format("model/joints names vertex {} of tile {}, which does not exist",
+                               vertex, tile));
     }
     return {tile, vertex};
   }
@@ -657,7 +657,7 @@ class SubjectReader {
       std::size_t k = 0;
       for (const int joint : file_.integers(name)) {
         if (joint < 0 || static_cast<std::size_t>(joint) >= count) {
-          file_.refuse(fmt::format("{} names joint {}, which is not there", name, joint));
+          file_.refuse(fmt::format("{} names joint {}, which does not exist", name, joint));
         }
         visit(k++, joints[static_cast<std::size_t>(joint)]);
       }
@@ -688,7 +688,7 @@ class SubjectReader {
     std::vector<std::pair<int, int>> bricks() const override {
       const std::vector<int> numbers = wholeNumbers("bricks");
       if (numbers.size() % 2 != 0) {
-        refuse(fmt::format("{}/bricks does not hold two bricks for each of them", group_));
+        refuse(fmt::format("{}/bricks does not have two bricks per pair", group_));
       }
       std::vector<std::pair<int, int>> pairs;
       for (std::size_t k = 0; k < numbers.size(); k += 2) {
@@ -825,10 +825,9 @@ class SubjectReader {
       area += brick.bottom[k].cross(next);
     }
     if (lowest > 0 && brick.normal.dot(area) > 0) return;
-    file_.refuse(
-        fmt::format("brick {} is inside out: bricks/bottom, bricks/top and bricks/normal do not "
-                    "agree",
-                    number));
+    file_.refuse(fmt::format(
+        "brick {} is inverted: bricks/bottom, bricks/top and bricks/normal are inconsistent",
+        number));
   }
 
   const ArrayReader& file_;
@@ -870,12 +869,12 @@ struct TrajectoryReader::FileRun final : Internals {
   // Times, and the shapes that they require of the poses.
   void readTimes() {
     times = file.doubles("time");
-    if (times.empty()) file.refuse("there is no sample");
+    if (times.empty()) file.refuse("there are no samples");
     // Comparisons with NaN are false: NaN is rejected.
     const auto follows = [](double before, double after) { return before < after; };
     const bool rising = std::ranges::adjacent_find(times, std::not_fn(follows)) == times.end() &&
                         std::isfinite(times.front()) && std::isfinite(times.back());
-    if (!rising) file.refuse("the samples' times do not rise");
+    if (!rising) file.refuse("the times of the samples do not increase");
     requireShape("position", {times.size(), subject.bricks.size(), 3});
     requireShape("rotation", {times.size(), subject.bricks.size(), 4});
   }
@@ -899,7 +898,7 @@ struct TrajectoryReader::FileRun final : Internals {
       requireShape(layout::kIndeterminate, {times.size(), joints});
     }
     holdTimes = file.doubles(layout::kHoldTimes);
-    if (!std::ranges::is_sorted(holdTimes)) file.refuse("the holds' times fall");
+    if (!std::ranges::is_sorted(holdTimes)) file.refuse("the times of the holds decrease");
     const std::size_t count = holdTimes.size();
     const std::vector<double> kinds = file.doubles(layout::kHoldKinds);
     const std::vector<double> tiles = file.doubles(layout::kHoldTiles);
@@ -924,7 +923,7 @@ struct TrajectoryReader::FileRun final : Internals {
     // Comparisons with NaN are false: NaN is rejected.
     const bool makesSense = (kind == 0 || kind == 1 || kind == 2) && tile >= 0 && tile < count &&
                             other < count && other > -1e9;
-    if (!makesSense) file.refuse("a row of holds has an unknown kind, or a tile that is not there");
+    if (!makesSense) file.refuse("a row of holds has an unknown kind or tile");
     return {static_cast<HoldKind>(kind),
             static_cast<int>(tile),
             static_cast<int>(other),
@@ -990,7 +989,7 @@ struct TrajectoryReader::FileRun final : Internals {
       return !(one.time < next.time);  // also if one is NaN
     };
     if (std::ranges::adjacent_find(steps, later) != steps.end()) {
-      file.refuse("the steps' times do not rise");
+      file.refuse("the times of the steps do not increase");
     }
   }
 
@@ -1033,7 +1032,7 @@ struct TrajectoryReader::FileRun final : Internals {
     const Pose pose{Vector3(position), Quaternion(turn[0], turn[1], turn[2], turn[3])};
     // Comparisons with NaN are false: NaN is rejected.
     if (!pose.position.allFinite() || !(std::abs(pose.rotation.norm() - 1) <= kUnitTolerance)) {
-      file.refuse("a pose in position or rotation is not finite, or no rotation");
+      file.refuse("a pose in position or rotation is not finite, or not a rotation");
     }
     if (pose.position.cwiseAbs().maxCoeff() > kFarthest) {
       file.refuse(fmt::format("a brick in position is more than {:g} m away", kFarthest));

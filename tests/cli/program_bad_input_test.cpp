@@ -161,13 +161,13 @@ TEST(BadOutput, FolderThatCannotBeMade) {
   const std::string model = shippedModel("tessellation_4x4").string();
   const std::string inFile = (scratch / "file" / "out").string();
   expectOneLine(runKirireel({"record", model, "--out", inFile}), 1,
-                inFile + ": error: the folder cannot be made (Not a directory)");
+                inFile + ": error: the folder cannot be created (Not a directory)");
   const std::string onFile = (scratch / "file").string();
   expectOneLine(runKirireel({"record", model, "--out", onFile}), 1,
-                onFile + ": error: the folder cannot be made");
+                onFile + ": error: the folder cannot be created");
   // Not even the superuser can make folders here.
   expectOneLine(runKirireel({"record", model, "--out", "/proc/kirireel"}), 1,
-                "/proc/kirireel: error: the folder cannot be made");
+                "/proc/kirireel: error: the folder cannot be created");
 }
 
 std::vector<std::string> recordArguments(const std::filesystem::path& out) {
@@ -232,10 +232,10 @@ TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
 TEST(BadOutput, FolderThatCannotBeWritten) {
   const SmallDisk disk(65536, MS_RDONLY);
   if (!disk.isMounted()) GTEST_SKIP() << "mounting a small disk needs the superuser";
-  expectOneLine(runKirireel(recordArguments(disk.path())), 1,
-                disk.path().string() +
-                    ": error: cannot write in this folder (Read-only file "
-                    "system); choose another folder");
+  expectOneLine(
+      runKirireel(recordArguments(disk.path())), 1,
+      disk.path().string() +
+          ": error: cannot write in this folder (Read-only file system). Choose another folder");
 }
 
 TEST(BadOutput, FolderOfARunThatIsUnderWay) {

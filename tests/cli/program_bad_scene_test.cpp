@@ -43,15 +43,15 @@ class BadScene : public testing::Test {
 
 TEST_F(BadScene, TilesThatDoNotExist) {
   expectRefused(simulate("", {"--pin", "16"}),
-                "--pin: error: the model has tiles 0-15, not 16; correct this number");
+                "--pin: error: the model has tiles 0-15, not 16. Correct this number");
   expectRefused(simulate("", {"--fix", "1,99"}),
-                "--fix: error: the model has tiles 0-15, not 99; correct this number");
+                "--fix: error: the model has tiles 0-15, not 99. Correct this number");
   expectRefused(simulate("", {"--link", "0,9,1,0"}),
-                "--link: error: tile 0 has vertices 0-3, not 9; correct this number");
+                "--link: error: tile 0 has vertices 0-3, not 9. Correct this number");
   expectRefused(simulate("[[timeline]]\npin = [16]\n"),
-                "run.toml:1:1: error: the model has tiles 0-15, not 16; correct this number");
+                "run.toml:1:1: error: the model has tiles 0-15, not 16. Correct this number");
   expectRefused(simulate("[[timeline]]\ndrag = {tile = 0, vertex = 4, path = [[0, 0, 1]]}\n"),
-                "run.toml:1:1: error: tile 0 has vertices 0-3, not 4; correct this number");
+                "run.toml:1:1: error: tile 0 has vertices 0-3, not 4. Correct this number");
 }
 
 TEST_F(BadScene, TargetsOfAnotherShape) {

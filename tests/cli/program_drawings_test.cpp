@@ -66,12 +66,12 @@ TEST(ProgramDrawings, GiveTheirNecksToRunsAndDecks) {
 
 TEST(ProgramDrawings, WithoutNecksSayWhatToGive) {
   const ScratchFolder scratch;
-  EXPECT_EQ(runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--hinge-neck",
-                         "2e9", "--out", scratch / "run"})
-                .err,
-            "kirireel: error: --hinge-neck has a material only, but the model has no neck at the "
-            "joint between tiles 0 and 4; give width, length and Young's modulus, for example "
-            "0.1,0.3,2e9\n");
+  EXPECT_EQ(
+      runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--hinge-neck", "2e9",
+                   "--out", scratch / "run"})
+          .err,
+      "kirireel: error: --hinge-neck has only a material, but the model has no neck at the joint "
+      "between tiles 0 and 4. Give width, length and Young's modulus, for example 0.1,0.3,2e9\n");
 }
 
 TEST(ProgramDrawings, GoToTheirSecondCompactState) {

@@ -263,7 +263,7 @@ TEST_F(SweepProgram, FolderThatCannotBeWritten) {
       runKirireel({"sweep", (folder_ / "sweep.toml").string(), "--out", "/proc/kirireel"});
   EXPECT_EQ(end.exitCode, 1);
   EXPECT_EQ(std::count(end.err.begin(), end.err.end(), '\n'), 1) << end.err;
-  EXPECT_THAT(end.err, HasSubstr("/proc/kirireel/runs: error: the folder cannot be made"));
+  EXPECT_THAT(end.err, HasSubstr("/proc/kirireel/runs: error: the folder cannot be created"));
 }
 
 }  // namespace

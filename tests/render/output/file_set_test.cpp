@@ -206,9 +206,9 @@ TEST_F(FileSetTest, SaysWhyAFolderCannotBeMade) {
   write(folder_ / "file", "");
   for (const fs::path& place : {folder_ / "file", folder_ / "file" / "in"}) {
     EXPECT_THAT([&] { const output::FileSet files(place, output::kSummary); },
-                ThrowsMessage<OutputError>(
-                    StrEq(place.string() +
-                          ": error: the folder cannot be made (Not a directory); choose another")));
+                ThrowsMessage<OutputError>(StrEq(
+                    place.string() +
+                    ": error: the folder cannot be created (Not a directory). Choose another")));
   }
 }
 

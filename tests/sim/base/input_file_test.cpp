@@ -69,8 +69,9 @@ TEST(TextFile, SaysWhyItIsNotRead) {
   EXPECT_THAT(reading,
               ThrowsMessage<InputError>(StrEq(file + ": error: there is no such file; give one")));
   std::ofstream(folder / "a.txt") << "abcd";
-  EXPECT_THAT(reading, ThrowsMessage<InputError>(StrEq(
-                           file + ": error: the file has 4 bytes, at most 3 are read; give one")));
+  EXPECT_THAT(reading,
+              ThrowsMessage<InputError>(StrEq(
+                  file + ": error: the file has 4 bytes, but at most 3 are allowed; give one")));
   std::filesystem::remove(file);
   std::filesystem::create_directory(file);
   EXPECT_THAT(reading, ThrowsMessage<InputError>(

@@ -69,8 +69,8 @@ TEST_F(PendingFileTest, RefusesAFolderThatIsNotThere) {
   const fs::path missing = folder_ / "missing";
   EXPECT_EQ(messageOf([&] { writeTextFile(missing / "a.txt", "text"); }),
             missing.string() +
-                ": error: cannot write in this folder (No such file or directory); "
-                "choose another folder");
+                ": error: cannot write in this folder (No such file or directory). Choose another "
+                "folder");
 }
 
 TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
@@ -78,9 +78,9 @@ TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
   fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
   const std::string message = messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); });
   fs::permissions(folder_, fs::perms::owner_all);
-  EXPECT_EQ(message, folder_.string() +
-                         ": error: cannot write in this folder (Permission denied); "
-                         "choose another folder");
+  EXPECT_EQ(message,
+            folder_.string() +
+                ": error: cannot write in this folder (Permission denied). Choose another folder");
 }
 
 TEST_F(PendingFileTest, SaysWhenItCannotBePutInPlace) {

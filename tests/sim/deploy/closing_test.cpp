@@ -110,7 +110,7 @@ TEST(Closing, RefusesWhatItDoesNotFollow) {
   std::vector<std::string> warnings;
   EXPECT_THAT([&] { scene::completeScene(parts, scene, warnings); },
               testing::ThrowsMessage<InputError>(
-                  "error: `to = closed` finds its own end, and `target` names another; use one"));
+                  "error: `to = closed` and `target` define different ends. Use only one"));
 }
 
 }  // namespace

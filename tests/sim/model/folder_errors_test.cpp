@@ -161,8 +161,8 @@ TEST(FolderErrors, FileTooLarge) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
-              "@/vertices.txt: error: the file has 67108865 bytes, at most 67108864 are read; "
-              "write one tile per line, \"x y z\" for each vertex");
+              "@/vertices.txt: error: the file has 67108865 bytes, but at most 67108864 are "
+              "allowed; write one tile per line, \"x y z\" for each vertex");
   }
 }
 

@@ -118,10 +118,9 @@ TEST(Folder, CannotBeMadeUnderAFile) {
     model::writeModelFolder(model::makeTessellation({}), below);
     FAIL();
   } catch (const OutputError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              below.string() +
-                  ": error: the folder cannot be made (Not a directory); choose "
-                  "another");
+    EXPECT_EQ(
+        std::string(error.what()),
+        below.string() + ": error: the folder cannot be created (Not a directory). Choose another");
   }
 }
 

@@ -62,23 +62,24 @@ TEST_F(Grips, HoldTilesVerticesAndEdges) {
 TEST_F(Grips, AreRefusedInOneLine) {
   EXPECT_THAT(
       refusal("tile = 4\nmove = {x = 1}\n"),
-      HasSubstr("scene.toml:1:1: error: the model has tiles 0-3, not 4; correct this grip"));
+      HasSubstr("scene.toml:1:1: error: the model has tiles 0-3, not 4. Correct this grip"));
   EXPECT_THAT(refusal("tile = 1\nvertex = 4\nmove = {x = 1}\n"),
-              HasSubstr("tile 1 has vertices 0-3, not 4; correct this grip"));
+              HasSubstr("tile 1 has vertices 0-3, not 4. Correct this grip"));
   EXPECT_THAT(refusal("tiles = [1, 2]\nvertex = [0, 4]\nmove = {x = 1}\n"),
-              HasSubstr("tile 2 has vertices 0-3, not 4; correct this grip"));
-  EXPECT_THAT(refusal("tiles = [1, 2]\nvertex = [0]\nmove = {x = 1}\n"),
-              HasSubstr("a list of vertices has one for each tile, 2, not 1; correct one of the "
-                        "two lists"));
+              HasSubstr("tile 2 has vertices 0-3, not 4. Correct this grip"));
+  EXPECT_THAT(
+      refusal("tiles = [1, 2]\nvertex = [0]\nmove = {x = 1}\n"),
+      HasSubstr("a list of vertices needs one entry per tile, 2, not 1. Correct one of the lists"));
   EXPECT_THAT(refusal("tiles = [1, 2]\nvertex = [0, 1]\nmove = {turn = 1}\n"),
-              HasSubstr("points do not turn; remove turn, or vertex and edge"));
+              HasSubstr("points do not rotate. Remove turn, or vertex and edge"));
   EXPECT_THAT(refusal("move = {x = 1}\n"),
-              HasSubstr("a grip holds tiles; give one of tile = 3 and tiles = [3, 4]"));
-  EXPECT_THAT(refusal("tile = 1\n"), HasSubstr("a grip moves or pushes; give one of move = "));
+              HasSubstr("a grip needs tiles. Set either tile = 3 or tiles = [3, 4]"));
+  EXPECT_THAT(refusal("tile = 1\n"),
+              HasSubstr("a grip either moves or pushes. Set either move = "));
   EXPECT_THAT(refusal("tile = 1\nmove = {x = 1}\nforce = {x = 1}\n"),
-              HasSubstr("a grip moves or pushes; give one of move = "));
+              HasSubstr("a grip either moves or pushes. Set either move = "));
   EXPECT_THAT(refusal("tile = 1\nvertex = 1\nmove = {turn = 1}\n"),
-              HasSubstr("points do not turn; remove turn, or vertex and edge"));
+              HasSubstr("points do not rotate. Remove turn, or vertex and edge"));
   EXPECT_THAT(refusal("tile = 1\nedge = [1]\nmove = {x = 1}\n"),
               HasSubstr("give two vertex numbers, [0, 1]"));
   EXPECT_THAT(refusal("tile = 1\nmove = {}\n"), HasSubstr("give metres and degrees, {x = 0.1"));

@@ -101,7 +101,7 @@ TEST_F(HingeSpringsOfAScene, AreAsStiffAsNecks) {
 TEST_F(HingeSpringsOfAScene, HaveTheNecksOfTheModel) {
   scene_.brick.thickness = 0.02;
   scene_.hinges.neck = scene::HingeNeck{.youngs = 2e9};
-  EXPECT_THAT(refusal(), HasSubstr("`hinge_neck` has a material only, but the model has no neck at "
+  EXPECT_THAT(refusal(), HasSubstr("`hinge_neck` has only a material, but the model has no neck at "
                                    "the joint between tiles"));
   for (model::Joint& joint : scene_.model.joints) {
     joint.neck = {0.05 + 0.01 * (joint.a.tile + joint.b.tile), 0.3, 0};
@@ -131,14 +131,14 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereBricksWouldLieInEachOther) {
   scene_.hinges.stiffness = 1;
   scene_.hinges.rest = -1 * kDegree;
   EXPECT_EQ(refusal(),
-            "`hinge_rest`: error: a rest angle of -1 degrees closes tiles 0 and 2 into each other; "
-            "give one from 0 to 180");
+            "`hinge_rest`: error: with a rest angle of -1 degrees tiles 0 and 2 overlap. Use [0, "
+            "180] degrees");
   scene_.hinges.rest = 181 * kDegree;
-  EXPECT_THAT(refusal(), HasSubstr("a rest angle of 181 degrees closes tiles 0 and 2 "));
+  EXPECT_THAT(refusal(), HasSubstr("with a rest angle of 181 degrees tiles 0 and 2 "));
   scene_.hinges.rest.reset();
   EXPECT_THAT(refusal("\n1 3 5 200\n"),
-              EndsWith("hinges.txt:2:1: error: a rest angle of 200 degrees closes tiles 1 and 3 "
-                       "into each other; give one from 0 to 180"));
+              EndsWith("hinges.txt:2:1: error: with a rest angle of 200 degrees tiles 1 and 3 "
+                       "overlap. Use [0, 180] degrees"));
 }
 
 TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
@@ -147,13 +147,13 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
   EXPECT_EQ(springs().size(), 4u);  // in the plane
   scene_.solver.planar = false;
   EXPECT_EQ(refusal(),
-            "error: springs need hinges, but in space joints at one corner of one face are balls, "
-            "which turn about no axis (4 of them); join both faces (column 5 of constraints.txt: "
-            "3), or keep the sheet in its plane (`planar = on`)");
+            "error: springs need hinges, but in space 4 joints at one corner of one face are ball "
+            "joints without an axis. Join both faces (column 5 of constraints.txt: 3), or keep the "
+            "sheet in its plane (`planar = on`)");
   scene_.model.joints.clear();
   EXPECT_EQ(refusal(),
-            "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
-            "share; remove `hinge_stiffness`");
+            "error: springs need hinges, but no two tiles rotate about a common corner or edge. "
+            "Remove `hinge_stiffness`");
 }
 
 /// A scene of two squares side by side in a FOLD file, folded by 90 degrees along their edge.
@@ -333,8 +333,8 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
   scene::Scene scene;
   scene.grips.emplace_back();
   EXPECT_EQ(refusal(scene),
-            "error: `split_tiles` renumbers the tiles that drags, chains of targets, grips and "
-            "files of hinges name; remove one of the two");
+            "error: `split_tiles` renumbers tiles, so drags, chains of targets, grips and files of "
+            "hinges do not work with it. Remove one of them");
   scene.grips.clear();
   EXPECT_EQ(refusal(scene), "accepted");
   scene.timeline = {{scene::Trigger{}, scene::timeline::Drag{}, {}}};
@@ -346,19 +346,19 @@ TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
 
 TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
   const auto said = [&](const std::string& line) { return refusal(line + "\n"); };
-  EXPECT_THAT(said("0 1 -2"), EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness from 0 to "
-                                       "1e12 N m/rad, or - for that of all hinges; correct it"));
-  EXPECT_THAT(said("0 1 2 a"), HasSubstr("'a' is not a rest angle from -360 to 360 degrees"));
-  EXPECT_THAT(said("0 1 2 3 -1"), HasSubstr("'-1' is not a damping from 0 to 1e12 N m s/rad"));
+  EXPECT_THAT(said("0 1 -2"),
+              EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness in [0, 1e12] N m/rad, or - "
+                       "for the value of all hinges; correct it"));
+  EXPECT_THAT(said("0 1 2 a"), HasSubstr("'a' is not a rest angle in [-360, 360] degrees"));
+  EXPECT_THAT(said("0 1 2 3 -1"), HasSubstr("'-1' is not a damping in [0, 1e12] N m s/rad"));
   EXPECT_THAT(said("0 1 nan"), HasSubstr("'nan' is not a stiffness"));
-  EXPECT_THAT(said("0 4 1"), EndsWith(":1:3: error: the model has tiles 0-3, not 4; correct this "
-                                      "number"));
-  EXPECT_THAT(said("0"), HasSubstr("there are 1 columns; a hinge is tile, tile, stiffness"));
-  EXPECT_THAT(said("0 3 1"),
-              EndsWith(":1:1: error: tiles 0 and 3 turn about no corner or edge that "
-                       "they share; remove this line"));
-  EXPECT_THAT(said("0 1 1\n1 0 2"), EndsWith(":2:1: error: this hinge is already on line 1; "
-                                             "remove one of the two"));
+  EXPECT_THAT(said("0 4 1"),
+              EndsWith(":1:3: error: the model has tiles 0-3, not 4. Correct this number"));
+  EXPECT_THAT(said("0"), HasSubstr("there are 1 columns. A hinge has tile, tile, stiffness"));
+  EXPECT_THAT(said("0 3 1"), EndsWith(":1:1: error: tiles 0 and 3 have no common corner or edge to "
+                                      "rotate about. Remove this line"));
+  EXPECT_THAT(said("0 1 1\n1 0 2"),
+              EndsWith(":2:1: error: this hinge is already on line 1. Remove one of them"));
 }
 
 }  // namespace

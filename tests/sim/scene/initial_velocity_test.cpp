@@ -44,7 +44,7 @@ TEST(InitialVelocity, RefusesTilesThatTheModelDoesNotHave) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("scene.toml:3:1: error: the model has tiles 1-"));
-    EXPECT_THAT(error.what(), HasSubstr("not 0; correct this number"));
+    EXPECT_THAT(error.what(), HasSubstr("not 0. Correct this number"));
   }
 }
 

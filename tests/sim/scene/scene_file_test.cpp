@@ -116,25 +116,25 @@ TEST_F(SceneFileTest, RefusesWhatIsDeepOrMany) {
   std::string parts = "a";
   for (int k = 0; k < 100000; ++k) parts += ".a";
   EXPECT_EQ(refusal("[model]\n" + parts + " = 1\n"),
-            "scene.toml:2: error: there are 64 dots in a key or a text here; write less than that");
+            "scene.toml:2: error: a key or a text has 64 dots here. Use fewer");
   EXPECT_EQ(refusal("# " + std::string(100, '.') + "\n[model]\npin = [0]\n"), "accepted");
   EXPECT_EQ(refusal("[model]\npin = " + std::string(20, '[') + std::string(20, ']') + "\n"),
-            "scene.toml:2:22: error: tables and arrays are more than 16 deep here; nothing needs "
-            "more than a few: take brackets away");
+            "scene.toml:2:22: error: tables and arrays are nested more than 16 deep here. Remove "
+            "brackets");
   std::string obstacles;
   for (int k = 0; k < 1001; ++k) obstacles += "[[obstacle]]\nshape = \"sphere\"\nradius = 1\n";
-  EXPECT_THAT(refusal(obstacles), HasSubstr("error: there are 1001 obstacles, at most 1000 are "
-                                            "allowed; put several into one mesh"));
+  EXPECT_THAT(refusal(obstacles), HasSubstr("error: there are 1001 obstacles, but at most 1000 are "
+                                            "allowed. Combine several in one mesh"));
   std::filesystem::resize_file(folder_ / "scene.toml", (8u << 20) + 1);
   EXPECT_THAT([&] { scene::readSceneFile(folder_ / "scene.toml"); },
               testing::ThrowsMessage<InputError>(
-                  HasSubstr("scene.toml: error: the file has 8388609 bytes, at most 8388608 are "
-                            "read; name a scene file, like scene.toml")));
+                  HasSubstr("scene.toml: error: the file has 8388609 bytes, but at most 8388608 "
+                            "are allowed; name a scene file, like scene.toml")));
 }
 
 TEST_F(SceneFileTest, RefusesTablesWithoutAKey) {
   for (const std::string table : {"[/]", "[=", "[[*]]", "[ ]", "[.", "[\u00e9", "\u00e9 = 1"}) {
-    EXPECT_THAT(refusal(table + "\n"), HasSubstr("error: this is no TOML: ")) << table;
+    EXPECT_THAT(refusal(table + "\n"), HasSubstr("error: this is not TOML: ")) << table;
   }
 }
 
@@ -177,14 +177,14 @@ TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
   EXPECT_THAT(entry("progress = 2\nquit = true\n"), HasSubstr(no + "a share from 0 to 1"));
   EXPECT_THAT(entry("forces = true\n"), HasSubstr(no + "\"on\" or \"off\""));
   EXPECT_THAT(entry("quit = false\n"), HasSubstr(no + "true"));
-  EXPECT_THAT(entry("at = 1\n"), HasSubstr("this entry has 1 times and 0 actions; give"));
+  EXPECT_THAT(entry("at = 1\n"), HasSubstr("this entry has 1 times and 0 actions. It needs"));
   EXPECT_THAT(entry("at = 1\nafter = 1\nquit = true\n"),
               HasSubstr("has 2 times and 1 actions"));
 }
 
 TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
   EXPECT_THAT(refusal("[model\nthickness = 1\n"),
-              HasSubstr("scene.toml:1:7: error: this is no TOML"));
+              HasSubstr("scene.toml:1:7: error: this is not TOML"));
   EXPECT_THAT(refusal("thickness = 1\n"), HasSubstr("unknown table thickness"));
   EXPECT_THAT(refusal("model = 1\n"), HasSubstr("give a table, [model]"));
   EXPECT_THAT(refusal("[model]\nthickness = 1979-05-27\n"),
@@ -225,11 +225,11 @@ position = [0, 0, 4]
 TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
   EXPECT_EQ(refusal("[[obstacle]]\nshape = \"cone\"\n"),
             "scene.toml:2:9: error: an obstacle needs shape = \"box\", \"sphere\" or \"mesh\"");
-  EXPECT_EQ(refusal("[[obstacle]]\nshape = \"box\"\n"),
-            "scene.toml:1:1: error: a box needs size; box has size, sphere has radius, mesh has "
-            "file");
+  EXPECT_EQ(
+      refusal("[[obstacle]]\nshape = \"box\"\n"),
+      "scene.toml:1:1: error: a box needs size. A box has size, a sphere radius, a mesh file");
   EXPECT_THAT(refusal("[[obstacle]]\nshape = \"sphere\"\nradius = 1\nsize = [1, 1, 1]\n"),
-              HasSubstr("error: a sphere has no size; "));
+              HasSubstr("error: a sphere has no size. "));
   EXPECT_THAT(refusal("[[obstacle]]\nshape = \"box\"\nsize = [1, 0, 1]\n"),
               HasSubstr("scene.toml:3:8: error: this value is not allowed; give three positive "
                         "lengths in metres"));

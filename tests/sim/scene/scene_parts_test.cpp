@@ -137,18 +137,19 @@ TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
 
 TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
   parts_.pinned = {16};
-  EXPECT_EQ(refusal(), "`pin`: error: the model has tiles 0-15, not 16; correct this number");
+  EXPECT_EQ(refusal(), "`pin`: error: the model has tiles 0-15, not 16. Correct this number");
   parts_ = {};
   parts_.fixed = {{3, 16}};
-  EXPECT_EQ(refusal(), "`fix`: error: the model has tiles 0-15, not 16; correct this number");
+  EXPECT_EQ(refusal(), "`fix`: error: the model has tiles 0-15, not 16. Correct this number");
   parts_.fixed = {{3, 3}};
-  EXPECT_EQ(refusal(), "`fix`: error: tile 3 cannot be joined to itself; name two tiles");
+  EXPECT_EQ(refusal(), "`fix`: error: tile 3 cannot be joined to itself. Name two tiles");
   parts_ = {};
   parts_.links = {{3, 4, 5, 0}};
-  EXPECT_EQ(refusal(), "`link`: error: tile 3 has vertices 0-3, not 4; correct this number");
+  EXPECT_EQ(refusal(), "`link`: error: tile 3 has vertices 0-3, not 4. Correct this number");
   const model::Joint& joint = scene_.model.joints.front();
   parts_.links = {{joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex}};
-  EXPECT_THAT(refusal(), HasSubstr("are at one place; join them in constraints.txt instead"));
+  EXPECT_THAT(refusal(),
+              HasSubstr("are at the same position. Join them in constraints.txt instead"));
 }
 
 TEST_F(ScenePartsTest, ATargetOfAnotherShapeIsRefused) {
@@ -167,15 +168,15 @@ TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
     return refusal();
   };
   const std::string at = "scene.toml:4:1: error: ";
-  EXPECT_EQ(refusalOf(Unpin{{20}}), at + "the model has tiles 0-15, not 20; correct this number");
+  EXPECT_EQ(refusalOf(Unpin{{20}}), at + "the model has tiles 0-15, not 20. Correct this number");
   EXPECT_EQ(refusalOf(Drag{16, {}, {Vector3::Zero()}}),
-            at + "the model has tiles 0-15, not 16; correct this number");
+            at + "the model has tiles 0-15, not 16. Correct this number");
   EXPECT_EQ(refusalOf(Drag{2, 4, {Vector3::Zero()}}),
-            at + "tile 2 has vertices 0-3, not 4; correct this number");
+            at + "tile 2 has vertices 0-3, not 4. Correct this number");
   EXPECT_THAT(refusalOf(GoTo{folder_ / "none.txt", {}}), HasSubstr("none.txt: error: "));
   scene_.model.target.reset();
   EXPECT_THAT(refusalOf(Quit{}, {scene::Trigger::Kind::AtTarget}),
-              HasSubstr(at + "this waits for a target, but there is none; add target.txt"));
+              HasSubstr(at + "this entry needs a target, but there is none. Add target.txt"));
 }
 
 }  // namespace

@@ -190,7 +190,7 @@ TEST(TrajectoryFile, RefusesOtherVersions) {
     file.close();
     EXPECT_THAT(refusalOf(folder / "run.h5"),
                 HasSubstr(fmt::format("error: the format's version is {:g}, but this program reads "
-                                      "5; give a whole trajectory.h5",
+                                      "5. Give a complete trajectory.h5",
                                       version)));
   }
 }
@@ -201,7 +201,7 @@ TEST(TrajectoryFile, RefusesStepsThatDoNotFit) {
   std::swap(written.samples[1].steps[0], written.samples[1].steps[1]);
   trajectory::writeTrajectory(written, folder / "run.h5");
   EXPECT_THAT(messageOf<InputError>([&] { trajectory::readTrajectory(folder / "run.h5"); }),
-              HasSubstr("the steps' times do not rise"));
+              HasSubstr("the times of the steps do not increase"));
 }
 
 TEST(TrajectoryFile, LeavesOutWhatIsAbsent) {
@@ -276,11 +276,11 @@ print(f["settings"].asstr()[0])
 
 TEST(TrajectoryFile, RefusesAFileThatIsNotThereOrForeign) {
   const TemporaryFolder folder;
-  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
   const std::filesystem::path file = folder / "run.h5";
-  EXPECT_EQ(refusalOf(file), file.string() +
-                                 ": error: there is no such file; give a trajectory.h5 as "
-                                 "kirireel record leaves it");
+  EXPECT_EQ(
+      refusalOf(file),
+      file.string() + ": error: there is no such file. Give a trajectory.h5 from kirireel record");
   std::ofstream(file) << "0 0 0 1 0 0 1 1 0\n";
   EXPECT_EQ(refusalOf(file), file.string() + ": error: this is not an HDF5 file" + mend);
   trajectory::ArrayWriter(file, file).close();
@@ -295,7 +295,7 @@ TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
   for (const double share : {0.99, 0.5, 0.1, 0.001}) {
     std::filesystem::resize_file(file, static_cast<std::uintmax_t>(share * whole));
     EXPECT_THAT(refusalOf(file), HasSubstr("run.h5: error: ")) << share;
-    EXPECT_THAT(refusalOf(file), HasSubstr("; give a whole trajectory.h5")) << share;
+    EXPECT_THAT(refusalOf(file), HasSubstr(". Give a complete trajectory.h5")) << share;
   }
 }
 
@@ -308,7 +308,7 @@ TEST(TrajectoryFile, NoticesAChangedByteAmongThePoses) {
     std::string bytes = whole;
     bytes[static_cast<std::size_t>(share * bytes.size())] ^= 1;
     std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
-    EXPECT_THAT(refusalOf(file), HasSubstr(" is damaged; give a whole trajectory.h5")) << share;
+    EXPECT_THAT(refusalOf(file), HasSubstr(" is damaged. Give a complete trajectory.h5")) << share;
   }
 }
 
@@ -324,20 +324,20 @@ std::string refusalAfter(const Change& change) {
 }
 
 TEST(TrajectoryFile, RefusesContradictions) {
-  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples.clear(); }),
-            "error: there is no sample" + mend);
+            "error: there are no samples" + mend);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples[2].time = 0; }),
-            "error: the samples' times do not rise" + mend);
+            "error: the times of the samples do not increase" + mend);
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = NAN; }),
-      "error: a pose in position or rotation is not finite, or no rotation" + mend);
+      "error: a pose in position or rotation is not finite, or not a rotation" + mend);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].rotation.w() = 3; }),
-            "error: a pose in position or rotation is not finite, or no rotation" + mend);
+            "error: a pose in position or rotation is not finite, or not a rotation" + mend);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.joints[0].b.vertex = 4; }),
             "error: model/joints names vertex 4 of tile " +
                 std::to_string(model::makeTessellation({}).joints[0].b.tile) +
-                ", which is not there" + mend);
+                ", which does not exist" + mend);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) {
               t.model.joints[0].face = static_cast<model::JointFace>(7);
             }),
@@ -349,7 +349,7 @@ TEST(TrajectoryFile, RefusesContradictions) {
             "error: the normal of brick 3 in bricks/normal is not a unit vector" + mend);
   for (const std::size_t sample : {0, 1, 2}) {
     EXPECT_EQ(refusalAfter([&](trajectory::Trajectory& t) { t.samples[sample].time = NAN; }),
-              "error: the samples' times do not rise" + mend);
+              "error: the times of the samples do not increase" + mend);
   }
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = -1e300; }),
@@ -359,7 +359,7 @@ TEST(TrajectoryFile, RefusesContradictions) {
 }
 
 TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
-  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
   const auto refusalWith = [](const auto& change) {
     return refusalAfter([&](trajectory::Trajectory& t) {
       std::mt19937_64 generator(2);
@@ -369,7 +369,7 @@ TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
     });
   };
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.brickB = 16; }),
-            "error: model/joints names vertex 0 of tile 16, which is not there" + mend);
+            "error: model/joints names vertex 0 of tile 16, which does not exist" + mend);
   const std::string noJoint =
       "error: ligaments/joint does not name a joint of the model for each ligament" + mend;
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = 24; }), noJoint);
@@ -377,11 +377,11 @@ TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.across *= 2; }),
             "error: the direction of ligament 1 in ligaments/across is not a unit vector" + mend);
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.shearStiffness = NAN; }),
-            "error: the array ligaments/shear holds a number that is not finite" + mend);
+            "error: the array ligaments/shear has a number that is not finite" + mend);
 }
 
 TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
-  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].thickness = 0; }),
       "error: the thickness of brick 3 in bricks/thickness is 0, but must be positive" + mend);
@@ -391,7 +391,7 @@ TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[1].mass = 0; }),
             "error: the mass of brick 1 in bricks/mass is 0, but must be positive" + mend);
   const std::string insideOut =
-      "error: brick 2 is inside out: bricks/bottom, bricks/top and bricks/normal do not agree" +
+      "error: brick 2 is inverted: bricks/bottom, bricks/top and bricks/normal are inconsistent" +
       mend;
   EXPECT_EQ(refusalAfter(
                 [](trajectory::Trajectory& t) { std::swap(t.bricks[2].bottom, t.bricks[2].top); }),
@@ -419,7 +419,7 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
   if (outputOf("/usr/bin/python3 -c 'import h5py; print(1)'").empty()) {
     GTEST_SKIP() << "install python3-h5py to change trajectories by another program";
   }
-  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
   EXPECT_EQ(refusalAfterPython("del f['time']; f['time'] = h5py.ExternalLink('/etc/passwd', '/')"),
             "error: the array time is missing" + mend);
   EXPECT_EQ(
@@ -427,24 +427,24 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
       "error: the array time is missing" + mend);
   EXPECT_EQ(refusalAfterPython("del f['time']\n"
                                "f.create_dataset('time', (3,), '<f8', external=[('x', 0, 24)])"),
-            "error: the array time is stored in another way" + mend);
+            "error: the array time has another layout" + mend);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '<f8', "
                                "chunks=(3,), compression='lzf')"),
-            "error: the array time is stored in another way" + mend);
+            "error: the array time has another layout" + mend);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '<f8', "
                                "maxshape=(None,), chunks=(10**8,))"),
-            "error: the array time is stored in another way" + mend);
+            "error: the array time has another layout" + mend);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '>f4')"),
-            "error: the array time does not hold numbers of 64 bits" + mend);
+            "error: the array time does not have numbers of 64 bits" + mend);
   // HDF5 follows the places of texts of variable length without checks.
   EXPECT_EQ(refusalAfterPython("del f['events/text']\n"
                                "f.create_dataset('events/text', (3,), h5py.string_dtype())"),
-            "error: the array events/text does not hold texts of a fixed length" + mend);
+            "error: the array events/text does not have texts of a fixed length" + mend);
   EXPECT_EQ(refusalAfterPython("del f['events/text']\n"
                                "f.create_dataset('events/text', (3,), 'S1000000000')"),
-            "error: an array claims more entries than the file holds" + mend);
+            "error: an array has more entries than its file" + mend);
   EXPECT_EQ(refusalAfterPython("f['time'].resize((10**9,))"),
-            "error: an array claims more entries than the file holds" + mend);
+            "error: an array has more entries than its file" + mend);
 }
 
 TEST(TrajectoryFile, SaysThatItCannotBeWritten) {
