@@ -221,7 +221,8 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.countsFrom = model.fileOrder.countsFrom;
   inspection.rounding = model.rounding;
   inspection.zeroSingularValue = trajectory::zeroSingularValue(model);
-  for (const model::Mend& mend : model.mends) inspection.mends.push_back(model::toString(mend));
+  for (const model::Repair& repair : model.repairs)
+    inspection.repairs.push_back(model::toString(repair));
   lookAt("looking at the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = scene::sceneNeeds(scene);
@@ -253,7 +254,7 @@ std::string inspectionText(const Inspection& inspection) {
     text += fmt::format("name {}: tiles {}\n", shown(name, 60),
                         tilesText(tiles, inspection.countsFrom));
   }
-  for (const std::string& mend : inspection.mends) text += mend + "\n";
+  for (const std::string& repair : inspection.repairs) text += repair + "\n";
   text += stateText("start", inspection.start, inspection.countsFrom, unit);
   if (inspection.target) {
     text += stateText("target", *inspection.target, inspection.countsFrom, unit);
@@ -283,7 +284,7 @@ std::string inspectionJson(const Inspection& inspection) {
   json["suggested_thickness"] = inspection.suggestedThickness;
   json["rounding"] = inspection.rounding;
   json["file_counts_from"] = inspection.countsFrom;
-  json["mended"] = inspection.mends;
+  json["mended"] = inspection.repairs;
   json["start"] = stateJson(inspection.start);
   json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
   json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();
@@ -392,8 +393,8 @@ class StatePicture {
     const std::vector<model::Brick> bricks = model::makeBricks(tiles, rule);
     picture::PictureItems items;
     items.poses = model::startPoses(tiles, bricks);
-    for (const model::Mend& mend : model.mends) {
-      for (const model::Corner& corner : mend.corners) {
+    for (const model::Repair& repair : model.repairs) {
+      for (const model::Corner& corner : repair.corners) {
         items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
       }
     }

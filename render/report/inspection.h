@@ -49,7 +49,7 @@ struct Inspection {
   double rounding = 0;                    ///< last digit of its coordinates, metres; 0: all digits
   double zeroSingularValue = 0;           ///< threshold for zero because of that
   int countsFrom = 0;                     ///< number of the first tile and vertex in its file
-  std::vector<std::string> mends;         ///< repairs of its files, one line each
+  std::vector<std::string> repairs;       ///< repairs of its files, one line each
   StateInspection start;                  ///< at the start
   std::optional<StateInspection> target;  ///< at the target, if any
   std::optional<double> shapeChange;      ///< largest change of a length in a tile, metres

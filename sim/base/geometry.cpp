@@ -58,15 +58,15 @@ Poses interpolate(const Motion& from, const Motion& to, double seconds, double s
   const double rest = 1 - share;
   const double begin = seconds * share * rest * rest;
   const double end = -seconds * share * share * rest;
-  const double way = share * share * (3 - 2 * share);
+  const double fraction = share * share * (3 - 2 * share);
   Poses poses(from.poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const Pose& first = from.poses[i];
     const Pose& last = to.poses[i];
-    poses[i].position = first.position + way * (last.position - first.position) +
+    poses[i].position = first.position + fraction * (last.position - first.position) +
                         begin * from.velocities[i].linear + end * to.velocities[i].linear;
     const Vector3 turn = turnBetween(first.rotation, last.rotation);
-    const Vector3 turned = way * turn + begin * from.velocities[i].angular +
+    const Vector3 turned = fraction * turn + begin * from.velocities[i].angular +
                            end * turnRate(turn, to.velocities[i].angular);
     poses[i].rotation = (rotationFromVector(turned) * first.rotation).normalized();
   }

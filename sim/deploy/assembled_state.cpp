@@ -239,10 +239,10 @@ class Assembly {
 AssembledState assembleAtTarget(const scene::Scene& scene,
                                 const std::function<bool()>& shouldContinue) {
   if (!scene.model.target) return {};
-  scene::Scene alone = scene;
-  alone.environment = scene::Environment{};
-  alone.solver.kind = scene::SolverKind::Direct;
-  return Assembly(alone, shouldContinue).find();
+  scene::Scene bare = scene;
+  bare.environment = scene::Environment{};
+  bare.solver.kind = scene::SolverKind::Direct;
+  return Assembly(bare, shouldContinue).find();
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -437,18 +437,19 @@ std::vector<BlockingPair> blockingPairs(const scene::Scene& scene, const Poses& 
 }
 
 std::string describe(const BlockingPair& pair, int countsFrom, const LengthUnit& unit) {
-  std::vector<std::string> ways;
+  std::vector<std::string> remedies;
   if (pair.freeingFace) {
-    ways.push_back(fmt::format("joints on the {}",
-                               *pair.freeingFace == model::JointFace::Top ? "top" : "bottom"));
+    remedies.push_back(fmt::format("joints on the {}",
+                                   *pair.freeingFace == model::JointFace::Top ? "top" : "bottom"));
   }
   if (pair.freeingThickness > 0) {
-    ways.push_back(fmt::format("a thickness of {}", lengthText(pair.freeingThickness, unit, 2)));
+    remedies.push_back(
+        fmt::format("a thickness of {}", lengthText(pair.freeingThickness, unit, 2)));
   }
   return fmt::format("tiles {} and {} by {} ({})", countsFrom + pair.tileA, countsFrom + pair.tileB,
                      lengthText(pair.overlap, unit, 2),
-                     ways.empty() ? "the tiles themselves overlap"
-                                  : fmt::format("free with {}", fmt::join(ways, " or ")));
+                     remedies.empty() ? "the tiles themselves overlap"
+                                      : fmt::format("free with {}", fmt::join(remedies, " or ")));
 }
 
 }  // namespace kirireel::deploy

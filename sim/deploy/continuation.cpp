@@ -57,7 +57,7 @@ namespace {
 constexpr double kStateShare = 0.02;
 constexpr double kMostStates = 200;
 // The jump off the start may be this many times longer than that of its guide, plus one state.
-constexpr double kLongestLeap = 4;
+constexpr double kLongestJump = 4;
 // Without a jump, progress starts with this value and grows by this factor from state to state.
 constexpr double kFirstProgress = 1e-5;
 constexpr double kGrowth = 1.3;
@@ -305,7 +305,7 @@ class Continuation {
         std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
     stateLength_ = path_.guideLength / count;
     if (stateLength_ > 0) {
-      if (settings_.leap > 0 && !settings_.areJointsCompliant()) leap(guide);
+      if (settings_.jump > 0 && !settings_.areJointsCompliant()) jump(guide);
       follow(guide, 1 / count);
     }
     return finish();
@@ -318,7 +318,7 @@ class Continuation {
     extend();
     // Without any gain in extent, the state is a maximum or, often by symmetry, a saddle.
     while (mayContinue() && leaveSaddle()) continue;
-    leaveOutRest();
+    omitRest();
     path_.guideLength = path_.length();
     return finish();
   }
@@ -391,7 +391,7 @@ class Continuation {
   }
 
   /// Removes the states near the last one: there they oscillate with hardly any gain in extent.
-  void leaveOutRest() {
+  void omitRest() {
     const auto distanceToLast = [&](std::size_t state) {
       return pathDistance(mechanism_.bricks(), path_.states[state], poses_);
     };
@@ -424,17 +424,17 @@ class Continuation {
   }
 
   /// Jumps to the closed state near the guide, if there is one.
-  void leap(const PathGuide& guide) {
-    Poses first = guide.at(settings_.leap);
+  void jump(const PathGuide& guide) {
+    Poses first = guide.at(settings_.jump);
     if (!mechanism_.close(first)) return;
     const double far = pathDistance(mechanism_.bricks(), poses_, first);
-    if (far > kLongestLeap * settings_.leap * path_.guideLength + stateLength_) return;
+    if (far > kLongestJump * settings_.jump * path_.guideLength + stateLength_) return;
     poses_ = std::move(first);
     mechanism_.restore(symmetries_, poses_);
     keep();
     // Overlaps that the jump causes count as overlaps of the start.
     mechanism_.restart(poses_);
-    progress_ = settings_.leap;
+    progress_ = settings_.jump;
   }
 
   void follow(const PathGuide& guide, double largest) {
@@ -442,13 +442,13 @@ class Continuation {
     int still = 0;
     for (; progress_ < 1 && mayContinue(); advance = std::min(kGrowth * advance, largest)) {
       progress_ = std::min(1.0, progress_ + advance);
-      const double wanted = advance * path_.guideLength;
+      const double expected = advance * path_.guideLength;
       const double before = path_.length();
       const Poses place = guide.at(progress_);
       for (int i = 0; i < kMovesAState && mayContinue(); ++i) {
-        if (moveTowards(place) < kShortMove * wanted) break;
+        if (moveTowards(place) < kShortMove * expected) break;
       }
-      still = path_.length() - before < kShortMove * wanted ? still + 1 : 0;
+      still = path_.length() - before < kShortMove * expected ? still + 1 : 0;
       // Compliant joints may resist their guide for many states before they open.
       path_.isStuck = still >= kStuckPlaces && (isRounded() || !settings_.areJointsCompliant());
     }
@@ -494,7 +494,7 @@ class Continuation {
     path_.symmetries = symmetries_.group();
     if (scene_.model.target) {
       path_.error = errorOf(poses_);
-      if (!settings_.areJointsCompliant() && path_.error > kFarError * tile_) endWhereNearest();
+      if (!settings_.areJointsCompliant() && path_.error > kFarError * tile_) endAtNearest();
     }
     return std::move(path_);
   }
@@ -504,7 +504,7 @@ class Continuation {
   }
 
   /// If the target is out of reach, ends the path at the state that is nearest to the target.
-  void endWhereNearest() {
+  void endAtNearest() {
     std::size_t nearest = path_.states.size() - 1;
     for (std::size_t k = 0; k < path_.states.size(); ++k) {
       const double error = errorOf(path_.states[k]);
@@ -561,13 +561,13 @@ void measureLengths(const std::vector<model::Brick>& bricks, MechanismPath& path
 
 /// Whether a state with exactly closed joints lies near each state, within roundedReach().
 bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) {
-  const scene::Scene alone = [&] {
+  const scene::Scene bare = [&] {
     scene::Scene copy = scene;
     copy.environment = scene::Environment{};
     return copy;
   }();
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
-  const auto dynamics = makeDynamics(alone, scene::sceneNeeds(alone), bricks, states.front());
+  const auto dynamics = makeDynamics(bare, scene::sceneNeeds(bare), bricks, states.front());
   const double reach = roundedReach(scene.model);
   return std::ranges::all_of(states, [&](const Poses& state) {
     Poses closed = state;
@@ -604,7 +604,7 @@ MechanismPath closedExactly(const scene::Scene& scene, MechanismPath rounded, do
   });
   if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
   SearchBudget part(std::min(kExactCost * cost, budget.left()));
-  MechanismPath exact = Continuation(scene, rounded.states.front(), {.leap = 0},
+  MechanismPath exact = Continuation(scene, rounded.states.front(), {.jump = 0},
                                      std::numeric_limits<double>::infinity(), part, shouldContinue)
                             .along(rounded.states);
   budget.spend(part.spent());
@@ -664,7 +664,7 @@ MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
 
 MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
                       const PathObserver& shouldContinue) {
-  return followBetween(scene, std::move(guide), {.leap = 0}, budget, shouldContinue);
+  return followBetween(scene, std::move(guide), {.jump = 0}, budget, shouldContinue);
 }
 
 MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, const Poses& goal,
@@ -680,7 +680,7 @@ MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start, co
   for (const double stiffness : kNearStart) {
     if (back.isCutShort || !back.isStuck) break;
     MechanismPath rest =
-        followBetween(scene, {back.states.back(), start}, {.leap = 0, .jointStiffness = stiffness},
+        followBetween(scene, {back.states.back(), start}, {.jump = 0, .jointStiffness = stiffness},
                       budget, shouldContinue);
     back.isCutShort = rest.isCutShort;
     if (!isAtStart(rest)) continue;
@@ -786,9 +786,9 @@ Poses StateInterpolator::closedBetween(const Poses& from, const Poses& to, doubl
   const Poses straight = interpolate(from, to, share);
   Poses closed = straight;
   const double gap = solverFor(from, to).assemble(closed);
-  const double way = pathDistance(bricks_, from, to);
+  const double distance = pathDistance(bricks_, from, to);
   const double moved = pathDistance(bricks_, straight, closed);
-  if (gap <= kClosedJoints * tileSize_ && moved <= kMostClosing * way) return closed;
+  if (gap <= kClosedJoints * tileSize_ && moved <= kMostClosing * distance) return closed;
   return share < 0.5 ? from : to;
 }
 

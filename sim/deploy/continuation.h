@@ -73,7 +73,7 @@ struct ContinuationSettings {
   double turnWeight = 100;
   /// First progress along the guide, (0, 1]. The path jumps off a singular start to this progress,
   /// without contacts. 0: there is no jump; the first moves are tiny and then grow.
-  double leap = 1.0 / 60;
+  double jump = 1.0 / 60;
   /// Stiffness of each joint, relative to the weight of a tile's position in the distance to the
   /// guide. Designs without freedom can leave their start only if joints open. Stiffer joints open
   /// less. Infinity: exact joints.

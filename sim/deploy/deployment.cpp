@@ -468,17 +468,17 @@ DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
   const double startSeconds = threadCpuSeconds() - searchSeconds;
   SearchBudget budget;
-  bool goOn = true;
+  bool shouldContinue = true;
   std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
   const TrialObserver watchSearch = [&](const SearchNews& news) {
-    goOn = goOn && (!searching || searching(news));
+    shouldContinue = shouldContinue && (!searching || searching(news));
     searchSeconds = threadCpuSeconds() - startSeconds;
     const bool isNew = checkpoints && checkpoints->trials().size() > savedTrials;
-    if (isNew && (!goOn || checkpoints->isDue())) {
+    if (isNew && (!shouldContinue || checkpoints->isDue())) {
       checkpoints->save({});
       savedTrials = checkpoints->trials().size();
     }
-    return goOn;
+    return shouldContinue;
   };
   std::vector<TrialEnd> trials;
   Search found;
@@ -490,20 +490,20 @@ DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval
     selectPath(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
     if (mayLeavePlane(whole, scene, found)) leavePlane(whole, scene, found, watchSearch);
   } catch (const Interrupted&) {
-    goOn = false;
+    shouldContinue = false;
     abandonSearch(scene, found);
   }
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that ended early ends the run at its start, possibly on another path.
-  if (!goOn) checkpoints = nullptr;
+  if (!shouldContinue) checkpoints = nullptr;
   OverlapWatch overlaps(given);
   const SampleObserver takeSample = [&](const trajectory::Sample& sample) {
     overlaps.observe(sample.poses);
-    return observer(sample) && goOn;
+    return observer(sample) && shouldContinue;
   };
   DeploymentResult result =
       found.planned.path
-          ? walk(scene, *found.planned.path, found.nearest, sampleInterval, takeSample)
+          ? playBack(scene, *found.planned.path, found.nearest, sampleInterval, takeSample)
           : (scene.solver.measuresTimeError ? runTwice : runDynamics)(
                 scene, found.choice, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
   const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;

@@ -471,23 +471,26 @@ TargetGuide::TargetGuide(const std::vector<model::Tile>& start,
     const std::vector<Vector3>& from = start[i].vertices;
     const std::vector<Vector3>& to = target[i].vertices;
     const Matrix3 R = model::bestRigidMotion(from, to).rotation;
-    Way way{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
+    TileMotion tileMotion{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
     for (std::size_t k = 0; k < from.size(); ++k) {
-      way.vertices.push_back(from[k] - way.startMean);
-      way.misfit.push_back(R.transpose() * (to[k] - way.targetMean) - way.vertices.back());
+      tileMotion.vertices.push_back(from[k] - tileMotion.startMean);
+      tileMotion.misfit.push_back(R.transpose() * (to[k] - tileMotion.targetMean) -
+                                  tileMotion.vertices.back());
     }
-    ways_.push_back(std::move(way));
+    motions_.push_back(std::move(tileMotion));
   }
 }
 
 std::vector<model::Tile> TargetGuide::at(double progress) const {
-  std::vector<model::Tile> tiles(ways_.size());
-  for (std::size_t i = 0; i < ways_.size(); ++i) {
-    const Way& way = ways_[i];
-    const Quaternion turn = rotationFromVector(progress * way.turn);
-    const Vector3 middle = way.startMean + progress * (way.targetMean - way.startMean);
-    for (std::size_t k = 0; k < way.vertices.size(); ++k) {
-      tiles[i].vertices.push_back(middle + turn * (way.vertices[k] + progress * way.misfit[k]));
+  std::vector<model::Tile> tiles(motions_.size());
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    const TileMotion& tileMotion = motions_[i];
+    const Quaternion turn = rotationFromVector(progress * tileMotion.turn);
+    const Vector3 middle =
+        tileMotion.startMean + progress * (tileMotion.targetMean - tileMotion.startMean);
+    for (std::size_t k = 0; k < tileMotion.vertices.size(); ++k) {
+      tiles[i].vertices.push_back(
+          middle + turn * (tileMotion.vertices[k] + progress * tileMotion.misfit[k]));
     }
   }
   return tiles;

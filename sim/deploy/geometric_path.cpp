@@ -27,10 +27,10 @@ constexpr double kLeastExtension = 1e-3;
 constexpr std::size_t kSmoothStates = 4;
 
 /// Plays back one path.
-class Walk {
+class Playback {
  public:
-  Walk(const scene::Scene& scene, const GeometricPath& found, const AssembledState& nearest,
-       double sampleInterval, const SampleObserver& observer)
+  Playback(const scene::Scene& scene, const GeometricPath& found, const AssembledState& nearest,
+           double sampleInterval, const SampleObserver& observer)
       : scene_(scene),
         found_(found),
         interval_(sampleInterval),
@@ -47,25 +47,25 @@ class Walk {
     takeSample(0, found_.path.states.front());
     try {
       const InterruptionCatcher catcher;
-      for (std::size_t k = 1; k < found_.path.states.size() && !isAskedToEnd_; ++k) step(k);
+      for (std::size_t k = 1; k < found_.path.states.size() && !shouldStop_; ++k) step(k);
     } catch (const Interrupted&) {
-      isAskedToEnd_ = true;  // interrupted while a state was interpolated
+      shouldStop_ = true;  // interrupted while a state was interpolated
     }
     // The last state is always sampled.
-    if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
+    if (lastTime_ < time_ && !shouldStop_) takeSample(time_, *poses_);
     DeploymentResult result;
     static_cast<trajectory::Subject&>(result.trajectory) = trajectory::subjectOf(scene_);
-    figures_.leave(result);
+    figures_.copyTo(result);
     return result;
   }
 
-  bool isInterrupted() const { return isAskedToEnd_ && !isWhole_; }
+  bool isInterrupted() const { return shouldStop_ && !isWhole_; }
   double time() const { return time_; }
 
  private:
   /// The time of a state, seconds.
   double timeAt(std::size_t state) const {
-    const double whole = std::min(scene_.path.walkTime, scene_.stop.duration);
+    const double whole = std::min(scene_.path.playTime, scene_.stop.duration);
     return found_.path.length() > 0 ? whole * (found_.path.lengths[state] / found_.path.length())
                                     : 0;
   }
@@ -87,7 +87,7 @@ class Walk {
     figures_.observe(time_, *poses_, report, found_.hasCompliantJoints, within);
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
-      if (!(due <= time_) || isAskedToEnd_) return;
+      if (!(due <= time_) || shouldStop_) return;
       takeSample(due, between_.at(state, (due - before) / (time_ - before)));
     }
   }
@@ -98,7 +98,7 @@ class Walk {
     ++samples_;
     lastTime_ = time;
     const trajectory::Sample sample = figures_.sampleAt(time, std::move(poses));
-    isAskedToEnd_ = observer_ && !observer_(sample);
+    shouldStop_ = observer_ && !observer_(sample);
   }
 
   const scene::Scene& scene_;
@@ -114,7 +114,7 @@ class Walk {
   double lastTime_ = 0;  // of the last sample, seconds
   long samples_ = 0;
   bool isWhole_ = false;
-  bool isAskedToEnd_ = false;
+  bool shouldStop_ = false;
 };
 
 /// How a path ends near a target, `error` metres away. `nearest`: least error of a state with
@@ -205,9 +205,9 @@ StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& fou
       symmetries_(scene, found.path.symmetries),
       bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
       pivots_(model::makePivots(scene.model.joints, bricks_)) {
-  scene::Scene alone = scene;
-  alone.environment = scene::Environment{};
-  projection_ = makeDynamics(alone, scene::sceneNeeds(alone), bricks_,
+  scene::Scene bare = scene;
+  bare.environment = scene::Environment{};
+  projection_ = makeDynamics(bare, scene::sceneNeeds(bare), bricks_,
                              model::startPoses(scene.model.tiles, bricks_));
 }
 
@@ -268,30 +268,30 @@ Poses StatesBetween::at(std::size_t state, double share) {
 
 // ------------------------------------------------------------------------------------------------
 
-DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
-                      const AssembledState& nearest, double sampleInterval,
-                      const SampleObserver& observer) {
+DeploymentResult playBack(const scene::Scene& scene, const GeometricPath& found,
+                          const AssembledState& nearest, double sampleInterval,
+                          const SampleObserver& observer) {
   const double startSeconds = threadCpuSeconds();
-  scene::Scene walked = scene;
-  walked.environment.contacts = found.contacts;
-  walked.path.kind = scene::PathKind::Continuation;
-  Walk walk(walked, found, nearest, sampleInterval, observer);
-  DeploymentResult result = walk.finish();
+  scene::Scene played = scene;
+  played.environment.contacts = found.contacts;
+  played.path.kind = scene::PathKind::Continuation;
+  Playback playback(played, found, nearest, sampleInterval, observer);
+  DeploymentResult result = playback.finish();
   if (!found.hasCompliantJoints) addPushedWarning(scene, found.path.states.front(), result);
   const double error = result.accuracy.targetErrorEnd;
   if (scene.model.target) {
     result.atTarget = hasArrived(scene.model, error, result.assembledError);
   }
   const bool isShort = result.atTarget == false || found.path.endsAtOpenJoints;
-  result.outcome = walk.isInterrupted() ? Outcome::Interrupted
-                   : isShort            ? Outcome::Locked
-                                        : Outcome::Settled;
-  result.reason = walk.isInterrupted() ? "ended early by the caller"
-                                       : endOf(scene, found, error, result.assembledError);
-  result.trajectory.events.push_back({walk.time(), endText(result.outcome, result.reason)});
-  result.needs = scene::sceneNeeds(walked);
+  result.outcome = playback.isInterrupted() ? Outcome::Interrupted
+                   : isShort                ? Outcome::Locked
+                                            : Outcome::Settled;
+  result.reason = playback.isInterrupted() ? "ended early by the caller"
+                                           : endOf(scene, found, error, result.assembledError);
+  result.trajectory.events.push_back({playback.time(), endText(result.outcome, result.reason)});
+  result.needs = scene::sceneNeeds(played);
   result.needs.contacts = {found.contacts != scene::ContactFilter::None, found.contactReason};
-  result.path = walked.path;
+  result.path = played.path;
   result.pathReason = found.reason;
   result.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
   return result;

@@ -54,10 +54,10 @@ class StatesBetween {
   std::unique_ptr<Dynamics> projection_;  // closes joints
 };
 
-/// Plays back a path at constant speed, in the shorter of PathSettings::walkTime and the scene's
+/// Plays back a path at constant speed, in the shorter of PathSettings::playTime and the scene's
 /// duration. Measures each state. Samples are interpolated between states, with joints closed.
-DeploymentResult walk(const scene::Scene& scene, const GeometricPath& found,
-                      const AssembledState& nearest, double sampleInterval,
-                      const SampleObserver& observer);
+DeploymentResult playBack(const scene::Scene& scene, const GeometricPath& found,
+                          const AssembledState& nearest, double sampleInterval,
+                          const SampleObserver& observer);
 
 }  // namespace kirireel::deploy

@@ -265,14 +265,14 @@ std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
 }
 
 /// The states as a path for playback.
-GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics::LoadPath& loaded,
-                       bool isSoft) {
-  GeometricPath walked;
-  walked.hasCompliantJoints = isSoft;
-  walked.contactReason = "equilibria under grips have no contacts";
-  walked.reason = "equilibria under grips";
+GeometricPath playbackPath(const std::vector<model::Brick>& bricks,
+                           const mechanics::LoadPath& loaded, bool isSoft) {
+  GeometricPath result;
+  result.hasCompliantJoints = isSoft;
+  result.contactReason = "equilibria under grips have no contacts";
+  result.reason = "equilibria under grips";
   for (const mechanics::Equilibrium& state : loaded.states) {
-    MechanismPath& path = walked.path;
+    MechanismPath& path = result.path;
     const double length =
         path.states.empty()
             ? 0
@@ -280,7 +280,7 @@ GeometricPath walkable(const std::vector<model::Brick>& bricks, const mechanics:
     path.states.push_back(state.poses);
     path.lengths.push_back(length);
   }
-  return walked;
+  return result;
 }
 
 /// Adds limit points and bifurcations as events, at their time in the playback.
@@ -376,13 +376,13 @@ DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
   mechanics::LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
   const mechanics::LoadPath loaded = mechanics::followLoad(*sheet, leading, settings, {});
-  const GeometricPath path = walkable(bricks, loaded, isSoft);
+  const GeometricPath path = playbackPath(bricks, loaded, isSoft);
   Poses last;
   const SampleObserver watch = [&](const trajectory::Sample& sample) {
     last = sample.poses;
     return !observer || observer(sample);
   };
-  DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
+  DeploymentResult result = playBack(scene, path, assembleAtTarget(scene), sampleInterval, watch);
   result.loadCurve = mechanics::LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
   if (!ties.pairForces.empty()) {
@@ -394,7 +394,7 @@ DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
     }
   }
   result.atTarget.reset();
-  noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
+  noteTurnings(*result.loadCurve, path.path, std::min(scene.path.playTime, scene.stop.duration),
                scene.model.unit, result);
   if (result.outcome == Outcome::Interrupted) return result;
   noteEnd(scene, bricks, loaded, grips[leading], result);
@@ -623,7 +623,7 @@ void requireNodes(const model::Model& model) {
 }
 
 /// Throws for forces other than springs at hinges: those need rigid bricks.
-void requireSpringsAlone(const model::PairForces& forces) {
+void requireOnlySprings(const model::PairForces& forces) {
   for (const std::shared_ptr<const model::PairForce>& force : forces) {
     if (force->hingeSprings()) continue;
     throw InputError(fmt::format(
@@ -640,7 +640,7 @@ std::unique_ptr<mechanics::LoadedSheet> makeBarHingeSheet(const scene::Scene& sc
                                                           const std::vector<int>& pinned,
                                                           const std::vector<GripOrder>& grips) {
   requireNodes(scene.model);
-  requireSpringsAlone(pairForces);
+  requireOnlySprings(pairForces);
   BarHingeMaker maker(scene, bricks);
   maker.addFolds(model::hingeSpringsOf(pairForces));
   maker.fix(pinned);

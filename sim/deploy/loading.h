@@ -13,7 +13,7 @@
 namespace kirireel::deploy {
 
 /// Follows the equilibria of a scene with grips (see followLoad()) from load 0 to 1. Samples them
-/// along the path at constant speed (PathSettings::walkTime). Limit points and bifurcations become
+/// along the path at constant speed (PathSettings::playTime). Limit points and bifurcations become
 /// events and states of the result's load curve. The outcome is Settled if load 1 is reached, else
 /// Locked. Throws InputError if the scene has features that equilibria do not support (contacts,
 /// gravity, a timeline, links, space) or if no grip moves or pushes. Throws RunError if nothing

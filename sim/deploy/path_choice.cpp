@@ -81,30 +81,30 @@ constexpr double kOpenPeriods = 4;
 constexpr std::array kCompliantRatios = {1e5, 1e4, 1e3};
 
 /// The candidate paths to the scene's target, in order of the trials.
-std::vector<scene::PathSettings> waysOf(const scene::Scene& scene, bool areAmongBricks) {
+std::vector<scene::PathSettings> candidatePaths(const scene::Scene& scene, bool areAmongBricks) {
   const double period = 1 / scene.springs.frequency;
   scene::PathSettings guided{scene::PathKind::Guided};
   guided.guideTime = kGuidedPeriods * period;
-  std::vector<scene::PathSettings> ways = {{scene::PathKind::Straight}};
+  std::vector<scene::PathSettings> paths = {{scene::PathKind::Straight}};
   if (areAmongBricks) {
-    ways.push_back(guided);
-    ways.back().openTime = kOpenPeriods * period;
+    paths.push_back(guided);
+    paths.back().openTime = kOpenPeriods * period;
   }
-  ways.push_back(guided);
+  paths.push_back(guided);
   for (const double ratio : kCompliantRatios) {
-    ways.push_back(guided);
-    ways.back().jointRatio = ratio;
+    paths.push_back(guided);
+    paths.back().jointRatio = ratio;
   }
-  return ways;
+  return paths;
 }
 
 // The name of a path in reasons and in search reports.
 std::string describe(const scene::PathSettings& path) {
   if (path.kind == scene::PathKind::Straight) return "straight pull";
-  std::string way = fmt::format("guided for {:.3g} s", path.guideTime);
-  if (path.openTime > 0) way = fmt::format("opened for {:.3g} s, {}", path.openTime, way);
-  return path.jointsAreCompliant() ? fmt::format("{}, joint ratio {:g}", way, path.jointRatio)
-                                   : way + ", exact joints";
+  std::string text = fmt::format("guided for {:.3g} s", path.guideTime);
+  if (path.openTime > 0) text = fmt::format("opened for {:.3g} s, {}", path.openTime, text);
+  return path.jointsAreCompliant() ? fmt::format("{}, joint ratio {:g}", text, path.jointRatio)
+                                   : text + ", exact joints";
 }
 
 /// Stops a trial that exceeds its share of the budget.
@@ -170,7 +170,7 @@ bool exactJointsJam(const scene::Scene& scene, SearchBudget& budget,
   };
   Run run(trial, {}, watch);
   running = &run;
-  run.beTrial();
+  run.markAsTrial();
   const DeployCost cost = run.finish().cost;
   budget.spend(cost.took.work);
   return 2 * cost.took.halved > cost.took.steps;
@@ -181,9 +181,9 @@ bool exactJointsJam(const scene::Scene& scene, SearchBudget& budget,
 /// by pair instead.
 class TrialClearance {
  public:
-  /// `wanted`: the requested contacts, i.e. which pairs must not overlap.
-  TrialClearance(const scene::Scene& scene, scene::ContactFilter wanted)
-      : isOfUnjoined_(wanted == scene::ContactFilter::Unjoined),
+  /// `requested`: the requested contacts, i.e. which pairs must not overlap.
+  TrialClearance(const scene::Scene& scene, scene::ContactFilter requested)
+      : isOfUnjoined_(requested == scene::ContactFilter::Unjoined),
         most_(kClearShare * model::tileSize(scene.model)),
         zone_(scene.environment.pivotZone),
         bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
@@ -192,9 +192,9 @@ class TrialClearance {
   /// Subscribes to the trial's samples if they are needed.
   void watch(RunObservers& observers) {
     if (!isOfUnjoined_) return;
-    observers.sampleInterval = kLookTime;
+    observers.sampleInterval = kCheckTime;
     observers.sample = [this](const trajectory::Sample& sample) {
-      look(sample.poses);
+      check(sample.poses);
       return true;
     };
   }
@@ -205,10 +205,10 @@ class TrialClearance {
 
  private:
   // Interval between two checks, seconds.
-  static constexpr double kLookTime = 1.0 / 60;
+  static constexpr double kCheckTime = 1.0 / 60;
 
   // The first state is the start. Its overlaps are subtracted from later ones.
-  void look(const Poses& poses) {
+  void check(const Poses& poses) {
     const bool isStart = !atStart_;
     if (isStart) atStart_.emplace();
     const auto joined = model::sharedCorners(pivots_);
@@ -232,9 +232,9 @@ class TrialClearance {
 };
 
 /// Runs a scene with the steps of the deployment itself. What arrives here also arrives there.
-/// Stops when `shouldContinue` returns false or the budget is spent. `wanted`: the requested
+/// Stops when `shouldContinue` returns false or the budget is spent. `requested`: the requested
 /// contacts.
-TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
+TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter requested,
                  const TargetFindings& atTarget, const SearchBudget& budget,
                  const std::function<bool(double work)>& shouldContinue) {
   const AssembledState& nearest = atTarget.nearest;
@@ -242,7 +242,7 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   const Run* running = nullptr;
   WorkLimit limit(budget);
   const bool isAmongBricks = scene.environment.contacts != scene::ContactFilter::None;
-  TrialClearance clearance(scene, wanted);
+  TrialClearance clearance(scene, requested);
   RunObservers watch;
   clearance.watch(watch);
   watch.step = [&](const trajectory::StepRecord& step) {
@@ -252,7 +252,7 @@ TrialEnd tryPath(const scene::Scene& scene, scene::ContactFilter wanted,
   };
   Run run(scene, nearest, watch);
   running = &run;
-  run.beTrial();
+  run.markAsTrial();
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
   TrialEnd end;
@@ -329,7 +329,7 @@ class PathSearch {
     // Trials from a checkpoint are not repeated: their results would be the same.
     if (count_ == trials_.size()) {
       const TrialEnd end = tryPath(trial, scene_.environment.contacts, atTarget_, budget_,
-                                   [&](double work) { return tell(what, work); });
+                                   [&](double work) { return report(what, work); });
       if (isOver_) return false;
       trials_.push_back(end);
     }
@@ -341,7 +341,7 @@ class PathSearch {
   }
 
   /// Reports the current trial and its work so far. Returns whether to continue.
-  bool tell(const std::string& what, double work) {
+  bool report(const std::string& what, double work) {
     SearchBudget soFar = budget_;
     soFar.spend(work);
     isOver_ = isOver_ || !observer_({what, soFar.share()});
@@ -350,7 +350,7 @@ class PathSearch {
 
   /// Whether the observer and the budget allow another trial.
   bool mayTry(const std::string& what) {
-    if (!tell(what, 0)) return false;
+    if (!report(what, 0)) return false;
     if (budget_.isSpent()) isIncomplete_ = true;
     return !isIncomplete_;
   }
@@ -384,28 +384,28 @@ class PathSearch {
     bool jams = false;
     const bool mayTouch = scene_.environment.contacts != scene::ContactFilter::None;
     if (scene::sceneNeeds(scene_).planar.on && !mayTouch) {
-      if (!mayTry(describe(straight))) return {straight, noneArrives()};
+      if (!mayTry(describe(straight))) return {straight, noPathArrives()};
       if (arrives(straight, empty, describe(straight), kCoarseSteps))
         return {straight, describe(straight) + arriving()};
       jams = last_.jams;
     }
-    for (const scene::PathSettings& path : waysOf(scene_, false)) {
+    for (const scene::PathSettings& path : candidatePaths(scene_, false)) {
       if (jams && !path.jointsAreCompliant()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
       if (arrives(path, empty, what)) return {path, what + arriving()};
       if (path.kind == scene::PathKind::Straight) jams = last_.jams;
     }
-    return {straight, noneArrives()};
+    return {straight, noPathArrives()};
   }
 
-  std::string noneArrives() const {
+  std::string noPathArrives() const {
     return (count_ == 0 ? "no path was tried" : "no tried path arrives") + untried();
   }
 
   /// If bricks overlap on the path found, searches another path with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool fitsAtTarget) {
-    if (const auto path = pathAmongBricks(waysOf(scene_, true))) {
+    if (const auto path = pathAmongBricks(candidatePaths(scene_, true))) {
       return {*path, describe(*path) + " with contacts" + arriving(), true};
     }
     std::string reason = first.reason + " with overlaps";
@@ -510,12 +510,12 @@ constexpr double kMovedShare = 1e-6;
 // Bounds count as equal below this ratio.
 constexpr double kAboveBound = 1.1;
 
-bool isWanted(const scene::Scene& scene) {
+bool pullsToTarget(const scene::Scene& scene) {
   return scene.model.target && scene.actuation.drive == scene::Drive::Target;
 }
 
 // Warns if joints are open in the target's own data.
-std::string tornWarning(const scene::Scene& scene) {
+std::string openTargetWarning(const scene::Scene& scene) {
   const double tile = model::tileSize(scene.model);
   const double gap = trajectory::largestJointGap(scene.model.joints, *scene.model.target);
   if (gap <= kOpenJoints * tile) return "";
@@ -553,17 +553,17 @@ std::string rigidWarning(const scene::Scene& scene) {
 std::string movedWarning(const scene::Scene& scene) {
   const scene::StartAlignment& alignment = scene.alignment;
   const scene::Environment& environment = scene.environment;
-  const bool placeCounts = environment.ground || !environment.obstacles.empty();
+  const bool positionMatters = environment.ground || !environment.obstacles.empty();
   const bool isMoved = alignment.moved > kMovedShare * model::tileSize(scene.model);
-  return placeCounts && isMoved ? scene::describe(alignment, scene.model.unit) : "";
+  return positionMatters && isMoved ? scene::describe(alignment, scene.model.unit) : "";
 }
 
 }  // namespace
 
 std::vector<std::string> targetWarnings(const scene::Scene& scene) {
   std::vector<std::string> warnings;
-  if (!isWanted(scene)) return warnings;
-  for (const auto& warn : {tornWarning, turnedWarning, rigidWarning, movedWarning}) {
+  if (!pullsToTarget(scene)) return warnings;
+  for (const auto& warn : {openTargetWarning, turnedWarning, rigidWarning, movedWarning}) {
     std::string warning = warn(scene);
     if (!warning.empty()) warnings.push_back(std::move(warning));
   }
@@ -572,7 +572,7 @@ std::vector<std::string> targetWarnings(const scene::Scene& scene) {
 
 std::string reachWarning(const scene::Scene& scene, const AssembledState& nearest) {
   const double tile = model::tileSize(scene.model);
-  if (!isWanted(scene) || nearest.error <= kFarShare * tile) return "";
+  if (!pullsToTarget(scene) || nearest.error <= kFarShare * tile) return "";
   const double bound = trajectory::rigidBound(scene.model.tiles, *scene.model.target);
   if (nearest.error <= kAboveBound * bound) return "";
   return fmt::format(

@@ -350,7 +350,7 @@ class Planner {
     }
     if (planned_.path->evaluation.end == PathEnd::Arrived) {
       const auto improved =
-          improve(scene_, *planned_.path, budget_, [&](double) { return tell(kSmoothing); });
+          improve(scene_, *planned_.path, budget_, [&](double) { return report(kSmoothing); });
       if (improved) planned_.candidates.push_back(*improved);
     }
     // A candidate that ran out of budget matters only if no other is collision-free.
@@ -455,7 +455,7 @@ class Planner {
     const auto shouldContinue = [&](double progress) {
       const double share =
           isBack && firstArrives() ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
-      return tell(found.evaluation.candidate) && part.spent() <= share * budget_.all();
+      return report(found.evaluation.candidate) && part.spent() <= share * budget_.all();
     };
     found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
     if (isBack) {
@@ -463,7 +463,7 @@ class Planner {
     } else {
       // If bricks are flush at the start, a jump off it would jam them.
       ContinuationSettings settings;
-      if (candidate.hasContacts || found.hasCompliantJoints) settings.leap = 0;
+      if (candidate.hasContacts || found.hasCompliantJoints) settings.jump = 0;
       settings.jointStiffness = candidate.jointStiffness;
       found.path = continueAlong(trial, guide, settings, part, shouldContinue);
       endAtNearest(found.path);
@@ -519,7 +519,7 @@ class Planner {
   }
 
   /// Reports what is being tried. Returns whether to continue.
-  bool tell(const std::string& what) {
+  bool report(const std::string& what) {
     isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
     return !isOver_;
   }

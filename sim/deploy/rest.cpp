@@ -19,7 +19,7 @@ namespace {
 // Failed steps that move no brick farther than this fraction of a tile count as no motion.
 constexpr double kStuckShare = 1e-3;
 // Number of parts of a step that are tested for the start of rest, and number of bisections.
-constexpr int kRestLooks = 16;
+constexpr int kRestChecks = 16;
 constexpr int kRestHalvings = 30;
 
 }  // namespace
@@ -57,8 +57,8 @@ double RestWatch::restWithinStep(const RunMotion& motion, double length, double 
   const auto isFast = [&](double seconds) {
     return fastestSpeed(motion.velocitiesAt(seconds), bricks_.tileSize) >= limit;
   };
-  const double part = length / kRestLooks;
-  int fast = kRestLooks - 1;
+  const double part = length / kRestChecks;
+  int fast = kRestChecks - 1;
   while (fast >= 0 && !isFast(fast * part)) --fast;
   if (fast < 0) return length;
   double above = fast * part;
@@ -70,7 +70,7 @@ double RestWatch::restWithinStep(const RunMotion& motion, double length, double 
   return length - below;
 }
 
-void RestWatch::doubt() {
+void RestWatch::doubleRestTime() {
   rested_ = 0;
   needed_ *= 2;
 }

@@ -31,9 +31,9 @@ class RestWatch {
   /// run is never at rest.
   void observe(const RunMotion& motion, double length, const StepReport& report, bool isOnPath);
   /// Restarts the rest time, because something new acts.
-  void countAnew() { rested_ = 0; }
+  void restartCount() { rested_ = 0; }
   /// Doubles the required rest time after a false detection.
-  void doubt();
+  void doubleRestTime();
 
   /// Time at which the required rest time is complete if nothing moves after `now`, seconds.
   /// Infinity while the run is not at rest.
@@ -126,7 +126,7 @@ class NudgeGiver {
   /// Whether a nudge remains.
   bool canGive() const { return given_ != Nudged::Wholly; }
   /// Allows all nudges again, because another target has other equilibria.
-  void beginAnew() { given_ = Nudged::No; }
+  void reset() { given_ = Nudged::No; }
 
   /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(given_); }

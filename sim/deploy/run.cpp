@@ -3,7 +3,7 @@
 //   start: close joints, set the initial velocities, measure
 //   while the run continues:
 //     the timeline executes due entries
-//     the clock sets the end of the step: the next look, or an earlier due time
+//     the clock sets the end of the step: the next check, or an earlier due time
 //     the drive enters the phase of the step (open, guide, close, settle; run_drive.h)
 //     the solver moves the bricks under the acting forces (run_motion.h, run_mechanics.h)
 //     the recorder measures the step and reports it (run_recorder.h)
@@ -59,7 +59,7 @@ constexpr double kEnergyGain = 0.01;
 Run::Run(const scene::Scene& scene, const AssembledState& nearest, const RunObservers& observers,
          Checkpoints* checkpoints)
     : bricks_(scene),
-      clock_(RunMotion::lookOf(scene)),
+      clock_(RunMotion::checkIntervalOf(scene)),
       target_(bricks_, nearest),
       drive_(bricks_, clock_),
       timeline_(scene.timeline, bricks_.bricks, scene.model.fileOrder.countsFrom, scene.model.unit),
@@ -79,7 +79,7 @@ DeploymentResult Run::finish() {
   spent_.begin();
   start();
   if (checkpoints_ && checkpoints_->run()) {
-    goOnFrom(*checkpoints_->run());
+    resumeFrom(*checkpoints_->run());
   } else {
     recorder_.takeSample();
   }
@@ -113,19 +113,19 @@ void Run::start() {
 void Run::advanceToEnd() {
   try {
     const InterruptionCatcher catcher;
-    while (goesOn()) advance();
+    while (shouldContinue()) advance();
   } catch (const Interrupted&) {
     if (isTrial_) throw;
     interrupt();
   }
 }
 
-// Whether to continue after a step. A run ends at the look nearest to its duration.
-bool Run::goesOn() {
+// Whether to continue after a step. A run ends at the check nearest to its duration.
+bool Run::shouldContinue() {
   if (ending_) return false;
-  const bool isAskedToEnd = recorder_.isAskedToEnd();
-  if (checkpoints_ && (isAskedToEnd || checkpoints_->isDue())) saveState();
-  if (isAskedToEnd) interrupt();
+  const bool shouldStop = recorder_.shouldStop();
+  if (checkpoints_ && (shouldStop || checkpoints_->isDue())) saveState();
+  if (shouldStop) interrupt();
   return !ending_ && clock_.isBefore(bricks_.scene.stop.duration);
 }
 
@@ -143,9 +143,9 @@ void Run::advance() {
   if (ending_) return;
   recorder_.showStep();
   // The run is at rest only if the stiffer springs move nothing either.
-  if (stiffensWhereStalled()) rest_.countAnew();
+  if (stiffensIfStalled()) rest_.restartCount();
   recorder_.takeSamples();
-  if (!ending_ && clock_.isDue(rest_.moment(time()))) restOrGoOn();
+  if (!ending_ && clock_.isDue(rest_.moment(time()))) restOrContinue();
 }
 
 // A step ends when an event of the run is due.
@@ -213,7 +213,7 @@ DeploymentResult Run::result() {
   trajectory::Trajectory& trajectory = result.trajectory;
   static_cast<trajectory::Subject&>(trajectory) = trajectory::subjectOf(bricks_.scene);
   trajectory.events = std::move(recorder_.events());
-  recorder_.figures().leave(result);
+  recorder_.figures().copyTo(result);
   result.outcome = ending_->outcome;
   result.reason = ending_->reason;
   target_.noteOwnError(recorder_.figures().assembledError());
@@ -250,28 +250,28 @@ bool Run::watchesStall() const {
   return target_.isPulledTo() && !drive_.isOnPath() && timeline_.forcesAreOn();
 }
 
-bool Run::stiffensWhereStalled() {
+bool Run::stiffensIfStalled() {
   return watchesStall() && drive_.stiffness().observe(targetErrorNow(), time(), clock_.length());
 }
 
 // At rest: tries a nudge, stiffer springs and the timeline. Otherwise the run ends.
-void Run::restOrGoOn() {
+void Run::restOrContinue() {
   const bool isPulled = target_.isPulledTo() && timeline_.forcesAreOn();
   const double error = targetErrorNow();
   const bool isShort = isPulled && error > kArrivedShare * bricks_.size;
-  if (nudges_.canGive() && isShort && !target_.isWhereSpringsRest(error)) {
+  if (nudges_.canGive() && isShort && !target_.isAtSpringEquilibrium(error)) {
     nudges_.giveAtRest(motion_);
-    rest_.countAnew();
+    rest_.restartCount();
   } else if (isShort && !drive_.stiffness().exhausted()) {
     drive_.stiffness().stiffen();
-    rest_.countAnew();
+    rest_.restartCount();
   } else if (isOnlySlow()) {
-    rest_.doubt();
+    rest_.doubleRestTime();
   } else if (followTimeline(true) || (!timeline_.isOver(time()) && !timeline_.waitsForState())) {
     return;  // an entry acts now or later
   } else if (nudges_.canGive() && !isPulled) {
     nudges_.giveAtRest(motion_);
-    rest_.countAnew();
+    rest_.restartCount();
   } else if (timeline_.isOver(time())) {
     settleAtNearest();
     end(reasons().atRest(isTrial_));
@@ -294,12 +294,12 @@ bool Run::isOnlySlow() {
   if (rest_.isStuck(motion_.poses()) || scene.solver.kind == scene::SolverKind::Bullet)
     return false;
   if (target_.isPulledTo() && timeline_.forcesAreOn()) {
-    if (target_.isWhereSpringsRest(targetErrorNow())) return false;
+    if (target_.isAtSpringEquilibrium(targetErrorNow())) return false;
   } else if (!scene.hinges.areOn() || drive_.isEndless()) {
     return false;
   }
-  const RestProbe probe =
-      probeRest(*motion_.copyOfSolver(), motion_.now(), clock_.look(), forces_.loadsNow(), tile);
+  const RestProbe probe = probeRest(*motion_.copyOfSolver(), motion_.now(), clock_.checkInterval(),
+                                    forces_.loadsNow(), tile);
   recorder_.figures().addWork(probe.work);
   return probe.movesOn;
 }
@@ -350,17 +350,17 @@ void Run::settleAtNearest() {
 bool Run::followTimeline(bool atRest) {
   if (timeline_.isOver(time())) return false;
   const double error = targetErrorNow();
-  const bool isAtTarget = atRest && target_.tiles() && target_.isWhereSpringsRest(error);
+  const bool isAtTarget = atRest && target_.tiles() && target_.isAtSpringEquilibrium(error);
   const TimelineView view = {time(),     atRest,          error, target_.startError(),
                              isAtTarget, &motion_.poses()};
   if (!timeline_.carryOut(view, *this, recorder_.events())) return false;
-  rest_.countAnew();
+  rest_.restartCount();
   return true;
 }
 
 // Null selects the model's own target.
 void Run::goTo(const std::vector<model::Tile>* target) {
-  nudges_.beginAnew();
+  nudges_.reset();
   target_.set(target, motion_.poses());
   drive_.headFor(target_, motion_.poses());
 }
@@ -396,7 +396,7 @@ void Run::saveState() {
 
 // Delivers the samples of earlier processes, then continues from their last state. If the run ends
 // during this, the checkpoint stays as it is.
-void Run::goOnFrom(const RunState& state) {
+void Run::resumeFrom(const RunState& state) {
   StateTape tape(state.numbers);
   transfer(tape);
   const std::optional<trajectory::Sample> last = recorder_.showAgain(state.time);
@@ -444,7 +444,7 @@ RunEnding RunReasons::atRest(bool isTrial) const {
     return {Outcome::Settled, fmt::format("came to rest {} from the target", lengthText(error, unit))};
   }
   return {Outcome::Locked, fmt::format("came to rest {} short of the target: {}",
-                                       lengthText(error, unit), isTrial ? "" : holdup())};
+                                       lengthText(error, unit), isTrial ? "" : stopReason())};
 }
 
 RunEnding RunReasons::late() const {
@@ -504,7 +504,7 @@ std::string RunReasons::friction() const {
 }
 
 // What prevents a run at rest from reaching its target.
-std::string RunReasons::holdup() const {
+std::string RunReasons::stopReason() const {
   if (bricks_.scene.solver.kind == scene::SolverKind::Bullet)
     return "the baseline solver reports no reason";
   if (const std::string held = friction(); !held.empty()) return held;
@@ -519,7 +519,7 @@ std::string RunReasons::holdup() const {
   }
   const double error = target_.error(motion_.poses());
   if (target_.isNearest(error)) return "no nearer state with closed joints was found";
-  if (target_.isWhereSpringsRest(error)) {
+  if (target_.isAtSpringEquilibrium(error)) {
     return fmt::format(
         "the springs are in equilibrium, although a state with closed joints exists {} from the "
         "target",

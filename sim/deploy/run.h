@@ -39,7 +39,7 @@ class RunReasons {
   RunEnding late() const;
 
  private:
-  std::string holdup() const;
+  std::string stopReason() const;
   std::string friction() const;
   bool isImmobile() const;
 
@@ -83,9 +83,9 @@ class Run : private TimelineStage {
   Run& operator=(const Run&) = delete;
 
   /// Call this before a trial: it omits the reason for its end.
-  void beTrial() {
+  void markAsTrial() {
     isTrial_ = true;
-    recorder_.beTrial();
+    recorder_.markAsTrial();
   }
 
   /// Runs to the end, from a checkpoint if one was found. The trajectory holds no samples: they go
@@ -106,7 +106,7 @@ class Run : private TimelineStage {
   // The loop.
   void start();
   void advanceToEnd();
-  bool goesOn();
+  bool shouldContinue();
   void advance();
   double nextMoment() const;
   void takeStep();
@@ -118,8 +118,8 @@ class Run : private TimelineStage {
 
   // Actions at rest.
   bool watchesStall() const;
-  bool stiffensWhereStalled();
-  void restOrGoOn();
+  bool stiffensIfStalled();
+  void restOrContinue();
   RunReasons reasons();
   bool isOnlySlow();
   bool isOnlyPulled() const;
@@ -135,7 +135,7 @@ class Run : private TimelineStage {
   // Checkpoints.
   void transfer(StateTape& tape);
   void saveState();
-  void goOnFrom(const RunState& state);
+  void resumeFrom(const RunState& state);
 
   double time() const { return clock_.time(); }
   double targetErrorNow() const { return target_.error(motion_.poses()); }

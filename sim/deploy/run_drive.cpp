@@ -50,7 +50,7 @@ double CurrentTarget::error(const Poses& poses) const {
   return tiles_ ? trajectory::targetError(*tiles_, bricks_.bricks, poses) : 0;
 }
 
-bool CurrentTarget::isWhereSpringsRest(double error) const {
+bool CurrentTarget::isAtSpringEquilibrium(double error) const {
   return deploy::isNearest(bricks_.scene.model, error, least().rest);
 }
 
@@ -109,7 +109,7 @@ namespace {
 // Weight of rotations over positions while tiles are guided.
 constexpr double kTurnShare = 40;
 // Frequency of guide springs over the scene's. They are twice as stiff.
-constexpr double kLedFrequency = std::numbers::sqrt2;
+constexpr double kGuideFrequency = std::numbers::sqrt2;
 // Time to catch up with a target that has stopped, and time to stiffen compliant joints, seconds.
 constexpr double kCatchUp = 0.5;
 constexpr double kStiffeningTime = 0.5;
@@ -121,7 +121,7 @@ constexpr double kClosingRatio = 1e7;
 // Damping is always critical: tiles must follow without oscillation.
 scene::TargetSpringSettings leadingSprings(const scene::Scene& scene) {
   scene::TargetSpringSettings springs;
-  springs.frequency = kLedFrequency * scene.springs.frequency;
+  springs.frequency = kGuideFrequency * scene.springs.frequency;
   springs.dampingRatio = 1;
   springs.turnShare = kTurnShare;
   springs.adaptive = false;

@@ -42,7 +42,7 @@ class CurrentTarget {
   /// Target error when the target was set.
   double startError() const { return startError_; }
   /// Whether an error is that of the equilibrium of the scene's springs near the target.
-  bool isWhereSpringsRest(double error) const;
+  bool isAtSpringEquilibrium(double error) const;
   /// Whether no known state with closed joints has a smaller error.
   bool isNearest(double error) const;
   /// The smallest known error of a state with closed joints.

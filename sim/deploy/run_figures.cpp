@@ -182,7 +182,7 @@ void RunFigures::endWith(const trajectory::Sample& sample) {
   states_.clear();
 }
 
-void RunFigures::leave(DeploymentResult& result) const {
+void RunFigures::copyTo(DeploymentResult& result) const {
   result.accuracy = accuracy_;
   result.accuracy.jointGapMean = gaps_.sumOfMeans / static_cast<double>(gaps_.count);
   result.cost = cost_;

@@ -88,7 +88,7 @@ class RunFigures {
   void endWith(const trajectory::Sample& sample);
 
   /// Copies the figures into the result.
-  void leave(DeploymentResult& result) const;
+  void copyTo(DeploymentResult& result) const;
 
   /// Records or plays back the figures as of a sample.
   void transfer(StateTape& tape);

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/run_drive.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
@@ -29,7 +30,7 @@ namespace {
 constexpr double kLostDistance = 1e3;
 // Closing joints may cause overlaps up to this fraction of a tile.
 constexpr double kPushedShare = 1e-4;
-// Timesteps per look in a run that keeps a tolerance in time.
+// Timesteps per check in a run that keeps a tolerance in time.
 constexpr int kStepsAtOnce = 4;
 
 }  // namespace
@@ -46,18 +47,18 @@ SceneBricks::SceneBricks(const scene::Scene& given)
 // ------------------------------------------------------------------------------------------------
 // Time.
 
-// A due time that equals the next look up to rounding is moved to that look.
+// A due time that equals the next check up to rounding is moved to that check.
 void StepClock::beginStep(double due) {
-  const double untilLook = look_ - sinceLook_;
+  const double untilCheck = checkInterval_ - sinceCheck_;
   const double untilDue = due - time();
-  length_ = untilDue < untilLook - kSameTime * look_ ? untilDue : untilLook;
+  length_ = untilDue < untilCheck - kSameTime * checkInterval_ ? untilDue : untilCheck;
 }
 
 void StepClock::endStep() {
-  sinceLook_ += length_;
-  if (sinceLook_ < look_ - kSameTime * look_) return;
-  ++looks_;
-  sinceLook_ = 0;
+  sinceCheck_ += length_;
+  if (sinceCheck_ < checkInterval_ - kSameTime * checkInterval_) return;
+  ++checks_;
+  sinceCheck_ = 0;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -71,7 +72,7 @@ RunMotion::RunMotion(const SceneBricks& bricks, const StepClock& clock)
       contactStart_(now_.poses),
       solver_(makeSolver()) {}
 
-double RunMotion::lookOf(const scene::Scene& scene) {
+double RunMotion::checkIntervalOf(const scene::Scene& scene) {
   return scene.solver.timestep * (keepsTolerance(scene) ? kStepsAtOnce : 1);
 }
 
@@ -80,7 +81,7 @@ std::unique_ptr<Dynamics> RunMotion::makeSolver() const {
   std::unique_ptr<Dynamics> solver =
       makeDynamics(scene, bricks_.needs, bricks_.bricks, contactStart_);
   if (wantsTolerance_) {
-    solver->setTolerance({scene.solver.tolerance, scene.solver.timestep, clock_.look()});
+    solver->setTolerance({scene.solver.tolerance, scene.solver.timestep, clock_.checkInterval()});
   }
   return solver;
 }
@@ -155,10 +156,10 @@ Poses RunMotion::closedPosesAt(double time, const std::vector<bool>& pinned) {
   Poses poses = posesAt(time);
   if (bricks_.scene.solver.kind != scene::SolverKind::Direct) return poses;
   if (!projection_) {
-    scene::Scene alone = bricks_.scene;
-    alone.environment = scene::Environment{};
+    scene::Scene bare = bricks_.scene;
+    bare.environment = scene::Environment{};
     projection_ =
-        makeDynamics(alone, scene::Needs{.planar = bricks_.needs.planar}, bricks_.bricks, start_);
+        makeDynamics(bare, scene::Needs{.planar = bricks_.needs.planar}, bricks_.bricks, start_);
   }
   projection_->setPinned(pinned);
   projection_->assemble(poses);

@@ -40,44 +40,45 @@ struct SceneBricks {
 // ------------------------------------------------------------------------------------------------
 // Time steps.
 
-/// The time of a run. A look is one timestep, or several if steps keep a tolerance in time. A step
-/// ends at the next look, or earlier at a due time. Looks are counted as integers: their times do
+/// The time of a run, with checks at equal intervals: one timestep, or several if steps keep a
+/// tolerance in time. A step ends at the next check or a due time. Checks are counted: times do
 /// not accumulate rounding errors.
 class StepClock {
  public:
-  /// `look`: interval between looks, seconds, > 0.
-  explicit StepClock(double look) : look_(look), length_(look) {}
+  /// `checkInterval`: seconds, > 0.
+  explicit StepClock(double checkInterval)
+      : checkInterval_(checkInterval), length_(checkInterval) {}
 
   /// End of the last step, seconds since the start.
-  double time() const { return static_cast<double>(looks_) * look_ + sinceLook_; }
-  /// Interval between two looks, seconds.
-  double look() const { return look_; }
+  double time() const { return static_cast<double>(checks_) * checkInterval_ + sinceCheck_; }
+  /// Interval between two checks, seconds.
+  double checkInterval() const { return checkInterval_; }
   /// Length of the current or last step, seconds.
   double length() const { return length_; }
 
   /// Whether a time is past or present, up to rounding.
-  bool isDue(double moment) const { return moment <= time() + kSameTime * look_; }
+  bool isDue(double moment) const { return moment <= time() + kSameTime * checkInterval_; }
   /// Whether a time is present or in the future, up to rounding.
-  bool isAhead(double moment) const { return moment >= time() - kSameTime * look_; }
-  /// Whether steps remain before the look nearest to `end`, seconds.
-  bool isBefore(double end) const { return sinceLook_ > 0 || time() < end - 0.5 * look_; }
+  bool isAhead(double moment) const { return moment >= time() - kSameTime * checkInterval_; }
+  /// Whether steps remain before the check nearest to `end`, seconds.
+  bool isBefore(double end) const { return sinceCheck_ > 0 || time() < end - 0.5 * checkInterval_; }
 
-  /// Sets the length of the next step: to `due` or to the next look, whichever is earlier.
+  /// Sets the length of the next step: to `due` or to the next check, whichever is earlier.
   void beginStep(double due);
   /// Advances the time by the step.
   void endStep();
 
   /// Records or plays back.
-  void transfer(StateTape& tape) { tape.transfer(looks_, sinceLook_, length_); }
+  void transfer(StateTape& tape) { tape.transfer(checks_, sinceCheck_, length_); }
 
  private:
-  /// Times closer than this fraction of a look are equal.
+  /// Times closer than this fraction of an interval are equal.
   static constexpr double kSameTime = 1e-6;
 
-  double look_;
+  double checkInterval_;
   double length_;
-  long looks_ = 0;        // number of looks, including pauses
-  double sinceLook_ = 0;  // seconds
+  long checks_ = 0;        // number of checks, including pauses
+  double sinceCheck_ = 0;  // seconds
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -104,8 +105,8 @@ class RunMotion {
   /// solver does not support the scene.
   RunMotion(const SceneBricks& bricks, const StepClock& clock);
 
-  /// Interval between two looks at a scene's run, seconds.
-  static double lookOf(const scene::Scene& scene);
+  /// Interval between two checks of a scene's run, seconds.
+  static double checkIntervalOf(const scene::Scene& scene);
 
   /// The current state: one pose and one velocity per brick.
   Motion& now() { return now_; }

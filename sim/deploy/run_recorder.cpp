@@ -66,7 +66,7 @@ StatesWithin RunRecorder::statesWithin() {
 }
 
 void RunRecorder::showStep() {
-  if (observers_.step && !observers_.step(figures_.lastStep())) isAskedToEnd_ = true;
+  if (observers_.step && !observers_.step(figures_.lastStep())) shouldStop_ = true;
 }
 
 void RunRecorder::takeSamples() {
@@ -101,7 +101,7 @@ void RunRecorder::takeSample(double time, Poses poses) {
     checkpoints_->samples().transfer(sample);
     transferAsOfSample(checkpoints_->samples());
   }
-  if (observers_.sample && !observers_.sample(sample)) isAskedToEnd_ = true;
+  if (observers_.sample && !observers_.sample(sample)) shouldStop_ = true;
 }
 
 RunMechanics::Account RunRecorder::account() const {
@@ -126,10 +126,10 @@ std::optional<trajectory::Sample> RunRecorder::showAgain(double time) {
   checkpoints_->playSamples([&](StateTape& samples) {
     samples.transfer(shown);
     transferAsOfSample(samples);
-    isAskedToEnd_ = observers_.sample && !observers_.sample(shown);
-    return !isAskedToEnd_;
+    shouldStop_ = observers_.sample && !observers_.sample(shown);
+    return !shouldStop_;
   });
-  if (isAskedToEnd_ && shown.time < time) {
+  if (shouldStop_ && shown.time < time) {
     isOver_ = true;
     figures_.endWith(shown);
     std::erase_if(events_, [&](const trajectory::Event& event) { return event.time > shown.time; });

@@ -37,7 +37,7 @@ class RunRecorder {
               const AssembledState& nearest, Checkpoints* checkpoints);
 
   /// Call this before a trial.
-  void beTrial() { isTrial_ = true; }
+  void markAsTrial() { isTrial_ = true; }
 
   /// Measures and delivers the start. `jointsAreCompliant`: by request.
   void begin(bool jointsAreCompliant);
@@ -59,7 +59,7 @@ class RunRecorder {
   void takeLastSample();
 
   /// Whether an observer requests the end of the run.
-  bool isAskedToEnd() const { return isAskedToEnd_; }
+  bool shouldStop() const { return shouldStop_; }
   /// The figures so far.
   RunFigures& figures() { return figures_; }
   /// The figures so far, read only.
@@ -96,7 +96,7 @@ class RunRecorder {
   long sampleCount_ = 0;       // samples taken
   double lastSampleTime_ = 0;  // seconds
   bool isTrial_ = false;
-  bool isAskedToEnd_ = false;
+  bool shouldStop_ = false;
   bool isOver_ = false;  // ended while samples were delivered again
 };
 

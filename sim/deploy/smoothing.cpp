@@ -488,16 +488,16 @@ class Smoothing {
   /// Whether the steps of all bricks between states change little.
   bool isSmooth() const {
     const std::vector<VectorXd> z = placesOf(states_);
-    double largest = 0, usual = 0;
+    double largest = 0, typical = 0;
     for (std::size_t i = 1; i + 1 < z.size(); ++i) {
       const VectorXd second = z[i - 1] - 2 * z[i] + z[i + 1];
       for (Eigen::Index row = 0; row < second.size(); row += 12) {
         largest = std::max(largest, second.segment<12>(row).norm());
-        usual += (z[i] - z[i - 1]).segment<12>(row).norm();
+        typical += (z[i] - z[i - 1]).segment<12>(row).norm();
       }
     }
-    usual /= static_cast<double>(bricks_.size() * (z.size() - 2));
-    return largest <= kSmoothEnough * usual;
+    typical /= static_cast<double>(bricks_.size() * (z.size() - 2));
+    return largest <= kSmoothEnough * typical;
   }
 
   /// The program of a round, without damping.

@@ -200,7 +200,7 @@ class Follower {
       const bool arrives = next && next->at.load >= 1;
       if (arrives) next = arrivalBetween(at, *next);
       std::vector<Special> special;
-      if (!next || !isForetold(at, *next) || !locate(at, *next, special)) {
+      if (!next || !isPredicted(at, *next) || !locate(at, *next, special)) {
         step *= 0.5;
         if (step >= kShortestStep * settings_.longestStep) continue;
         giveUp(at);
@@ -384,7 +384,7 @@ class Follower {
   }
 
   /// Whether positions, energy and forces change between two points as their slopes predict.
-  bool isForetold(const Point& a, const Point& b) const {
+  bool isPredicted(const Point& a, const Point& b) const {
     const double length = distance(a.at, b.at);
     if (length == 0) return true;
     const Vector missed = b.at.q - a.at.q - 0.5 * length * (a.along.q + b.along.q);

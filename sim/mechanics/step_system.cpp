@@ -363,7 +363,7 @@ typename PairBlocks<D>::PairMatrix PairBlocks<D>::withoutNegative(const PairMatr
 }
 
 template <int D>
-void PairBlocks<D>::leaveOutHeld(PairBlock& block) const {
+void PairBlocks<D>::omitHeld(PairBlock& block) const {
   for (const auto& [brick, first] :
        {std::pair{block.pair.brickA, 0}, std::pair{block.pair.brickB, D}}) {
     if (!held_[static_cast<std::size_t>(brick)]) continue;
@@ -385,7 +385,7 @@ void PairBlocks<D>::setAbout(const Vector& x0, Curvature curvature) {
       const bool isWhole = curvature == Curvature::Whole;
       block->weight = step_ * step_ * (isWhole ? energy.hessian : withoutNegative(energy.hessian));
       block->force = block->weight * pairOf<D>(block->pair, x0) - step_ * energy.gradient;
-      leaveOutHeld(*block);
+      omitHeld(*block);
     }
   }
 }

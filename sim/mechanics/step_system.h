@@ -375,7 +375,7 @@ class PairBlocks {
  private:
   Poses posesAfter(const Vector& displacement) const;
   PairMatrix withoutNegative(const PairMatrix& matrix) const;
-  void leaveOutHeld(PairBlock& block) const;
+  void omitHeld(PairBlock& block) const;
 
   model::PairForces forces_;
   double lengthScale_;

@@ -410,7 +410,7 @@ class Splitter {
       move(joint.b);
     }
     if (model_.hull) std::ranges::for_each(*model_.hull, move);
-    for (Mend& mend : model_.mends) std::ranges::for_each(mend.corners, move);
+    for (Repair& repair : model_.repairs) std::ranges::for_each(repair.corners, move);
   }
 
   // Moves a fold to the part with its edge: two corners in common with the other tile.
@@ -464,13 +464,13 @@ std::vector<std::array<int, 3>> tileTriangles(const Tile& tile) {
 Model splitTiles(const Model& model, const std::vector<int>& tiles) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());
-  std::vector<int> wanted = tiles;
-  if (wanted.empty()) {
-    wanted.resize(model.tiles.size());
-    std::iota(wanted.begin(), wanted.end(), first);
+  std::vector<int> requested = tiles;
+  if (requested.empty()) {
+    requested.resize(model.tiles.size());
+    std::iota(requested.begin(), requested.end(), first);
   }
   Splitter splitter(model);
-  for (int& tile : wanted) {
+  for (int& tile : requested) {
     if (tile < first || tile >= end) {
       throw InputError(
           fmt::format("error: there are tiles {}-{} to split, not {}; correct the number", first,
@@ -484,7 +484,7 @@ Model splitTiles(const Model& model, const std::vector<int>& tiles) {
   result.tileNames.clear();
   // Parts have their own order.
   if (!result.fileOrder.isReversed.empty()) result.fileOrder.isReversed.resize(result.tiles.size());
-  for (const int tile : wanted) {
+  for (const int tile : requested) {
     if (result.fileOrder.isReversed.empty() || model.tiles[tile].vertices.size() == 3) continue;
     result.fileOrder.isReversed[tile] = false;
   }

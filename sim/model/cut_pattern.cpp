@@ -394,14 +394,14 @@ class SheetMaker {
 
   static Stub stubOf(const Arrangement& lines, int end) {
     Stub stub{end, -1, 0};
-    for (bool goesOn = true; goesOn;) {
-      goesOn = false;
+    for (bool continues = true; continues;) {
+      continues = false;
       for (const int half : lines.leaving(stub.node)) {
         if (lines.to(half) == stub.before) continue;
         stub.length += (lines.at(lines.to(half)) - lines.at(stub.node)).norm();
         stub.before = stub.node;
         stub.node = lines.to(half);
-        goesOn = lines.leaving(stub.node).size() == 2;
+        continues = lines.leaving(stub.node).size() == 2;
         break;
       }
     }
@@ -979,14 +979,14 @@ class CutPatternReader {
           // The straight cut before it, regardless of crossing lines.
           int last = *node;
           double length = 0;
-          for (bool goesOn = true; goesOn && length <= 4 * mark.norm();) {
-            goesOn = false;
+          for (bool continues = true; continues && length <= 4 * mark.norm();) {
+            continues = false;
             for (const int half : lines.leaving(last)) {
               const Vector2 step = lines.at(last) - lines.at(lines.to(half));
               if (step.dot(mark) < 0.98 * step.norm() * mark.norm()) continue;
               length += step.norm();
               last = lines.to(half);
-              goesOn = true;
+              continues = true;
               break;
             }
           }

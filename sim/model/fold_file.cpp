@@ -673,7 +673,7 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
                std::vector<std::string>& warnings) {
   // Largest gap of joints in a valid target, the same fraction of a tile as kTooFar in
   // model_checks.cpp. A larger gap means that angles around a loop are inconsistent.
-  constexpr double kTornFold = 0.05;  // of a tile
+  constexpr double kOpenFold = 0.05;  // of a tile
   std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles, normal);
   if (!folded) return;
   double worst = 0;
@@ -683,7 +683,7 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces,
     const Vector3& b = (*folded)[joint.b.tile].vertices[joint.b.vertex];
     worst = std::max(worst, (a - b).norm());
   }
-  if (worst > kTornFold * tileSize(model)) {
+  if (worst > kOpenFold * tileSize(model)) {
     warnings.push_back(
         fmt::format("{}: warning: with its fold angles, joints would open by {:.2g} m. So the "
                     "model has no target, and springs at folds rest at these angles",

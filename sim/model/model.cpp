@@ -63,7 +63,8 @@ Model inFileOrder(Model model) {
     turn(joint.b);
   }
   if (model.hull) std::for_each(model.hull->begin(), model.hull->end(), turn);
-  for (Mend& mend : model.mends) std::for_each(mend.corners.begin(), mend.corners.end(), turn);
+  for (Repair& repair : model.repairs)
+    std::for_each(repair.corners.begin(), repair.corners.end(), turn);
   model.tiles = inFileOrder(std::move(model.tiles), model.fileOrder);
   if (model.target) model.target = inFileOrder(std::move(*model.target), model.fileOrder);
   for (std::vector<Tile>& state : model.waypoints) {

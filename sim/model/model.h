@@ -87,7 +87,7 @@ struct Joint {
 };
 
 /// A repair that a reader made to a file with one obvious meaning.
-struct Mend {
+struct Repair {
   std::string place;            ///< "file:line" of the first case
   std::string found;            ///< what the reader found and how often
   std::string done;             ///< what the reader did with it
@@ -151,7 +151,7 @@ struct Model {
   std::string hullFault;                    ///< why the reader ignored a hull; empty if it did not
   FileOrder fileOrder;                      ///< numbering and order in the file
   double rounding = 0;      ///< last decimal place of rounded coordinates, metres; 0: not rounded
-  std::vector<Mend> mends;  ///< repairs by the reader
+  std::vector<Repair> repairs;  ///< repairs by the reader
   /// Unit of the lengths in the file: the user's unit, the file's declared unit, or metres. All
   /// lengths above are in metres. Files for other programs use this unit.
   LengthUnit unit;

@@ -27,6 +27,7 @@
 #include "sim/base/error.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/sheet_frame.h"
+#include "sim/model/text_table.h"
 
 namespace kirireel::model {
 namespace {
@@ -190,13 +191,14 @@ void checkSameCounts(const TileTable& target, const TileTable& start) {
   const size_t common = std::min(target.tiles.size(), start.tiles.size());
   for (size_t i = 0; i < common; ++i) {
     const int tile = static_cast<int>(i);
-    const size_t wanted = start.tiles[i].vertices.size();
+    const size_t expected = start.tiles[i].vertices.size();
     const size_t found = target.tiles[i].vertices.size();
-    if (found == wanted) continue;
-    throw inputErrorAt(target.at(tile),
-                       fmt::format("target tile {} has {} vertices, the tile at {} has {}; write "
-                                   "the same tiles with the same vertices in the same order",
-                                   start.countsFrom + tile, found, start.shortName(tile), wanted));
+    if (found == expected) continue;
+    throw inputErrorAt(
+        target.at(tile),
+        fmt::format("target tile {} has {} vertices, the tile at {} has {}; write "
+                    "the same tiles with the same vertices in the same order",
+                    start.countsFrom + tile, found, start.shortName(tile), expected));
   }
   if (target.tiles.size() == start.tiles.size()) return;
   throw inputErrorAt(
@@ -305,8 +307,8 @@ constexpr double kFine = 1e-9;
 constexpr double kCoarse = 0.01;
 // Numbers are exact if all are multiples of several last places, with at most this many such steps.
 // Otherwise a common step is chance: 0.866 and 0.5 are even, 0.866025 is a multiple of 0.000025.
-constexpr std::int64_t kMeantStep = 5;
-constexpr std::int64_t kMeantSteps = 10'000;
+constexpr std::int64_t kTypedStep = 5;
+constexpr std::int64_t kTypedSteps = 10'000;
 
 /// A number's shortest text in scientific notation.
 struct Digits {
@@ -401,7 +403,7 @@ double roundingOf(const std::vector<Tile>& tiles, double place) {
     step = std::gcd(step, places);
     largest = std::max(largest, std::abs(places));
   });
-  return step >= kMeantStep && largest <= kMeantSteps * step ? 0 : place;
+  return step >= kTypedStep && largest <= kTypedSteps * step ? 0 : place;
 }
 
 double samePlaceTolerance(const std::vector<Tile>& tiles) {
@@ -414,7 +416,7 @@ double samePlaceTolerance(const std::vector<Tile>& tiles) {
 // Repairs of unusual but unambiguous input.
 //
 // A repair requires that no other reading of the file makes sense. The program reports its
-// place, and `--strict` refuses it. A repair is a `Mend` of the model and one line among the
+// place, and `--strict` refuses it. A repair is a `Repair` of the model and one line among the
 // warnings.
 
 namespace {
@@ -435,42 +437,42 @@ double flatToleranceAsRead(const std::vector<Tile>& tiles, double size) {
 
 }  // namespace
 
-std::string toString(const Mend& mend) {
-  return fmt::format("{}: repaired: {}; {}", mend.place, mend.found, mend.done);
+std::string toString(const Repair& repair) {
+  return fmt::format("{}: repaired: {}; {}", repair.place, repair.found, repair.done);
 }
 
-void noteMend(Mend mend, Model& model, std::vector<std::string>& warnings) {
-  warnings.push_back(toString(mend));
-  model.mends.push_back(std::move(mend));
+void noteRepair(Repair repair, Model& model, std::vector<std::string>& warnings) {
+  warnings.push_back(toString(repair));
+  model.repairs.push_back(std::move(repair));
 }
 
 void notePadding(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
   if (table.padded.empty()) return;
-  Mend mend;
-  mend.place = toString(table.at(table.padded.front()));
-  mend.found = fmt::format("{} of {} tiles list a vertex again, or NaN in place of one",
-                           table.padded.size(), table.tiles.size());
-  mend.done = "removed as padding";
-  mend.advice = "list each vertex of a tile once";
-  for (const int tile : table.padded) mend.corners.push_back({tile, 0});
-  noteMend(std::move(mend), model, warnings);
+  Repair repair;
+  repair.place = toString(table.at(table.padded.front()));
+  repair.found = fmt::format("{} of {} tiles list a vertex again, or NaN in place of one",
+                             table.padded.size(), table.tiles.size());
+  repair.done = "removed as padding";
+  repair.advice = "list each vertex of a tile once";
+  for (const int tile : table.padded) repair.corners.push_back({tile, 0});
+  noteRepair(std::move(repair), model, warnings);
 }
 
-void refuseMends(const Model& model) {
-  if (model.mends.empty()) return;
-  const Mend& mend = model.mends.front();
+void refuseRepairs(const Model& model) {
+  if (model.repairs.empty()) return;
+  const Repair& repair = model.repairs.front();
   throw InputError(fmt::format("{}: error: {}; {}, or remove `strict` to have it repaired",
-                               mend.place, mend.found, mend.advice));
+                               repair.place, repair.found, repair.advice));
 }
 
 void noteNoJoints(const std::filesystem::path& file, Model& model,
                   std::vector<std::string>& warnings) {
-  noteMend({file.string(),
-            "the file is empty",
-            "the tiles are read as loose",
-            "write the line \"# no joints\" if the tiles are loose",
-            {}},
-           model, warnings);
+  noteRepair({file.string(),
+              "the file is empty",
+              "the tiles are read as loose",
+              "write the line \"# no joints\" if the tiles are loose",
+              {}},
+             model, warnings);
 }
 
 RoundedCorners::RoundedCorners(const Model& model)
@@ -480,20 +482,20 @@ RoundedCorners::RoundedCorners(const Model& model)
 void RoundedCorners::add(const Joint& joint, double gap, const std::string& place) {
   // Gaps below half a last digit do not come from rounding in the file.
   if (lastPlace_ == 0 || gap < least_) return;
-  if (mend_.corners.empty()) mend_.place = place;
-  mend_.corners.push_back(joint.a);
+  if (repair_.corners.empty()) repair_.place = place;
+  repair_.corners.push_back(joint.a);
   largest_ = std::max(largest_, gap);
 }
 
 void RoundedCorners::note(Model& model, std::vector<std::string>& warnings) {
-  if (mend_.corners.empty()) return;
-  const std::size_t count = mend_.corners.size();
-  mend_.found =
+  if (repair_.corners.empty()) return;
+  const std::size_t count = repair_.corners.size();
+  repair_.found =
       fmt::format("the corners of {} joint{} are {}{:.2g} m apart, by rounding to {:g} m", count,
                   count == 1 ? "" : "s", count == 1 ? "" : "up to ", largest_, lastPlace_);
-  mend_.done = count == 1 ? "joined at one corner" : "joined at one corner each";
-  mend_.advice = "write the same numbers for both corners";
-  noteMend(std::move(mend_), model, warnings);
+  repair_.done = count == 1 ? "joined at one corner" : "joined at one corner each";
+  repair_.advice = "write the same numbers for both corners";
+  noteRepair(std::move(repair_), model, warnings);
 }
 
 void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string>& warnings) {
@@ -501,7 +503,7 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
   // Line of the first row that holds these two corners on this face (1 or 2).
   std::map<std::tuple<CornerNumbers, CornerNumbers, int>, int> firstLine;
   std::vector<JointRow> kept;
-  Mend mend;
+  Repair repair;
   int firstRepeated = 0;
   for (JointRow& row : table.rows) {
     CornerNumbers a{row.values[0], row.values[1]};
@@ -519,29 +521,29 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
       if (!isNew && line == 0) line = entry->second;
     }
     const bool repeats = hasFaces && newFaces != row.values[4];
-    if (repeats && mend.place.empty()) {
-      mend.place = kirireel::toString({table.file, row.line});
+    if (repeats && repair.place.empty()) {
+      repair.place = kirireel::toString({table.file, row.line});
       firstRepeated = line;
     }
-    if (repeats) mend.corners.push_back({row.values[0], row.values[1]});
+    if (repeats) repair.corners.push_back({row.values[0], row.values[1]});
     // Skip rows without new faces. Rows with some new faces keep only those.
     if (repeats && newFaces == 0) continue;
     if (repeats) row.values[4] = newFaces;
     kept.push_back(row);
   }
-  if (mend.corners.empty()) return;
+  if (repair.corners.empty()) return;
   table.rows = std::move(kept);
   const std::string earlier =
       firstRepeated > 0 ? fmt::format(", first in line {}", firstRepeated) : "";
-  mend.found = fmt::format("{} listed again{}", countOf(mend.corners.size(), "joint"), earlier);
-  mend.done = "repeated joints are removed, regardless of the order of their ends";
-  mend.advice = "delete the repeated lines";
-  noteMend(std::move(mend), model, warnings);
+  repair.found = fmt::format("{} listed again{}", countOf(repair.corners.size(), "joint"), earlier);
+  repair.done = "repeated joints are removed, regardless of the order of their ends";
+  repair.advice = "delete the repeated lines";
+  noteRepair(std::move(repair), model, warnings);
 }
 
 // The shift applies to all four numbers of every row.
-void mendBase(JointTable& table, const TileTable& tiles, Model& model,
-              std::vector<std::string>& warnings) {
+void repairBase(JointTable& table, const TileTable& tiles, Model& model,
+                std::vector<std::string>& warnings) {
   // The rows have zero-based numbers, computed with the format's default base. With the other base
   // they are one lower or one higher.
   const int other = 1 - table.countsFrom;
@@ -553,16 +555,16 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
   for (JointRow& row : table.rows) {
     for (std::size_t entry = 0; entry < 4; ++entry) row.values[entry] += shift;
   }
-  const int usual = std::exchange(table.countsFrom, other);
+  const int defaultBase = std::exchange(table.countsFrom, other);
   model.fileOrder.countsFrom = other;
-  Mend mend;
-  mend.place = table.file.string();
-  mend.found = fmt::format("tiles and vertices of all {} joints count from {}, not from {}",
-                           table.rows.size(), other, usual);
-  mend.done = fmt::format("they are read as counted from {}", other);
-  mend.advice =
-      fmt::format("{} all tile and vertex numbers", usual > other ? "add 1 to" : "subtract 1 from");
-  noteMend(std::move(mend), model, warnings);
+  Repair repair;
+  repair.place = table.file.string();
+  repair.found = fmt::format("tiles and vertices of all {} joints count from {}, not from {}",
+                             table.rows.size(), other, defaultBase);
+  repair.done = fmt::format("they are read as counted from {}", other);
+  repair.advice = fmt::format("{} all tile and vertex numbers",
+                              defaultBase > other ? "add 1 to" : "subtract 1 from");
+  noteRepair(std::move(repair), model, warnings);
 }
 
 // Only the start decides: a tile has the same vertex order in every state.
@@ -589,17 +591,17 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
   }
   const int first =
       static_cast<int>(std::find(clockwise.begin(), clockwise.end(), true) - clockwise.begin());
-  Mend mend;
-  mend.place = toString(table.at(first));
-  mend.found = fmt::format("{} of {} tiles run{} clockwise seen from {}", count, model.tiles.size(),
-                           count == 1 ? "s" : "",
-                           frame->isHorizontal() ? "above" : "the side of most tiles");
-  mend.done = "reversed, and written in the file's own order";
-  mend.advice = "list their vertices anticlockwise";
+  Repair repair;
+  repair.place = toString(table.at(first));
+  repair.found = fmt::format("{} of {} tiles run{} clockwise seen from {}", count,
+                             model.tiles.size(), count == 1 ? "s" : "",
+                             frame->isHorizontal() ? "above" : "the side of most tiles");
+  repair.done = "reversed, and written in the file's own order";
+  repair.advice = "list their vertices anticlockwise";
   for (int tile = 0; tile < std::ssize(clockwise); ++tile) {
-    if (clockwise[tile]) mend.corners.push_back({tile, 0});
+    if (clockwise[tile]) repair.corners.push_back({tile, 0});
   }
-  noteMend(std::move(mend), model, warnings);
+  noteRepair(std::move(repair), model, warnings);
   // Reversing the vertices is its own inverse.
   const int countsFrom = model.fileOrder.countsFrom;
   model.fileOrder.isReversed = clockwise;
@@ -642,13 +644,13 @@ void checkVertexNumber(const JointTable& table, const TileTable& tiles, const Jo
   const int count = static_cast<int>(tiles.tiles[tile].vertices.size());
   if (vertex >= 0 && vertex < count) return;
   // A vertex number above the last may also mean that the tile lacks a vertex.
-  const std::string usual =
+  const std::string advice =
       vertex < 0 ? "correct this column"
                  : "correct this column or add the vertex at " + tiles.shortName(tile);
   throw inputErrorAt(locationOf(table, row, entry),
                      fmt::format("tile {} has vertices {}-{}, not {}; {}", table.countsFrom + tile,
                                  table.countsFrom, table.countsFrom + count - 1,
-                                 table.countsFrom + vertex, usual));
+                                 table.countsFrom + vertex, advice));
 }
 
 void checkFace(const JointTable& table, const JointRow& row) {

@@ -169,13 +169,13 @@ struct ReadSettings {
 };
 
 /// "file:line: mended: what was found; what was done".
-std::string toString(const Mend& mend);
+std::string toString(const Repair& repair);
 
 /// Adds a repair to the model and its line to the warnings.
-void noteMend(Mend mend, Model& model, std::vector<std::string>& warnings);
+void noteRepair(Repair repair, Model& model, std::vector<std::string>& warnings);
 
 /// Throws InputError for the first repair of the model, with advice how to correct the file.
-void refuseMends(const Model& model);
+void refuseRepairs(const Model& model);
 
 /// Drops rows that repeat faces of earlier rows at the same corners, in either order of the two
 /// ends. Reduces rows with some new faces to these faces. `model` gets the repair. The joints are
@@ -202,7 +202,7 @@ class RoundedCorners {
   void note(Model& model, std::vector<std::string>& warnings);
 
  private:
-  Mend mend_;
+  Repair repair_;
   double lastPlace_;
   double least_;  // of reported gaps: smaller gaps come from the design's precision
   double largest_ = 0;
@@ -211,8 +211,8 @@ class RoundedCorners {
 /// Shifts the rows' numbers if they fit the tiles only with the other base, of 0 and 1. A table
 /// that fits the default base stays unchanged. Updates the model's fileOrder with the base of its
 /// file.
-void mendBase(JointTable& table, const TileTable& tiles, Model& model,
-              std::vector<std::string>& warnings);
+void repairBase(JointTable& table, const TileTable& tiles, Model& model,
+                std::vector<std::string>& warnings);
 
 /// Makes all tiles of a flat start anticlockwise seen from above. Reverses the vertices of
 /// clockwise tiles in every state, and updates corners of joints, hull and repairs. model.fileOrder

@@ -125,14 +125,14 @@ fs::path chosenList(const fs::path& named, const fs::path& vertices,
     const fs::path partner = withWord(named, kHull, kConstraints);
     if (contains(lists, partner)) return partner;
   }
-  const fs::path usual = withWord(vertices, kVertices, kConstraints);
-  if (contains(lists, usual)) return usual;
+  const fs::path matching = withWord(vertices, kVertices, kConstraints);
+  if (contains(lists, matching)) return matching;
   if (lists.size() == 1) return lists.front();
   if (lists.empty()) {
     throw inputErrorAt(
         {vertices},
         fmt::format("there is no list of joints next to it. Write {}, or set `joints_file`",
-                    usual.filename().string()));
+                    matching.filename().string()));
   }
   throw inputErrorAt(
       {vertices},
@@ -473,7 +473,7 @@ Model readPlanarFiles(const fs::path& named, const ReadSettings& settings,
   model.tiles = tiles.tiles;
   model.fileOrder.countsFrom = 1;
   JointTable rows = readPlanarJoints(place.joints, model, warnings);
-  mendBase(rows, tiles, model, warnings);
+  repairBase(rows, tiles, model, warnings);
   dropRepeatedJoints(rows, model, warnings);
   model.joints = checkedJoints(rows, tiles);
   makeRods(rows, model, warnings);

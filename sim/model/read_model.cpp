@@ -144,7 +144,7 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
   model.areCoplanarJoined = settings.joinCoplanar;
   applyUnit(model, path, settings, warnings);
   if (settings.strict) {
-    refuseMends(model);
+    refuseRepairs(model);
     if (!model.hullFault.empty()) throw InputError(model.hullFault);
   }
   if (!target) return model;
@@ -211,13 +211,13 @@ const std::string kNeckPurpose =
     "from 0";
 
 void requireFolder(const fs::path& folder) {
-  const std::string mend = "give a folder with vertices.txt and constraints.txt";
+  const std::string repair = "give a folder with vertices.txt and constraints.txt";
   std::error_code ignored;
   if (!fs::exists(folder, ignored)) {
-    throw inputErrorAt({folder}, fmt::format("there is no such folder; {}", mend));
+    throw inputErrorAt({folder}, fmt::format("there is no such folder; {}", repair));
   }
   if (!fs::is_directory(folder, ignored)) {
-    throw inputErrorAt({folder}, fmt::format("this is not a folder; {}", mend));
+    throw inputErrorAt({folder}, fmt::format("this is not a folder; {}", repair));
   }
 }
 
@@ -480,7 +480,7 @@ Model readModelFolder(const fs::path& folder, const ReadSettings& settings,
   JointTable joints = readJointRows(jointsFileOf(folder, settings), model, warnings);
   const bool hasOwnJoints = joints.file.lexically_normal().filename() == "constraints.txt";
   if (hasOwnJoints && fs::exists(folder / "necks.txt")) readNecks(folder / "necks.txt", joints);
-  mendBase(joints, tiles, model, warnings);
+  repairBase(joints, tiles, model, warnings);
   dropRepeatedJoints(joints, model, warnings);
   model.joints = checkedJoints(joints, tiles);
   checkClosed(joints, model, tiles, warnings);

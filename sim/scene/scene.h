@@ -166,7 +166,7 @@ struct PathSettings {
   double searchEffort = 1;
   /// Duration of the playback of a kinematic path at an even pace, seconds, > 0. A shorter duration
   /// of the run has priority.
-  double walkTime = 6;
+  double playTime = 6;
   /// Least number of equilibria while the load of grips grows from 0 to 1; >= 1.
   int loadSteps = 1;
   Destination to = Destination::Auto;  ///< where the path leads

@@ -715,7 +715,7 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
   const HingeSettings& all = scene.hinges;
   if (!all.areOn()) return {};
   const model::FoundHinges found = requireHinges(scene, bricks);
-  const DefaultSprings usual(scene, bricks);
+  const DefaultSprings defaults(scene, bricks);
   std::map<TilePair, const OwnHingeSpring*> lines = byTiles(all.own);
   std::vector<model::HingeSpring> springs;
   for (const model::Hinge& hinge : found.hinges) {
@@ -726,11 +726,11 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
       // Remaining lines of the file fit no hinge and are refused.
       lines.erase(line);
     }
-    const std::optional<double> rest = own.rest || !all.rest || usual.isBend(hinge)
+    const std::optional<double> rest = own.rest || !all.rest || defaults.isBend(hinge)
                                            ? own.rest
-                                           : usual.signedRest(hinge, *all.rest);
-    const model::HingeSpring spring{hinge, own.stiffness.value_or(usual.stiffness(hinge)),
-                                    rest.value_or(usual.rest(hinge)),
+                                           : defaults.signedRest(hinge, *all.rest);
+    const model::HingeSpring spring{hinge, own.stiffness.value_or(defaults.stiffness(hinge)),
+                                    rest.value_or(defaults.rest(hinge)),
                                     own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);

@@ -327,7 +327,7 @@ SettingGroup pathSettings() {
            "continuation follows the mechanism (kinematic); dynamic moves masses by springs, first "
            "straight, then guided (each tile along its own motion); auto: continuation if no "
            "setting needs dynamics and it reaches the target"),
-       number<&Scene::path, &PathSettings::walkTime>("walk_time", {1e-6, 1e6}, "SECONDS",
+       number<&Scene::path, &PathSettings::playTime>("walk_time", {1e-6, 1e6}, "SECONDS",
                                                      "playback time of a kinematic path"),
        whole<&Scene::path, &PathSettings::loadSteps>(
            "load_steps", {1, 1e6}, "COUNT",

@@ -78,8 +78,8 @@ VertexError vertexError(const std::vector<model::Tile>& found,
 
 // All three motions must have states at the same times. Each vertex is extrapolated separately: its
 // path depends smoothly on the step.
-SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine) {
-  SheetWay limit = fine;
+SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const SheetPath& fine) {
+  SheetPath limit = fine;
   for (std::size_t k = 0; k < limit.size(); ++k) {
     for (std::size_t i = 0; i < limit[k].size(); ++i) {
       for (std::size_t v = 0; v < limit[k][i].vertices.size(); ++v) {
@@ -93,7 +93,7 @@ SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const Shee
 
 // The largest error of any vertex at any time, metres. `desired` must have at least as many states
 // as `found`, which may have ended early.
-double wayError(const SheetWay& found, const SheetWay& desired) {
+double pathError(const SheetPath& found, const SheetPath& desired) {
   double largest = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
     largest = std::max(largest, vertexError(found[k], desired[k]).max);
@@ -266,9 +266,9 @@ PlanarState ClosurePath::close(PlanarState state, double desired) const {
 PlanarState ClosurePath::follow(PlanarState state, double desired, double step) const {
   const double from = angle(state);
   // The shorter direction.
-  const double way = std::remainder(desired - from, 2 * std::numbers::pi);
-  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(way) / step)));
-  for (int k = 1; k <= steps; ++k) state = close(std::move(state), from + way * k / steps);
+  const double turn = std::remainder(desired - from, 2 * std::numbers::pi);
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(turn) / step)));
+  for (int k = 1; k <= steps; ++k) state = close(std::move(state), from + turn * k / steps);
   return state;
 }
 

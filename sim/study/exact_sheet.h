@@ -32,15 +32,15 @@ VertexError vertexError(const std::vector<model::Tile>& found,
                         const std::vector<model::Tile>& desired);
 
 /// The states of a sheet over time, at equal intervals.
-using SheetWay = std::vector<std::vector<model::Tile>>;
+using SheetPath = std::vector<std::vector<model::Tile>>;
 
 /// The limit of first-order steps for a step length of 0. Their error is a power series in the
 /// step. Results for steps of h, h / 2 and h / 4 give the limit up to the third order. All three
 /// have states at the same times.
-SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine);
+SheetPath limitOfSteps(const SheetPath& coarse, const SheetPath& middle, const SheetPath& fine);
 
 /// The largest distance of a vertex between two motions at the same time, metres.
-double wayError(const SheetWay& found, const SheetWay& desired);
+double pathError(const SheetPath& found, const SheetPath& desired);
 
 /// The distance from the exact sheet at the same opening angle, after the best rigid motion.
 VertexError sheetError(int side, double angle, const std::vector<model::Tile>& found);

@@ -156,8 +156,8 @@ HardTrial sliding() {
   environment.linearDamping = environment.angularDamping = 0;
   trial.errorMeaning = "from a t^2 / 2";
   trial.error = [start = trial.scene.model.tiles](const SteppedScene& run, double time) {
-    const double way = (run.tiles()[0].vertices[0] - start[0].vertices[0]).x();
-    return std::abs(way - 0.5 * (kAlong - kFriction * kDown) * time * time);
+    const double distance = (run.tiles()[0].vertices[0] - start[0].vertices[0]).x();
+    return std::abs(distance - 0.5 * (kAlong - kFriction * kDown) * time * time);
   };
   return trial;
 }

@@ -25,7 +25,7 @@ constexpr int kMostTimes = 9;
 
 /// Result of one run. If the sheet flies apart in an engine, the errors are NaN.
 struct MovingRun {
-  SheetWay states;
+  SheetPath states;
   double cpuSeconds = 0;
   double gap = 0;
 };
@@ -53,22 +53,22 @@ MovingRun runMoving(const SheetMethod& job) {
 }
 
 // The exact motion, up to the third order of 1/1920 s.
-SheetWay limitOfFixedSteps(int side) {
+SheetPath limitOfFixedSteps(int side) {
   const auto statesAt = [&](int rate) { return runMoving({{kDirect, rate}, true, side}).states; };
   return limitOfSteps(statesAt(kReferenceRate), statesAt(2 * kReferenceRate),
                       statesAt(4 * kReferenceRate));
 }
 
 /// Computed once for all methods.
-const SheetWay& movingReference(int side) {
-  static std::map<int, SheetWay> made;
+const SheetPath& movingReference(int side) {
+  static std::map<int, SheetPath> made;
   const auto found = made.find(side);
   return found != made.end() ? found->second
                              : made.emplace(side, limitOfFixedSteps(side)).first->second;
 }
 
 double errorInTime(const MovingRun& run, int side) {
-  return std::isnan(run.gap) ? run.gap : wayError(run.states, movingReference(side));
+  return std::isnan(run.gap) ? run.gap : pathError(run.states, movingReference(side));
 }
 
 // One row of the table.

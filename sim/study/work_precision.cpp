@@ -41,7 +41,7 @@ struct Job {
 
 /// Result of one run.
 struct Measured {
-  SheetWay way;
+  SheetPath path;
   double cpuSeconds = 0;
   double simulated = 0;   // seconds
   double gap = 0;         // largest
@@ -60,10 +60,10 @@ Measured runOnce(const Job& job) {
     ++step;
     measured.gap = std::max(measured.gap, run.gap());
     if (step % perSample != 0) continue;
-    measured.way.push_back(run.tiles());
+    measured.path.push_back(run.tiles());
     const double angle = openingAngle(run.motion().poses);
     if (angle < kStartAngle) continue;
-    const double error = sheetError(kSide, angle, measured.way.back()).max;
+    const double error = sheetError(kSide, angle, measured.path.back()).max;
     measured.shapeError = std::max(measured.shapeError, error);
   }
   // If the sheet flies apart, the errors are NaN.
@@ -74,26 +74,26 @@ Measured runOnce(const Job& job) {
 }
 
 /// The sheet's states over time, as the limit of short fixed steps.
-SheetWay referenceWay(double seconds) {
-  const auto wayAt = [&](int rate) {
-    return runOnce({{kDirect, rate}, true, model::JointFace::Both, seconds}).way;
+SheetPath referencePath(double seconds) {
+  const auto pathAt = [&](int rate) {
+    return runOnce({{kDirect, rate}, true, model::JointFace::Both, seconds}).path;
   };
-  return limitOfSteps(wayAt(kFineRate), wayAt(2 * kFineRate), wayAt(4 * kFineRate));
+  return limitOfSteps(pathAt(kFineRate), pathAt(2 * kFineRate), pathAt(4 * kFineRate));
 }
 
 /// Computed once for all methods.
-const SheetWay& referenceFor(double seconds) {
-  static std::map<double, SheetWay> made;
+const SheetPath& referenceFor(double seconds) {
+  static std::map<double, SheetPath> made;
   const auto found = made.find(seconds);
   if (found != made.end()) return found->second;
-  return made.emplace(seconds, referenceWay(seconds)).first->second;
+  return made.emplace(seconds, referencePath(seconds)).first->second;
 }
 
 // One row of the table.
 std::vector<Row> measure(const Job& job) {
   const Measured measured = leastTimed([&] { return runOnce(job); }, kMostRuns, kTimedFor);
   const double error =
-      std::isnan(measured.gap) ? measured.gap : wayError(measured.way, referenceFor(job.seconds));
+      std::isnan(measured.gap) ? measured.gap : pathError(measured.path, referenceFor(job.seconds));
   const Method& method = job.method;
   return {{method.engine.name, job.planar ? "plane" : "space",
            cell(job.face == model::JointFace::Both ? 2 : 1), cell(method.rate),

@@ -55,7 +55,7 @@ TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
 
 TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
   scene::Scene scene = cylinder();
-  scene.path.walkTime = 3;
+  scene.path.playTime = 3;
   const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
   const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
@@ -66,7 +66,7 @@ TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
     moves.push_back(deploy::pathDistance(bricks, samples[k - 1].poses, samples[k].poses));
     EXPECT_LE(samples[k].jointGap, 1e-9 * model::tileSize(scene.model)) << k;
   }
-  // The first sample shows the leap from the closed start.
+  // The first sample shows the jump from the closed start.
   const auto [least, most] = std::minmax_element(moves.begin() + 1, moves.end());
   EXPECT_LE(*most / *least, 1.1);  // measured: 1.02
 }
@@ -325,7 +325,7 @@ TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
 }
 
 /// A target whose upper half is moved away, so that the tiles there cannot hang together.
-scene::Scene tornSquares(double distance) {
+scene::Scene openTargetSquares(double distance) {
   model::Model model = model::makeTessellation({});
   for (std::size_t i = model.tiles.size() / 2; i < model.tiles.size(); ++i) {
     for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += distance;
@@ -336,7 +336,8 @@ scene::Scene tornSquares(double distance) {
 TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
   // Half of the distance is the least for two halves that keep together.
   for (const double distance : {0.5, 1.0}) {
-    const deploy::DeploymentResult run = deploy::deploy(tornSquares(distance), 1.0 / 60, nullptr);
+    const deploy::DeploymentResult run =
+        deploy::deploy(openTargetSquares(distance), 1.0 / 60, nullptr);
     EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
     EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.assembledError);  // measured: 1.0000
     EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.accuracy.targetErrorMin);

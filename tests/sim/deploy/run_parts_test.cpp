@@ -81,7 +81,7 @@ TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
   target.set(nullptr, start);
   EXPECT_EQ(target.tiles(), &*scene.model.target);
   EXPECT_EQ(target.nearestError(), 0.125);
-  EXPECT_TRUE(target.isWhereSpringsRest(0.25));
+  EXPECT_TRUE(target.isAtSpringEquilibrium(0.25));
   EXPECT_FALSE(target.isNearest(0.25));
   EXPECT_GT(target.startError(), 0.1);
   EXPECT_FALSE(target.hasArrived(start));
@@ -106,7 +106,7 @@ TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
 /// The bricks stay where they are.
 std::vector<std::pair<deploy::Phase, double>> phasesOf(const scene::Scene& scene) {
   const deploy::SceneBricks bricks(scene);
-  deploy::StepClock clock(deploy::RunMotion::lookOf(scene));
+  deploy::StepClock clock(deploy::RunMotion::checkIntervalOf(scene));
   deploy::RunMotion motion(bricks, clock);
   deploy::CurrentTarget target(bricks, {.error = 0});
   deploy::RunDrive drive(bricks, clock);

@@ -24,7 +24,7 @@ scene::Scene sheet() {
 }
 
 /// The sheet with the targets of its upper half moved away.
-scene::Scene tornSheet(double distance) {
+scene::Scene openTargetSheet(double distance) {
   scene::Scene scene = sheet();
   for (int i = 8; i < 16; ++i) {
     for (Vector3& vertex : (*scene.model.target)[i].vertices) vertex.x() += distance;
@@ -50,9 +50,9 @@ TEST(TargetWarnings, NoneWhereTheTargetFits) {
 
 TEST(TargetWarnings, ATornTargetIsTold) {
   EXPECT_THAT(
-      deploy::targetWarnings(tornSheet(1)),
+      deploy::targetWarnings(openTargetSheet(1)),
       ElementsAre("the target opens its joints by 1 m (1 tiles); closed joints cannot reach it"));
-  EXPECT_THAT(deploy::targetWarnings(tornSheet(1e-4)), IsEmpty());
+  EXPECT_THAT(deploy::targetWarnings(openTargetSheet(1e-4)), IsEmpty());
 }
 
 TEST(TargetWarnings, ATurnedOverTargetIsToldAndLeavesThePlane) {
@@ -92,11 +92,12 @@ TEST(TargetWarnings, AMovedStartIsToldWhereItsPlaceCounts) {
 
 TEST(TargetWarnings, ARunToATornTargetSaysSoAtItsBeginningAndDoesNotClaimToArrive) {
   std::vector<std::string> told;
-  const deploy::DeploymentResult result =
-      deploy::deploy(tornSheet(1), 1.0 / 60, nullptr, [&told](const deploy::SearchNews& news) {
-        if (!news.warning.empty()) told.push_back(news.warning);
-        return true;
-      });
+  const deploy::DeploymentResult result = deploy::deploy(openTargetSheet(1), 1.0 / 60, nullptr,
+                                                         [&told](const deploy::SearchNews& news) {
+                                                           if (!news.warning.empty())
+                                                             told.push_back(news.warning);
+                                                           return true;
+                                                         });
   EXPECT_THAT(
       told,
       ElementsAre(

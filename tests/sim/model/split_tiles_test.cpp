@@ -47,7 +47,7 @@ TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
   for (int tile = 0; tile < 4; ++tile) {
     for (int vertex = 0; vertex < 4; ++vertex) whole.hull->push_back({tile, vertex});
   }
-  whole.mends.push_back({.corners = {{3, 2}, {2, 3}}});
+  whole.repairs.push_back({.corners = {{3, 2}, {2, 3}}});
   const model::Model split = model::splitTiles(whole, {});
   const auto place = [](const model::Model& model, const model::Corner& corner) {
     return model.tiles.at(corner.tile).vertices.at(corner.vertex);
@@ -56,7 +56,7 @@ TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
     EXPECT_EQ(place(split, split.hull->at(k)), place(whole, whole.hull->at(k))) << k;
   }
   for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_EQ(place(split, split.mends[0].corners[k]), place(whole, whole.mends[0].corners[k]));
+    EXPECT_EQ(place(split, split.repairs[0].corners[k]), place(whole, whole.repairs[0].corners[k]));
   }
 }
 

@@ -276,15 +276,16 @@ print(f["settings"].asstr()[0])
 
 TEST(TrajectoryFile, RefusesAFileThatIsNotThereOrForeign) {
   const TemporaryFolder folder;
-  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
+  const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
   const std::filesystem::path file = folder / "run.h5";
   EXPECT_EQ(
       refusalOf(file),
       file.string() + ": error: there is no such file. Give a trajectory.h5 from kirireel record");
   std::ofstream(file) << "0 0 0 1 0 0 1 1 0\n";
-  EXPECT_EQ(refusalOf(file), file.string() + ": error: this is not an HDF5 file" + mend);
+  EXPECT_EQ(refusalOf(file), file.string() + ": error: this is not an HDF5 file" + advice);
   trajectory::ArrayWriter(file, file).close();
-  EXPECT_EQ(refusalOf(file), file.string() + ": error: this HDF5 file is not a trajectory" + mend);
+  EXPECT_EQ(refusalOf(file),
+            file.string() + ": error: this HDF5 file is not a trajectory" + advice);
 }
 
 TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
@@ -324,42 +325,42 @@ std::string refusalAfter(const Change& change) {
 }
 
 TEST(TrajectoryFile, RefusesContradictions) {
-  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
+  const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples.clear(); }),
-            "error: there are no samples" + mend);
+            "error: there are no samples" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples[2].time = 0; }),
-            "error: the times of the samples do not increase" + mend);
+            "error: the times of the samples do not increase" + advice);
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = NAN; }),
-      "error: a pose in position or rotation is not finite, or not a rotation" + mend);
+      "error: a pose in position or rotation is not finite, or not a rotation" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].rotation.w() = 3; }),
-            "error: a pose in position or rotation is not finite, or not a rotation" + mend);
+            "error: a pose in position or rotation is not finite, or not a rotation" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.joints[0].b.vertex = 4; }),
             "error: model/joints names vertex 4 of tile " +
                 std::to_string(model::makeTessellation({}).joints[0].b.tile) +
-                ", which does not exist" + mend);
+                ", which does not exist" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) {
               t.model.joints[0].face = static_cast<model::JointFace>(7);
             }),
-            "error: model/joints has the face 7 instead of 1 to 3" + mend);
+            "error: model/joints has the face 7 instead of 1 to 3" + advice);
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.model.target->pop_back(); }),
-      "error: the array model/target has 180 entries instead of 192, or another shape" + mend);
+      "error: the array model/target has 180 entries instead of 192, or another shape" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].normal *= 2; }),
-            "error: the normal of brick 3 in bricks/normal is not a unit vector" + mend);
+            "error: the normal of brick 3 in bricks/normal is not a unit vector" + advice);
   for (const std::size_t sample : {0, 1, 2}) {
     EXPECT_EQ(refusalAfter([&](trajectory::Trajectory& t) { t.samples[sample].time = NAN; }),
-              "error: the times of the samples do not increase" + mend);
+              "error: the times of the samples do not increase" + advice);
   }
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.samples[1].poses[2].position.x() = -1e300; }),
-      "error: a brick in position is more than 1e+10 m away" + mend);
+      "error: a brick in position is more than 1e+10 m away" + advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
-            "error: a tile in model/tile_sizes has 0 vertices" + mend);
+            "error: a tile in model/tile_sizes has 0 vertices" + advice);
 }
 
 TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
-  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
+  const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
   const auto refusalWith = [](const auto& change) {
     return refusalAfter([&](trajectory::Trajectory& t) {
       std::mt19937_64 generator(2);
@@ -369,30 +370,30 @@ TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
     });
   };
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.brickB = 16; }),
-            "error: model/joints names vertex 0 of tile 16, which does not exist" + mend);
+            "error: model/joints names vertex 0 of tile 16, which does not exist" + advice);
   const std::string noJoint =
-      "error: ligaments/joint does not name a joint of the model for each ligament" + mend;
+      "error: ligaments/joint does not name a joint of the model for each ligament" + advice;
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = 24; }), noJoint);
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.joint = -1; }), noJoint);
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.across *= 2; }),
-            "error: the direction of ligament 1 in ligaments/across is not a unit vector" + mend);
+            "error: the direction of ligament 1 in ligaments/across is not a unit vector" + advice);
   EXPECT_EQ(refusalWith([](model::Ligament& l) { l.shearStiffness = NAN; }),
-            "error: the array ligaments/shear has a number that is not finite" + mend);
+            "error: the array ligaments/shear has a number that is not finite" + advice);
 }
 
 TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
-  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
+  const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
   EXPECT_EQ(
       refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].thickness = 0; }),
-      "error: the thickness of brick 3 in bricks/thickness is 0, but must be positive" + mend);
-  EXPECT_EQ(
-      refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].thickness = -0.02; }),
-      "error: the thickness of brick 3 in bricks/thickness is -0.02, but must be positive" + mend);
+      "error: the thickness of brick 3 in bricks/thickness is 0, but must be positive" + advice);
+  EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[3].thickness = -0.02; }),
+            "error: the thickness of brick 3 in bricks/thickness is -0.02, but must be positive" +
+                advice);
   EXPECT_EQ(refusalAfter([](trajectory::Trajectory& t) { t.bricks[1].mass = 0; }),
-            "error: the mass of brick 1 in bricks/mass is 0, but must be positive" + mend);
+            "error: the mass of brick 1 in bricks/mass is 0, but must be positive" + advice);
   const std::string insideOut =
       "error: brick 2 is inverted: bricks/bottom, bricks/top and bricks/normal are inconsistent" +
-      mend;
+      advice;
   EXPECT_EQ(refusalAfter(
                 [](trajectory::Trajectory& t) { std::swap(t.bricks[2].bottom, t.bricks[2].top); }),
             insideOut);
@@ -419,32 +420,32 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
   if (outputOf("/usr/bin/python3 -c 'import h5py; print(1)'").empty()) {
     GTEST_SKIP() << "install python3-h5py to change trajectories by another program";
   }
-  const std::string mend = ". Give a complete trajectory.h5 from kirireel record";
+  const std::string advice = ". Give a complete trajectory.h5 from kirireel record";
   EXPECT_EQ(refusalAfterPython("del f['time']; f['time'] = h5py.ExternalLink('/etc/passwd', '/')"),
-            "error: the array time is missing" + mend);
+            "error: the array time is missing" + advice);
   EXPECT_EQ(
       refusalAfterPython("f['t'] = f['time']; del f['time']; f['time'] = h5py.SoftLink('/t')"),
-      "error: the array time is missing" + mend);
+      "error: the array time is missing" + advice);
   EXPECT_EQ(refusalAfterPython("del f['time']\n"
                                "f.create_dataset('time', (3,), '<f8', external=[('x', 0, 24)])"),
-            "error: the array time has another layout" + mend);
+            "error: the array time has another layout" + advice);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '<f8', "
                                "chunks=(3,), compression='lzf')"),
-            "error: the array time has another layout" + mend);
+            "error: the array time has another layout" + advice);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '<f8', "
                                "maxshape=(None,), chunks=(10**8,))"),
-            "error: the array time has another layout" + mend);
+            "error: the array time has another layout" + advice);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '>f4')"),
-            "error: the array time does not have numbers of 64 bits" + mend);
+            "error: the array time does not have numbers of 64 bits" + advice);
   // HDF5 follows the places of texts of variable length without checks.
   EXPECT_EQ(refusalAfterPython("del f['events/text']\n"
                                "f.create_dataset('events/text', (3,), h5py.string_dtype())"),
-            "error: the array events/text does not have texts of a fixed length" + mend);
+            "error: the array events/text does not have texts of a fixed length" + advice);
   EXPECT_EQ(refusalAfterPython("del f['events/text']\n"
                                "f.create_dataset('events/text', (3,), 'S1000000000')"),
-            "error: an array has more entries than its file" + mend);
+            "error: an array has more entries than its file" + advice);
   EXPECT_EQ(refusalAfterPython("f['time'].resize((10**9,))"),
-            "error: an array has more entries than its file" + mend);
+            "error: an array has more entries than its file" + advice);
 }
 
 TEST(TrajectoryFile, SaysThatItCannotBeWritten) {

@@ -86,7 +86,7 @@ const std::string kTwoSquares =
     "0 0 0 1 0 0 1 1 0 0 1 0\n"
     "1 0 0 2 0 0 2 1 0 1 1 0\n";
 
-TEST(Mending, RepeatedJointsCountOnce) {
+TEST(Repair, RepeatedJointsCountOnce) {
   const Reading read = readFiles(
       {{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n1 0 0 1 3\n0 1 1 0 1\n"}},
       "");
@@ -95,18 +95,18 @@ TEST(Mending, RepeatedJointsCountOnce) {
   EXPECT_THAT(read.warnings,
               ElementsAre("@/constraints.txt:2: repaired: 2 joints are listed again, first in line "
                           "1; repeated joints are removed, regardless of the order of their ends"));
-  ASSERT_EQ(read.model.mends.size(), 1U);
-  EXPECT_EQ(read.model.mends[0].corners.size(), 2U);
+  ASSERT_EQ(read.model.repairs.size(), 1U);
+  EXPECT_EQ(read.model.repairs[0].corners.size(), 2U);
 }
 
-TEST(Mending, ARepeatedJointKeepsItsNewFace) {
+TEST(Repair, ARepeatedJointKeepsItsNewFace) {
   const Reading read =
       readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 1\n1 0 0 1 3\n"}}, "");
   ASSERT_EQ(read.model.joints.size(), 2U);
   EXPECT_EQ(read.model.joints[1].face, model::JointFace::Top);
 }
 
-TEST(Mending, StrictRefusesAndSaysHowToMend) {
+TEST(Repair, StrictRefusesWithAdvice) {
   model::ReadSettings strict;
   strict.strict = true;
   EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0\n1 0 0 1\n"}},
@@ -134,7 +134,7 @@ TEST(Mending, StrictRefusesAndSaysHowToMend) {
       "");
 }
 
-TEST(Mending, OneDigitApartIsOneCorner) {
+TEST(Repair, OneDigitApartIsOneCorner) {
   // A sheet 300 wide with three decimals, one corner of one joint off by the last of them.
   model::Model model = openSheet(75);
   const model::Corner moved = model.joints[3].b;
@@ -157,7 +157,7 @@ TEST(Mending, OneDigitApartIsOneCorner) {
               HasSubstr("write the same numbers for both corners"));
 }
 
-TEST(Mending, RodsAreSaidWithTheirLength) {
+TEST(Repair, RodsAreReportedWithTheirLength) {
   const Files files = {
       {"a_vertices.txt", "0 0 1 0 1 1 0 1\n1 0 2 0 2 1 1 1\n2.125 0 3.125 0 3.125 1 2.125 1\n"},
       {"a_constraints.txt", "1 2 2 1\n2 2 3 1\n"}};
@@ -169,7 +169,7 @@ TEST(Mending, RodsAreSaidWithTheirLength) {
                           "0.125 m long, which keeps this distance"));
 }
 
-TEST(Mending, DigitsAreFoundInTheNumbers) {
+TEST(Repair, DigitsAreFoundInTheNumbers) {
   const std::vector<model::Tile> exact = openSheet().tiles;
   const auto rounded = [&](const std::function<double(double)>& round) {
     std::vector<model::Tile> tiles = exact;
@@ -188,7 +188,7 @@ TEST(Mending, DigitsAreFoundInTheNumbers) {
   EXPECT_NEAR(lastPlace(tiles), 1e-2, 1e-14);
 }
 
-TEST(Mending, NumbersThatAreExactAreNotRounded) {
+TEST(Repair, NumbersThatAreExactAreNotRounded) {
   model::TessellationShape shape;  // unit squares
   EXPECT_EQ(model::roundingOf(model::makeTessellation(shape).tiles), 0);
   shape.length = 0.25;
@@ -198,7 +198,7 @@ TEST(Mending, NumbersThatAreExactAreNotRounded) {
   EXPECT_EQ(model::roundingOf(model::makeTessellation(shape).tiles), 0);
 }
 
-TEST(Mending, RegularTilingsThatAreEvenByChanceAreRounded) {
+TEST(Repair, RegularTilingsThatAreEvenByChanceAreRounded) {
   // 0.866 and 0.5 are both even in the third decimal.
   const model::Tile triangle{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}}};
   EXPECT_NEAR(model::roundingOf({triangle}), 1e-3, 1e-15);
@@ -206,7 +206,7 @@ TEST(Mending, RegularTilingsThatAreEvenByChanceAreRounded) {
   EXPECT_NEAR(model::roundingOf({finer}), 1e-6, 1e-18);
 }
 
-TEST(Mending, CoincidingCornersOfRoundedMeshesAreJoined) {
+TEST(Repair, CoincidingCornersOfRoundedMeshesAreJoined) {
   // Two squares of an OBJ file with own vertices each, their common corner rounded differently.
   const Reading read =
       readFiles({{"a.obj",
@@ -217,7 +217,7 @@ TEST(Mending, CoincidingCornersOfRoundedMeshesAreJoined) {
   EXPECT_EQ(read.model.joints[0].a, (model::Corner{0, 1}));
 }
 
-TEST(Mending, PairsWithJointsOfFourColumnsArePlanar) {
+TEST(Repair, PairsWithJointsOfFourColumnsArePlanar) {
   // Triangles alone: six numbers are no tile in space.
   Reading read = readFiles(
       {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "1 2 2 1\n"}}, "");
