@@ -358,7 +358,7 @@ class PathSearch {
   bool isCutShort() const { return cutShort_ > 0 || isIncomplete_; }
 
   /// What is unknown because of the budget. Empty if nothing is.
-  std::string untried() const {
+  std::string describeUntried() const {
     if (!isCutShort()) return "";
     std::vector<std::string> parts;
     if (cutShort_ > 0) {
@@ -369,7 +369,7 @@ class PathSearch {
   }
 
   /// Describes a path that reaches the equilibrium of the scene's springs.
-  std::string arriving() const {
+  std::string describeArrival() const {
     return atTarget_.nearest.restError <= kFarShare * model::tileSize(scene_.model)
                ? " arrives"
                : " reaches the nearest known state with closed joints";
@@ -386,31 +386,31 @@ class PathSearch {
     if (scene::sceneNeeds(scene_).planar.on && !mayTouch) {
       if (!mayTry(describe(straight))) return {straight, noPathArrives()};
       if (arrives(straight, empty, describe(straight), kCoarseSteps))
-        return {straight, describe(straight) + arriving()};
+        return {straight, describe(straight) + describeArrival()};
       jams = last_.jams;
     }
     for (const scene::PathSettings& path : candidatePaths(scene_, false)) {
       if (jams && !path.jointsAreCompliant()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
-      if (arrives(path, empty, what)) return {path, what + arriving()};
+      if (arrives(path, empty, what)) return {path, what + describeArrival()};
       if (path.kind == scene::PathKind::Straight) jams = last_.jams;
     }
     return {straight, noPathArrives()};
   }
 
   std::string noPathArrives() const {
-    return (count_ == 0 ? "no path was tried" : "no tried path arrives") + untried();
+    return (count_ == 0 ? "no path was tried" : "no tried path arrives") + describeUntried();
   }
 
   /// If bricks overlap on the path found, searches another path with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool fitsAtTarget) {
     if (const auto path = pathAmongBricks(candidatePaths(scene_, true))) {
-      return {*path, describe(*path) + " with contacts" + arriving(), true};
+      return {*path, describe(*path) + " with contacts" + describeArrival(), true};
     }
     std::string reason = first.reason + " with overlaps";
     if (fitsAtTarget) {
-      reason += "; no tried path arrives with contacts" + untried() + widerJoints();
+      reason += "; no tried path arrives with contacts" + describeUntried() + widerJoints();
     }
     if (!nearest_) return {withExactJoints(first.path), reason};
     return {nearest_->path,

@@ -549,7 +549,8 @@ void repairBase(JointTable& table, const TileTable& tiles, Model& model,
   const int other = 1 - table.countsFrom;
   const int shift = table.countsFrom - other;
   // A file that fits the default base is never changed, even if it also fits the other one.
-  if (namesWhatIsThere(table, tiles.tiles, 0) || !namesWhatIsThere(table, tiles.tiles, shift)) {
+  if (namesExistingCorners(table, tiles.tiles, 0) ||
+      !namesExistingCorners(table, tiles.tiles, shift)) {
     return;
   }
   for (JointRow& row : table.rows) {
@@ -686,7 +687,7 @@ double startGap(const Model& model, const Joint& joint) {
   return (a - b).norm();
 }
 
-bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift) {
+bool namesExistingCorners(const JointTable& table, const std::vector<Tile>& tiles, int shift) {
   return std::all_of(table.rows.begin(), table.rows.end(), [&](const JointRow& row) {
     // Entries 0 and 2 are tiles, the following ones vertices. All are shifted by the same amount,
     // since a file counts both from 0 or both from 1.

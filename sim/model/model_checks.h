@@ -129,7 +129,7 @@ void setNeck(int joint, const Neck& neck, const FileLocation& location, JointTab
 
 /// Whether all tiles and vertices of the rows exist after adding `shift` to their numbers.
 /// `shift` applies to tile and vertex numbers. Costs O(rows).
-bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift);
+bool namesExistingCorners(const JointTable& table, const std::vector<Tile>& tiles, int shift);
 
 /// Makes the joints of the rows. Throws InputError for tiles, vertices or faces that do not exist,
 /// and for a tile joined to itself. Messages use the file's own numbers.

@@ -296,8 +296,8 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
     }
   }
   // The default base of a hull is 0. A vertex number equal to the number of vertices shows base 1.
-  const int shift = namesWhatIsThere(table, tiles, 0) ? 0 : -1;
-  if (!namesWhatIsThere(table, tiles, shift) || table.rows.size() < 3) {
+  const int shift = namesExistingCorners(table, tiles, 0) ? 0 : -1;
+  if (!namesExistingCorners(table, tiles, shift) || table.rows.size() < 3) {
     throw inputErrorAt({file}, fmt::format("its {} rows name missing corners, or too few; {}",
                                            table.rows.size(), kPlanarHullPurpose));
   }

@@ -415,8 +415,8 @@ OwnHingeSpring readSpring(const model::TextTable& table, const model::TextLine& 
 }
 
 /// Refuses overlap of bricks at a spring's rest angle. `line` is its source; null: the option.
-void requireRoomAtRest(const model::HingeSpring& spring, const OwnHingeSpring* line,
-                       const model::Model& model) {
+void requireNoOverlapAtRest(const model::HingeSpring& spring, const OwnHingeSpring* line,
+                            const model::Model& model) {
   const model::Hinge& hinge = spring.hinge;
   if (spring.rest >= hinge.least - kAngleRounding && spring.rest <= hinge.most + kAngleRounding) {
     return;
@@ -733,7 +733,7 @@ std::vector<model::HingeSpring> hingeSprings(const Scene& scene,
                                     rest.value_or(defaults.rest(hinge)),
                                     own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
-    if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);
+    if (rest) requireNoOverlapAtRest(spring, own.rest ? &own : nullptr, scene.model);
     springs.push_back(spring);
   }
   if (!lines.empty()) {
