@@ -521,7 +521,7 @@ class RunOrders {
 
   void requireNoFamily(const sweep::SweepValue& value) const {
     if (family_.empty()) return;
-    throw inputErrorAt(value.where, "either model or generate will do; remove the other");
+    throw inputErrorAt(value.where, "use only one of model and generate; remove the other");
   }
 
   /// For suggestions: the options of a run and the family's parameters.

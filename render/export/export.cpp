@@ -95,10 +95,9 @@ void requireDifferent(const std::vector<std::string>& formats) {
   for (auto format = formats.begin(); format != formats.end(); ++format) {
     // Searches duplicates of each format after it; the list is short.
     if (std::find(format + 1, formats.end(), *format) == formats.end()) continue;
-    throw InputError(
-        fmt::format("error: format {} is given twice, so its files would have one "
-                    "name; leave one out",
-                    *format));
+    throw InputError(fmt::format(
+        "error: format {} is given twice, so its files would have the same name; remove one",
+        *format));
   }
 }
 
@@ -293,12 +292,12 @@ class Exporter {
     if (!settings_.decks.stateMap || !wants(kDeck)) return;
     if (isNecked()) {
       throw InputError(
-          "error: --state-map leads from state to state, and a sheet with necks is the start "
-          "alone; choose other --joints");
+          "error: --state-map needs several states, but a sheet with necks has only the start; "
+          "choose other --joints");
     }
     if (states_.size() > 1) return;
     throw InputError(
-        "error: --state-map leads from the first state to others; choose several, as --states "
+        "error: --state-map moves from the first state to others; choose several, as in --states "
         "initial,final");
   }
 
@@ -309,8 +308,8 @@ class Exporter {
     });
     if (settings_.decks.drive.kind == fea::DriveChoice::None || isNecked() || !isFinalAlone) return;
     throw InputError(
-        "error: --drive moves tiles from a state on, and the final state has no motion after it; "
-        "choose --states initial");
+        "error: --drive moves tiles from a state onwards, but the final state has no motion after "
+        "it; choose --states initial");
   }
 
   bool isNecked() const { return settings_.elements.joints == fea::JointStyle::Neck; }
@@ -733,8 +732,8 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   // Large sheets get fewer elements than the default; the user must know this.
   if (fea::isCoarsened(bricks, settings.elements)) {
     lines.push_back(
-        fmt::format("warning: a sheet of {} tiles gets {} elements per edge, and 8 would bend more "
-                    "truly; choose with --elements-per-edge or --element-size",
+        fmt::format("warning: a sheet of {} tiles has {} elements per edge; 8 would bend more "
+                    "accurately. Use --elements-per-edge or --element-size",
                     bricks.size(), fea::usualPerEdge(bricks, settings.elements)));
   }
   appendThinnessWarning(lines, trajectory.subject(), settings);
@@ -746,13 +745,13 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   // Only patches have rotations for springs.
   if (hasSprings && settings.elements.joints != fea::JointStyle::Patch) {
     lines.emplace_back(
-        "warning: these decks are without the run's springs at hinges, which stand between rigid "
-        "patches; choose --joints patch");
+        "warning: these decks lack the run's springs at hinges, which need rigid patches; choose "
+        "--joints patch");
   }
   if (!model::ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
-        "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
-        "--joints neck has the start with its necks");
+        "warning: these decks join tiles exactly, but the run's ligaments stretch and shear; "
+        "--joints neck gives the start with its necks");
   }
   const double thickness = trajectory.subject().brickRule.thickness;
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
@@ -860,7 +859,7 @@ std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double
     largest = std::max(largest, turn);
   }
   throw unknownState(name,
-                     fmt::format("its tiles turn by {:.4g} degrees at most", largest / kDegree));
+                     fmt::format("its tiles rotate by at most {:.4g} degrees", largest / kDegree));
 }
 
 /// The first event whose text contains `text` counts.
@@ -898,9 +897,8 @@ StateName readName(const std::string& name) {
     if (const auto number = numberBefore(name, ending)) return {kind, *number};
   }
   throw InputError(
-      fmt::format("error: '{}' names no state; write initial, final, all, a share "
-                  "(25%), a time (1.5 or 1.5s), an angle (30deg) or an event "
-                  "(event:TEXT)",
+      fmt::format("error: '{}' is not a state; use initial, final, all, a share (25%), a time (1.5 "
+                  "or 1.5s), an angle (30deg) or an event (event:TEXT)",
                   name));
 }
 
@@ -935,7 +933,7 @@ void requireDifferentLabels(const std::vector<ChosenState>& states) {
     for (std::size_t b = 0; b < a; ++b) {
       if (states[a].label != states[b].label) continue;
       throw InputError(
-          fmt::format("error: samples {} and {} would both be written as {}; name them otherwise",
+          fmt::format("error: samples {} and {} would both be written as {}; name them differently",
                       states[b].sample, states[a].sample, states[a].label));
     }
   }
@@ -984,7 +982,7 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
       const auto [place, isNew] = chosen.try_emplace(sample, name, stateLabel(name, sample));
       if (isNew) continue;
       throw InputError(
-          fmt::format("error: states '{}' and '{}' are both sample {}; leave one of them out",
+          fmt::format("error: states '{}' and '{}' are both sample {}; remove one of them",
                       place->second.first, name, sample));
     }
   }

@@ -938,13 +938,12 @@ std::vector<PeriodicTie> tiesBetween(const std::vector<PeriodicTie>& pairs) {
 Periodicity periodicity(const ElementMesh& mesh) {
   if (mesh.rule.family == ElementFamily::Shell) {
     throw InputError(
-        "error: --periodic ties the displacements of solids and plane elements; leave out "
-        "--shells");
+        "error: --periodic ties the displacements of solids and plane elements; remove --shells");
   }
   if (mesh.rule.joints == JointStyle::Patch) {
     throw InputError(
-        "error: --periodic ties the corners of tiles, and rigid patches lie round them; choose "
-        "other --joints");
+        "error: --periodic ties the corners of tiles, which rigid patches surround; choose other "
+        "--joints");
   }
   if (mesh.lattice) {
     return {mesh.lattice->periods, mesh.lattice->axes, mesh.lattice->lengths, mesh.ties};
@@ -1067,8 +1066,8 @@ std::vector<ElementFace> freeFaces(const ElementMesh& mesh, const TileEdge& edge
 std::vector<ContactPair> contactPairs(const ElementMesh& mesh) {
   if (mesh.rule.family != ElementFamily::Solid || mesh.rule.joints == JointStyle::Neck) {
     throw InputError(
-        "error: contact is between the flanks of solid tiles; leave out --deck-contacts, or "
-        "--shells and --joints neck");
+        "error: contact is between the flanks of solid tiles; remove --deck-contacts, or --shells "
+        "and --joints neck");
   }
   const std::vector<bool> isTaken = nodesOfJoints(mesh);
   std::vector<ContactPair> pairs;

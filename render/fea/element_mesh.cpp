@@ -249,11 +249,10 @@ void checkAspect(const ElementMesh& mesh, const Element& element, int tile, doub
 void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
   for (int k = 0; k < 8; ++k) {
     if (cornerVolume(mesh, element, k) > 0) continue;
-    throw InputError(
-        fmt::format("error: tile {} cannot be divided into elements: they would fold "
-                    "over; give it corners that its centre of area sees, joints that "
-                    "close, or split it into convex tiles",
-                    tile));
+    throw InputError(fmt::format(
+        "error: tile {} cannot be divided into elements: they would fold over; use corners that "
+        "are visible from its centre of area, joints that close, or split it into convex tiles",
+        tile));
   }
 }
 
@@ -279,8 +278,8 @@ std::vector<double> shellLevels(std::size_t tiles, const std::vector<model::Join
     for (const int tile : {joint.a.tile, joint.b.tile}) {
       if (faces[tile].value_or(joint.face) != joint.face) {
         throw InputError(
-            fmt::format("error: tile {} has joints on different faces, and a shell has nodes on "
-                        "one; leave --shells out",
+            fmt::format("error: tile {} has joints on different faces, but a shell has nodes on "
+                        "one face; remove --shells",
                         tile + rule.countsFrom));
       }
       faces[tile] = joint.face;
@@ -341,14 +340,13 @@ SheetEnds endsOf(const ElementMesh& mesh) {
 void requireBuildable(const ElementRule& rule) {
   if (rule.family == ElementFamily::Plane || rule.joints == JointStyle::Neck) {
     throw InputError(
-        "error: plane elements are made only of one sheet with necks; give --joints neck with a "
-        "--neck-width, or leave --plane-stress out");
+        "error: plane elements need one sheet with necks; add --joints neck and --neck-width, or "
+        "remove --plane-stress");
   }
   if (rule.family == ElementFamily::Shell && rule.joints != JointStyle::Shared) {
     throw InputError(
-        "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
-        "leave "
-        "--joints out, or choose neck");
+        "error: shells of hinged tiles share nodes or have equations depending on the joint; "
+        "remove --joints, or choose neck");
   }
 }
 
@@ -387,8 +385,8 @@ void requireValidRule(const ElementRule& rule) {
   require(rule.through, 1, "through the thickness");
   if (rule.perEdge > 0 && rule.size > 0) {
     throw InputError(
-        fmt::format("error: {} elements per edge and elements of {} m contradict each "
-                    "other; give one of the two",
+        fmt::format("error: {} elements per edge and elements of {} m contradict each other; give "
+                    "only one of them",
                     rule.perEdge, rule.size));
   }
   if (!(rule.size >= 0) || !(rule.patchRadius >= 0)) {
@@ -887,7 +885,7 @@ void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& o
   if (twice == tiles.end()) return;
   throw InputError(
       fmt::format("error: the joints tie two corners of tile {} together, {:.3g} m apart; a mesh "
-                  "can hold only different tiles together: remove one of these joints",
+                  "can join only different tiles: remove one of these joints",
                   *twice + countsFrom, cluster.gap));
 }
 
@@ -1002,8 +1000,8 @@ void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& m
                    int leastPerEdge) {
   if (patch.size() >= 3) return;
   throw InputError(
-      fmt::format("error: a joint patch of radius {:.4g} m holds {} nodes of tile {}, at least 3 "
-                  "are needed; use {} elements per edge or a larger radius",
+      fmt::format("error: a joint patch of radius {:.4g} m has {} nodes of tile {}, at least 3 are "
+                  "needed; use {} elements per edge or a larger radius",
                   mesh.rule.patchRadius, patch.size(), tile + mesh.rule.countsFrom, leastPerEdge));
 }
 
@@ -1041,8 +1039,7 @@ std::vector<JointNodes> jointNodes(const std::vector<model::Joint>& joints,
     if (joint.kind == model::JointKind::Fixed) continue;
     if (joint.kind != model::JointKind::Pivot) {
       throw InputError(
-          fmt::format("error: joint {} does not hold two corners together; a mesh can "
-                      "hold only pivots",
+          fmt::format("error: joint {} does not join two corners; a mesh can join only pivots",
                       j + static_cast<std::size_t>(countsFrom)));
     }
     nodes.push_back({joint.a.tile, joint.b.tile, joint.face == model::JointFace::Both,

@@ -114,11 +114,11 @@ std::string writtenByGmsh(const std::string& geometry, const std::string& name,
 
 std::string meshedByGmsh(const std::string& geometry) {
   return writtenByGmsh(geometry, "sheet.msh", {"-2", "-format", "msh22"},
-                       "sheets with necks are meshed by it", "mesh this sheet");
+                       "it meshes sheets with necks", "mesh this sheet");
 }
 
 std::string stepByGmsh(const std::string& geometry) {
-  std::string text = writtenByGmsh(geometry, "sheet.step", {"-0"}, "STEP files are written by it",
+  std::string text = writtenByGmsh(geometry, "sheet.step", {"-0"}, "it writes STEP files",
                                    "make a solid of this sheet");
   // Only the date of writing changes between runs.
   const std::string before = "FILE_NAME('Open CASCADE Shape Model','";
@@ -193,9 +193,9 @@ double openingByCalculix(const std::string& meshText, std::string jobText) {
   jobText.replace(include, jobText.find('\n', include) + 1 - include, meshText);
   writeTextFile(folder / "check.inp", jobText);
   const std::string log = folder / "log";
-  const int end = runProgram({"ccx", "-i", folder / "check"}, log,
-                             "decks are checked by it: install it (Debian: apt-get install "
-                             "calculix-ccx) or leave --check out");
+  const int end = runProgram(
+      {"ccx", "-i", folder / "check"}, log,
+      "it checks decks: install it (Debian: apt-get install calculix-ccx) or remove --check");
   const std::string data = writtenText(folder / "check.dat");
   std::map<int, Vector3> displacements;
   for (const std::string& set : sets) readDisplacements(data, set, displacements);

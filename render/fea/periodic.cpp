@@ -653,11 +653,11 @@ class LatticeFinder {
   }
 
   [[noreturn]] void refuseUnknown(int tile, int vertex) const {
-    throw InputError(fmt::format(
-        "error: --periodic cannot tell which corners the border joins: more than two meet vertex "
-        "{} of tile {}; choose a state or a number of tiles in which the sheet repeats at least "
-        "twice along x and y",
-        vertex + countsFrom_, tile + countsFrom_));
+    throw InputError(
+        fmt::format("error: --periodic cannot determine which corners the border joins: more than "
+                    "two meet vertex {} of tile {}; choose a state or a number of tiles in which "
+                    "the sheet repeats at least twice along x and y",
+                    vertex + countsFrom_, tile + countsFrom_));
   }
 
   const std::vector<std::vector<Vector3>>& tiles_;

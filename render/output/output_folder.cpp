@@ -49,9 +49,9 @@ FileDigest digestOf(const std::filesystem::path& folder, const std::string& name
     digest.bytes += static_cast<std::uintmax_t>(file.gcount());
   }
   if (!file.eof() || file.bad()) {
-    throw InputError(
-        fmt::format("{}: error: the file cannot be read; check that it is there and its rights",
-                    (folder / name).string()));
+    throw InputError(fmt::format(
+        "{}: error: the file cannot be read; check that it exists and that you may read it",
+        (folder / name).string()));
   }
   digest.sha256 = hash.finish();
   return digest;
@@ -207,18 +207,18 @@ bool staysInside(const fs::path& name) {
 }
 
 std::string difference(const fs::path& folder, const FileDigest& noted) {
-  if (!staysInside(noted.name)) return "this is no name of a file in the folder";
+  if (!staysInside(noted.name)) return "this is not the name of a file in the folder";
   std::error_code ignored;
   if (!fs::is_regular_file(folder / noted.name, ignored)) return "the file is missing";
   const std::uintmax_t bytes = fs::file_size(folder / noted.name, ignored);
   if (bytes != noted.bytes)
-    return fmt::format("{} bytes where the run left {}", bytes, noted.bytes);
+    return fmt::format("{} bytes, but the run wrote {}", bytes, noted.bytes);
   try {
     if (digestOf(folder, noted.name).sha256 == noted.sha256) return "";
   } catch (const InputError&) {
     return "the file cannot be read";
   }
-  return "other bytes than the run left";
+  return "other bytes than the run wrote";
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -256,12 +256,12 @@ constexpr std::size_t kMostNamed = 3;
   const std::vector<std::string> names(foreign.begin(),
                                        foreign.begin() + static_cast<std::ptrdiff_t>(named));
   const std::size_t others = foreign.size() - named;
-  throw InputError(fmt::format(
-      "{}: error: {}{} would be overwritten, but no earlier run left {} so; move {} away, or "
-      "choose another folder with --out",
-      folder.string(), fmt::join(names, ", "),
-      others == 0 ? "" : fmt::format(" and {} more", others), foreign.size() == 1 ? "it" : "them",
-      foreign.size() == 1 ? "it" : "them"));
+  throw InputError(
+      fmt::format("{}: error: {}{} would be overwritten, but no earlier run wrote {} in this form; "
+                  "move {} away, or choose another folder with --out",
+                  folder.string(), fmt::join(names, ", "),
+                  others == 0 ? "" : fmt::format(" and {} more", others),
+                  foreign.size() == 1 ? "it" : "them", foreign.size() == 1 ? "it" : "them"));
 }
 
 /// Within one file system, since the stage is inside the folder.

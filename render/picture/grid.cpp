@@ -207,7 +207,7 @@ void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape,
     const FrameSize first = layout.pictureOf(cell / shape.columns);
     if (size == first) continue;
     throw InputError(fmt::format(
-        "error: pictures of one grid must have one size, not {} x {} beside {} x {} pixels",
+        "error: pictures of one grid must have the same size, not {} x {} and {} x {} pixels",
         size.width, size.height, first.width, first.height));
   }
 }
@@ -223,8 +223,8 @@ void requireShape(GridShape shape, const GridStyle& style) {
   const std::size_t heads = style.heads.size();
   if (heads == 0 || heads == static_cast<std::size_t>(shape.columns)) return;
   throw InputError(
-      fmt::format("error: {} columns have {} heads; give --column-heads one for each, with commas "
-                  "between them, or change --grid",
+      fmt::format("error: {} columns have {} heads; give --column-heads one per column, separated "
+                  "by commas, or change --grid",
                   shape.columns, heads));
 }
 
@@ -270,8 +270,8 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   for (const GridRow& row : style.rows) height += row.picture.height;
   if (width > kMaxFrameSide || height > kMaxFrameSide) {
     throw InputError(fmt::format(
-        "error: a grid of {} x {} pictures of {} x {} pixels needs {} x {} pixels and "
-        "may have {} a side; choose fewer or smaller pictures with --grid or --size",
+        "error: a grid of {} x {} pictures of {} x {} pixels needs {} x {} pixels, at most {} per "
+        "side are allowed; choose fewer or smaller pictures with --grid or --size",
         shape.rows, shape.columns, picture.width, picture.height, width, height, kMaxFrameSide));
   }
   layout.sheet = {static_cast<int>(width), static_cast<int>(height)};
@@ -325,7 +325,7 @@ std::vector<std::string> captionsOf(const std::vector<GridPicture>& pictures) {
 
 Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
                   const GridStyle& style) {
-  if (pictures.empty()) throw InputError("error: a grid needs at least one picture; give it some");
+  if (pictures.empty()) throw InputError("error: a grid needs at least one picture");
   const std::vector<std::string> captions = captionsOf(pictures);
   FrameSize largest = pictures.front().frame.size;
   for (const GridRow& row : style.rows) {

@@ -159,8 +159,8 @@ void requireDrawable(const char* option, const std::string& text) {
   const std::optional<char32_t> missing = LabelWriter(1).missingGlyph(drawn);
   if (!missing) return;
   throw InputError(fmt::format(
-      "error: {}: the font has no U+{:04X}, character {} of '{}'; leave it out, or "
-      "set KIRIREEL_FONT to a TrueType file that has it",
+      "error: {}: the font has no U+{:04X}, character {} of '{}'; remove it, or set KIRIREEL_FONT "
+      "to a TrueType file that has it",
       option, static_cast<std::uint32_t>(*missing), letters->find(*missing) + 1, oneLine(text)));
 }
 
@@ -226,8 +226,8 @@ std::filesystem::path fontFile(const std::string& family) {
   if (font && hasFamily(font.get(), name)) return textOf(font.get(), FC_FILE);
   const std::string nearest = font ? textOf(font.get(), FC_FAMILY) : "";
   throw InputError(fmt::format(
-      "error: this machine has no font \"{}\"; install it, or give a family that fc-list names{}",
-      family, nearest.empty() ? "" : fmt::format(", the nearest is \"{}\"", nearest)));
+      "error: this machine has no font \"{}\"; install it, or give a family from fc-list{}", family,
+      nearest.empty() ? "" : fmt::format(", the nearest is \"{}\"", nearest)));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -208,7 +208,7 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
       targetLines_(look.targetLines) {
   if (!targetLines_ || content_.target) return;
   throw InputError(
-      "error: the model has no target to draw; leave --target-lines away or add target.txt");
+      "error: the model has no target to draw; remove --target-lines or add target.txt");
 }
 
 PictureItems PictureSetup::items(const ShownState& state) const {
@@ -253,8 +253,8 @@ double PictureSetup::metresPerPixel() const {
   const std::optional<double> height = sharedHeight();
   if (height) return *height / size_.height;
   throw InputError(
-      "error: one scale bar cannot hold all over a picture in perspective or from a moving camera; "
-      "add --projection parallel, or leave --scale-bar away");
+      "error: a scale bar needs a parallel projection and a fixed camera; add --projection "
+      "parallel, or remove --scale-bar");
 }
 
 StatePainter::StatePainter(FrameSize size, const Look& look, PictureContent content,

@@ -472,7 +472,7 @@ int countVideoFrames(const std::filesystem::path& file) {
   AVFormatContext* opened = nullptr;
   const Owned<AVPacket> packet(av_packet_alloc());
   if (avformat_open_input(&opened, urlOf(file).c_str(), nullptr, nullptr) < 0) {
-    throw InputError(fmt::format("{}: error: this is no video", file.string()));
+    throw InputError(fmt::format("{}: error: this is not a video", file.string()));
   }
   const Owned<AVFormatContext> video(opened);
   int frames = 0;
@@ -540,7 +540,7 @@ void requireFittingSize(const VideoFormat& format, FrameSize size) {
 void requireFittingQuality(const VideoFormat& format, std::optional<int> crf) {
   if (!crf) return;
   if (format.usualCrf < 0) {
-    throw InputError(fmt::format("error: {} has no crf to choose; leave --crf away", format.name));
+    throw InputError(fmt::format("error: {} has no crf; remove --crf", format.name));
   }
   if (*crf >= 0 && *crf <= format.worstCrf) return;
   throw InputError(
@@ -567,8 +567,9 @@ void requireAlpha(const VideoFormat& format) {
   if (format.alphaConversion != nullptr) return;
   std::vector<VideoFormat> others = videoFormats();
   std::erase_if(others, [](const VideoFormat& other) { return other.alphaConversion == nullptr; });
-  throw InputError(fmt::format("error: a video in {} cannot be transparent; let its name end in {}",
-                               format.name, nameAll(others)));
+  throw InputError(
+      fmt::format("error: a video in {} cannot be transparent; use a name that ends in {}",
+                  format.name, nameAll(others)));
 }
 
 bool hasAlpha(const std::filesystem::path& file) {
@@ -586,7 +587,7 @@ const VideoFormat& videoFormatOf(const std::filesystem::path& file) {
   const auto found = std::ranges::find_if(
       formats, [&](const VideoFormat& format) { return format.ending == ending; });
   if (found != formats.end()) return *found;
-  throw InputError(fmt::format("{}: error: no video format goes with this name; let it end in {}",
+  throw InputError(fmt::format("{}: error: the ending of this name is not a video format; use {}",
                                file.string(), nameAll(formats)));
 }
 
@@ -594,7 +595,7 @@ void requireValidSettings(const std::filesystem::path& file, const VideoSettings
   const VideoFormat& format = videoFormatOf(file);
   requireFittingSize(format, settings.size);
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > 1000) {
-    throw InputError(fmt::format("error: {} frames a second are not possible; give 1 to 1000",
+    throw InputError(fmt::format("error: {} frames per second are not possible; give 1 to 1000",
                                  settings.framesPerSecond));
   }
   requireFittingQuality(format, settings.crf);

@@ -74,8 +74,9 @@ void requireValidSettings(const PictureSettings& settings) {
   if (settings.snapshots) requireGrid(settings);
   if (settings.video) picture::requireValidSettings(settings.videoFile, videoSettings(settings));
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > 240) {
-    throw InputError(fmt::format("error: {} frames a second are not possible; give --fps 1 to 240",
-                                 settings.framesPerSecond));
+    throw InputError(
+        fmt::format("error: {} frames per second are not possible; give --fps 1 to 240",
+                    settings.framesPerSecond));
   }
   if (settings.video)
     picture::requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
@@ -88,10 +89,10 @@ void requireValidSettings(const PictureSettings& settings) {
   }
   const double dots = settings.gridWidth.value_or(0) / 25.4 * settings.gridDotsPerInch();
   if (dots > picture::kMaxFrameSide) {
-    throw InputError(fmt::format(
-        "error: --width {:g}mm at {:g} dots an inch is {:.0f} pixels, and may be {}; give a "
-        "smaller --dpi",
-        *settings.gridWidth, settings.gridDotsPerInch(), dots, picture::kMaxFrameSide));
+    throw InputError(
+        fmt::format("error: --width {:g}mm at {:g} dots per inch is {:.0f} pixels, at most {} are "
+                    "allowed; give a smaller --dpi",
+                    *settings.gridWidth, settings.gridDotsPerInch(), dots, picture::kMaxFrameSide));
   }
   requireWithin(settings.heldSeconds(), 0, 60, "--hold", "seconds");
   requireWithin(settings.length, 0.1, 36000, "--length", "seconds");

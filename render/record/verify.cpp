@@ -81,7 +81,7 @@ class Verifier {
       complain(output::kSummary, "this is not the text that the run wrote");
     const Json summary = parseJsonOrDiscard(text);
     if (!summary.is_object() || !summary.contains("contents")) {
-      complain(output::kSummary, "it names no files to compare with; record the run again");
+      complain(output::kSummary, "it lists no files to compare; record the run again");
       return report_;
     }
     try {
@@ -120,7 +120,7 @@ class Verifier {
     const double larger = std::max(std::abs(stated), std::abs(computed));
     if (std::abs(stated - computed) <= std::max(least, kFigureRounding * larger)) return;
     complain(place,
-             fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
+             fmt::format("{} is {:.17g}, but the poses give {:.17g}", figure, stated, computed));
   }
 
   /// A figure among the summary's "accuracy".
@@ -162,8 +162,8 @@ class Verifier {
     for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
     if (run.steps().empty()) {
       complain(output::kTrajectory,
-               "an earlier version of the program left it, without the states that "
-               "the summary's figures stand for; record the run again");
+               "an earlier version of the program wrote it, without the states of the summary's "
+               "figures; record the run again");
       return;
     }
     compareEnd(summary, run);
@@ -273,7 +273,7 @@ class Verifier {
     const Json stated = summary.value("elasticity", Json());
     const bool isElastic = !subject.pairForces.empty();
     if (isElastic == stated.is_null()) {
-      complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
+      complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not agree");
     }
     if (!isElastic || stated.is_null()) return;
     const Json& files = summary.at("files");

@@ -223,15 +223,15 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.zeroSingularValue = trajectory::zeroSingularValue(model);
   for (const model::Repair& repair : model.repairs)
     inspection.repairs.push_back(model::toString(repair));
-  lookAt("looking at the start");
+  lookAt("checking the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = scene::sceneNeeds(scene);
   if (!model.target) return inspection;
-  lookAt("looking at the target");
+  lookAt("checking the target");
   inspection.target = inspectState(scene, *model.target);
   inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
-  lookAt("looking for the state nearest to the target");
+  lookAt("searching the state nearest to the target");
   const std::optional<model::SheetFrame> frame = scene::ownAxes(scene);
   inspection.assembledError =
       deploy::assembleAtTarget(frame ? scene::inAxes(*frame, scene) : scene).error;

@@ -59,7 +59,7 @@ struct Inspection {
 };
 
 /// Inspects the scene's model with its bricks' thickness. `tell`, which may be empty, is called
-/// with a short text about the current step, such as "looking at the start". Mobility is the most
+/// with a short text about the current step, such as "checking the start". Mobility is the most
 /// expensive step. It is skipped for too many unknowns.
 Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell = {});
 

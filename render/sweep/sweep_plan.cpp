@@ -248,9 +248,11 @@ RangeTable readRange(const scene::TomlValue& value) {
 /// Counts the values of all parameters; a grid has many more runs.
 void requireFewValues(std::size_t count, const FileLocation& where) {
   if (count <= kMostValues) return;
-  throw inputErrorAt(where, fmt::format("the parameters have more than {} values together; vary "
-                                        "fewer, or make several sweeps of it",
-                                        kMostValues));
+  throw inputErrorAt(
+      where,
+      fmt::format(
+          "the parameters have more than {} values together; vary fewer, or make several sweeps",
+          kMostValues));
 }
 
 /// The values of a key in [grid] or [list]: a list of values, or a range with a count.
@@ -300,8 +302,9 @@ void requireEquallyMany(const std::vector<SweepAxis>& axes) {
     if (axis.values.size() == axes.front().values.size()) continue;
     throw inputErrorAt(
         axis.where,
-        fmt::format("{} has {} values but {} has {}; a list has as many of each", shown(axis.key),
-                    axis.values.size(), shown(axes.front().key), axes.front().values.size()));
+        fmt::format("{} has {} values but {} has {}; all keys of [list] need equally many",
+                    shown(axis.key), axis.values.size(), shown(axes.front().key),
+                    axes.front().values.size()));
   }
 }
 
@@ -341,7 +344,7 @@ void readPlan(const scene::TomlEntry& entry, Sweep& sweep) {
   // A second plan if there are axes already.
   if (!sweep.axes.empty()) {
     throw inputErrorAt(entry.where,
-                       "one of [grid], [list] and [latin_hypercube] will do; remove the others");
+                       "use only one of [grid], [list] and [latin_hypercube]; remove the others");
   }
   if (entry.key == "latin_hypercube") {
     readLatinHypercube(entry, sweep);

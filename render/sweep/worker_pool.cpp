@@ -153,7 +153,7 @@ class Worker {
 
  private:
   [[noreturn]] static void fail() {
-    throw RunError(fmt::format("error: no process can be started ({}); give fewer with --jobs",
+    throw RunError(fmt::format("error: no process can be started ({}); use fewer --jobs",
                                std::strerror(errno)));
   }
 

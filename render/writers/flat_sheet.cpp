@@ -94,10 +94,9 @@ FlatSheet flatSheet(const model::Model& model) {
 
 void requirePivot(const model::Joint& joint, std::size_t number) {
   if (joint.kind == model::JointKind::Pivot) return;
-  throw InputError(
-      fmt::format("error: joint {} does not hold two corners together; a cut "
-                  "pattern has hinges only at corners",
-                  number));
+  throw InputError(fmt::format(
+      "error: joint {} does not join two corners; a cut pattern has hinges only at corners",
+      number));
 }
 
 CornerGap narrowGap(const std::vector<FlatTile>& tiles, const model::Joint& joint) {
@@ -536,8 +535,8 @@ class OutlineMaker {
     CornerPoints& second = cornerAt(gap.second);
     if (first.isCut || second.isCut) {
       throw InputError(
-          fmt::format("error: joint {} shares a corner with another one, where necks with a length "
-                      "or a kerf would cross; leave --neck-length and --kerf out",
+          fmt::format("error: joint {} shares a corner with another one, so necks with a length or "
+                      "a kerf would cross; remove --neck-length and --kerf",
                       numberOf(joint)));
     }
     const double half = gap.angle / 2;

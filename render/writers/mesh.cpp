@@ -356,10 +356,9 @@ void writeMesh(const std::filesystem::path& path, const std::vector<model::Brick
   } else if (ending == ".stl") {
     writeTextFile(path, stlBytes(bricks, corners, unit, path));
   } else {
-    throw InputError(
-        fmt::format("{}: error: \"{}\" is no mesh format known here; let the name end "
-                    "in .obj, .ply or .stl",
-                    path.string(), ending));
+    throw InputError(fmt::format(
+        "{}: error: \"{}\" is not a known mesh format; use a name that ends in .obj, .ply or .stl",
+        path.string(), ending));
   }
 }
 
@@ -626,10 +625,9 @@ void appendChunk(std::string& file, std::uint32_t type, const std::string& bytes
 void requireAddressable(std::size_t bytes) {
   constexpr std::size_t kMost = std::size_t{7} << 29U;  // leaves half a GiB for the JSON
   if (bytes <= kMost) return;
-  throw InputError(
-      fmt::format("error: the animation would hold {} bytes, at most {} fit into a "
-                  ".glb; record fewer samples",
-                  bytes, kMost));
+  throw InputError(fmt::format(
+      "error: the animation would have {} bytes, at most {} fit into a .glb; record fewer samples",
+      bytes, kMost));
 }
 
 /// The length in the header includes the header.

@@ -123,10 +123,9 @@ TEST(BadCommandLine, TitleThatTheFontCannotWrite) {
     return runKirireel({"record", shippedModel("tessellation_4x4").string(), "--title", title,
                         "--out", (scratch / "out").string()});
   };
-  expectOneLine(
-      record("caf\u00e9 \u4e2d"), 2,
-      "error: --title: the font has no U+4E2D, character 6 of 'caf\u00e9 \u4e2d'; leave it "
-      "out, or set KIRIREEL_FONT to a TrueType file that has it");
+  expectOneLine(record("caf\u00e9 \u4e2d"), 2,
+                "error: --title: the font has no U+4E2D, character 6 of 'caf\u00e9 \u4e2d'; remove "
+                "it, or set KIRIREEL_FONT to a TrueType file that has it");
   expectOneLine(record("caf\xe9"), 2,
                 "error: --title: 'caf?' is not UTF-8; give the text in that encoding");
   EXPECT_FALSE(std::filesystem::exists(scratch / "out"));

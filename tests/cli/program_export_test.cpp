@@ -54,7 +54,7 @@ TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
             "kirireel: error: --format is missing, as in kirireel export TRAJECTORY --format "
             "obj,inp; see kirireel export --help\n");
   EXPECT_THAT(complaint({"--format", "obj", "--states", "0,half"}),
-              HasSubstr("error: 'half' names no state; write initial,"));
+              HasSubstr("error: 'half' is not a state; use initial,"));
   EXPECT_THAT(complaint({"--format", "inp", "--joints", "patch", "--elements-per-edge", "4",
                          "--patch-radius", "0.01"}),
               HasSubstr("use 50 elements per edge or a larger radius"));

@@ -77,7 +77,7 @@ class Folders : public testing::Test {
     const auto before = treeOf(out_);
     const ProgramEnd end = runKirireel(words);
     EXPECT_EQ(end.exitCode, 2) << words.front() << ' ' << name;
-    EXPECT_THAT(end.err, HasSubstr("would be overwritten, but no earlier run left")) << name;
+    EXPECT_THAT(end.err, HasSubstr("would be overwritten, but no earlier run wrote")) << name;
     EXPECT_EQ(std::count(end.err.begin(), end.err.end(), '\n'), 1);
     EXPECT_EQ(treeOf(out_), before) << words.front() << ' ' << name;
   }

@@ -177,8 +177,8 @@ TEST_F(Resume, LeavesAChangedFileToItsOwner) {
   const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
   EXPECT_EQ(end.exitCode, 2);
   EXPECT_EQ(end.err, "kirireel: " + scratch_.path().string() +
-                         ": error: final.obj would be overwritten, but no earlier run left it so; "
-                         "move it away, or choose another folder with --out\n");
+                         ": error: final.obj would be overwritten, but no earlier run wrote it in "
+                         "this form; move it away, or choose another folder with --out\n");
   EXPECT_EQ(readText(scratch_ / "final.obj"), "edited by hand");
 }
 

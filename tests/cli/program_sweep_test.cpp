@@ -229,7 +229,7 @@ TEST_F(SweepProgram, ValuesAreCheckedBeforeTheFirstRun) {
 TEST_F(SweepProgram, ModelIsMissing) {
   expectRefused(sweep("[grid]\nthickness = [0.1]\n"), "there is nothing to run; add model");
   expectRefused(sweep("generate = \"fan\"\n[grid]\nmodel = [\"a\"]\n"),
-                "either model or generate will do");
+                "use only one of model and generate");
 }
 
 TEST_F(SweepProgram, MissingFilesAreNamedBeforeTheFirstRun) {

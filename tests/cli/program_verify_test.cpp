@@ -62,7 +62,7 @@ TEST_F(Verify, SaysWhatIsWrong) {
   const std::string whole = readText(folder() / "final.obj");
   writeText(folder() / "final.obj", whole + "#");
   EXPECT_EQ(verify().out, (folder() / "final.obj").string() + ": " +
-                              std::to_string(whole.size() + 1) + " bytes where the run left " +
+                              std::to_string(whole.size() + 1) + " bytes, but the run wrote " +
                               std::to_string(whole.size()) + "\n");
   std::filesystem::remove(folder() / "final.obj");
   EXPECT_EQ(verify().out, (folder() / "final.obj").string() + ": the file is missing\n");
@@ -122,7 +122,7 @@ TEST_F(Verify, ComputesTheFiguresAgain) {
   const ProgramEnd end = verify();
   EXPECT_EQ(end.exitCode, 1);
   EXPECT_THAT(end.out, HasSubstr("summary.json: target_error_end is 1"));
-  EXPECT_THAT(end.out, HasSubstr(", yet the poses give "));
+  EXPECT_THAT(end.out, HasSubstr(", but the poses give "));
   writeText(folder() / "summary.json", summary);
 }
 
@@ -176,7 +176,7 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   other.pairForces = test::pairForces(model::hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
   EXPECT_THAT(record::verifyRun(run).complaints,
-              Contains(HasSubstr("elasticity.ligaments is 4, yet the poses give 3")));
+              Contains(HasSubstr("elasticity.ligaments is 4, but the poses give 3")));
   exchangeTrajectory(run, whole);
   EXPECT_TRUE(record::verifyRun(run).complaints.empty());
 }
@@ -231,7 +231,7 @@ TEST_F(Verify, LooksAtNothingOutsideTheFolder) {
     falsify(folder() / "summary.json", "\"final.obj\": {", "\"" + name + "\": {");
     const ProgramEnd end = verify();
     EXPECT_EQ(end.exitCode, 1);
-    EXPECT_THAT(end.out, HasSubstr(name + ": this is no name of a file in the folder\n"));
+    EXPECT_THAT(end.out, HasSubstr(name + ": this is not the name of a file in the folder\n"));
     writeText(folder() / "summary.json", summary);
   }
 }
@@ -245,7 +245,7 @@ TEST_F(Verify, NeedsASummary) {
                          "kirireel record or simulate\n");
   writeText(empty / "summary.json", "{}\n");
   EXPECT_THAT(runKirireel({"verify", empty.path().string()}).out,
-              HasSubstr("it names no files to compare with; record the run again"));
+              HasSubstr("it lists no files to compare; record the run again"));
 }
 
 }  // namespace

@@ -81,23 +81,22 @@ TEST_F(Export, SaysWhatIsNotInTheTrajectory) {
             "error: state '101%' is not in the trajectory; shares go from 0% to 100%");
   EXPECT_EQ(
       refusal({"40deg"}),
-      "error: state '40deg' is not in the trajectory; its tiles turn by 28.65 degrees at most");
+      "error: state '40deg' is not in the trajectory; its tiles rotate by at most 28.65 degrees");
   EXPECT_EQ(refusal({"event:reset"}),
             "error: state 'event:reset' is not in the trajectory; its "
             "events are 'ground off', 'pinned tile 3'");
-  EXPECT_EQ(
-      refusal({"half"}),
-      "error: 'half' names no state; write initial, final, all, a share (25%), a time (1.5 or "
-      "1.5s), an angle (30deg) or an event (event:TEXT)");
-  EXPECT_THAT(refusal({"nan"}), testing::StartsWith("error: 'nan' names no state"));
+  EXPECT_EQ(refusal({"half"}),
+            "error: 'half' is not a state; use initial, final, all, a share (25%), a time (1.5 or "
+            "1.5s), an angle (30deg) or an event (event:TEXT)");
+  EXPECT_THAT(refusal({"nan"}), testing::StartsWith("error: 'nan' is not a state"));
 }
 
 TEST_F(Export, RefusesStatesWhoseFilesWouldClash) {
   EXPECT_EQ(refusal({"50%", "0.52"}),
-            "error: states '50%' and '0.52' are both sample 5; leave one of them out");
-  EXPECT_EQ(refusal({"event:off", "event:pinned tile", "event:tile 3"}),
-            "error: states 'event:pinned tile' and 'event:tile 3' are both sample 7; leave one of "
-            "them out");
+            "error: states '50%' and '0.52' are both sample 5; remove one of them");
+  EXPECT_EQ(
+      refusal({"event:off", "event:pinned tile", "event:tile 3"}),
+      "error: states 'event:pinned tile' and 'event:tile 3' are both sample 7; remove one of them");
 }
 
 TEST_F(Export, NamesFilesByTheStatesAskedFor) {
@@ -152,9 +151,9 @@ TEST_F(Export, MapsTheFirstStateToTheOthers) {
     return std::string("accepted");
   };
   settings.states = {"final"};
-  EXPECT_THAT(refused(), HasSubstr("choose several, as --states initial,final"));
+  EXPECT_THAT(refused(), HasSubstr("choose several, as in --states initial,final"));
   settings.elements.joints = fea::JointStyle::Neck;
-  EXPECT_THAT(refused(), HasSubstr("a sheet with necks is the start alone"));
+  EXPECT_THAT(refused(), HasSubstr("a sheet with necks has only the start"));
 }
 
 TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
@@ -231,8 +230,8 @@ TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
   settings.formats = {"msh"};
   EXPECT_THAT(warnings(21, settings), ElementsAre());
   EXPECT_THAT(warnings(22, settings),
-              ElementsAre("warning: a sheet of 484 tiles gets 7 elements per edge, and 8 would "
-                          "bend more truly; choose with --elements-per-edge or --element-size"));
+              ElementsAre("warning: a sheet of 484 tiles has 7 elements per edge; 8 would bend "
+                          "more accurately. Use --elements-per-edge or --element-size"));
   settings.elements.perEdge = 2;
   EXPECT_THAT(warnings(22, settings), ElementsAre());
 }
@@ -276,8 +275,8 @@ TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   settings.formats = {"inp"};
   settings.elements.joints = fea::JointStyle::Patch;
   const std::string warning =
-      "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
-      "--joints neck has the start with its necks";
+      "warning: these decks join tiles exactly, but the run's ligaments stretch and shear; "
+      "--joints neck gives the start with its necks";
   EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre(warning));
   scene.hinges = {};
   EXPECT_THAT(test::startWarnings(scene, settings), ElementsAre());
@@ -290,9 +289,9 @@ TEST_F(Export, RefusesAFormatGivenTwice) {
     exports::exportStates(*reader_, settings, out());
     ADD_FAILURE() << "nothing was thrown";
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "error: format obj is given twice, so its files would have one name; "
-                 "leave one out");
+    EXPECT_STREQ(
+        error.what(),
+        "error: format obj is given twice, so its files would have the same name; remove one");
   }
 }
 

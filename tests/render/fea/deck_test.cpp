@@ -498,7 +498,7 @@ TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
     return refusalOf([&] { fea::contactPairs(meshOf(test::hingedSquares(), rule)); });
   };
   EXPECT_THAT(refusal({.family = fea::ElementFamily::Shell}),
-              HasSubstr("leave out --deck-contacts, or --shells and --joints neck"));
+              HasSubstr("remove --deck-contacts, or --shells and --joints neck"));
   EXPECT_THAT(refusal({.perEdge = 1, .through = 1, .quadratic = false}),
               HasSubstr("use at least 3 elements per edge"));
 }
@@ -509,7 +509,7 @@ TEST(Periodic, SaysWhichSheetsRepeat) {
   };
   EXPECT_EQ(refusal(test::hingedSquares(), {}), "accepted");
   EXPECT_THAT(refusal(test::hingedSquares(), {.family = fea::ElementFamily::Shell}),
-              HasSubstr("leave out --shells"));
+              HasSubstr("remove --shells"));
   const Layout triangle =
       test::layoutOf({model::Tile{{{0, 0, 0}, {1, 0.2, 0}, {0.3, 0.8, 0}}}}, {});
   EXPECT_THAT(refusal(triangle, {}),

@@ -74,24 +74,23 @@ TEST(ElementMesh, RefusesImpossibleRules) {
   EXPECT_EQ(refusal(layout, {.through = 65}),
             "error: 65 elements through the thickness are not possible; choose 1 to 64");
   EXPECT_EQ(refusal(layout, {.perEdge = 4, .size = 0.1}),
-            "error: 4 elements per edge and elements of 0.1 m contradict each other; give one of "
-            "the two");
+            "error: 4 elements per edge and elements of 0.1 m contradict each other; give only one "
+            "of them");
   EXPECT_EQ(refusal(layout, {.patchRadius = -1}),
             "error: elements of 0 m and patches of radius -1 m are not possible; give positive "
             "lengths");
-  EXPECT_EQ(
-      refusal(layout, {.family = fea::ElementFamily::Plane}),
-      "error: plane elements are made only of one sheet with necks; give --joints neck with a "
-      "--neck-width, or leave --plane-stress out");
+  EXPECT_EQ(refusal(layout, {.family = fea::ElementFamily::Plane}),
+            "error: plane elements need one sheet with necks; add --joints neck and --neck-width, "
+            "or remove --plane-stress");
   EXPECT_EQ(
       refusal(layout, {.joints = fea::JointStyle::Patch, .family = fea::ElementFamily::Shell}),
-      "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
-      "leave --joints out, or choose neck");
+      "error: shells of hinged tiles share nodes or have equations depending on the joint; remove "
+      "--joints, or choose neck");
   test::Layout mixed = test::hingedSquares();
   mixed.joints[0].face = model::JointFace::Top;
   EXPECT_EQ(refusal(mixed, {.family = fea::ElementFamily::Shell}),
-            "error: tile 0 has joints on different faces, and a shell has nodes on one; leave "
-            "--shells out");
+            "error: tile 0 has joints on different faces, but a shell has nodes on one face; "
+            "remove --shells");
 }
 
 TEST(ElementMesh, RefusesMoreElementsThanFit) {
@@ -105,7 +104,7 @@ TEST(ElementMesh, RefusesMoreElementsThanFit) {
 TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   const Layout layout = test::hingedSquares();
   EXPECT_EQ(refusal(layout, {.perEdge = 4, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
-            "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
+            "error: a joint patch of radius 0.1 m has 1 nodes of tile 0, at least 3 are needed; "
             "use 5 elements per edge or a larger radius");
   EXPECT_EQ(refusal(layout, {.perEdge = 5, .joints = fea::JointStyle::Patch, .patchRadius = 0.1}),
             "accepted");
@@ -118,9 +117,9 @@ TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {
   Layout layout = test::hingedSquares();
   layout.joints[2].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(layout),
-            "error: joint 2 does not hold two corners together; a mesh can hold only pivots");
+            "error: joint 2 does not join two corners; a mesh can join only pivots");
   EXPECT_EQ(refusal(layout, {.countsFrom = 1}),
-            "error: joint 3 does not hold two corners together; a mesh can hold only pivots");
+            "error: joint 3 does not join two corners; a mesh can join only pivots");
 }
 
 TEST(ElementMesh, RefusesToTieATileToItself) {

@@ -31,9 +31,10 @@ TEST(DigestOf, SaysWhichFileCannotBeRead) {
     output::digestOf(folder.path(), "file");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_EQ(error.what(), (folder / "file").string() +
-                                ": error: the file cannot be read; check that it is there and its "
-                                "rights");
+    EXPECT_EQ(
+        error.what(),
+        (folder / "file").string() +
+            ": error: the file cannot be read; check that it exists and that you may read it");
   }
 }
 

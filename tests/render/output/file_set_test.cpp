@@ -101,8 +101,8 @@ TEST_F(FileSetTest, OverwritesNothingOfOthers) {
     EXPECT_THAT([&] { files.requireFree(isRequested); },
                 ThrowsMessage<InputError>(StrEq(
                     folder_.path().string() +
-                    ": error: b.txt, c.txt would be overwritten, but no earlier run left them "
-                    "so; move them away, or choose another folder with --out")));
+                    ": error: b.txt, c.txt would be overwritten, but no earlier run wrote them in "
+                    "this form; move them away, or choose another folder with --out")));
   }
   EXPECT_EQ(contentsOf(folder_.path()), before);
 }
@@ -181,9 +181,10 @@ TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
 
 TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
   write(folder_ / ".unfinished/notes.txt", "theirs");
-  EXPECT_THAT([this] { const output::FileSet files(folder_.path(), output::kSummary); },
-              ThrowsMessage<InputError>(testing::HasSubstr(
-                  "error: .unfinished would be overwritten, but no earlier run left it so")));
+  EXPECT_THAT(
+      [this] { const output::FileSet files(folder_.path(), output::kSummary); },
+      ThrowsMessage<InputError>(testing::HasSubstr(
+          "error: .unfinished would be overwritten, but no earlier run wrote it in this form")));
   EXPECT_EQ(found(), (Contents{{".unfinished/notes.txt", "theirs"}}));
 }
 

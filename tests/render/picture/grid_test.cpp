@@ -63,12 +63,12 @@ TEST(GridLayout, RefusesEmptyAndHugeShapes) {
   picture::GridStyle style;
   style.gap = 0;
   style.captionSize = 0;
-  EXPECT_EQ(messageOf([&] {
-              picture::layOutGrid({1280, 720}, {2, 1000000}, style);
-            }),
-            "error: a grid of 2 x 1000000 pictures of 1280 x 720 pixels needs 1280000000 x 1468 "
-            "pixels and may have 16384 a side; choose fewer or smaller pictures with --grid or "
-            "--size");
+  EXPECT_EQ(
+      messageOf([&] {
+        picture::layOutGrid({1280, 720}, {2, 1000000}, style);
+      }),
+      "error: a grid of 2 x 1000000 pictures of 1280 x 720 pixels needs 1280000000 x 1468 pixels, "
+      "at most 16384 per side are allowed; choose fewer or smaller pictures with --grid or --size");
 }
 
 TEST(Grid, FillsRowsFromTheLeftAndLeavesTheRestBlank) {
@@ -115,7 +115,7 @@ TEST(Grid, RefusesPicturesThatDoNotFit) {
   EXPECT_EQ(messageOf([] {
               picture::composeGrid({}, {1, 1});
             }),
-            "error: a grid needs at least one picture; give it some");
+            "error: a grid needs at least one picture");
   EXPECT_EQ(messageOf([] {
               picture::composeGrid(colouredPictures(5, {9, 9}), {2, 2});
             }),
@@ -125,7 +125,7 @@ TEST(Grid, RefusesPicturesThatDoNotFit) {
   EXPECT_EQ(messageOf([&] {
               picture::composeGrid(mixed, {2, 2});
             }),
-            "error: pictures of one grid must have one size, not 9 x 8 beside 9 x 9 pixels");
+            "error: pictures of one grid must have the same size, not 9 x 8 and 9 x 9 pixels");
 }
 
 TEST(TrimAlike, KeepsWhatAnyPictureShows) {
@@ -237,8 +237,8 @@ TEST(Grid, RefusesOtherNumbersOfHeads) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "error: 3 columns have 2 heads; give --column-heads one for each, with commas "
-                 "between them, or change --grid");
+                 "error: 3 columns have 2 heads; give --column-heads one per column, separated by "
+                 "commas, or change --grid");
   }
 }
 

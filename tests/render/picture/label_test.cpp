@@ -106,7 +106,7 @@ TEST(Font, ThatIsMissingIsNamedWithTheNearest) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(),
                 ::testing::StartsWith("error: this machine has no font \"No Such Font\"; install "
-                                      "it, or give a family that fc-list names, the nearest is "));
+                                      "it, or give a family from fc-list, the nearest is "));
   }
 }
 

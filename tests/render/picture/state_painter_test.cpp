@@ -128,7 +128,7 @@ TEST(PictureSetup, RefusesLinesOfATargetThatIsNotThere) {
   EXPECT_EQ(errorOf([&] {
               picture::PictureSetup(look, content, {300, 300});
             }),
-            "error: the model has no target to draw; leave --target-lines away or add target.txt");
+            "error: the model has no target to draw; remove --target-lines or add target.txt");
 }
 
 TEST(StatePainter, RefusesAnEmptyPictureBeforeItDividesByIt) {

@@ -259,8 +259,8 @@ TEST(Video, KeepsAlphaInFormatsThatHaveIt) {
         message = error.what();
       }
       EXPECT_EQ(message,
-                "error: a video in H.264 cannot be transparent; let its name end in .webm, .gif, "
-                ".apng, .mkv, .mov");
+                "error: a video in H.264 cannot be transparent; use a name that ends in .webm, "
+                ".gif, .apng, .mkv, .mov");
       continue;
     }
     picture::VideoWriter writer(file, settings);
@@ -374,7 +374,7 @@ TEST(Video, RefusesSettingsOutOfRange) {
       "error: a video of 641 x 480 pixels has an odd side; H.264 needs even ones, for example "
       "--size 642x480");
   EXPECT_EQ(refusal([](picture::VideoSettings& s) { s.framesPerSecond = 0; }),
-            "error: 0 frames a second are not possible; give 1 to 1000");
+            "error: 0 frames per second are not possible; give 1 to 1000");
   EXPECT_EQ(refusal([](picture::VideoSettings& s) { s.crf = 52; }),
             "error: the video's crf is 52; give 0 (best) to 51 (worst), for example 18");
   EXPECT_EQ(
@@ -393,7 +393,7 @@ TEST(Video, RefusesWhatItsFormatDoesNotHave) {
     return messageOf<InputError>([&] { picture::requireValidSettings(file, settings); });
   };
   EXPECT_EQ(refusal("disk.avi", settingsOf(kSize)),
-            "disk.avi: error: no video format goes with this name; let it end in .mp4, .webm, "
+            "disk.avi: error: the ending of this name is not a video format; use .mp4, .webm, "
             ".gif, .apng, .mkv, .mov");
   picture::VideoSettings settings = settingsOf({641, 480});
   EXPECT_EQ(refusal("disk.gif", settings), "nothing was thrown");
@@ -401,7 +401,7 @@ TEST(Video, RefusesWhatItsFormatDoesNotHave) {
   settings = settingsOf(kSize);
   settings.crf = 63;
   EXPECT_EQ(refusal("disk.webm", settings), "nothing was thrown");
-  EXPECT_EQ(refusal("disk.gif", settings), "error: GIF has no crf to choose; leave --crf away");
+  EXPECT_EQ(refusal("disk.gif", settings), "error: GIF has no crf; remove --crf");
 }
 
 TEST(Video, SaysWhichEncoderIsMissing) {

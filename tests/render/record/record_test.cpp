@@ -278,8 +278,8 @@ TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
             deploy::Outcome::OutOfTime);
   settings_.look.camera.view = picture::kIsometricView;
   EXPECT_EQ(messageOfRecording(),
-            "error: one scale bar cannot hold all over a picture in perspective or from a moving "
-            "camera; add --projection parallel, or leave --scale-bar away");
+            "error: a scale bar needs a parallel projection and a fixed camera; add --projection "
+            "parallel, or remove --scale-bar");
 }
 
 TEST_F(RecordTest, StoresTheViewInTheSummary) {

@@ -404,9 +404,9 @@ TEST(Mesh, SaysWhichEndingsItKnows) {
       writers::writeMesh(path, layout.bricks, layout.poses);
       ADD_FAILURE() << "nothing was thrown";
     } catch (const InputError& error) {
-      EXPECT_EQ(error.what(), path.string() + ": error: \"" + ending +
-                                  "\" is no mesh format known here; let the name end in .obj, "
-                                  ".ply or .stl");
+      EXPECT_EQ(error.what(),
+                path.string() + ": error: \"" + ending +
+                    "\" is not a known mesh format; use a name that ends in .obj, .ply or .stl");
     }
   }
   EXPECT_TRUE(folder.isEmpty());

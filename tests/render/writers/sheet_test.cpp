@@ -198,8 +198,7 @@ TEST(CutPattern, SaysWhatHasNone) {
             "side: reverse its vertices");
   model.joints[1].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(model, 0.1),
-            "error: joint 1 does not hold two corners together; a cut pattern has hinges only "
-            "at corners");
+            "error: joint 1 does not join two corners; a cut pattern has hinges only at corners");
 }
 
 TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
@@ -220,8 +219,7 @@ TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
             "side: reverse its vertices");
   model.joints[1].kind = model::JointKind::Link;
   EXPECT_EQ(refusal(model, 0.1),
-            "error: joint 2 does not hold two corners together; a cut pattern has hinges only "
-            "at corners");
+            "error: joint 2 does not join two corners; a cut pattern has hinges only at corners");
 }
 
 TEST(CutPattern, DrawsLayersInSvgAndDxf) {
