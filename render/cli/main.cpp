@@ -57,8 +57,8 @@ int runProgram(const std::vector<std::string>& arguments) {
     // Caught before its base class std::exception, because its what() explains nothing.
     return complain(
         kExitFailed,
-        "error: there is too little memory; allow more, or ask for less: fewer tiles, a "
-        "smaller --size or --grid. --resume continues a run from its last checkpoint");
+        "error: there is too little memory; allow more, or use fewer tiles, a smaller --size or a "
+        "smaller --grid. --resume continues a run from its last checkpoint");
   } catch (const std::exception& error) {
     return complain(kExitFailed, error.what());
   }

@@ -624,10 +624,10 @@ std::vector<std::string> optionsNotForPictures(const CommandDescription& program
 }
 
 std::string deployDoc(const CommandDescription& program) {
-  return "Deploys a model as `kirireel record` would, in memory. Returns a Run.\n\n"
-         "on_sample is called with each Sample; where it returns False the run ends. Ctrl-C "
-         "raises\n"
-         "KeyboardInterrupt. A scene.toml in the model's folder holds, as for the program. "
+  return "Deploys a model as `kirireel record` would, in memory. Returns a Run.\n"
+         "\n"
+         "on_sample is called with each Sample; the run ends if it returns False. Ctrl-C raises\n"
+         "KeyboardInterrupt. A scene.toml in the model's folder is read, as by the program. "
          "Lengths\n"
          "are metres, times simulated seconds, masses kilograms.\n" +
          optionsDoc(optionsWithout(commandNamed(program, "record"), optionsNotForRuns()));

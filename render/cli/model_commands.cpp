@@ -48,7 +48,7 @@ void addParameter(OptionGroup& group, const generate::FamilyParameter& parameter
 
 CLI::App* addFamily(CLI::App& generate, const generate::Family& family, GenerateOrder& order) {
   CLI::App* command = generate.add_subcommand(family.name, family.help);
-  addPlace(*command, "FOLDER", order.folder, "where the model goes");
+  addPlace(*command, "FOLDER", order.folder, "folder for the model");
   OptionGroup shape(*command, kShapeGroup);
   for (const generate::FamilyParameter& parameter : family.parameters)
     addParameter(shape, parameter, order);
@@ -133,7 +133,7 @@ void warnOfLosses(const model::Model& model, const std::filesystem::path& output
     lost.push_back(fmt::format("{} fold angles", model.foldAngles.size() / 2));
   }
   if (lost.empty()) return;
-  printWarnings({fmt::format("{}: warning: this format does not hold {}; a .fold file does",
+  printWarnings({fmt::format("{}: warning: this format cannot store {}; use a .fold file",
                              output.string(), fmt::join(lost, " and "))});
 }
 
@@ -203,8 +203,8 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
   output.value("--picture", "FILE", "",
-               "write a PNG file of both states with tile numbers and marks on repairs; or of the "
-               "tile or drawing that is at fault",
+               "write a PNG file of both states with tile numbers and marks on repairs, or of the "
+               "faulty tile or drawing",
                [&order](const scene::TypedValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
@@ -340,10 +340,10 @@ CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
   group.flag("--list", "list the studies", [&order] { order.list = true; });
   group.flag("--quick", "fewer and smaller cases: all studies within five minutes",
              [&order] { order.settings.extent = study::Extent::Quick; });
-  group.flag("--resume", "keep the rows that an earlier, interrupted run has finished",
+  group.flag("--resume", "keep the finished rows of an earlier, interrupted run",
              [&order] { order.settings.resume = true; });
   group.value("--out", "FOLDER", order.settings.folder.string(),
-              "where NAME.csv and NAME.json go; scripts/plot-study draws them",
+              "folder for NAME.csv and NAME.json; scripts/plot-study plots them",
               [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   command->footer("Example:\n  kirireel study work-precision --quick");
   return command;

@@ -402,7 +402,7 @@ void requireConsistent(const CLI::App& command, const scene::Scene& scene) {
   if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
   if (isGuided && scene.solver.isToleranceGiven()) {
     throw InputError(
-        "error: --path guided moves tiles in fixed steps, which keep no --tolerance. Remove one of "
+        "error: --path guided moves tiles in fixed steps and has no --tolerance. Remove one of "
         "them");
   }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {

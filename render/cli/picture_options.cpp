@@ -77,42 +77,44 @@ std::string lettersText(picture::PanelLetters letters) {
 /// Additions for figures in papers.
 void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
   group
-      .value("--width", "MM", "as it comes", "of the grid in print, 180mm; at --dpi, else 300 dpi",
+      .value("--width", "MM", "by --size",
+             "width of the grid in print, such as 180mm; at --dpi, else 300 dpi",
              [&](const scene::TypedValue& typed) {
                settings.gridWidth = parseLength(typed, "mm", {1, 10000});
              })
       .serializedAs(
           [&] { return settings.gridWidth ? scene::numberText(*settings.gridWidth) : ""; });
   group
-      .value("--font-size", "PT", "by the pictures' size", "of the grid's text in print, 7pt",
+      .value("--font-size", "PT", "by the pictures' size",
+             "size of the grid's text in print, such as 7pt",
              [&](const scene::TypedValue& typed) {
                settings.fontPoints = parseLength(typed, "pt", {1, 200});
              })
       .serializedAs(
           [&] { return settings.fontPoints ? scene::numberText(*settings.fontPoints) : ""; });
   group
-      .value("--font", "NAME", "DejaVu Sans", "family of all text, as fc-list names it",
+      .value("--font", "NAME", "DejaVu Sans", "family of all text, from fc-list",
              [&](const scene::TypedValue& typed) { settings.font = typed.text; })
       .serializedAs([&] { return scene::quotedText(settings.font); });
   group
-      .value(
-          "--letters", "[WORD]", "none",
-          "(a), (b), ... over the grid's pictures; as a, (a) or A in bold, in a figure of several "
-          "runs one for each row",
-          [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
+      .value("--letters", "[WORD]", "none",
+             "letters (a), (b), ... above the grid's pictures; WORD a, (a) or A: bold; in a figure "
+             "of several runs one per row",
+             [&](const scene::TypedValue& typed) { settings.letters = parseLetters(typed); })
       .serializedAs([&] { return lettersText(settings.letters); });
   group.flag("--arrows", settings.arrows,
-             "from each of the grid's pictures to the next in its row");
+             "arrows from each of the grid's pictures to the next in its row");
   group
-      .value("--column-heads", "LIST", "none",
-             "over the grid's columns, in place of captions, commas between them: flat,half,open",
-             [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
+      .value(
+          "--column-heads", "LIST", "none",
+          "headers of the grid's columns instead of captions, separated by commas: flat,half,open",
+          [&](const scene::TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
       .serializedAs([&] {
         return scene::quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ",")));
       });
   group
       .value("--figure", "LIST", "none",
-             "the whole grid as vector graphics too: svg, pdf, as snapshots.svg, snapshots.pdf",
+             "also write the grid as vector graphics: svg, pdf, in snapshots.svg, snapshots.pdf",
              [&](const scene::TypedValue& typed) { settings.pages = parsePages(typed); })
       .serializedAs([&] { return pagesText(settings.pages); });
 }
@@ -122,7 +124,7 @@ void addPrintOptions(OptionGroup& group, record::PictureSettings& settings) {
 void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   OptionGroup group(command, "Pictures", "recording");
   group
-      .value("--size", "WxH", "1280x720", "of each picture, pixels",
+      .value("--size", "WxH", "1280x720", "size of each picture, pixels",
              [&](const scene::TypedValue& typed) { settings.size = parseSize(typed); })
       .serializedAs([&] { return sizeText(settings.size); });
   group
@@ -131,14 +133,14 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
       .serializedAs([&] { return gridText(settings.grid); });
   group
       .value("--captions", "PARTS", "progress, at real pace time",
-             "under the grid's pictures, and where given under the video's frames: progress, time, "
-             "angle, error, gap; or none",
+             "captions below the grid's pictures, and below the video's frames if given: progress, "
+             "time, angle, error, gap; or none",
              [&](const scene::TypedValue& typed) { settings.captions = parseCaption(typed); })
       .serializedAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
-             "a length under the grid and the video; needs a parallel projection");
+             "a bar of length below the grid and the video; needs a parallel projection");
   group
-      .value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
+      .value("--dpi", "COUNT", "not stored", "dots per inch stored in PNG files, for print",
              [&](const scene::TypedValue& typed) {
                settings.dotsPerInch = scene::parseNumber(typed, {1, 100000});
              })
@@ -148,12 +150,13 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
   group.choice<record::SnapshotSpacing>(
       "--snapshots", settings.spacing,
       {{"progress", record::SnapshotSpacing::Progress}, {"time", record::SnapshotSpacing::Time}},
-      "spacing of the grid's pictures, in equal shares of motion or of time");
+      "spacing of the grid's pictures, in equal steps of motion or of time");
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
   group
       .value(
           "--frames-at", "LIST", "none",
-          "the same of these moments: seconds, or shares of the motion, such as 0,1.5,50%,100%",
+          "the same for some moments only: seconds, or fractions of the motion, such as "
+          "0,1.5,50%,100%",
           [&](const scene::TypedValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
       .serializedAs([&] { return frameChoicesText(settings.chosenFrames); });
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
@@ -161,7 +164,8 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
   group
       // The number of painters changes no byte, so it is not part of the fingerprint.
-      .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
+      .value("--painters", "COUNT", "one for each core",
+             "threads that paint frames at the same time",
              [&](const scene::TypedValue& typed) {
                settings.painterCount = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
@@ -203,12 +207,12 @@ void addScaleOptions(OptionGroup& group, picture::Look& look) {
                                     {"gap", picture::Colouring::JointGap},
                                     {"moment", picture::Colouring::Moment},
                                     {"energy", picture::Colouring::Energy}},
-                                   "what the bricks' colours show");
+                                   "quantity shown by the bricks' colours");
   group.choice<picture::ColourMap>("--colour-map", look.map,
                                    {{"viridis", picture::ColourMap::Viridis},
                                     {"cividis", picture::ColourMap::Cividis},
                                     {"coolwarm", picture::ColourMap::CoolWarm}},
-                                   "scale of colours for a measure, coolwarm is a diverging one");
+                                   "scale of colours for a measure, coolwarm is diverging");
   group
       .value("--colour-least", "VALUE", "0", "value at the first end of the scale",
              [&look](const scene::TypedValue& typed) {
@@ -229,36 +233,36 @@ void addScaleOptions(OptionGroup& group, picture::Look& look) {
 void addColourOptions(OptionGroup& group, picture::Look& look) {
   group
       .value("--brick-colour", "COLOUR", "80AEDC",
-             "of all bricks, with --colour plain; a name such as teal, or RRGGBB",
+             "colour of all bricks, with --colour plain; a name such as teal, or RRGGBB",
              [&look](const scene::TypedValue& typed) { look.brickColour = parseColour(typed); })
       .serializedAs([&look] { return saidColour(look.brickColour); });
   group
-      .value("--back-colour", "COLOUR", "F4BE74", "of their other side, with --colour plain",
+      .value("--back-colour", "COLOUR", "F4BE74", "colour of their other side, with --colour plain",
              [&look](const scene::TypedValue& typed) { look.backColour = parseColour(typed); })
       .serializedAs([&look] { return saidColour(look.backColour); });
   group
       .values("--tile-colour", "[NAME:]TILES=COLOUR",
-              "of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in the "
-              "legend; with --colour plain, shape or state",
+              "colour of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in "
+              "the legend; with --colour plain, shape or state",
               [&look](const scene::TypedValue& typed) {
                 look.tileColours.push_back(parseTileColour(typed));
               })
       .serializedAs([&look] { return tileColoursText(look.tileColours); });
   group.number("--opacity", look.opacity, {0, 1}, "SHARE",
-               "of all bricks, 0 hides them; their hidden sides do not show");
+               "opacity of all bricks, 0 hides them; their hidden sides are not drawn");
   group
       .values("--tile-opacity", "TILES=SHARE",
-              "of some tiles, as in 3,7,10-15=0.3, with any --colour",
+              "opacity of some tiles, as in 3,7,10-15=0.3, with any --colour",
               [&look](const scene::TypedValue& typed) {
                 look.tileOpacities.push_back(parseTileOpacity(typed));
               })
       .serializedAs([&look] { return tileOpacitiesText(look.tileOpacities); });
   group
-      .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
+      .value("--outline-colour", "COLOUR", "263242", "colour of the lines on the edges of tiles",
              [&look](const scene::TypedValue& typed) { look.outlineColour = parseColour(typed); })
       .serializedAs([&look] { return saidColour(look.outlineColour); });
   group
-      .value("--background", "COLOUR", "by --theme", "of the page",
+      .value("--background", "COLOUR", "by --theme", "colour of the background",
              [&look](const scene::TypedValue& typed) { look.background = parseColour(typed); })
       .serializedAs([&look] { return saidColour(look.background); });
 }
@@ -292,20 +296,19 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
   OptionGroup group(command, "Look", "style");
   group.choice<picture::Theme>("--theme", look.theme,
                                {{"light", picture::Theme::Light}, {"dark", picture::Theme::Dark}},
-                               "page that the pictures are for");
+                               "page for which the pictures are made");
   addScaleOptions(group, look);
   addColourOptions(group, look);
   group.choice<picture::GroundLook>(
-      "--ground-look", look.ground,
-      {picture::kGroundLooks.begin(), picture::kGroundLooks.end()},
-      "under the bricks, auto is a plate with a shadow when there is a ground");
+      "--ground-look", look.ground, {picture::kGroundLooks.begin(), picture::kGroundLooks.end()},
+      "ground below the bricks; auto is a plate with a shadow if the scene has a ground");
   group.flag("--transparent", look.transparent,
-             "no background in PNG files, and in videos that have alpha");
+             "no background in PNG files and in videos with alpha");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
   group
       .value("--outline-width", "PT[,PT]", "0.5pt,0.75pt",
-             "of the lines between tiles and of those with nothing beyond, in print (a frame is "
-             "160 mm wide); a number without pt is a factor",
+             "width of the lines between tiles, and of lines without a tile beyond, in print (a "
+             "frame is 160 mm wide); a number without pt is a factor",
              [&look](const scene::TypedValue& typed) {
                look.outlineWidths = parseOutlineWidths(typed);
              })
@@ -315,8 +318,8 @@ void addDrawingOptions(CLI::App& command, picture::Look& look) {
              "the target's tiles as lines, dashed where bricks hide them");
   group
       .value("--occlusion", "SHARE", "0.6",
-             "brightness that creases and gaps between bricks lose, 0 to 1; in part where colours "
-             "stand for values",
+             "loss of brightness in creases and gaps between bricks, 0 to 1; less if colours show "
+             "values",
              [&look](const scene::TypedValue& typed) {
                look.occlusion = scene::parseNumber(typed, {0, 1});
              })
@@ -364,14 +367,15 @@ void addViewOptions(OptionGroup& group, picture::CameraChoice& camera) {
       {"iso", picture::kIsometricView},
       {"oblique", picture::kObliqueView}};
   group
-      .value("--view", "WORD|AZ,EL[,ROLL]", "auto",
-             fmt::format("position of the camera: {}, auto is the one that shows most of the tiles "
-                         "over the motion; or azimuth, elevation and roll in degrees, -90,0 is "
-                         "from the front, -90,90 from above",
-                         scene::listWords(scene::choiceNames(views))),
-             [&camera, views](const scene::TypedValue& typed) {
-               camera.view = parseView(typed, views);
-             })
+      .value(
+          "--view", "WORD|AZ,EL[,ROLL]", "auto",
+          fmt::format(
+              "position of the camera: {}; auto shows most of the tiles over the motion; or "
+              "azimuth, elevation and roll in degrees, -90,0 is from the front, -90,90 from above",
+              scene::listWords(scene::choiceNames(views))),
+          [&camera, views](const scene::TypedValue& typed) {
+            camera.view = parseView(typed, views);
+          })
       .serializedAs([&camera, views] {
         const std::string name = scene::nameOfChoice(views, camera.view);
         return scene::quotedText(name.empty() ? anglesText(*camera.view) : name);
@@ -386,12 +390,12 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
   group.choice<std::optional<bool>>(
       "--projection", camera.orthographic,
       {{"auto", std::nullopt}, {"parallel", true}, {"perspective", false}},
-      "auto is parallel along an axis and for flat motions, else perspective");
+      "projection; auto is parallel along an axis and for flat motions, else perspective");
   group.number("--zoom", camera.zoom, {1e-3, 1e3}, "FACTOR", "enlarges the middle");
   group.number("--margin", camera.margin, {0, 0.45}, "SHARE",
-               "of the picture left free on each side");
+               "fraction of the picture left free on each side");
   group
-      .value("--distance", "METRES", "as it fits", "of the eye, in perspective",
+      .value("--distance", "METRES", "fitted", "distance of the eye, in perspective",
              [&camera](const scene::TypedValue& typed) {
                camera.distance = scene::parseNumber(typed, {1e-9, 1e12});
              })
@@ -401,9 +405,9 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
                                   {{"auto", picture::FitScope::Auto},
                                    {"run", picture::FitScope::Run},
                                    {"ends", picture::FitScope::Ends}},
-                                  "what stays in sight, the whole run or its start and target");
+                                  "part that stays in view, the whole run or its start and target");
   group
-      .value("--orbit", "DEGREES", "0", "the camera turns about z over the run",
+      .value("--orbit", "DEGREES", "0", "rotation of the camera about z over the run",
              [&camera](const scene::TypedValue& typed) {
                camera.orbit = scene::parseNumber(typed, {-36000, 36000}) * kDegree;
              })
@@ -414,7 +418,7 @@ void addCameraOptions(CLI::App& command, picture::Look& look) {
       });
   group
       .value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
-             "the camera passes here at these times (seconds, degrees)",
+             "views of the camera at given times (seconds, degrees)",
              [&camera](const scene::TypedValue& typed) { camera.keys = parseCameraKeys(typed); })
       .serializedAs([&camera] { return cameraKeysText(camera.keys); });
 }
@@ -452,12 +456,12 @@ std::string withLineFeeds(std::string text) {
 
 /// --length and --speed each select a pace. Only the one in use is written.
 void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
-  group.choice<record::Pace>("--pace", settings.pace,
-                             {{"even", record::Pace::Even}, {"real", record::Pace::Real}},
-                             "every frame brings the same motion, or the same simulated time");
+  group.choice<record::Pace>(
+      "--pace", settings.pace, {{"even", record::Pace::Even}, {"real", record::Pace::Real}},
+      "each frame has an equal part of the motion, or of the simulated time");
   group
       .value("--length", "SECONDS", scene::numberText(settings.length),
-             "of a video at an even pace, without its title",
+             "length of a video at an even pace, without its title",
              [&](const scene::TypedValue& typed) {
                settings.length = scene::parseNumber(typed, {0.1, 36000});
                settings.pace = record::Pace::Even;
@@ -467,8 +471,8 @@ void addPaceOptions(OptionGroup& group, record::PictureSettings& settings) {
       });
   group
       .value("--speed", "FACTOR", scene::numberText(settings.speed),
-             "real pace, with so many simulated seconds in a second of video; below 1 is slow "
-             "motion",
+             "real pace, with this number of simulated seconds per second of video; below 1 is "
+             "slow motion",
              [&](const scene::TypedValue& typed) {
                settings.speed = scene::parseNumber(typed, {1e-3, 1e3});
                settings.pace = record::Pace::Real;
@@ -515,7 +519,7 @@ void addVideoOptions(CLI::App& command, record::PictureSettings& settings) {
       .serializedAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
   group
       .value("--preset", "WORD", settings.preset,
-             "of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
+             "preset of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
              [&](const scene::TypedValue& typed) { settings.preset = typed.text; })
       .serializedAs([&] { return scene::quotedText(settings.preset); });
   group

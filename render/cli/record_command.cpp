@@ -41,17 +41,17 @@ namespace {
 void addFolderOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Output", "recording");
   group
-      .value("--out", "FOLDER", "out/NAME of the model", "where the files go",
+      .value("--out", "FOLDER", "out/NAME of the model", "folder for the files",
              [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; })
       .excludeFromFingerprint();
   group
       .flag("--resume", order.settings.resume,
-            "leave a finished run of the same order as it is; go on with an interrupted one, to "
-            "the same bytes")
+            "keep a finished run with the same settings; continue an interrupted one, to the same "
+            "bytes")
       .excludeFromFingerprint();
   group
       .flag("--page", order.page,
-            "page.html too: the run in 3-D for any browser, see kirireel page")
+            "also write page.html: the run in 3-D for any browser, see kirireel page")
       .excludeFromFingerprint();
   group.flag("--json", order.printJson, "print the summary as JSON").excludeFromFingerprint();
   group.flag("--verbose", order.verbose, "print all findings and warnings of the run")
@@ -83,7 +83,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
   addFolderOptions(command, order);
   OptionGroup(command, "Output", "recording")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
-               "frames in a second of video, and samples in a simulated second");
+               "frames per second of video, and samples per simulated second");
   addModelOptions(command, order);
   addSceneRequestOptions(command, order.request, order.scene.alignment);
   addSceneOptions(command, order.scene);
@@ -176,7 +176,7 @@ std::filesystem::path besideModel(const std::filesystem::path& file,
 
 CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
   CLI::App* command =
-      program.add_subcommand("record", "deploy a model; leave video, pictures, meshes, summary");
+      program.add_subcommand("record", "deploy a model; write video, pictures, meshes, summary");
   addRunOptions(*command, order);
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
@@ -194,7 +194,7 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
 
 CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   CLI::App* command =
-      program.add_subcommand("simulate", "deploy a model; leave the end state and the summary");
+      program.add_subcommand("simulate", "deploy a model; write the end state and the summary");
   addRunOptions(*command, order);
   record::RecordSettings& settings = order.settings;
   settings.video = settings.snapshots = settings.meshes = false;

@@ -47,22 +47,20 @@ std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& sum
   if (summary.outcome != deploy::Outcome::Settled || error <= kReached * tile) return "";
   // Coordinates with few digits displace tiles and target by the rounding's spread.
   if (scene.model.rounding > 0 && error <= deploy::roundedReach(scene.model)) {
-    return fmt::format(
-        "why no nearer: coordinates rounded to {}, with which tiles and target fit no better\n",
-        lengthText(scene.model.rounding, scene.model.unit, 6));
+    return fmt::format("reason: coordinates are rounded to {}; tiles and target fit no better\n",
+                       lengthText(scene.model.rounding, scene.model.unit, 6));
   }
   if (error <= kExplains * summary.accuracy.rigidBound) {
-    return "why no nearer: the target's tiles have other shapes, and rigid ones cannot fit them\n";
+    return "reason: the target's tiles have other shapes, which rigid tiles cannot fit\n";
   }
   if (error > kExplains * summary.assembledError && !summary.blocking.empty()) {
     return fmt::format(
-        "why no nearer: bricks would overlap in the state with closed joints that is known to be "
-        "nearer, {} from the target\n",
+        "reason: bricks would overlap in a nearer state with closed joints, {} from the target\n",
         lengthText(summary.assembledError, scene.model.unit));
   }
   if (error > kExplains * summary.assembledError) {
     return fmt::format(
-        "why no nearer: the pull rests there; a state with closed joints {} from the target is "
+        "reason: stuck in a local energy minimum; a state with closed joints {} from the target is "
         "known\n",
         lengthText(summary.assembledError, scene.model.unit));
   }
@@ -71,8 +69,8 @@ std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& sum
     return fmt::format("reason: the target opens its joints by {}; closed joints cannot reach it\n",
                        inTiles(gap, scene.model));
   }
-  return "why no nearer: no state of bricks with closed joints was found nearer; joints lie on "
-         "faces of thick bricks, which the target's tiles do not know\n";
+  return "reason: no nearer state with closed joints was found; joints are on faces of thick "
+         "bricks, but the target's tiles have no thickness\n";
 }
 
 /// Two or three lines: error, bounds, reason.
@@ -82,10 +80,10 @@ std::string describeTarget(const scene::Scene& scene, const record::RunSummary& 
   std::string text = fmt::format("target error {} at the end ({} at the start)\n",
                                  inTiles(accuracy.targetErrorEnd, model),
                                  lengthText(accuracy.targetErrorStart, model.unit));
-  text += fmt::format("bounds: no rigid tiles come nearer than {}",
+  text += fmt::format("bounds: rigid tiles cannot come nearer than {}",
                       inTiles(accuracy.rigidBound, model));
   if (summary.assembledError >= 0) {
-    text += fmt::format("; nearest found with joints closed {}",
+    text += fmt::format("; nearest state found with closed joints {}",
                         inTiles(summary.assembledError, model));
   }
   return text + "\n" + whyNoNearer(scene, summary);
@@ -115,20 +113,21 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
   const bool isWalked = summary.path.kind == scene::PathKind::Continuation;
   if (isWalked || !scene.grips.empty() || !deploy::keepsTolerance(run)) {
     return summary.path.kind == scene::PathKind::Guided
-               ? "time: critically damped springs guide the tiles in fixed steps, which keep no "
+               ? "time: critically damped springs guide the tiles in fixed steps, without a "
                  "tolerance\n"
                : "";
   }
-  std::string text = fmt::format("time: each step keeps {:.2g} tiles", scene.solver.tolerance);
+  std::string text = fmt::format("time: tolerance {:.2g} tiles per step", scene.solver.tolerance);
   if (cost.took.touchingTime > 0) {
-    text += fmt::format("; not in {:.3g} s, where contacts changed too often or did not converge",
-                        cost.took.touchingTime);
+    text += fmt::format(
+        "; exceeded during {:.3g} s, when contacts changed too often or did not converge",
+        cost.took.touchingTime);
   }
   if (cost.took.singularTime > 0) {
-    text +=
-        fmt::format("; not in {:.3g} s, where the joints were singular", cost.took.singularTime);
+    text += fmt::format("; exceeded during {:.3g} s, when the joints were singular",
+                        cost.took.singularTime);
   }
-  text += summary.timeError ? fmt::format("; a tenth of it moves a vertex by {:.2g} tiles at most",
+  text += summary.timeError ? fmt::format("; a tenth of it moves vertices by at most {:.2g} tiles",
                                           *summary.timeError)
                             : "; the error of the run is not known (--measure-time-error)";
   return fmt::format("{}; {:.2g} s of CPU time, {} steps rejected\n", text, cost.cpuSeconds,
@@ -143,9 +142,9 @@ std::string describePenetration(const scene::Scene& scene, const record::RunSumm
   std::string text =
       fmt::format("penetration {} at most", inTiles(accuracy.penetrationMax, scene.model));
   if (accuracy.penetrationOutsidePivotsMax >= kWhole * accuracy.penetrationMax) {
-    text += ", outside of the corners that joined bricks share";
+    text += ", outside the corners that joined bricks share";
   } else {
-    text += fmt::format(", in the corners that joined bricks share; {} outside of them",
+    text += fmt::format(", in the corners that joined bricks share; {} outside them",
                         lengthText(accuracy.penetrationOutsidePivotsMax, unit));
   }
   const auto [less, more] =
@@ -206,12 +205,13 @@ std::string describeCost(const record::RunSummary& summary) {
                   deploy.took.steps, deploy.cpuSeconds, record.cpuSecondsRender,
                   record.cpuSecondsEncode, record.wallSeconds);
   if (deploy.took.unconverged > 0) {
-    text += fmt::format(
-        "{} steps missed the tolerance of joints or contacts at their shortest: {}\n",
-        deploy.took.unconverged,
-        summary.needs.contacts.on
-            ? "bricks that touch or are joined moved as rigid pieces in them, behind their pull"
-            : "they were taken; the joint gap and the end may be off by as much");
+    text +=
+        fmt::format("{} steps of the least length missed the tolerance of joints or contacts: {}\n",
+                    deploy.took.unconverged,
+                    summary.needs.contacts.on
+                        ? "in these, bricks that touch or are joined moved as rigid pieces and lag "
+                          "behind their springs"
+                        : "they were accepted; the joint gap and the end may have this error");
   }
   return text;
 }
@@ -369,7 +369,7 @@ std::string describeRun(const scene::Scene& scene, const record::RecordSettings&
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));
   if (!settings.peerSpelling.empty()) {
-    text += fmt::format("PyKirigami's constants for what is not given, because of {}\n",
+    text += fmt::format("PyKirigami's constants for options that are not given, because of {}\n",
                         settings.peerSpelling);
   }
   for (const std::string& warning : summary.warnings) text += fmt::format("warning: {}\n", warning);

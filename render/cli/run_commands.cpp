@@ -28,19 +28,19 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       "render", "make pictures and video of a recorded run again, without simulating");
   command
       ->add_option("TRAJECTORY", order.trajectories,
-                   "a trajectory.h5 as record and simulate leave it, or the folder it is in; of "
-                   "several one grid is made, a row of states each")
+                   "a trajectory.h5 of record or simulate, or its folder; several give one grid "
+                   "with a row of states each")
       ->type_name("")
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "next to TRAJECTORY", "folder for the files",
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
-                 "frames in a second of video");
+                 "frames per second of video");
   output.flag("--same-view", order.settings.sameView,
-              "of all rows, that of the first run; else each row has its own");
+              "the view of the first run for all rows; else each row has its own");
   output.flag("--same-scale", order.settings.sameScale,
-              "the same of the scale of length; needs a parallel projection");
+              "the same scale of length for all rows; needs a parallel projection");
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
   command->footer(
@@ -61,9 +61,7 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
   }
   requireConsistentPace(command);
   if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
-    throw InputError(
-        "error: a figure of several runs belongs to none of their folders; give its own with "
-        "--out");
+    throw InputError("error: a figure of several runs needs its own folder; choose it with --out");
   }
   requireEffect(
       {.command = &command, .pictures = &order.settings, .runs = order.trajectories.size()},
@@ -125,8 +123,8 @@ void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
   };
   group
       .values("--states", "LIST",
-              "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
-              "(30deg), separated by commas (initial,final); or event:TEXT",
+              "initial, final, all, fractions of the motion (25%), times (1.5s), angles by which a "
+              "tile has rotated (30deg), separated by commas (initial,final); or event:TEXT",
               [append](const scene::TypedValue& typed) {
                 // The text of an event may have commas.
                 if (typed.text.starts_with("event:")) return append(typed.text);
@@ -152,15 +150,16 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
         .serializedAs([&target] { return target > 0 ? scene::numberText(target) : ""; });
   };
   group
-      .value("--elements-per-edge", "COUNT", "8", "along each edge of a tile",
+      .value("--elements-per-edge", "COUNT", "8", "elements along each edge of a tile",
              [&elements](const scene::TypedValue& typed) {
                elements.perEdge = static_cast<int>(scene::parseInteger(typed, {1, 64}));
              })
       .serializedAs(
           [&elements] { return elements.perEdge > 0 ? scene::numberText(elements.perEdge) : ""; });
   // Empty words for the default: the count per edge is in force then.
-  length("--element-size", "", "the longest element edge, in place of the count", elements.size);
-  group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
+  length("--element-size", "", "longest element edge, instead of the count", elements.size);
+  group.integer("--elements-through", elements.through, {1, 64}, "COUNT",
+                "elements through the thickness");
   group.flag("--linear", elements.quadratic,
              "8 nodes per element (C3D8I) instead of 20 (C3D20R); needs twice as many elements for "
              "the same accuracy",
@@ -174,16 +173,16 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
                                 "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
   // Lengths of necks and patches are metres of the model, for any unit of the deck.
   length("--patch-radius", "a quarter of the shortest edge",
-         "of rigid patches; below half of an edge", elements.patchRadius);
-  length("--neck-width", "the model's", "of necks: the material that stays at a joint",
+         "radius of rigid patches; below half of an edge", elements.patchRadius);
+  length("--neck-width", "the model's", "width of necks, the material left at a joint",
          elements.neck.width);
-  length("--neck-length", "the model's, else the kerf", "of necks, from tile to tile",
+  length("--neck-length", "the model's, else the kerf", "length of necks, from tile to tile",
          elements.neck.length);
-  length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
+  length("--neck-radius", "0", "radius of the fillets at the ends of necks", elements.neck.radius);
   length("--kerf", "the model's, else 0", "width of the cuts of a sheet with necks",
          elements.neck.kerf);
   // The element rule reports --shells and --plane-stress with joints that exclude both.
-  group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
+  group.flag("--shells", "shells (S8R, S4), with an offset if joints are on one face",
              [&elements] { elements.family = fea::ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
              [&elements] { elements.family = fea::ElementFamily::Plane; });
@@ -207,7 +206,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
   // prefix there.
   group.choice<fea::Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
                             {{"calculix", fea::Solver::Calculix}, {"abaqus", fea::Solver::Abaqus}},
-                            "whose keywords are written where they differ");
+                            "solver whose keywords are written if they differ");
   group.value("--sets", "WORD", "all up to 1000 tiles",
               "named sets of each tile and joint: none, joints, all",
               [&decks](const scene::TypedValue& typed) {
@@ -221,7 +220,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
   // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
   group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
   group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
-               {1e-12, 1e9}, "KG/M3", "of the material");
+               {1e-12, 1e9}, "KG/M3", "density of the material");
   group.choice<fea::DeckUnit>(
       "--deck-unit", decks.unit,
       {{"m", fea::DeckUnit::Model}, {"mm-N", fea::DeckUnit::MillimetresNewtons}},
@@ -277,7 +276,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
   addStateOptions(group, settings);
   group
       .value("--hinge-width", "METRES", "the model's, else tile size / 20",
-             "of the necks in cut patterns (svg, dxf)",
+             "width of the necks in cut patterns (svg, dxf)",
              [&settings](const scene::TypedValue& typed) {
                settings.hingeWidth = scene::parseNumber(typed, {1e-12, 1e9});
              })
@@ -297,15 +296,14 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
       "export", "write states of a trajectory as meshes, finite element decks and drawings");
   addPlace(*command, "TRAJECTORY", order.trajectory, "a trajectory.h5, or the folder it is in");
   OptionGroup group(*command, "Output");
-  group.value("--out", "FOLDER", "where the trajectory is", "where the files go",
+  group.value("--out", "FOLDER", "folder of the trajectory", "folder for the files",
               [&order](const scene::TypedValue& typed) { order.folder = typed.text; });
   addExportOptions(*command, "--format", order.settings);
   OptionGroup(*command, "Check (inp)")
-      .flag(
-          "--check",
-          "runs the job of each deck in CalculiX, which must be installed, and again with elements "
-          "half as long, and report the changes",
-          [&order] { order.isChecked = true; });
+      .flag("--check",
+            "run the job of each deck in CalculiX, which must be installed; run it again with "
+            "elements half as long and report the changes",
+            [&order] { order.isChecked = true; });
   command->footer(
       "Examples:\n"
       "  kirireel export out/tessellation_4x4 --format obj,stl --states 0%,25%,50%,100%\n"
@@ -372,8 +370,8 @@ std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
 /// Which curves a figure shows.
 void addSelectionOptions(OptionGroup& group, record::CurvesSettings& settings) {
   group.value("--curves", "LIST", "all",
-              "of the figures, with commas between them: target_error, opening_mean, radius, ...; "
-              "theta is the mean opening, load_curve the force of grips",
+              "curves of the figures, separated by commas: target_error, opening_mean, radius, "
+              "...; theta is the mean opening, load_curve the force of grips",
               [&settings](const scene::TypedValue& typed) {
                 for (const std::string& name : splitAtCommas(typed)) {
                   settings.selected.push_back(name);
@@ -413,25 +411,24 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
                                         {{"time", record::CurvesAgainst::Time},
                                          {"progress", record::CurvesAgainst::Progress},
                                          {"opening", record::CurvesAgainst::Opening}},
-                                        "what lies along the horizontal axes");
+                                        "quantity of the horizontal axes");
   // Millimetres and points of the printed page. --dpi converts them to pixels, for PNG only.
   record::PlotSettings& plot = order.settings.plot;
-  figures.number("--width", plot.width, {30, 1000}, "MM", "of the figure in print");
-  figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "of its text in print");
+  figures.number("--width", plot.width, {30, 1000}, "MM", "width of the figure in print");
+  figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "size of its text in print");
   figures.number("--dpi", plot.dotsPerInch, {30, 2400}, "COUNT", "pixels per inch of a PNG");
   command->footer(
-      "curves.csv has a row for each sample: width, height and depth of the sheet (along x, y, "
-      "z),\n"
-      "area and perimeter of its convex outline and the area that tiles cover (seen along z),\n"
-      "porosity, Poisson's ratio since the start, the least, mean and largest opening of the "
-      "joints,\n"
-      "kinetic energy, target error, joint gap and overlap, and each joint's opening. Runs with\n"
-      "dynamics also have the energy in springs, the work of the drives, what dampers, contacts "
-      "and\n"
-      "the integrator took, and the forces of joints, pins, grips and contacts; a path of the\n"
-      "mechanism is geometry and has none. A field without a value is empty.\n\n"
-      "Figures of a run under grips begin with its load curve: the force of each grip over its\n"
-      "displacement, dashed if the equilibria are unstable. --curves load_curve selects it.\n\n"
+      "curves.csv has a row for each sample: width, height and depth of the sheet\n"
+      "(along x, y, z), area and perimeter of its convex outline and the area that\n"
+      "tiles cover (seen along z), porosity, Poisson's ratio since the start, the\n"
+      "least, mean and largest opening of the joints, kinetic energy, target error,\n"
+      "joint gap and overlap, and each joint's opening. Runs with dynamics also have\n"
+      "the energy in springs, the work of the drives, the losses in dampers, contacts\n"
+      "and the integrator, and the forces of joints, pins, grips and contacts. A\n"
+      "kinematic path has none of these. A field without a value is empty.\n\n"
+      "Figures of a run under grips begin with its load curve: the force of each grip\n"
+      "over its displacement, dashed if the equilibria are unstable. --curves\n"
+      "load_curve selects it.\n\n"
       "Examples:\n"
       "  kirireel curves out/tessellation_4x4 --plot pdf\n"
       "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85\n"
@@ -445,8 +442,7 @@ void completeOrder(const CLI::App& command, CurvesOrder& order) {
     if (std::filesystem::is_directory(run)) run /= output::kTrajectory;
   }
   if (order.runs.size() > 1 && order.settings.folder.empty()) {
-    throw InputError(
-        "error: curves of several runs belong to none of their folders; give their own with --out");
+    throw InputError("error: curves of several runs need their own folder; choose it with --out");
   }
   requireEffect({.command = &command, .curves = &order.settings}, givenOptions(command));
 }
@@ -492,8 +488,7 @@ std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
   const std::filesystem::path file = run / output::kTrajectory;
   if (std::filesystem::exists(file)) return file;
   throw InputError(
-      fmt::format("{}: error: this folder has no {}, which a page is made from; record its "
-                  "model again",
+      fmt::format("{}: error: this folder has no {}, which a page needs; record its model again",
                   run.string(), output::kTrajectory));
 }
 
@@ -503,19 +498,17 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
   OptionGroup group(command, "Page");
   group
       .value("--samples", "COUNT", "201",
-             "states that the page has, at equal steps of motion, or all: those of trajectory.h5",
+             "number of states in the page, at equal steps of motion; all: those of trajectory.h5",
              [&settings](const scene::TypedValue& typed) {
                settings.states.samples = parseSamples(typed);
              })
       .excludeFromFingerprint();
-  group
-      .flag("--exact", settings.states.exact,
-            "poses as they are, to the last bit; else to a fraction of a pixel")
+  group.flag("--exact", settings.states.exact, "exact poses; else rounded to a fraction of a pixel")
       .excludeFromFingerprint();
   group
       .value("--embed", "LIST", "none",
-             "files of the run that go into the page: videos play, pictures show, others can be "
-             "saved from it, such as deployment.mp4,final.obj",
+             "files of the run to include in the page: videos play, pictures are shown, others can "
+             "be saved, such as deployment.mp4,final.obj",
              [&settings](const scene::TypedValue& typed) {
                // Files are searched next to the trajectory when the page is made.
                std::istringstream names(typed.text);
@@ -525,7 +518,7 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
              })
       .excludeFromFingerprint();
   group
-      .value("--most-size", "MB", "25", "of a page; a larger one is refused",
+      .value("--most-size", "MB", "25", "largest size of a page; a larger page is an error",
              [&settings](const scene::TypedValue& typed) {
                settings.mostMegabytes = scene::parseNumber(typed, {0.1, 1e5});
              })
@@ -545,9 +538,8 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
                [&order](const scene::TypedValue& typed) { order.settings.folder = typed.text; });
   addPageOptions(*command, order.settings);
   command->footer(
-      "The page has the model in 3-D with a slider, its curves, and the summary in words. It "
-      "needs\n"
-      "no network and may be sent as it is.\n\n"
+      "The page has the model in 3-D with a slider, its curves, and the summary in\n"
+      "words. It needs no network and may be sent as it is.\n\n"
       "Examples:\n"
       "  kirireel page out/tessellation_4x4\n"
       "  kirireel page out/first out/second --out out/both --samples 101");
@@ -559,8 +551,7 @@ void completeOrder(const CLI::App& command, PageOrder& order) {
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
   if (order.runs.size() > page::kMostPageRuns) {
     throw InputError(
-        fmt::format("error: {} runs are given, and a page shows {} at most; make "
-                    "several pages",
+        fmt::format("error: {} runs are given, but a page shows at most {}; make several pages",
                     order.runs.size(), page::kMostPageRuns));
   }
 }
@@ -588,9 +579,10 @@ CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order) {
       "check that a finished run's files are complete, unchanged and agree with its summary");
   addPlace(*command, "FOLDER", order.folder, "folder of a finished run");
   command->footer(
-      "Compares every file with its size and SHA-256 in summary.json, and computes the figures of\n"
-      "trajectory.h5 again from its poses. Exit code 1 when something does not agree.\n\n"
-      "Example:\n  kirireel verify out/tessellation_4x4");
+      "Compares every file with its size and SHA-256 in summary.json, and recomputes\n"
+      "the figures of trajectory.h5 from its poses. Exit code 1 if something differs.\n\n"
+      "Example:\n"
+      "  kirireel verify out/tessellation_4x4");
   return command;
 }
 

@@ -79,8 +79,8 @@ void addSceneOptions(CLI::App& command, scene::Scene& scene) {
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
                             scene::StartAlignment& alignment) {
   OptionGroup(command, "Scene")
-      .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
-             "settings and timeline; options given here count more",
+      .value("--scene", "FILE", "scene.toml in MODEL, if it exists",
+             "settings and timeline; options override them",
              [&request](const scene::TypedValue& typed) { request.file = typed.text; })
       .excludeFromFingerprint();  // its content is in the fingerprint
   OptionGroup group(command, "Model", "model");
@@ -88,8 +88,8 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
   scene::SceneParts& parts = request.parts;
   group
       .values("--target", "MODEL",
-              "target in place of the model's own: a file like target.txt, or another model whose "
-              "start it is; given several times, each is reached before the next",
+              "target instead of the model's own: a file like target.txt, or another model whose "
+              "start is the target; may be repeated, each is reached before the next",
               [&parts](const scene::TypedValue& typed) { parts.targets.emplace_back(typed.text); })
       .serializedAs([&parts] {
         std::vector<std::string> names;
@@ -108,11 +108,10 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
               })
       .serializedAs(
           [&parts] { return scene::quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
-  group.flag(
-      "--no-align", alignment.requested,
-      "keep the start at its position in the file, instead of moving it onto the target (by its "
-      "pinned tiles, where some are)",
-      false);
+  group.flag("--no-align", alignment.requested,
+             "keep the start at its position in the file, instead of moving it onto the target (by "
+             "its pinned tiles, if any)",
+             false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
               [&parts](const scene::TypedValue& typed) {
@@ -121,8 +120,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request,
               })
       .serializedAs([&parts] { return listsText(parts.fixed); });
   group
-      .values("--link", "TILE,VERTEX,TILE,VERTEX",
-              "two corners that keep the distance that they start with",
+      .values("--link", "TILE,VERTEX,TILE,VERTEX", "two corners that keep their initial distance",
               [&parts](const scene::TypedValue& typed) {
                 const auto link =
                     parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
@@ -249,8 +247,8 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
   if (overlaps.empty()) return;
   const trajectory::TileOverlap& deepest = overlaps.front();
   warnings.push_back(fmt::format(
-      "{}: warning: tiles {} and {} overlap by {} at the start{}; move them apart, or let them "
-      "pass through each other (--contacts none)",
+      "{}: warning: tiles {} and {} overlap by {} at the start{}; move them apart, or allow "
+      "overlaps with --contacts none",
       model.name, model.fileOrder.countsFrom + deepest.tileA,
       model.fileOrder.countsFrom + deepest.tileB, lengthText(deepest.depth, model.unit),
       overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
@@ -367,18 +365,18 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
       .serializedAs(
           [&settings] { return settings.frame ? fmt::format("{}", *settings.frame) : ""; });
   group
-      .value("--fold", "FRACTION", "1",
-             "how far M and V edges of a FOLD file fold that have no angle, as a fraction of 180 "
-             "degrees",
-             [&settings](const scene::TypedValue& typed) {
-               settings.fold = scene::parseNumber(typed, scene::Range{1e-3, 1});
-             })
+      .value(
+          "--fold", "FRACTION", "1",
+          "fold of M and V edges of a FOLD file that have no angle, as a fraction of 180 degrees",
+          [&settings](const scene::TypedValue& typed) {
+            settings.fold = scene::parseNumber(typed, scene::Range{1e-3, 1});
+          })
       .serializedAs([&settings] { return settings.fold ? fmt::format("{}", *settings.fold) : ""; });
   group.flag("--join-coplanar", settings.joinCoplanar,
-             "faces of an OBJ or PLY mesh that share an edge and lie in one plane are one tile");
+             "join faces of an OBJ or PLY mesh that share an edge and lie in one plane");
   group
       .flag("--strict", settings.strict,
-            "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
+            "reject files with errors (joints listed twice, clockwise tiles, rounded corners) "
             "instead of repairing them")
       .excludeFromFingerprint();
   addDrawingOptions(group, settings, hasNecks);

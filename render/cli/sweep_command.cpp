@@ -86,14 +86,14 @@ SweepShard parseShard(const scene::TypedValue& value) {
 void addWorkerOptions(CLI::App& command, sweep::WorkerLimits& limits) {
   OptionGroup group(command, "Workers");
   limits.count = coreCount();
-  group.value("--jobs", "COUNT", "one for each core", "processes at a time",
+  group.value("--jobs", "COUNT", "one for each core", "processes at the same time",
               [&limits](const scene::TypedValue& typed) {
                 limits.count = static_cast<int>(scene::parseInteger(typed, {1, 4096}));
               });
   group.number("--run-limit", limits.seconds, {1e-3, 1e9}, "SECONDS",
-               "a run that takes longer has failed");
+               "time limit of a run; a longer run fails");
   group.value("--memory-limit", "MEGABYTES", "the machine's memory over --jobs",
-              "of each process; a run that needs more has failed",
+              "memory limit of each process; a run that needs more fails",
               [&limits](const scene::TypedValue& typed) {
                 limits.memoryBytes = static_cast<std::int64_t>(
                     kBytesInMegabyte * scene::parseNumber(typed, {16, 1e9}));
@@ -106,7 +106,7 @@ void requireMeant(const SweepRuns& runs, bool confirmed) {
   if (count <= kMostUnconfirmed || confirmed) return;
   throw InputError(
       fmt::format("{}: error: these are {:.3g} runs, about {:.4g} days of one core at 0.1 s each; "
-                  "give fewer values, or add --yes",
+                  "use fewer values, or add --yes",
                   runs.sweep().file.string(), static_cast<double>(count),
                   static_cast<double>(count) * 0.1 / 86400));
 }
@@ -232,7 +232,7 @@ class Tally {
 
   std::uint64_t failed() const { return failed_; }
   std::string text() const {
-    return fmt::format("{} runs made, {} of them failed; {} made before, or in work elsewhere",
+    return fmt::format("{} runs done, {} of them failed; {} done before, or running elsewhere",
                        done_ + failed_, failed_, skipped_);
   }
 
@@ -272,8 +272,7 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
         return !takeInterrupt();
       }};
   const bool isWhole = sweep::runInWorkers(jobs, withMemoryLimit(order.limits));
-  fmt::print("{}{}\n",
-             isWhole ? "" : "interrupted; the same command continues from here: ", tally.text());
+  fmt::print("{}{}\n", isWhole ? "" : "interrupted; the same command continues: ", tally.text());
   return {isWhole, tally.failed()};
 }
 
@@ -329,25 +328,25 @@ sweep::Gathered collect(const SweepRuns& runs, const fs::path& folder) {
 
 CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
   CLI::App* command =
-      program.add_subcommand("sweep", "make many runs over parameters, and one table of them");
+      program.add_subcommand("sweep", "do many runs over parameters and write one table");
   addPlace(*command, "SWEEP", order.sweep, "a file like sweep.toml, see docs/sweeps.md");
   OptionGroup group(*command, "Output");
-  group.value("--out", "FOLDER", "out/NAME of the sweep file", "where the runs and the table go",
+  group.value("--out", "FOLDER", "out/NAME of the sweep file", "folder for the runs and the table",
               [&order](const scene::TypedValue& typed) { order.folder = typed.text; });
-  group.flag("--collect", "make no runs, gather those that are there",
+  group.flag("--collect", "do no runs, only collect the results so far",
              [&order] { order.collectOnly = true; });
   OptionGroup which(*command, "Runs");
-  which.value("--shard", "I/N", "1/1", "only part I of N, without gathering",
+  which.value("--shard", "I/N", "1/1", "only part I of N, without collecting",
               [&order](const scene::TypedValue& typed) { order.shard = parseShard(typed); });
-  which.flag("--retry-failed", "make failed runs again", [&order] { order.retryFailed = true; });
-  which.flag("--yes", "also when there are more than a million",
-             [&order] { order.confirmed = true; });
+  which.flag("--retry-failed", "repeat failed runs", [&order] { order.retryFailed = true; });
+  which.flag("--yes", "allow more than a million runs", [&order] { order.confirmed = true; });
   addWorkerOptions(*command, order.limits);
   command->footer(
       "Examples:\n"
       "  kirireel sweep sweep.toml\n"
-      "  kirireel sweep sweep.toml --shard 3/8 && kirireel sweep sweep.toml --collect\n\n"
-      "Runs that are done are never made again. Ctrl-C loses only the runs in progress.");
+      "  kirireel sweep sweep.toml --shard 3/8 && kirireel sweep sweep.toml --collect\n"
+      "\n"
+      "Finished runs are not repeated. Ctrl-C loses only the runs in progress.");
   return command;
 }
 
@@ -570,10 +569,11 @@ void requireValid(const sweep::Sweep& sweep, const sweep::SweepSetting& setting)
   // Each value has its own order, so it cannot hide an error of another value.
   RunOrders(sweep).apply(setting);
   if (!isPathKey(setting.key) || fs::exists(setting.value.text)) return;
-  throw inputErrorAt(setting.value.where,
-                     fmt::format("there is no file or folder {}; correct the name, which is "
-                                 "relative to the sweep file",
-                                 setting.value.text));
+  throw inputErrorAt(
+      setting.value.where,
+      fmt::format(
+          "there is no file or folder {}; correct the name. It is relative to the sweep file",
+          setting.value.text));
 }
 
 /// Checks each value separately. Errors of a combination are reported by its run.

@@ -241,7 +241,7 @@ void addModels(py::module_& module) {
             if (!loaded.model.target) return py::none();
             return tileList(*loaded.model.target);
           },
-          "Where the corners should go, as tiles; None where the model has no target.")
+          "Requested positions of the corners, as tiles; None without a target.")
       .def_property_readonly(
           "joints", [](const cli::LoadedModel& loaded) { return jointArray(loaded.model); },
           "joints x 5: tile, vertex, tile, vertex, from 0; face 1 bottom, 2 top, 3 both.")
@@ -563,8 +563,7 @@ void addCurves(py::class_<MemoryRun, std::shared_ptr<MemoryRun>>& trajectory) {
 void addTrajectory(py::module_& module) {
   py::class_<MemoryRun, std::shared_ptr<MemoryRun>> trajectory(
       module, "Trajectory",
-      "The states of a run by time. Arrays are views of its memory: nothing is copied, and nobody "
-      "may write to them.");
+      "The states of a run by time. Arrays are views of its memory without a copy, and read-only.");
   addCurves(trajectory);
   trajectory
       .def_property_readonly("position", &position,
@@ -590,8 +589,8 @@ void addTrajectory(py::module_& module) {
 
 /// Data of deployments only: the outcome, and saving.
 void addRun(py::module_& module) {
-  py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(
-      module, "Run", "A deployment that deploy() made.")
+  py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(module, "Run",
+                                                                   "A deployment made by deploy().")
       .def_property_readonly(
           "outcome", [](const DeployedRun& run) { return deploy::toString(run.result.outcome); },
           "settled, locked, out_of_time, diverged or interrupted")
@@ -599,15 +598,15 @@ void addRun(py::module_& module) {
           "reason", [](const DeployedRun& run) { return run.result.reason; }, "one line: why")
       .def_property_readonly(
           "shortfall", [](const DeployedRun& run) { return run.result.shortfall; },
-          "why the run does not count as done; empty if it does")
+          "why the run missed its goal; empty if it did not")
       .def_property_readonly(
           "at_target", [](const DeployedRun& run) { return run.result.atTarget; },
-          "whether it ended at its target; None where nothing pulls to one")
+          "whether it ended at its target; None without a drive to a target")
       .def_property_readonly("summary", &summary,
                              "The summary as in summary.json, without written files.")
       .def("save", &save, "folder"_a,
-           "Writes the files that `kirireel record` leaves, the same bytes (but for cost and hash "
-           "in summary.json). Returns their names.");
+           "Writes the files of `kirireel record`, with the same bytes (except cost and hash in "
+           "summary.json). Returns their names.");
 }
 
 }  // namespace

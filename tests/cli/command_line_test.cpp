@@ -378,9 +378,9 @@ TEST(CommandLine, RenderTakesSeveralRunsIntoAFolderOfTheirOwn) {
   const auto order = std::get<cli::RenderOrder>(cli::parseCommandLine(
       {"render", "out/fan/trajectory.h5", "out/cap/trajectory.h5", "--out", "x"}));
   EXPECT_EQ(order.trajectories.size(), 2);
-  EXPECT_THAT(messageOf({"render", "a.h5", "b.h5"}),
-              HasSubstr("error: a figure of several runs belongs to none of their folders; give "
-                        "its own with --out"));
+  EXPECT_THAT(
+      messageOf({"render", "a.h5", "b.h5"}),
+      HasSubstr("error: a figure of several runs needs its own folder; choose it with --out"));
 }
 
 TEST(CommandLine, RemovedSpellingsNameTheirReplacement) {

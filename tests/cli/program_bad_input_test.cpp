@@ -48,8 +48,7 @@ TEST(BadModel, OverlappingTiles) {
   EXPECT_EQ(end.exitCode, 0);
   EXPECT_THAT(end.err, testing::EndsWith(
                            ": warning: tiles 0 and 1 overlap by 0.5 m at the start, the deepest of "
-                           "2 pairs; move them apart, or let them pass through each other "
-                           "(--contacts none)\n"));
+                           "2 pairs; move them apart, or allow overlaps with --contacts none\n"));
 }
 
 TEST(BadModel, MissingFile) {
@@ -271,7 +270,7 @@ TEST(BadSystem, TooLittleMemory) {
   expectOneLine(
       runKirireel({"generate", "tessellation", model, "--columns", "500", "--rows", "500"},
                   setting),
-      1, "error: there is too little memory; allow more, or ask for less: fewer tiles, a smaller");
+      1, "error: there is too little memory; allow more, or use fewer tiles, a smaller");
 }
 
 TEST(BadSystem, LibraryThatNeverEnds) {

@@ -47,15 +47,15 @@ TEST_F(PageCommand, SaysWhatIsMissing) {
   const ProgramEnd end = runKirireel({"page", run().string()});
   EXPECT_EQ(end.exitCode, kInputWrong);
   EXPECT_EQ(end.err, "kirireel: " + run().string() +
-                         ": error: this folder has no trajectory.h5, which a page is made from; "
-                         "record its model again\n");
+                         ": error: this folder has no trajectory.h5, which a page needs; record "
+                         "its model again\n");
   EXPECT_THAT(runKirireel({"page"}).err, HasSubstr("RUN is missing, as in kirireel page RUN"));
 }
 
 TEST_F(PageCommand, RefusesWhatItCannotShow) {
   const std::string name = run().string();
   EXPECT_THAT(runKirireel({"page", name, name, name}).err,
-              HasSubstr("3 runs are given, and a page shows 2 at most"));
+              HasSubstr("3 runs are given, but a page shows at most 2"));
   EXPECT_THAT(runKirireel({"page", name, "--most-size", "0.5"}).err,
               HasSubstr("MB and may have 0.5; give a larger --most-size"));
   EXPECT_THAT(runKirireel({"page", name, "--samples", "1"}).err,

@@ -56,7 +56,7 @@ constexpr const char* kSix =
 TEST_F(SweepProgram, LeavesOneFolderForEachRun) {
   const ProgramEnd end = sweep(kSix, {"--jobs", "2"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
-  EXPECT_THAT(end.out, HasSubstr("6 runs made, 0 of them failed; 0 made before"));
+  EXPECT_THAT(end.out, HasSubstr("6 runs done, 0 of them failed; 0 done before"));
   EXPECT_THAT(filesIn(out() / "runs"), SizeIs(6 * 3));
   for (const nlohmann::json& record : records()) {
     EXPECT_EQ(record["status"], "done");
@@ -66,21 +66,21 @@ TEST_F(SweepProgram, LeavesOneFolderForEachRun) {
 
 TEST_F(SweepProgram, DoneRunsAreNotMadeAgain) {
   sweep(kSix);
-  EXPECT_THAT(sweep(kSix).out, HasSubstr("0 runs made, 0 of them failed; 6 made before"));
+  EXPECT_THAT(sweep(kSix).out, HasSubstr("0 runs done, 0 of them failed; 6 done before"));
   const std::string finer =
       "generate = \"tessellation\"\n[base]\nduration = 0.1\ncolumns = 2\nrows = 1\n"
       "[grid]\nspring_stiffness = [10, 15, 20]\n";
-  EXPECT_THAT(sweep(finer).out, HasSubstr("1 runs made, 0 of them failed; 2 made before"));
+  EXPECT_THAT(sweep(finer).out, HasSubstr("1 runs done, 0 of them failed; 2 done before"));
 }
 
 TEST_F(SweepProgram, ChangedModelIsRunAgain) {
   runKirireel({"generate", "tessellation", (folder_ / "sheet").string(), "--columns", "2"});
   const std::string text = "model = \"sheet\"\n[grid]\nduration = [0.1, 0.2]\n";
-  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
-  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs made"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs done"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs done"));
   std::filesystem::remove_all(folder_ / "sheet");
   runKirireel({"generate", "tessellation", (folder_ / "sheet").string(), "--columns", "3"});
-  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs done"));
 }
 
 TEST_F(SweepProgram, EveryFileThatARunReadsCounts) {
@@ -93,19 +93,19 @@ TEST_F(SweepProgram, EveryFileThatARunReadsCounts) {
   const std::string text =
       "generate = \"tessellation\"\nscene = \"scene.toml\"\n[base]\npath = \"straight\"\n"
       "[grid]\nduration = [0.01, 0.02]\n";
-  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made, 0 of them failed"));
-  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs made"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs done, 0 of them failed"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs done"));
   writeRock("10.5");
-  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs done"));
   // What a setting was by itself does not make another run.
-  EXPECT_THAT(sweep(text + "timestep = [0.0041666666666666666]\n").out, HasSubstr("0 runs made"));
+  EXPECT_THAT(sweep(text + "timestep = [0.0041666666666666666]\n").out, HasSubstr("0 runs done"));
 }
 
 TEST_F(SweepProgram, ShardsPartTheRuns) {
-  EXPECT_THAT(sweep(kSix, {"--shard", "1/4"}).out, HasSubstr("2 runs made"));
-  EXPECT_THAT(sweep(kSix, {"--shard", "4/4"}).out, HasSubstr("1 runs made"));
-  EXPECT_THAT(sweep(kSix, {"--shard", "8/8"}).out, HasSubstr("0 runs made"));
-  EXPECT_THAT(sweep(kSix).out, HasSubstr("3 runs made, 0 of them failed; 3 made before"));
+  EXPECT_THAT(sweep(kSix, {"--shard", "1/4"}).out, HasSubstr("2 runs done"));
+  EXPECT_THAT(sweep(kSix, {"--shard", "4/4"}).out, HasSubstr("1 runs done"));
+  EXPECT_THAT(sweep(kSix, {"--shard", "8/8"}).out, HasSubstr("0 runs done"));
+  EXPECT_THAT(sweep(kSix).out, HasSubstr("3 runs done, 0 of them failed; 3 done before"));
 }
 
 TEST_F(SweepProgram, FailedRunsKeepTheirReason) {
@@ -113,14 +113,14 @@ TEST_F(SweepProgram, FailedRunsKeepTheirReason) {
       "generate = \"tessellation\"\n[base]\nduration = 0.1\ncolumns = 2\n[grid]\npin = [0, 99]\n";
   const ProgramEnd end = sweep(text);
   EXPECT_EQ(end.exitCode, 1);
-  EXPECT_THAT(end.out, HasSubstr("2 runs made, 1 of them failed"));
+  EXPECT_THAT(end.out, HasSubstr("2 runs done, 1 of them failed"));
   for (const nlohmann::json& record : records()) {
     const bool isBad = record["inputs"]["pin"] == "99";
     EXPECT_EQ(record["status"], isBad ? "failed" : "done");
     EXPECT_THAT(record["reason"].get<std::string>(), HasSubstr(isBad ? "99" : ""));
   }
-  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs made, 0 of them failed; 2 made before"));
-  EXPECT_THAT(sweep(text, {"--retry-failed"}).out, HasSubstr("1 runs made, 1 of them failed"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs done, 0 of them failed; 2 done before"));
+  EXPECT_THAT(sweep(text, {"--retry-failed"}).out, HasSubstr("1 runs done, 1 of them failed"));
 }
 
 TEST_F(SweepProgram, HungRunsFail) {
@@ -129,7 +129,7 @@ TEST_F(SweepProgram, HungRunsFail) {
       "9999]\n",
       {"--run-limit", "0.2"});
   EXPECT_EQ(end.exitCode, 1);
-  EXPECT_THAT(end.out, HasSubstr("2 runs made, 2 of them failed"));
+  EXPECT_THAT(end.out, HasSubstr("2 runs done, 2 of them failed"));
   for (const nlohmann::json& record : records()) {
     EXPECT_EQ(record["reason"], "took longer than 0.2 s");
   }
@@ -184,7 +184,7 @@ TEST_F(SweepProgram, InterruptEndsItAndSaysHowToGoOn) {
   program.sendSignal(SIGINT);
   const ProgramEnd end = program.wait();
   EXPECT_EQ(end.exitCode, 4);
-  EXPECT_THAT(end.out, HasSubstr("interrupted; the same command continues from here: 0 runs made"));
+  EXPECT_THAT(end.out, HasSubstr("interrupted; the same command continues: 0 runs done"));
   EXPECT_THAT(records(), SizeIs(0));
 }
 
@@ -237,7 +237,7 @@ TEST_F(SweepProgram, MissingFilesAreNamedBeforeTheFirstRun) {
                 "sweep.toml:2:10: error: there is no file or "
                 "folder");
   expectRefused(sweep("generate = \"fan\"\n[base]\ntarget = \"b.txt\"\n[grid]\nthickness = [1]\n"),
-                "b.txt; correct the name, which is relative to the sweep file");
+                "b.txt; correct the name. It is relative to the sweep file");
 }
 
 TEST_F(SweepProgram, BillionRunsAreToBeConfirmed) {
@@ -245,7 +245,7 @@ TEST_F(SweepProgram, BillionRunsAreToBeConfirmed) {
       sweep("generate = \"fan\"\n[grid]\nthickness = {from = 1, to = 2, count = 1000}\n"
             "density = {from = 1, to = 2, count = 1000}\nduration = {from = 1, to = 2, count = "
             "1000}\n"),
-      "sweep.toml: error: these are 1e+09 runs, about 1157 days of one core at 0.1 s each; give "
+      "sweep.toml: error: these are 1e+09 runs, about 1157 days of one core at 0.1 s each; use "
       "fewer values, or add --yes");
 }
 

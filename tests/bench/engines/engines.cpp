@@ -60,7 +60,7 @@ int run(int argc, char** argv) {
                   "has NAME.csv of kirireel study; gets engines/NAME.csv and NAME.json")
       ->capture_default_str();
   program.add_flag("--quick", order.quick, "the studies' quick form");
-  program.add_flag("--resume", order.resume, "keep the rows that an interrupted run has finished");
+  program.add_flag("--resume", order.resume, "keep the finished rows of an interrupted run");
   CLI11_PARSE(program, argc, argv);
   for (const study::Study& study : otherStudies()) {
     if (order.name == "all" || order.name == study.name) runOne(study, order);
