@@ -54,7 +54,7 @@ std::vector<std::string> commandNames(const CLI::App& command) {
 }
 
 /// Arguments that CLI11 did not take: the first unknown option, else the first of all.
-void requireNothingLeft(const CLI::App& program) {
+void requireNoExtraWords(const CLI::App& program) {
   // The remaining words of CLI11 include the "--" that ends the options.
   std::vector<std::string> left = program.remaining(true);
   std::erase(left, "--");
@@ -165,7 +165,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   CLI::App program(kPurpose, kName);
   const std::vector<Command> commands = addCommands(program);
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
-  requireNothingLeft(program);
+  requireNoExtraWords(program);
   for (const Command& command : commands) {
     if (command.app->parsed()) return command.completeOrder(peerSpelling(arguments));
   }
@@ -182,7 +182,7 @@ LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std:
   addReadOptions(group, settings);
   // --help ends parsing with a page of help, which other callers cannot use.
   if (parseInto(program, options)) throw InputError("error: a model is read without --help");
-  requireNothingLeft(program);
+  requireNoExtraWords(program);
   const InputRecord record(loaded.inputs);
   loaded.model = readModelAt(place, {}, settings, loaded.warnings);
   return loaded;
@@ -201,7 +201,7 @@ RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::st
   words.insert(words.end(), loaded.options.begin(), loaded.options.end());
   words.insert(words.end(), options.begin(), options.end());
   if (parseInto(program, words)) throw InputError("error: a model is deployed without --help");
-  requireNothingLeft(program);
+  requireNoExtraWords(program);
   completeOrder(*command, order);
   order.inputs.insert(order.inputs.end(), loaded.inputs.begin(), loaded.inputs.end());
   return order;
@@ -330,7 +330,7 @@ const std::string kLike = "--like";
 const std::string kPeer = "pykirigami";
 
 /// Whether the argument at i, alone or with the next one, is "--like pykirigami".
-bool asksForPeer(const std::vector<std::string>& arguments, std::size_t i) {
+bool selectsPeer(const std::vector<std::string>& arguments, std::size_t i) {
   if (arguments[i] == kLike) return i + 1 < arguments.size() && arguments[i + 1] == kPeer;
   return arguments[i] == kLike + "=" + kPeer;
 }
@@ -362,7 +362,7 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
     const std::string& argument = arguments[i];
     // The value of an option without a counterpart.
     if (std::exchange(skip, false)) continue;
-    if (asksForPeer(arguments, i)) {
+    if (selectsPeer(arguments, i)) {
       skip = argument == kLike;
       continue;
     }
@@ -392,7 +392,7 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
 
 std::string peerSpelling(const std::vector<std::string>& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
-    if (asksForPeer(arguments, i)) return fmt::format("{} {}", kLike, kPeer);
+    if (selectsPeer(arguments, i)) return fmt::format("{} {}", kLike, kPeer);
     const std::string name = arguments[i].substr(0, arguments[i].find('='));
     if (isPeerName(name)) return name;
   }

@@ -162,7 +162,7 @@ report::Inspection inspectWithProgress(const scene::Scene& scene) {
 }
 
 /// Reads the model. For an invalid tile it writes a picture and throws the error again.
-model::Model readOrDraw(const InspectOrder& order) {
+model::Model readOrPaintFault(const InspectOrder& order) {
   try {
     return readModelAt(order.model, order.target, order.reading);
   } catch (const model::CrossedTile& error) {
@@ -184,7 +184,7 @@ std::optional<std::vector<model::DrawnPath>> ignoredLines(const InspectOrder& or
                                                           const model::Model& model) {
   const std::filesystem::path file = findModel(order.model);
   if (!model::isDrawing(file) || model.target) return std::nullopt;
-  std::vector<std::string> known;  // readOrDraw() printed them
+  std::vector<std::string> known;  // readOrPaintFault() printed them
   return model::readDrawnSheet(file, order.reading, known).ignored;
 }
 
@@ -216,7 +216,7 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 
 int carryOut(const InspectOrder& order) {
   scene::Scene scene = order.scene;
-  scene.model = readOrDraw(order);
+  scene.model = readOrPaintFault(order);
   scene::fillFromModel(scene);
   std::vector<std::string> warnings;
   checkThickness(scene, warnings);

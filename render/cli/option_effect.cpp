@@ -144,7 +144,7 @@ bool hasGrips(const OptionContext& context) {
 bool mayHaveDrive(const OptionContext& context) {
   return context.scene->actuation.drive != scene::Drive::None || !context.scene->timeline.empty();
 }
-bool mayWalk(const OptionContext& context) {
+bool mayBeKinematic(const OptionContext& context) {
   const scene::PathKind path = context.scene->path.kind;
   return path == scene::PathKind::Auto || path == scene::PathKind::Continuation;
 }
@@ -276,7 +276,7 @@ constexpr OptionEffect kSceneEffects[] = {
     {"--brick-friction", mayTouch, "without contacts", "Remove --contacts none"},
     {"--load-steps", hasGrips, "without [[grip]] in the scene file", "Add a grip"},
     {"Springs to the target", mayHaveDrive, kNoDrive, kDrive},
-    {"--walk-time", mayWalk, "with dynamics", "Use --path continuation"}};
+    {"--walk-time", mayBeKinematic, "with dynamics", "Use --path continuation"}};
 
 }  // namespace
 
@@ -325,7 +325,7 @@ bool isGiven(const CLI::App& command, const char* option) {
 }
 
 /// Whether the command has the targets that the condition reads.
-bool mayAsk(const OptionEffect& effect, const OptionContext& context) {
+bool isApplicable(const OptionEffect& effect, const OptionContext& context) {
   const auto isIn = [&effect](std::span<const OptionEffect> part) {
     return std::ranges::any_of(
         part, [&effect](const OptionEffect& row) { return row.holds == effect.holds; });
@@ -421,7 +421,7 @@ std::set<std::string> givenOptions(const CLI::App& command) {
 
 void requireEffect(const OptionContext& context, const std::set<std::string>& given) {
   for (const OptionEffect& effect : optionEffects()) {
-    if (!mayAsk(effect, context) || effect.holds(context)) continue;
+    if (!isApplicable(effect, context) || effect.holds(context)) continue;
     for (const CLI::Option* option : optionsOf(effect, *context.command)) {
       if (!given.contains(option->get_name())) continue;
       throw InputError(fmt::format("error: {0} has no effect {1}. {2} or remove {0}",

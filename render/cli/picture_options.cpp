@@ -190,7 +190,7 @@ void addPictureOptions(CLI::App& command, record::PictureSettings& settings) {
 namespace {
 
 /// "" for the colour of the theme.
-std::string saidColour(const std::optional<picture::Colour>& colour) {
+std::string serializedColour(const std::optional<picture::Colour>& colour) {
   return colour ? colourText(*colour) : "";
 }
 
@@ -235,11 +235,11 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
       .value("--brick-colour", "COLOUR", "80AEDC",
              "colour of all bricks, with --colour plain; a name such as teal, or RRGGBB",
              [&look](const scene::TypedValue& typed) { look.brickColour = parseColour(typed); })
-      .serializedAs([&look] { return saidColour(look.brickColour); });
+      .serializedAs([&look] { return serializedColour(look.brickColour); });
   group
       .value("--back-colour", "COLOUR", "F4BE74", "colour of their other side, with --colour plain",
              [&look](const scene::TypedValue& typed) { look.backColour = parseColour(typed); })
-      .serializedAs([&look] { return saidColour(look.backColour); });
+      .serializedAs([&look] { return serializedColour(look.backColour); });
   group
       .values("--tile-colour", "[NAME:]TILES=COLOUR",
               "colour of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in "
@@ -260,11 +260,11 @@ void addColourOptions(OptionGroup& group, picture::Look& look) {
   group
       .value("--outline-colour", "COLOUR", "263242", "colour of the lines on the edges of tiles",
              [&look](const scene::TypedValue& typed) { look.outlineColour = parseColour(typed); })
-      .serializedAs([&look] { return saidColour(look.outlineColour); });
+      .serializedAs([&look] { return serializedColour(look.outlineColour); });
   group
       .value("--background", "COLOUR", "by --theme", "colour of the background",
              [&look](const scene::TypedValue& typed) { look.background = parseColour(typed); })
-      .serializedAs([&look] { return saidColour(look.background); });
+      .serializedAs([&look] { return serializedColour(look.background); });
 }
 
 /// "0.5pt", "0.5pt,0.75pt", or a factor of the default widths. A single width is that between

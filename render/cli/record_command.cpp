@@ -141,7 +141,7 @@ std::vector<std::filesystem::path> foldersOf(const RecordOrder& order) {
 }
 
 /// prepareOrder() with the warnings printed.
-RecordResult prepareLoudly(const RecordOrder& order) {
+RecordResult prepareWithWarnings(const RecordOrder& order) {
   std::vector<std::string> warnings;
   RecordResult result = prepareOrder(order, warnings);
   printWarnings(warnings);
@@ -307,7 +307,7 @@ RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& wa
 }
 
 RecordResult runOrder(const RecordOrder& order, const record::ProgressObserver& observer) {
-  RecordResult result = prepareLoudly(order);
+  RecordResult result = prepareWithWarnings(order);
   // A caller in code keeps no checkpoints: a run without a fingerprint cannot be resumed.
   result.settings.order.clear();
   result.summary = record::record(result.scene, result.settings, observer);
@@ -327,7 +327,7 @@ int carryOut(const RecordOrder& order) {
   noteSignals();
   // Before the run, which may take hours.
   if (order.page) page::requirePages();
-  RecordResult result = prepareLoudly(order);
+  RecordResult result = prepareWithWarnings(order);
   // The model must be read first, since its bytes identify the finished run.
   if (order.settings.resume) {
     const auto finished = findFinished(result.settings);

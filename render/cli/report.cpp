@@ -41,7 +41,7 @@ std::string inTiles(double metres, const model::Model& model) {
 
 /// Why a run at rest missed its target, in one line; empty if it reached it.
 /// Errors and bounds are in metres.
-std::string whyNoNearer(const scene::Scene& scene, const record::RunSummary& summary) {
+std::string reasonOfMiss(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
   if (summary.outcome != deploy::Outcome::Settled || error <= kReached * tile) return "";
@@ -86,7 +86,7 @@ std::string describeTarget(const scene::Scene& scene, const record::RunSummary& 
     text += fmt::format("; nearest state found with closed joints {}",
                         inTiles(summary.assembledError, model));
   }
-  return text + "\n" + whyNoNearer(scene, summary);
+  return text + "\n" + reasonOfMiss(scene, summary);
 }
 
 /// The largest gap of any step, and the gap at the end. Compliant joints, which open on purpose,

@@ -199,12 +199,12 @@ fea::DriveChoice parseDrive(const scene::TypedValue& typed) {
   return drive;
 }
 
-/// `isAlone`: the command has only these options, with short names.
-void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
+/// `isOnlyGroup`: the command has only these options, with short names.
+void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isOnlyGroup) {
   OptionGroup group(command, "Decks (inp)", "recording");
   // Within `record` the names --solver and --density belong to the simulation, so a deck's have a
   // prefix there.
-  group.choice<fea::Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
+  group.choice<fea::Solver>(isOnlyGroup ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
                             {{"calculix", fea::Solver::Calculix}, {"abaqus", fea::Solver::Abaqus}},
                             "solver whose keywords are written if they differ");
   group.value("--sets", "WORD", "all up to 1000 tiles",
@@ -219,7 +219,7 @@ void addDeckOptions(CLI::App& command, fea::DeckSettings& decks, bool isAlone) {
   group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
   // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
   group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
-  group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
+  group.number(isOnlyGroup ? "--density,--deck-density" : "--deck-density", decks.material.density,
                {1e-12, 1e9}, "KG/M3", "density of the material");
   group.choice<fea::DeckUnit>(
       "--deck-unit", decks.unit,

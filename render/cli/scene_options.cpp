@@ -258,7 +258,7 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
 constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
 
 /// Refuses a mistyped name of a known model; the reader refuses other names.
-void requireNoSlip(const std::filesystem::path& named) {
+void requireNoMisspelling(const std::filesystem::path& named) {
   std::error_code ignored;
   if (std::filesystem::exists(findModel(named), ignored)) return;
   // A folder name may end in a slash.
@@ -384,7 +384,7 @@ void addReadOptions(OptionGroup& group, model::ReadSettings& settings, bool hasN
 
 model::Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
                          const model::ReadSettings& settings, std::vector<std::string>& warnings) {
-  requireNoSlip(place);
+  requireNoMisspelling(place);
   std::optional<std::filesystem::path> named;
   // The target's model is searched in the same places.
   if (!target.empty()) named = findModel(target);

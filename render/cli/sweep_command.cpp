@@ -101,7 +101,7 @@ void addWorkerOptions(CLI::App& command, sweep::WorkerLimits& limits) {
 }
 
 /// 0.1 s per run, as for a small sheet.
-void requireMeant(const SweepRuns& runs, bool confirmed) {
+void requireConfirmation(const SweepRuns& runs, bool confirmed) {
   const std::uint64_t count = runs.sweep().plan.size();
   if (count <= kMostUnconfirmed || confirmed) return;
   throw InputError(
@@ -356,7 +356,7 @@ void completeOrder(const CLI::App& command, SweepOrder& order) {
 
 int carryOut(const SweepOrder& order) {
   const SweepRuns runs(sweep::readSweepFile(order.sweep));
-  requireMeant(runs, order.confirmed);
+  requireConfirmation(runs, order.confirmed);
   const fs::path folder =
       order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
   if (order.collectOnly) {
@@ -451,7 +451,7 @@ class RunOrders {
       applyTo(*run_, setting);
     } else {
       throw inputErrorAt(value.where, fmt::format("there is no parameter {}{}; {}", shown(key),
-                                                  suggestion(key, allKeys()), whereToLook()));
+                                                  suggestion(key, allKeys()), helpReference()));
     }
   }
 
@@ -531,7 +531,7 @@ class RunOrders {
     return keys;
   }
 
-  std::string whereToLook() const {
+  std::string helpReference() const {
     const std::string run = fmt::format("see kirireel {} --help", run_->get_name());
     return family_.empty() ? run : fmt::format("{} and kirireel generate {} --help", run, family_);
   }

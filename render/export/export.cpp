@@ -101,7 +101,7 @@ void requireDifferent(const std::vector<std::string>& formats) {
   }
 }
 
-bool wants(const ExportSettings& settings, const char* format) {
+bool hasFormat(const ExportSettings& settings, const char* format) {
   return std::ranges::find(settings.formats, format) != settings.formats.end();
 }
 
@@ -119,8 +119,8 @@ constexpr const char* kPeriodicMesh = "_periodic_mesh.inp";
 constexpr const char* kDeck = "inp";
 constexpr const char* kGmsh = "msh";
 
-bool wantsElements(const ExportSettings& settings) {
-  return wants(settings, kDeck) || wants(settings, kGmsh);
+bool exportsElements(const ExportSettings& settings) {
+  return hasFormat(settings, kDeck) || hasFormat(settings, kGmsh);
 }
 
 /// Begin of the names of a state's files.
@@ -185,7 +185,7 @@ class Exporter {
         elements_(numbered(settings.elements, subject_.model)),
         states_(chooseStates(trajectory, settings.states)),
         files_(files) {
-    requireFuture();
+    requireLaterSamples();
     requireMap();
   }
 
@@ -220,7 +220,7 @@ class Exporter {
   LengthUnit unit() const { return settings_.unit.value_or(subject_.model.unit); }
 
   /// Unit of formats whose readers expect millimetres.
-  LengthUnit unitOfMachines() const { return settings_.unit.value_or(millimetre()); }
+  LengthUnit fabricationUnit() const { return settings_.unit.value_or(millimetre()); }
 
   /// The tiles with their vertices in the order of the model's own file.
   std::vector<model::Tile> sheetOf(const trajectory::Sample& sample) const {
@@ -259,12 +259,12 @@ class Exporter {
   }
 
  private:
-  bool wants(const char* format) const { return exports::wants(settings_, format); }
+  bool hasFormat(const char* format) const { return exports::hasFormat(settings_, format); }
 
   /// All files of one state.
   void writeState(const ChosenState& state, const trajectory::Sample& sample) {
     const std::string name = fileStem(state.label);
-    if (wantsElements(settings_) && !isNecked()) {
+    if (exportsElements(settings_) && !isNecked()) {
       fea::ElementMesh mesh =
           fea::makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
       // Springs without patches are left out; exportWarnings() has reported them.
@@ -279,7 +279,7 @@ class Exporter {
       writeMap(std::move(mesh), name, origin);
     }
     for (const ExportFormat& format : exportFormats()) {
-      if (!wants(format.name)) continue;
+      if (!hasFormat(format.name)) continue;
       for (const ExportFile& file : format.files) {
         if (!file.writeState || (isNecked() && file.writeNecks)) continue;
         file.writeState(*this, sample, files_.add(name + file.name));
@@ -289,7 +289,7 @@ class Exporter {
 
   /// A map needs a first state and later states, with bricks.
   void requireMap() const {
-    if (!settings_.decks.stateMap || !wants(kDeck)) return;
+    if (!settings_.decks.stateMap || !hasFormat(kDeck)) return;
     if (isNecked()) {
       throw InputError(
           "error: --state-map needs several states, but a sheet with necks has only the start; "
@@ -302,11 +302,12 @@ class Exporter {
   }
 
   /// A drive needs a state with later samples.
-  void requireFuture() const {
-    const bool isFinalAlone = std::ranges::all_of(states_, [this](const ChosenState& state) {
+  void requireLaterSamples() const {
+    const bool hasOnlyFinalStates = std::ranges::all_of(states_, [this](const ChosenState& state) {
       return state.sample + 1 == trajectory_.times().size();
     });
-    if (settings_.decks.drive.kind == fea::DriveChoice::None || isNecked() || !isFinalAlone) return;
+    if (settings_.decks.drive.kind == fea::DriveChoice::None || isNecked() || !hasOnlyFinalStates)
+      return;
     throw InputError(
         "error: --drive moves tiles from a state onwards, but the final state has no motion after "
         "it; choose --states initial");
@@ -316,14 +317,14 @@ class Exporter {
 
   /// The flat start as it is cut, regardless of the requested states.
   void writeNeckSheet() {
-    if (!wantsElements(settings_)) return;
+    if (!exportsElements(settings_)) return;
     const double thickness = subject_.brickRule.thickness;
     const fea::ElementMesh mesh = fea::makeNeckMesh(subject_.model, thickness, elements_);
     const fea::DeckOrigin origin = originOf("flat sheet", trajectory_.sample(0));
     std::string sets;
     if (isDriven(0)) sets = writeDrive(mesh, kSheet, origin, 0, {});
     writeElements(mesh, kSheet, origin, sets);
-    if (!wants(kDeck) || !settings_.decks.periodic) return;
+    if (!hasFormat(kDeck) || !settings_.decks.periodic) return;
     // The cell of an infinite sheet has necks at its border, which the sheet itself does not have.
     const fea::ElementMesh cell = fea::makePeriodicNeckMesh(subject_.model, thickness, elements_);
     const std::string name = std::string(kSheet) + kPeriodicMesh;
@@ -335,11 +336,11 @@ class Exporter {
   /// `driveSets` are the sets of a drive on this mesh.
   void writeElements(const fea::ElementMesh& mesh, const std::string& name,
                      const fea::DeckOrigin& origin, const std::string& driveSets) {
-    if (wants(kGmsh)) {
+    if (hasFormat(kGmsh)) {
       writeTextFile(files_.add(name + kGmshFile),
                     fea::gmshMesh(mesh, settings_.decks.sets, unit()));
     }
-    if (!wants(kDeck)) return;
+    if (!hasFormat(kDeck)) return;
     // Node sets for a job are at the end of the mesh deck: programs need them after the nodes.
     const fea::DeckJob job = fea::staticJob(mesh, settings_.decks, origin, name + kMeshFile);
     fea::DeckSettings decks = settings_.decks;
@@ -359,7 +360,7 @@ class Exporter {
 
   /// The job that maps the first state to this one; stores the mesh of the first.
   void writeMap(fea::ElementMesh mesh, const std::string& name, const fea::DeckOrigin& origin) {
-    if (!wants(kDeck) || !settings_.decks.stateMap) return;
+    if (!hasFormat(kDeck) || !settings_.decks.stateMap) return;
     // The first state is the begin of the map. Each later state has a job on its mesh deck.
     if (!first_) {
       first_.emplace(name, std::move(mesh));
@@ -374,7 +375,7 @@ class Exporter {
   /// The last sample has no later motion.
   bool isDriven(std::size_t sample) const {
     const bool hasFuture = sample + 1 < trajectory_.times().size();
-    return wants(kDeck) && settings_.decks.drive.kind != fea::DriveChoice::None && hasFuture;
+    return hasFormat(kDeck) && settings_.decks.drive.kind != fea::DriveChoice::None && hasFuture;
   }
 
   /// Writes the drive's job, and its own mesh if it has one. Returns the sets that the job needs in
@@ -440,13 +441,13 @@ void writeSurface(Exporter& exporter, const trajectory::Sample& sample,
                   const std::filesystem::path& file) {
   const bool isStl = file.extension() == ".stl";
   writers::writeMesh(file, exporter.subject().bricks, sample.poses,
-                     isStl ? exporter.unitOfMachines() : exporter.unit());
+                     isStl ? exporter.fabricationUnit() : exporter.unit());
 }
 
 void writeNeckStl(Exporter& exporter, const std::filesystem::path& file) {
   const trajectory::Subject& subject = exporter.subject();
   writeTextFile(file, fea::neckSheetStl(subject.model, exporter.settings().elements.neck,
-                                        subject.brickRule.thickness, exporter.unitOfMachines()));
+                                        subject.brickRule.thickness, exporter.fabricationUnit()));
 }
 
 void writeNeckStep(Exporter& exporter, const std::filesystem::path& file) {
@@ -533,7 +534,7 @@ void writeSvg(Exporter& exporter, const Path& file) {
 }
 
 void writeDxf(Exporter& exporter, const Path& file) {
-  writeTextFile(file, writers::patternDxf(patternOf(exporter), exporter.unitOfMachines()));
+  writeTextFile(file, writers::patternDxf(patternOf(exporter), exporter.fabricationUnit()));
 }
 
 const std::vector<ExportFormat>& exportFormats() {
@@ -598,17 +599,18 @@ double lockingOf(double slenderness, double perEdge, const fea::ElementRule& rul
 /// up to 83% too little.
 void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Subject& subject,
                            const ExportSettings& settings) {
-  constexpr double kErrorToTell = 0.05;
+  constexpr double kLeastReportedError = 0.05;
   constexpr double kThin = 100;
   constexpr double kFewest = 4;
   const fea::ElementRule& rule = settings.elements;
-  const double usual = rule.perEdge > 0 ? rule.perEdge : fea::usualPerEdge(subject.bricks, rule);
+  const double defaultCount =
+      rule.perEdge > 0 ? rule.perEdge : fea::defaultPerEdge(subject.bricks, rule);
   double most = 0, slenderness = 0, perEdge = 0;
   std::size_t thin = 0;
   for (std::size_t t = 0; t < subject.bricks.size(); ++t) {
     const model::Brick& brick = subject.bricks[t];
     const double width = widthOf(brick);
-    const double count = rule.size > 0 ? std::max(1.0, std::ceil(width / rule.size)) : usual;
+    const double count = rule.size > 0 ? std::max(1.0, std::ceil(width / rule.size)) : defaultCount;
     const double error = lockingOf(width / brick.thickness, count, rule);
     if (error <= most) continue;
     most = error, slenderness = width / brick.thickness, perEdge = count, thin = t;
@@ -621,7 +623,7 @@ void appendThinnessWarning(std::vector<std::string>& lines, const trajectory::Su
         "elements per edge a square deflects wrongly by about 10% or more: use more with "
         "--elements-per-edge",
         tile, slenderness, kFewest));
-  } else if (most > kErrorToTell) {
+  } else if (most > kLeastReportedError) {
     lines.push_back(fmt::format(
         "warning: tile {} is {:.0f} times as wide as thick; a clamped square that is as thin "
         "deflects about {:.0f}% too little with {} elements per edge: use more with "
@@ -685,12 +687,13 @@ void requireExportable(const model::Model& model, const model::BrickRule& rule,
     const ExportFormat& format = exportFormat(name);
     if (format.require) format.require(model, settings);
   }
-  const bool hasSolid = wants(settings, "stl") || wants(settings, "step");
-  if (settings.elements.joints == fea::JointStyle::Neck && (hasSolid || wantsElements(settings))) {
+  const bool hasSolid = hasFormat(settings, "stl") || hasFormat(settings, "step");
+  if (settings.elements.joints == fea::JointStyle::Neck &&
+      (hasSolid || exportsElements(settings))) {
     writers::neckOutline(model, settings.elements.neck);
     return;
   }
-  if (!wantsElements(settings)) return;
+  if (!exportsElements(settings)) return;
   fea::ElementRule elements = numbered(settings.elements, model);
   // The gaps at shared corners are known only from the run's states.
   if (elements.joints == fea::JointStyle::Shared) elements.joints = fea::JointStyle::Equation;
@@ -727,18 +730,18 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
 std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& trajectory,
                                         const ExportSettings& settings) {
   std::vector<std::string> lines;
-  if (!wantsElements(settings) || settings.elements.joints == fea::JointStyle::Neck) return lines;
+  if (!exportsElements(settings) || settings.elements.joints == fea::JointStyle::Neck) return lines;
   const std::vector<model::Brick>& bricks = trajectory.subject().bricks;
   // Large sheets get fewer elements than the default; the user must know this.
   if (fea::isCoarsened(bricks, settings.elements)) {
     lines.push_back(
         fmt::format("warning: a sheet of {} tiles has {} elements per edge; 8 would bend more "
                     "accurately. Use --elements-per-edge or --element-size",
-                    bricks.size(), fea::usualPerEdge(bricks, settings.elements)));
+                    bricks.size(), fea::defaultPerEdge(bricks, settings.elements)));
   }
   appendThinnessWarning(lines, trajectory.subject(), settings);
   appendSharpnessWarning(lines, trajectory.subject());
-  if (!wants(settings, kDeck)) return lines;
+  if (!hasFormat(settings, kDeck)) return lines;
   const std::vector<model::HingeSpring>& springs =
       model::hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
@@ -756,7 +759,7 @@ std::vector<std::string> exportWarnings(const trajectory::TrajectoryReader& traj
   const double thickness = trajectory.subject().brickRule.thickness;
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
     const double overlap = trajectory.sample(state.sample).penetration;
-    if (!fea::isOverlapToTell(overlap, thickness)) continue;
+    if (!fea::isReportableOverlap(overlap, thickness)) continue;
     lines.push_back(
         fmt::format("warning: in state {} bricks overlap by {}, {:.0f}% of their thickness; "
                     "an analysis with contact would start overclosed",
@@ -851,11 +854,11 @@ double largestTurn(const Poses& start, const Poses& poses) {
 std::size_t sampleAtAngle(const trajectory::TrajectoryReader& trajectory, double degrees,
                           const std::string& name) {
   const Poses start = trajectory.sample(0).poses;
-  const double wanted = degrees * kDegree;
+  const double requestedTurn = degrees * kDegree;
   double largest = 0;
   for (std::size_t k = 0; k < trajectory.times().size(); ++k) {
     const double turn = largestTurn(start, trajectory.sample(k).poses);
-    if (turn >= wanted) return k;
+    if (turn >= requestedTurn) return k;
     largest = std::max(largest, turn);
   }
   throw unknownState(name,
@@ -1004,13 +1007,13 @@ std::vector<ChosenState> chooseStates(const trajectory::TrajectoryReader& trajec
 
 namespace {
 
-/// The rule with elements half as long. `usual` lie along edges if the rule has no number. Necks
-/// and patches keep their sizes: they are part of the result.
-fea::ElementRule halved(fea::ElementRule rule, int usual) {
+/// The rule with elements half as long. `defaultCount` lie along edges if the rule has no number.
+/// Necks and patches keep their sizes: they are part of the result.
+fea::ElementRule halved(fea::ElementRule rule, int defaultCount) {
   if (rule.size > 0) {
     rule.size /= 2;
   } else {
-    rule.perEdge = 2 * (rule.perEdge > 0 ? rule.perEdge : usual);
+    rule.perEdge = 2 * (rule.perEdge > 0 ? rule.perEdge : defaultCount);
   }
   return rule;
 }
@@ -1038,7 +1041,7 @@ std::string lineOf(const std::string& name, double own, double finer) {
 
 std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& trajectory,
                                          const ExportSettings& settings) {
-  if (!wants(settings, kDeck)) {
+  if (!hasFormat(settings, kDeck)) {
     throw InputError("error: --check runs the jobs of decks; add inp to --format");
   }
   const trajectory::Subject& subject = trajectory.subject();
@@ -1046,17 +1049,17 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
   origin.thickness = subject.brickRule.thickness;
   std::vector<std::string> lines;
   // `meshBy` makes the mesh of a rule; called twice.
-  const auto check = [&](const std::string& name, const auto& meshBy, int usual) {
+  const auto check = [&](const std::string& name, const auto& meshBy, int defaultCount) {
     const double own = openingOf(meshBy(settings.elements), settings.decks, origin);
     const double finer =
-        openingOf(meshBy(halved(settings.elements, usual)), settings.decks, origin);
+        openingOf(meshBy(halved(settings.elements, defaultCount)), settings.decks, origin);
     lines.push_back(lineOf(name, own, finer));
   };
   if (settings.elements.joints == fea::JointStyle::Neck) {
     const auto meshBy = [&](const fea::ElementRule& rule) {
       return fea::makeNeckMesh(subject.model, origin.thickness, rule);
     };
-    check("flat sheet", meshBy, fea::kUsualPerEdge);
+    check("flat sheet", meshBy, fea::kDefaultPerEdge);
     return lines;
   }
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
@@ -1064,7 +1067,7 @@ std::vector<std::string> meshSensitivity(const trajectory::TrajectoryReader& tra
     const auto meshBy = [&](const fea::ElementRule& rule) {
       return fea::makeElementMesh(subject.bricks, subject.model.joints, poses, rule);
     };
-    check(state.label, meshBy, fea::usualPerEdge(subject.bricks, settings.elements));
+    check(state.label, meshBy, fea::defaultPerEdge(subject.bricks, settings.elements));
   }
   return lines;
 }

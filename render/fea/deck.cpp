@@ -314,8 +314,8 @@ std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh) {
     if (!group.tiles.empty()) groups.push_back(std::move(group));
   }
   // OFFSET=0 is the default, so one section for EALL is sufficient.
-  const bool isAlone = groups.size() == 1 && groups[0].offset == 0;
-  return isAlone ? std::vector<ShellOffset>() : groups;
+  const bool isSingleLayer = groups.size() == 1 && groups[0].offset == 0;
+  return isSingleLayer ? std::vector<ShellOffset>() : groups;
 }
 
 const char* elementType(const TileElements& tile, const ElementRule& rule) {
@@ -384,7 +384,7 @@ constexpr int kNumbersInLine = 16;  ///< limit per line in CalculiX and Abaqus
 /// Smaller coordinates are rounding errors. Their exponents would need a third digit.
 constexpr double kSmallest = 1e-90;
 /// As a fraction of the thickness. Contact tolerates smaller overlaps.
-constexpr double kOverlapToTell = 1e-4;
+constexpr double kLeastReportedOverlap = 1e-4;
 
 /// One line of printable characters for any name. Line breaks and other control characters would
 /// end the comment and begin a card.
@@ -403,8 +403,8 @@ UnitScale unitScale(DeckUnit unit) {
   return {1e3, 1e-6, 1e-12, "mm, N, t, s, MPa"};
 }
 
-bool isOverlapToTell(double overlap, double thickness) {
-  return overlap > kOverlapToTell * thickness;
+bool isReportableOverlap(double overlap, double thickness) {
+  return overlap > kLeastReportedOverlap * thickness;
 }
 
 std::string deckNumber(double value) {
@@ -438,7 +438,7 @@ void appendOrigin(std::string& text, const DeckOrigin& origin, DeckUnit unit) {
   appendText(text, "** {}\n", oneLine("Run: " + origin.run, kLongestLine));
   appendText(text, "** Deepest overlap of two bricks in this state: {} m.\n",
              deckNumber(origin.overlap));
-  if (!isOverlapToTell(origin.overlap, origin.thickness)) return;
+  if (!isReportableOverlap(origin.overlap, origin.thickness)) return;
   appendText(
       text,
       "** WARNING: bricks overlap by {:.2g} of their thickness: with contact between tiles,\n"

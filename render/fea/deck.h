@@ -99,7 +99,7 @@ UnitScale unitScale(DeckUnit unit);
 
 /// Whether the overlap of bricks, metres, is large enough to be reported for a contact analysis.
 /// The limit is 1e-4 of the thickness.
-bool isOverlapToTell(double overlap, double thickness);
+bool isReportableOverlap(double overlap, double thickness);
 
 /// A number in at most 20 characters, the limit of CalculiX and Abaqus. The shortest text that
 /// reads back as the same double if it fits, else 14 digits. Zero for magnitudes below 1e-90. The

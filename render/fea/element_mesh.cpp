@@ -1,6 +1,6 @@
 // Builds a mesh of hinged tiles:
 //
-// - 1. Select the number of elements along edges (usualPerEdge, divisionOf).
+// - 1. Select the number of elements along edges (defaultPerEdge, divisionOf).
 // - 2. Divide each kind of tile into quadrilaterals once (element_mesh.h), in weights of its
 //   vertices. Positions follow from the brick and its pose.
 // - 3. Build prisms on these, layer by layer (element_mesh.h).
@@ -41,7 +41,7 @@ namespace kirireel::fea {
 namespace {
 
 /// A single quadratic element cannot represent a varying bending moment.
-constexpr int kLeastUsualPerEdge = 2;
+constexpr int kLeastDefaultPerEdge = 2;
 /// Also the range in the command line's help. Limit for an edge and for the thickness.
 constexpr int kMostElements = 64;
 /// A larger mesh would fill memory, and no program reads it.
@@ -49,7 +49,7 @@ constexpr std::size_t kMostElementsInAll = 4'000'000;
 
 /// Limit of the default: at most half a million nodes, which a direct solver can still factorise on
 /// a workstation.
-constexpr std::size_t kUsualElementsInAll = 60'000;
+constexpr std::size_t kDefaultElementsInAll = 60'000;
 /// Elements with a larger ratio of length to thickness are useless in any program.
 constexpr double kMostAspect = 500;
 
@@ -64,7 +64,7 @@ std::vector<double> edgeLengths(const model::Brick& brick) {
 
 /// A quarter of the least distance between two corners of a tile, which keeps patches apart. At
 /// half this distance patches would touch.
-double usualPatchRadius(const std::vector<model::Brick>& bricks) {
+double defaultPatchRadius(const std::vector<model::Brick>& bricks) {
   double least = std::numeric_limits<double>::infinity();
   for (const model::Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
   return 0.25 * least;
@@ -79,12 +79,13 @@ int perEdgeForPatch(double length, const ElementRule& rule) {
   return static_cast<int>(std::ceil(length / (nodesAnElement * rule.patchRadius) - 1e-9));
 }
 
-/// Number of elements along an edge; `usual` if the rule has none. A length in metres has priority
-/// over the count per edge.
-int elementsAlong(double length, const ElementRule& rule, int usual) {
+/// Number of elements along an edge; `defaultCount` if the rule has none. A length in metres has
+/// priority over the count per edge.
+int elementsAlong(double length, const ElementRule& rule, int defaultCount) {
   if (rule.size > 0) return std::max(1, static_cast<int>(std::ceil(length / rule.size - 1e-9)));
   if (rule.perEdge > 0) return rule.perEdge;
-  return rule.joints == JointStyle::Patch ? std::max(usual, perEdgeForPatch(length, rule)) : usual;
+  return rule.joints == JointStyle::Patch ? std::max(defaultCount, perEdgeForPatch(length, rule))
+                                          : defaultCount;
 }
 
 /// Division of a tile. Tiles with the same division share one footprint. Used as a map key.
@@ -109,23 +110,24 @@ struct Division {
 /// Concave tiles use their triangulation, four-sided tiles a grid, all others a fan. Opposite
 /// edges of a grid have the count of the longer edge. A fan has one even count, by the longest
 /// edge.
-Division divisionOf(const model::Brick& brick, const ElementRule& rule, int usual) {
+Division divisionOf(const model::Brick& brick, const ElementRule& rule, int defaultCount) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());
-  const int half = (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2;
+  const int half = (elementsAlong(std::ranges::max(lengths), rule, defaultCount) + 1) / 2;
   // `parts` are the convex pieces of a concave brick. A fan around its centre could fold over.
   if (!brick.parts.empty()) return {sides, half, 0, model::trianglesOf(brick.bottom, brick.normal)};
   if (takesGrid(brick.bottom, brick.normal)) {
-    return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
-            elementsAlong(std::max(lengths[1], lengths[3]), rule, usual)};
+    return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, defaultCount),
+            elementsAlong(std::max(lengths[1], lengths[3]), rule, defaultCount)};
   }
   return {sides, half, 0};
 }
 
 std::vector<Division> divisionsOf(const std::vector<model::Brick>& bricks, const ElementRule& rule,
-                                  int usual) {
+                                  int defaultCount) {
   std::vector<Division> divisions;
-  for (const model::Brick& brick : bricks) divisions.push_back(divisionOf(brick, rule, usual));
+  for (const model::Brick& brick : bricks)
+    divisions.push_back(divisionOf(brick, rule, defaultCount));
   return divisions;
 }
 
@@ -300,7 +302,8 @@ void divideBricks(const std::vector<model::Brick>& bricks, const std::vector<mod
   if (mesh.rule.family == ElementFamily::Shell) {
     levels = shellLevels(bricks.size(), joints, mesh.rule);
   }
-  std::vector<Division> divisions = divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
+  std::vector<Division> divisions =
+      divisionsOf(bricks, mesh.rule, defaultPerEdge(bricks, mesh.rule));
   matchDivisions(divisions, joints);
   requireReasonableCount(divisions, mesh.rule);
   // Sheets have thousands of tiles and few divisions, so each footprint is made once.
@@ -397,18 +400,18 @@ void requireValidRule(const ElementRule& rule) {
   }
 }
 
-int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
-  int usual = kUsualPerEdge;
-  // The count falls with the square of `usual`, so a few rounds are sufficient.
-  while (usual > kLeastUsualPerEdge &&
-         elementsIn(divisionsOf(bricks, rule, usual), rule) > kUsualElementsInAll) {
-    --usual;
+int defaultPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
+  int defaultCount = kDefaultPerEdge;
+  // The count falls with the square of `defaultCount`, so a few rounds are sufficient.
+  while (defaultCount > kLeastDefaultPerEdge &&
+         elementsIn(divisionsOf(bricks, rule, defaultCount), rule) > kDefaultElementsInAll) {
+    --defaultCount;
   }
-  return usual;
+  return defaultCount;
 }
 
 bool isCoarsened(const std::vector<model::Brick>& bricks, const ElementRule& rule) {
-  return rule.perEdge == 0 && rule.size == 0 && usualPerEdge(bricks, rule) < kUsualPerEdge;
+  return rule.perEdge == 0 && rule.size == 0 && defaultPerEdge(bricks, rule) < kDefaultPerEdge;
 }
 
 ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
@@ -418,7 +421,7 @@ ElementMesh makeElementMesh(const std::vector<model::Brick>& bricks,
   requireBuildable(rule);
   ElementMesh mesh;
   mesh.rule = rule;
-  if (rule.patchRadius == 0) mesh.rule.patchRadius = usualPatchRadius(bricks);
+  if (rule.patchRadius == 0) mesh.rule.patchRadius = defaultPatchRadius(bricks);
   divideBricks(bricks, joints, poses, mesh);
   mesh.ends = endsOf(mesh);
   joinTiles(mesh, joints);

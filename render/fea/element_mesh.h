@@ -32,8 +32,8 @@ enum class ElementFamily {
 /// Rule for dividing bricks into elements. Errors of the defaults (up to 468 squares): 1.1% for a
 /// clamped plate 50 times as wide as thick, 1.7% for a cantilever 20 times as long as thick.
 struct ElementRule {
-  int perEdge = 0;        ///< elements along each edge of a tile, 1 to 64; 0: usualPerEdge, more if
-                          ///< joint patches need them
+  int perEdge = 0;  ///< elements along each edge of a tile, 1 to 64; 0: defaultPerEdge, more if
+                    ///< joint patches need them
   int through = 2;        ///< elements through the thickness, 1 to 64
   bool quadratic = true;  ///< 20 nodes per element, else 8
   JointStyle joints = JointStyle::Shared;  ///< connection of tiles at their joints
@@ -155,12 +155,12 @@ struct ElementMesh {
 void requireValidRule(const ElementRule& rule);
 
 /// Default number of elements along an edge, if the sheet is not too large.
-inline constexpr int kUsualPerEdge = 8;
+inline constexpr int kDefaultPerEdge = 8;
 
 /// Default number of elements along edges: 8, or as many as keep the sheet below 60,000 elements,
 /// but >= 2. The rule's other fields (through, joints, patchRadius) are used. It divides no brick
 /// and makes up to seven passes over them.
-int usualPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule);
+int defaultPerEdge(const std::vector<model::Brick>& bricks, const ElementRule& rule);
 
 /// Whether the default number of elements along edges is below 8. Messages report this to the
 /// user.

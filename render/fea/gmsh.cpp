@@ -391,9 +391,9 @@ double sizeOf(const std::vector<Vector3>& nodes) {
   return nodes.empty() ? 0 : box.sizes().norm();
 }
 
-/// For each node whether another coincides with it; `laterAlone`: an earlier one.
+/// For each node whether another coincides with it; `onlyLater`: an earlier one.
 std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolerance,
-                                bool laterAlone) {
+                                bool onlyLater) {
   const Vector3 direction = Vector3(1, std::sqrt(2.0), std::sqrt(3.0)) / std::sqrt(6.0);
   std::vector<double> along(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) along[k] = direction.dot(nodes[k]);
@@ -406,7 +406,7 @@ std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolera
       if (along[order[b]] - along[order[a]] > tolerance) break;
       if ((nodes[order[a]] - nodes[order[b]]).norm() > tolerance) continue;
       found[std::max(order[a], order[b])] = true;
-      if (!laterAlone) found[std::min(order[a], order[b])] = true;
+      if (!onlyLater) found[std::min(order[a], order[b])] = true;
     }
   }
   return found;

@@ -138,9 +138,9 @@ struct CellSizes {
 CellSizes cellSizes(const writers::NeckOutline& outline, const ElementRule& rule, double tileSize) {
   const double perEdge = rule.perEdge > 0 ? rule.perEdge
                          : rule.size > 0  ? tileSize / rule.size
-                                          : kUsualPerEdge;
+                                          : kDefaultPerEdge;
   const double linear = rule.quadratic ? 1 : 0.5;
-  const double atNecks = linear * outline.neckWidth / kAcrossNeck * kUsualPerEdge / perEdge;
+  const double atNecks = linear * outline.neckWidth / kAcrossNeck * kDefaultPerEdge / perEdge;
   CellSizes sizes;
   // Elements far from necks are never smaller than at necks.
   sizes.most = std::max(linear * tileSize / perEdge, atNecks);

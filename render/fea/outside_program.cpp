@@ -103,11 +103,11 @@ std::string writtenByGmsh(const std::string& geometry, const std::string& name,
   std::string text = writtenText(output);
   if (end == 0 && !text.empty()) return text;
   // The first error is the cause of later ones.
-  const std::string said = writtenText(log);
-  std::size_t first = said.find("Error");
+  const std::string messages = writtenText(log);
+  std::size_t first = messages.find("Error");
   if (first == std::string::npos) first = 0;
   throw RunError(fmt::format("error: gmsh cannot {} ({})", failure,
-                             said.substr(first, said.find('\n', first) - first)));
+                             messages.substr(first, messages.find('\n', first) - first)));
 }
 
 }  // namespace

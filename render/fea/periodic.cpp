@@ -352,7 +352,7 @@ class LatticeFinder {
   }
 
   /// Whether the periods separate the tiles of each class.
-  bool tellsApart(const VectorLattice& lattice, int a, int b, int d) const {
+  bool separatesTiles(const VectorLattice& lattice, int a, int b, int d) const {
     for (const std::vector<int>& members : members_) {
       std::set<Offset> seen;
       for (const int tile : members) {
@@ -378,7 +378,7 @@ class LatticeFinder {
     for (int d = 1; d <= m; ++d) {
       if (m % d != 0) continue;
       for (int b = 0; b < m / d; ++b) {
-        if (!tellsApart(lattice, m / d, b, d)) continue;
+        if (!separatesTiles(lattice, m / d, b, d)) continue;
         VectorLattice& periods = found.emplace_back(tolerance_);
         periods.add(m / d * lattice.basis()[0]);
         periods.add(b * lattice.basis()[0] + d * lattice.basis()[1]);

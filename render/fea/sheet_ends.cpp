@@ -53,7 +53,7 @@ class EndFinder {
         const Vector3 outward = (b - a).normalized().cross(normals_[p]);
         const bool isNear = extreme - std::min(out.dot(a), out.dot(b)) <= reach;
         if (!isNear || outward.dot(out) < std::sqrt(0.5) - kSameDirection) continue;
-        if (seesOut(0.5 * (a + b), axis, sign, 3 - axis - seen)) found.push_back({p, e});
+        if (isUnobstructed(0.5 * (a + b), axis, sign, 3 - axis - seen)) found.push_back({p, e});
       }
     }
     return found;
@@ -62,7 +62,7 @@ class EndFinder {
  private:
   /// Whether no edge lies farther out on the line through a point along the axis, as seen along the
   /// third axis; `across` is the one across both.
-  bool seesOut(const Vector3& point, int axis, double sign, int across) const {
+  bool isUnobstructed(const Vector3& point, int axis, double sign, int across) const {
     const Vector3 at = axes_.transpose() * point;
     const double tolerance = kSameExtent * box_.sizes().norm();
     for (const std::vector<Vector3>& polygon : polygons_) {

@@ -180,7 +180,7 @@ std::string contentsText(const FileList& files) {
   return sealed(jsonText(Json{{"contents", contents}}, 2) + "\n");
 }
 
-LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {
+RecordedFiles::RecordedFiles(fs::path folder) : folder_(std::move(folder)) {
   // merge() keeps existing entries, so contents.json has priority.
   for (const char* record : {kContents, kSummary}) {
     const std::string text = sealedText(folder_ / record);
@@ -191,11 +191,11 @@ LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {
   }
 }
 
-bool LeftFiles::isForeign(const std::string& name) const {
-  return isThere(folder_ / name) && !isAsLeft(name);
+bool RecordedFiles::isForeign(const std::string& name) const {
+  return isThere(folder_ / name) && !isUnchanged(name);
 }
 
-bool LeftFiles::isAsLeft(const std::string& name) const {
+bool RecordedFiles::isUnchanged(const std::string& name) const {
   const auto noted = files_.find(name);
   return noted != files_.end() && !leadsThroughLink(folder_, name) &&
          difference(folder_, noted->second).empty();
@@ -325,9 +325,9 @@ void clearStage(const fs::path& stage) {
 }
 
 /// Removes files of earlier runs that the new record does not list.
-void removeStale(const fs::path& folder, const LeftFiles& left, const FileList& files) {
+void removeStale(const fs::path& folder, const RecordedFiles& left, const FileList& files) {
   for (const auto& [name, digest] : left.files()) {
-    if (files.contains(name) || name == kSummary || !left.isAsLeft(name)) continue;
+    if (files.contains(name) || name == kSummary || !left.isUnchanged(name)) continue;
     std::error_code error;
     fs::remove(folder / name, error);
     if (error) {
@@ -340,7 +340,7 @@ void removeStale(const fs::path& folder, const LeftFiles& left, const FileList& 
 
 /// Moves all files in a complete record of the stage, and the record last.
 void moveAll(const fs::path& folder, const fs::path& stage, const char* record) {
-  const LeftFiles left(folder);
+  const RecordedFiles left(folder);
   const FileList files = listedFiles(stage / record);
   std::vector<std::string> foreign;
   if (left.isForeign(record)) foreign.emplace_back(record);
@@ -385,7 +385,7 @@ void FileSet::dropCheckpoint() const {
 }
 
 void FileSet::requireFree(const std::function<bool(const std::string&)>& isRequested) const {
-  const LeftFiles left(folder_);
+  const RecordedFiles left(folder_);
   std::vector<std::string> foreign;
   const auto look = [&](const std::string& name, bool isFolder) {
     const bool isTaken = isRequested(name) && left.isForeign(name);
@@ -413,10 +413,10 @@ void FileSet::commit(const std::string& recordText) {
 
 void FileSet::commit(const std::vector<std::string>& names) {
   FileList files;
-  const LeftFiles left(folder_);
+  const RecordedFiles left(folder_);
   // Unmodified files of earlier exports stay in the list.
   for (const auto& [name, digest] : listedFiles(folder_ / record_)) {
-    if (left.isAsLeft(name)) files[name] = digest;
+    if (left.isUnchanged(name)) files[name] = digest;
   }
   for (const std::string& name : names) files[name] = digestOf(stage_, name);
   commit(contentsText(files));

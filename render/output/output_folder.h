@@ -108,10 +108,10 @@ std::string contentsText(const FileList& files);
 
 /// The files of earlier runs, exports and renderings in a folder, according to its records.
 /// Modified records are ignored.
-class LeftFiles {
+class RecordedFiles {
  public:
   /// Reads the records in this folder, which need not exist.
-  explicit LeftFiles(std::filesystem::path folder);
+  explicit RecordedFiles(std::filesystem::path folder);
 
   /// Whether this name exists but is not a file in its recorded state: another file, a folder, a
   /// dangling link. A link to identical bytes may be replaced. Reads the file if its size
@@ -119,7 +119,7 @@ class LeftFiles {
   bool isForeign(const std::string& name) const;
 
   /// Whether a file with this name is in its recorded state and not reached through a link.
-  bool isAsLeft(const std::string& name) const;
+  bool isUnchanged(const std::string& name) const;
 
   /// All files in the records; contents.json has priority over summary.json.
   const FileList& files() const { return files_; }

@@ -415,7 +415,7 @@ Json statesJson(const trajectory::TrajectoryReader& run, const picture::PictureC
 
 /// Whether a diagram of a group is useful: its values vary by more than rounding. For values that
 /// are always small, such as gaps, the size is useful.
-bool isWorthShowing(const trajectory::CurveGroup& group) {
+bool hasVisibleVariation(const trajectory::CurveGroup& group) {
   constexpr double kRounding = 1e-12;
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const trajectory::Curve& curve : group.curves) {
@@ -435,7 +435,7 @@ bool isWorthShowing(const trajectory::CurveGroup& group) {
 Json curvesJson(const trajectory::RunCurves& curves) {
   Json groups = Json::array();
   for (const trajectory::CurveGroup& group : curves.groups) {
-    if (!group.hasValues() || !isWorthShowing(group)) continue;
+    if (!group.hasValues() || !hasVisibleVariation(group)) continue;
     Json lines = Json::array();
     for (const trajectory::Curve& curve : group.curves) {
       // A spatial sheet has some measures only at its start.

@@ -257,7 +257,7 @@ Axes viewIn(const Axes& axes, double azimuth, double elevation) {
 }
 
 /// The best of the set of directions; of equally good ones, the nearest to a default view.
-Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles usual,
+Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles fallback,
                    bool fromBelow) {
   const std::vector<TriangulatedState> surfaces(states.begin(), states.end());
   DepthBuffer buffer;
@@ -278,11 +278,11 @@ Axes bestDirection(std::span<const Tiles> states, const Axes& axes, ViewAngles u
       candidates.emplace_back(value, view);
     }
   }
-  const Vector3 towardsUsual = viewIn(axes, usual.azimuth, usual.elevation).z;
+  const Vector3 towardsDefault = viewIn(axes, fallback.azimuth, fallback.elevation).z;
   std::optional<Axes> best;
   for (const auto& [value, view] : candidates) {
     if (value < kNearlyBest * most) continue;
-    if (!best || view.z.dot(towardsUsual) > best->z.dot(towardsUsual) + kRounding) best = view;
+    if (!best || view.z.dot(towardsDefault) > best->z.dot(towardsDefault) + kRounding) best = view;
   }
   return *best;
 }

@@ -523,8 +523,8 @@ std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settin
 
 // ------------------------------------------------------------------------------------------------
 // Faces are painted in the order of farthestFirst(), each filled completely and closed along its
-// cuts. The visible parts of their own sides (seenOutlines()) are drawn over all of them as lines
-// of constant width. Sides that come from cutting are not drawn.
+// cuts. The visible parts of their own sides (visibleOutlines()) are drawn over all of them as
+// lines of constant width. Sides that come from cutting are not drawn.
 
 namespace {
 
@@ -560,14 +560,14 @@ std::vector<Canvas::Points> cutSides(const CutPolygon& polygon, const Canvas::Po
   while (first < count && isCut((first + count - 1) % count)) ++first;
   if (first == count) first = 0;
   std::vector<Canvas::Points> lines;
-  bool goesOn = false;
+  bool isContinued = false;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t side = (first + k) % count;
     if (isCut(side)) {
-      if (!goesOn) lines.push_back({corners[side]});
+      if (!isContinued) lines.push_back({corners[side]});
       lines.back().push_back(corners[(side + 1) % count]);
     }
-    goesOn = isCut(side);
+    isContinued = isCut(side);
   }
   return lines;
 }
@@ -613,7 +613,7 @@ void drawShadow(std::vector<Piece> pieces, const Projector& project, const std::
   canvas.end();
 }
 
-void drawOutlines(const std::vector<SeenOutline>& outlines, const Projector& project,
+void drawOutlines(const std::vector<VisibleOutline>& outlines, const Projector& project,
                   Canvas& canvas) {
   for (const auto& [lines, pale, opacity] : outlines) {
     std::vector<Canvas::Points> slits, silhouettes;
@@ -647,7 +647,7 @@ void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSi
   layer("bricks", farthestFirst(bricks));
   if (!geometry.outlines.empty()) {
     canvas.begin(layerName("outlines"));
-    drawOutlines(seenOutlines(geometry, bricks, camera, canvas.silhouetteWidth() / size.height),
+    drawOutlines(visibleOutlines(geometry, bricks, camera, canvas.silhouetteWidth() / size.height),
                  project, canvas);
     canvas.end();
   }

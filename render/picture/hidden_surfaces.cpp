@@ -363,7 +363,7 @@ class OutlineChain {
   }
 
   /// Joins the last line to the first if it ends at its start.
-  std::vector<SeenLine> finish() {
+  std::vector<VisibleLine> finish() {
     if (lines_.size() > 1 && lines_.back().isSilhouette == lines_.front().isSilhouette &&
         lines_.back().points.back() == lines_.front().points.front()) {
       std::vector<Vector3>& points = lines_.back().points;
@@ -374,7 +374,7 @@ class OutlineChain {
   }
 
  private:
-  std::vector<SeenLine> lines_;
+  std::vector<VisibleLine> lines_;
 };
 
 /// Finds the visible parts of the sides of faces.
@@ -388,8 +388,8 @@ class SideFinder {
         silhouetteWidth_(silhouetteWidth) {}
 
   /// Appends the visible parts of a side.
-  void addSeen(const Vector3& from, const Vector3& to, OutlineChain& chain) {
-    const std::vector<Interval> seen = seenParts(from, to);
+  void addVisible(const Vector3& from, const Vector3& to, OutlineChain& chain) {
+    const std::vector<Interval> seen = visibleParts(from, to);
     if (seen.empty()) return;
     const std::vector<Interval> bare = bareParts(from, to);
     std::vector<std::pair<Interval, bool>> parts;
@@ -400,7 +400,7 @@ class SideFinder {
   }
 
  private:
-  std::vector<Interval> seenParts(const Vector3& from, const Vector3& to) {
+  std::vector<Interval> visibleParts(const Vector3& from, const Vector3& to) {
     const Eigen::Vector2d begin = view_(from), end = view_(to);
     std::vector<Interval> hidden;
     for (const std::size_t k : grid_.near(Eigen::AlignedBox2d(begin).extend(end))) {
@@ -464,12 +464,12 @@ std::vector<Piece> drawnPieces(const PictureGeometry& geometry, const Camera& ca
   return pieces;
 }
 
-std::vector<SeenOutline> seenOutlines(const PictureGeometry& geometry,
-                                      const std::vector<Piece>& pieces, const Camera& camera,
-                                      double silhouetteWidth) {
+std::vector<VisibleOutline> visibleOutlines(const PictureGeometry& geometry,
+                                            const std::vector<Piece>& pieces, const Camera& camera,
+                                            double silhouetteWidth) {
   const Plane nearPlane = nearPlaneOf(camera);
   SideFinder finder(pieces, camera, silhouetteWidth);
-  std::vector<SeenOutline> outlines;
+  std::vector<VisibleOutline> outlines;
   for (const FaceOutline& outline : geometry.outlines) {
     checkInterruption();
     OutlineChain chain;
@@ -481,7 +481,7 @@ std::vector<SeenOutline> seenOutlines(const PictureGeometry& geometry,
       const Vector3 cut = from + before / (before - after) * (to - from);
       if (before < 0) from = cut;
       if (after < 0) to = cut;
-      finder.addSeen(from, to, chain);
+      finder.addVisible(from, to, chain);
     }
     outlines.push_back({chain.finish(), outline.pale, outline.opacity});
   }

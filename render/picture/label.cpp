@@ -199,14 +199,14 @@ namespace {
 /// The match of fontconfig for a family and a weight.
 OwnedPattern matchFont(const std::string& family, Weight weight) {
   const auto* name = reinterpret_cast<const FcChar8*>(family.c_str());
-  const OwnedPattern wanted(FcPatternCreate());
-  FcPatternAddString(wanted.get(), FC_FAMILY, name);
-  FcPatternAddBool(wanted.get(), FC_SCALABLE, FcTrue);
-  if (weight == Weight::Bold) FcPatternAddInteger(wanted.get(), FC_WEIGHT, FC_WEIGHT_BOLD);
-  FcConfigSubstitute(nullptr, wanted.get(), FcMatchPattern);
-  FcDefaultSubstitute(wanted.get());
+  const OwnedPattern request(FcPatternCreate());
+  FcPatternAddString(request.get(), FC_FAMILY, name);
+  FcPatternAddBool(request.get(), FC_SCALABLE, FcTrue);
+  if (weight == Weight::Bold) FcPatternAddInteger(request.get(), FC_WEIGHT, FC_WEIGHT_BOLD);
+  FcConfigSubstitute(nullptr, request.get(), FcMatchPattern);
+  FcDefaultSubstitute(request.get());
   FcResult result = FcResultNoMatch;
-  return OwnedPattern(FcFontMatch(nullptr, wanted.get(), &result));
+  return OwnedPattern(FcFontMatch(nullptr, request.get(), &result));
 }
 
 }  // namespace

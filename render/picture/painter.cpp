@@ -5,7 +5,7 @@
 //   overlay.
 // - 2. Tessellator converts them to triangles in clip coordinates. Translucent polygons are first
 //   cut and sorted from far to near (makePieces), since blending requires that order everywhere.
-//   The visible outlines (seenOutlines) are drawn over all faces: lines of constant width, as in
+//   The visible outlines (visibleOutlines) are drawn over all faces: lines of constant width, as in
 //   vector graphics, made of rectangles and of discs at their corners.
 // - 3. The picture is divided into parts of at most 2048 x 1024 pixels that contain triangles.
 //   The triangles of each part are drawn to a framebuffer of 2 x 3 samples per pixel: ground and
@@ -166,12 +166,12 @@ class Tessellator {
 
   /// Each outline is nearer to the eye than the previous one and has one depth. If the lines of a
   /// translucent outline overlap, they are blended only once.
-  void append(std::vector<SeenOutline> outlines, const Style& style) {
+  void append(std::vector<VisibleOutline> outlines, const Style& style) {
     // Each blending rounds to bytes, so a fixed order makes the picture independent of the order of
     // bricks.
-    std::erase_if(outlines, [](const SeenOutline& outline) { return outline.lines.empty(); });
-    if (std::ranges::any_of(outlines, [](const SeenOutline& o) { return o.opacity < 1; })) {
-      std::ranges::stable_sort(outlines, {}, [](const SeenOutline& outline) {
+    std::erase_if(outlines, [](const VisibleOutline& outline) { return outline.lines.empty(); });
+    if (std::ranges::any_of(outlines, [](const VisibleOutline& o) { return o.opacity < 1; })) {
+      std::ranges::stable_sort(outlines, {}, [](const VisibleOutline& outline) {
         const Vector3& point = outline.lines[0].points[0];
         return std::tuple(outline.opacity, outline.pale, point.x(), point.y(), point.z());
       });
@@ -464,7 +464,7 @@ void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& c
   const Style& style = subject.style;
   if (style.slitWidth > 0) {
     tessellator.append(
-        seenOutlines(geometry, drawnPieces(geometry, camera), camera, style.silhouetteWidth),
+        visibleOutlines(geometry, drawnPieces(geometry, camera), camera, style.silhouetteWidth),
         style);
   }
   mesh.linesEnd = mesh.facetCount();
@@ -474,10 +474,11 @@ void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& c
 
 /// Most pictures of a run have parts of the same size, so the framebuffer is seldom made.
 void Painter::Parts::fitSamples(const PixelBox& part) {
-  const Eigen::Vector2i wanted(part.sizes().x() * kSamplesAcross, part.sizes().y() * samplesDown);
-  if (samples && samples->sides() == wanted) return;
+  const Eigen::Vector2i requested(part.sizes().x() * kSamplesAcross,
+                                  part.sizes().y() * samplesDown);
+  if (samples && samples->sides() == requested) return;
   samples.reset();
-  samples.emplace(wanted.x(), wanted.y());
+  samples.emplace(requested.x(), requested.y());
 }
 
 /// Selects triangles that may touch the rows of a part.

@@ -184,14 +184,14 @@ std::vector<Piece> drawnPieces(const PictureGeometry& geometry, const Camera& ca
 
 /// A visible part of an outline through two or more points, world axes. A closed line ends at its
 /// start.
-struct SeenLine {
+struct VisibleLine {
   std::vector<Vector3> points;  ///< metres
   bool isSilhouette = false;    ///< its outer side shows something farther away or nothing
 };
 
 /// The visible lines of an outline.
-struct SeenOutline {
-  std::vector<SeenLine> lines;
+struct VisibleOutline {
+  std::vector<VisibleLine> lines;
   bool pale = false;   ///< see FaceOutline
   double opacity = 1;  ///< of its brick
 };
@@ -202,9 +202,9 @@ struct SeenOutline {
 /// the width of a silhouette (in heights of the picture) and within that depth. With width 0 there
 /// are no silhouettes. Lines are drawn over all faces: otherwise a neighbouring face would cover
 /// half of a line. Parts nearer than the camera's near plane are removed.
-std::vector<SeenOutline> seenOutlines(const PictureGeometry& geometry,
-                                      const std::vector<Piece>& pieces, const Camera& camera,
-                                      double silhouetteWidth);
+std::vector<VisibleOutline> visibleOutlines(const PictureGeometry& geometry,
+                                            const std::vector<Piece>& pieces, const Camera& camera,
+                                            double silhouetteWidth);
 
 /// Sorts facets that face the camera, so each may hide only previous ones. Facets on both sides of
 /// another's plane are cut (binary space partition; Fuchs, Kedem and Naylor 1980). Also correct for

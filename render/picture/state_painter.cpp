@@ -46,9 +46,9 @@ double groundHeight(const PictureContent& content) {
 
 /// Absent if it would show nothing.
 std::optional<GroundPlate> plateFor(const Look& look, const PictureContent& content) {
-  const bool wanted = look.ground == GroundLook::Auto ? content.groundHeight.has_value()
-                                                      : look.ground != GroundLook::None;
-  if (!wanted || content.points.empty()) return std::nullopt;
+  const bool requested = look.ground == GroundLook::Auto ? content.groundHeight.has_value()
+                                                         : look.ground != GroundLook::None;
+  if (!requested || content.points.empty()) return std::nullopt;
   GroundPlate plate = groundUnder(content.points, groundHeight(content));
   plate.visible = look.ground != GroundLook::Shadow;
   return plate;
@@ -103,7 +103,7 @@ Style styleFor(const Look& look, const PictureContent& content, FrameSize size) 
 
 /// Points that cameras keep in view: the content's points and their shadows, if any, with soft
 /// edges. A shadow multiplies their number by five.
-std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& style) {
+std::vector<Vector3> pointsInView(const PictureContent& content, const Style& style) {
   std::vector<Vector3> points = content.points;
   if (!style.plate || !style.plate->shadow) return points;
   for (const Vector3& point : content.points) {
@@ -164,7 +164,7 @@ PictureContent makeContent(const model::Model& model, const model::BrickRule& ru
   content.pivots = model::makePivots(model.joints, content.bricks);
   content.target = model.target;
   if (ground) content.groundHeight = ground->height;
-  keepInSight(content, content.start);
+  keepInView(content, content.start);
   if (content.target) {
     const std::vector<model::Brick> atTarget = model::makeBricks(*content.target, rule);
     append(content.points, brickCorners(atTarget, model::startPoses(*content.target, atTarget)));
@@ -172,7 +172,7 @@ PictureContent makeContent(const model::Model& model, const model::BrickRule& ru
   return content;
 }
 
-void keepInSight(PictureContent& content, const Poses& poses) {
+void keepInView(PictureContent& content, const Poses& poses) {
   append(content.points, shownCorners(content, poses));
 }
 
@@ -203,7 +203,7 @@ PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize s
       style_(styleFor(look, content_, requireValidSize(size))),
       palette_(look, content_),
       size_(size),
-      cameras_(cameraFor(look, content_), pointsInSight(content_, style_), size.aspect()),
+      cameras_(cameraFor(look, content_), pointsInView(content_, style_), size.aspect()),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines) {
   if (!targetLines_ || content_.target) return;
@@ -345,10 +345,10 @@ Colour between(Colour from, Colour to, double share) {
 
 /// Text size at which the widest caption fits.
 int textSize(FrameSize whole, const std::string& longest) {
-  const int wanted = std::max(kLeastText, rounded(kTextShare * whole.height));
-  if (longest.empty()) return wanted;
-  const double width = LabelWriter(wanted).width(longest);
-  const double fitting = wanted * std::min(1.0, kUsedWidth * whole.width / width);
+  const int requested = std::max(kLeastText, rounded(kTextShare * whole.height));
+  if (longest.empty()) return requested;
+  const double width = LabelWriter(requested).width(longest);
+  const double fitting = requested * std::min(1.0, kUsedWidth * whole.width / width);
   return std::max(kLeastText, static_cast<int>(fitting));
 }
 

@@ -289,7 +289,7 @@ bool showsAllBricks(const PictureContent& content, const Poses& poses);
 std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& poses);
 
 /// Adds the same corners to the points that cameras keep in view.
-void keepInSight(PictureContent& content, const Poses& poses);
+void keepInView(PictureContent& content, const Poses& poses);
 
 /// Whether the look requests an automatic camera direction.
 bool needsView(const Look& look);

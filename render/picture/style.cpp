@@ -229,12 +229,12 @@ double luminanceOf(double lightness) {
 }
 
 /// The same hue with another luminance: darker in proportion, or mixed with white.
-Colour withLuminance(Colour colour, double wanted) {
+Colour withLuminance(Colour colour, double requested) {
   const double present = luminance(colour);
   const auto change = [&](std::uint8_t channel) {
     const double light = toLight(channel);
-    if (wanted <= present) return fromLight(present > 0 ? light * wanted / present : 0);
-    return fromLight(light + (wanted - present) / (1 - present) * (1 - light));
+    if (requested <= present) return fromLight(present > 0 ? light * requested / present : 0);
+    return fromLight(light + (requested - present) / (1 - present) * (1 - light));
   };
   return {change(colour.red), change(colour.green), change(colour.blue), colour.alpha};
 }

@@ -246,7 +246,7 @@ void VideoWriter::Internals::makeImage() {
 /// Each encoder uses the options that it knows and ignores the others.
 void VideoWriter::Internals::setQuality() const {
   void* options = encoder->priv_data;
-  const int crf = settings.crf.value_or(format.usualCrf);
+  const int crf = settings.crf.value_or(format.defaultCrf);
   if (crf >= 0) av_opt_set_int(options, "crf", crf, 0);
   if (settings.encoder == "libx264") {
     const bool isAuto = settings.preset == "auto";
@@ -539,13 +539,13 @@ void requireFittingSize(const VideoFormat& format, FrameSize size) {
 
 void requireFittingQuality(const VideoFormat& format, std::optional<int> crf) {
   if (!crf) return;
-  if (format.usualCrf < 0) {
+  if (format.defaultCrf < 0) {
     throw InputError(fmt::format("error: {} has no crf; remove --crf", format.name));
   }
   if (*crf >= 0 && *crf <= format.worstCrf) return;
   throw InputError(
       fmt::format("error: the video's crf is {}; give 0 (best) to {} (worst), for example {}", *crf,
-                  format.worstCrf, format.usualCrf));
+                  format.worstCrf, format.defaultCrf));
 }
 
 }  // namespace

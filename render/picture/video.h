@@ -36,7 +36,7 @@ struct VideoFormat {
   const char* conversion;
   const char* alphaConversion;  ///< the same with alpha; null: the format has none
   bool evenSides;               ///< colour planes of half the size
-  int usualCrf;                 ///< visually lossless; < 0 if the format has no such quality
+  int defaultCrf;               ///< visually lossless; < 0 if the format has no such quality
   int worstCrf;                 ///< the maximum: the lowest quality
 };
 

@@ -373,18 +373,18 @@ py::array_t<double> sampleRotations(const trajectory::Sample& sample) {
 /// the run and is thrown again afterwards.
 class SampleReporter {
  public:
-  explicit SampleReporter(py::object tell) : tell_(std::move(tell)) {}
+  explicit SampleReporter(py::object report) : callback_(std::move(report)) {}
 
   /// False ends the run. Call it without the interpreter lock.
   bool operator()(const trajectory::Sample& sample) {
-    if (tell_.is_none()) return true;
+    if (callback_.is_none()) return true;
     // The run does not hold the interpreter lock, so other Python threads continue. It holds the
     // lock only for the call.
     const py::gil_scoped_acquire acquire;
     if (thrown_) return false;
     try {
       // None, the result of a function without return, continues the run.
-      return !tell_(sample).is(py::bool_(false));
+      return !callback_(sample).is(py::bool_(false));
     } catch (...) {
       thrown_ = std::current_exception();
       return false;
@@ -396,7 +396,7 @@ class SampleReporter {
   }
 
  private:
-  py::object tell_;
+  py::object callback_;
   std::exception_ptr thrown_;
 };
 
@@ -407,13 +407,13 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
       cli::parseRunOptions(loaded, optionWords(options, cli::optionsNotForRuns()));
   std::vector<std::string> warnings;
   std::shared_ptr<DeployedRun> run;
-  SampleReporter tell(onSample);
+  SampleReporter report(onSample);
   withoutInterpreter([&] {
     cli::RecordResult prepared = cli::prepareOrder(order, warnings);
     const auto samples = std::make_shared<trajectory::SampleTable>();
     const deploy::SampleObserver keep = [&](const trajectory::Sample& sample) {
       samples->append(sample);
-      return tell(sample);
+      return report(sample);
     };
     // Warnings are collected, since they may come from threads without the interpreter lock.
     const deploy::TrialObserver search = [&](const deploy::SearchNews& news) {
@@ -426,7 +426,7 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
         deploy::deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
     run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
   });
-  tell.rethrow();
+  report.rethrow();
   warn(warnings);
   return run;
 }

@@ -186,17 +186,17 @@ std::vector<trajectory::CurveGroup> selectCurves(const trajectory::RunCurves& cu
   std::vector<trajectory::CurveGroup> selected;
   std::vector<std::string> known;
   for (const std::string& name : names) {
-    const std::string wanted = name == "theta" ? withoutUnit(kOpening) : name;
+    const std::string requestedName = name == "theta" ? withoutUnit(kOpening) : name;
     const std::size_t before = selected.size();
     known.clear();
     for (const trajectory::CurveGroup& group : curves.groups) {
       known.push_back(slugOf(group.name));
-      if (known.back() == wanted) selected.push_back(group);
-      if (known.back() == wanted) break;
+      if (known.back() == requestedName) selected.push_back(group);
+      if (known.back() == requestedName) break;
       for (const trajectory::Curve& curve : group.curves) {
         const std::string column = withoutUnit(curve.column);
         if (column != slugOf(group.name)) known.push_back(column);
-        if (column != wanted && curve.column != wanted) continue;
+        if (column != requestedName && curve.column != requestedName) continue;
         selected.push_back({group.name, group.unit, group.isLogarithmic, {curve}});
       }
     }

@@ -110,7 +110,7 @@ constexpr int kMostPainters = 16;
 constexpr int kMostRasterThreads = 16;
 
 /// Pictures, meshes and exports are made from it.
-bool leavesTrajectory(const RecordSettings& settings) {
+bool keepsTrajectory(const RecordSettings& settings) {
   return settings.trajectory || settings.meshes || settings.paints() ||
          !settings.exports.formats.empty();
 }
@@ -183,20 +183,21 @@ class LiveRun {
   /// Observers are called on this thread, the writer writes on another.
   void deploy() {
     std::optional<ThreadedTrajectoryWriter> writer;
-    if (leavesTrajectory(settings_)) {
+    if (keepsTrajectory(settings_)) {
       subject_.settings = settingsText(scene_, settings_);
       writer.emplace(settings_.folder / output::kTrajectory, subject_);
     }
     const deploy::SampleObserver watch = [&](const trajectory::Sample& sample) {
       keep(sample);
       const bool taken = !writer || writer->take(end_.last);
-      return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
+      return taken &&
+             reportProgress("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
     const deploy::TrialObserver searching = [&](const deploy::SearchNews& news) {
       if (!news.warning.empty()) reportWarning(news.warning);
-      return tell("searching a path", news.share);
+      return reportProgress("searching a path", news.share);
     };
-    const InterruptionScope scope([this] { endStepThatTakesLong(); });
+    const InterruptionScope scope([this] { endLongStep(); });
     end_.result = deployer_(scene_, settings_.sampleInterval(), watch, searching,
                             settings_.order.empty() ? nullptr : &checkpoints_);
     if (interruption_) nameInterruption(*interruption_, end_.result);
@@ -222,7 +223,7 @@ class LiveRun {
 
   /// Returns whether the deployment continues. After the first stop the observer is not called
   /// again.
-  bool tell(const char* stage, double share) {
+  bool reportProgress(const char* stage, double share) {
     stage_ = stage;
     share_ = share;
     if (interruption_) return false;
@@ -232,9 +233,9 @@ class LiveRun {
   }
 
   /// Samples and news of the search may be far apart.
-  void endStepThatTakesLong() {
+  void endLongStep() {
     if (!InterruptionCatcher::isThere() || Clock::now() - reportedAt_ < kPatience) return;
-    if (!tell(stage_, share_)) throw Interrupted();
+    if (!reportProgress(stage_, share_)) throw Interrupted();
   }
 
   void keep(const trajectory::Sample& sample) {
@@ -407,7 +408,7 @@ bool isPicture(const std::string& name, const PictureSettings& settings) {
 bool isOutput(const std::string& name, const RecordSettings& settings) {
   if (name == output::kSummary || name == output::kFinalVertices) return true;
   if (name == output::kLoadCurve) return true;
-  if (leavesTrajectory(settings) && name == output::kTrajectory) return true;
+  if (keepsTrajectory(settings) && name == output::kTrajectory) return true;
   if (settings.paints() && isPicture(name, settings)) return true;
   if (exports::isExported(name, settings.exports)) return true;
   for (const char* ending : {".obj", ".ply"}) {
@@ -452,7 +453,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   prepareGraphics(settings);
   run.deploy();
   summarize(run.end(), summary);
-  if (leavesTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
+  if (keepsTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
   writeLoadCurve(settings, summary);

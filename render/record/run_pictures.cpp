@@ -47,12 +47,11 @@ constexpr std::size_t kWaitingFrames = 4;
 constexpr double kBorder = 1 + 1e-9;
 
 /// Always includes the last sample.
-void keepRunInSight(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
+void keepRunInView(picture::PictureContent& content, const trajectory::TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
-  for (std::size_t i = 0; i < count; i += stride)
-    picture::keepInSight(content, run.sample(i).poses);
-  picture::keepInSight(content, run.sample(count - 1).poses);
+  for (std::size_t i = 0; i < count; i += stride) picture::keepInView(content, run.sample(i).poses);
+  picture::keepInView(content, run.sample(count - 1).poses);
 }
 
 /// For the colour scale: its maximum is the largest value in these states.
@@ -89,7 +88,7 @@ bool choosesCamera(const PictureSettings& settings) {
 }
 
 /// Clip coordinates outside [-w, w] are outside the picture.
-bool seesAll(const picture::PictureSetup& setup, const picture::ShownState& state, double aspect) {
+bool showsAll(const picture::PictureSetup& setup, const picture::ShownState& state, double aspect) {
   const Eigen::Matrix4d clip = picture::clipFromWorld(setup.camera(state), aspect);
   const std::vector<Vector3> corners = picture::shownCorners(setup.content(), state.poses);
   return std::ranges::all_of(corners, [&](const Vector3& corner) {
@@ -99,10 +98,10 @@ bool seesAll(const picture::PictureSetup& setup, const picture::ShownState& stat
 }
 
 /// Whether pictures of this content show every sample of the run completely. Checks every sample.
-bool seesRun(const trajectory::TrajectoryReader& run, const picture::PictureSetup& setup) {
+bool showsRun(const trajectory::TrajectoryReader& run, const picture::PictureSetup& setup) {
   for (std::size_t i = 0; i < run.times().size(); ++i) {
     const trajectory::Sample sample = run.sample(i);
-    if (!seesAll(setup, {sample.time, sample.poses, {}}, setup.pictureSize().aspect())) {
+    if (!showsAll(setup, {sample.time, sample.poses, {}}, setup.pictureSize().aspect())) {
       return false;
     }
   }
@@ -125,8 +124,8 @@ picture::PictureContent contentOf(const trajectory::TrajectoryReader& run,
   if (picture::needsView(settings.look)) chooseViewOf(run, settings.look, content);
   const bool fits = fitsEnds(run.subject().model, settings) &&
                     (!choosesCamera(settings) ||
-                     seesRun(run, picture::PictureSetup(settings.look, content, settings.size)));
-  if (!fits) keepRunInSight(content, run);
+                     showsRun(run, picture::PictureSetup(settings.look, content, settings.size)));
+  if (!fits) keepRunInView(content, run);
   if (picture::isMeasure(settings.look.colouring) && !settings.look.colourMost)
     keepStates(content, run);
   return content;

@@ -198,9 +198,9 @@ std::string countsText(const Map& counts, const char* pattern) {
 
 }  // namespace
 
-Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell) {
-  const auto lookAt = [&tell](const char* what) {
-    if (tell) tell(what);
+Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& progress) {
+  const auto beginStage = [&progress](const char* what) {
+    if (progress) progress(what);
   };
   const model::Model& model = scene.model;
   Inspection inspection;
@@ -223,15 +223,15 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   inspection.zeroSingularValue = trajectory::zeroSingularValue(model);
   for (const model::Repair& repair : model.repairs)
     inspection.repairs.push_back(model::toString(repair));
-  lookAt("checking the start");
+  beginStage("checking the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = scene::sceneNeeds(scene);
   if (!model.target) return inspection;
-  lookAt("checking the target");
+  beginStage("checking the target");
   inspection.target = inspectState(scene, *model.target);
   inspection.shapeChange = trajectory::largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = trajectory::rigidBound(model.tiles, *model.target);
-  lookAt("searching the state nearest to the target");
+  beginStage("searching the state nearest to the target");
   const std::optional<model::SheetFrame> frame = scene::ownAxes(scene);
   inspection.assembledError =
       deploy::assembleAtTarget(frame ? scene::inAxes(*frame, scene) : scene).error;

@@ -58,10 +58,11 @@ struct Inspection {
   scene::Needs needs;                     ///< features that a run would use
 };
 
-/// Inspects the scene's model with its bricks' thickness. `tell`, which may be empty, is called
+/// Inspects the scene's model with its bricks' thickness. `progress`, which may be empty, is called
 /// with a short text about the current step, such as "checking the start". Mobility is the most
 /// expensive step. It is skipped for too many unknowns.
-Inspection inspect(const scene::Scene& scene, const std::function<void(const char*)>& tell = {});
+Inspection inspect(const scene::Scene& scene,
+                   const std::function<void(const char*)>& progress = {});
 
 /// The inspection as text of several lines, one per subject.
 std::string inspectionText(const Inspection& inspection);

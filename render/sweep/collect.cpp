@@ -591,7 +591,7 @@ std::vector<std::string> shortened(const std::vector<std::string>& values) {
 }
 
 /// In a human-readable spelling.
-std::string spoken(std::string key) {
+std::string withSpaces(std::string key) {
   std::replace(key.begin(), key.end(), '_', ' ');
   return key;
 }
@@ -607,7 +607,7 @@ std::vector<std::string> captionsOf(const std::vector<std::string>& keys,
     for (const auto& run : runs) values.push_back(run[k]);
     values = shortened(values);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      captions[i] += fmt::format("{}{} {}", k == 0 ? "" : ", ", spoken(keys[k]), values[i]);
+      captions[i] += fmt::format("{}{} {}", k == 0 ? "" : ", ", withSpaces(keys[k]), values[i]);
     }
   }
   return captions;

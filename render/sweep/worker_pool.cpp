@@ -63,7 +63,7 @@ void limitMemory(std::int64_t bytes) {
 
 /// The loop of a worker: receives numbers of jobs and sends verdicts. It ends in the same way
 /// whether the caller finished or died.
-[[noreturn]] void workUntilTheEnd(int channel, const WorkerJobs& jobs) {
+[[noreturn]] void runWorkerLoop(int channel, const WorkerJobs& jobs) {
   std::uint64_t job = 0;
   while (::recv(channel, &job, sizeof job, 0) == sizeof job) {
     Verdict verdict = Verdict::Failed;
@@ -106,7 +106,7 @@ class Worker {
       for (const int sibling : siblings) ::close(sibling);
       ::close(ends[0]);
       limitMemory(limits.memoryBytes);
-      workUntilTheEnd(ends[1], jobs);
+      runWorkerLoop(ends[1], jobs);
     }
     channel_ = ends[0];
     ::close(ends[1]);
@@ -121,7 +121,7 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  void give(std::uint64_t job) {
+  void sendJob(std::uint64_t job) {
     job_ = job;
     since_ = Clock::now();
     // An ended worker is detected by poll().
@@ -129,7 +129,7 @@ class Worker {
   }
 
   /// The verdict on its job; null if the process has ended.
-  std::optional<Verdict> take() {
+  std::optional<Verdict> receiveVerdict() {
     Verdict verdict = Verdict::Failed;
     // recv() returns 0 bytes if the process has ended.
     return ::recv(channel_, &verdict, sizeof verdict, 0) == sizeof verdict ? std::optional(verdict)
@@ -187,15 +187,16 @@ class Pool {
     for (int i = 0; i < limits_.count; ++i) {
       const std::optional<std::uint64_t> job = next();
       if (!job) break;
-      hire(*job);
+      startWorker(*job);
     }
     while (!workers_.empty()) {
       if (!jobs_.watch(std::nullopt)) return false;
       // Backwards, because workers are removed and appended.
-      const std::vector<bool> spoke = listen();
-      for (std::size_t i = spoke.size(); i-- > 0;) {
-        if (spoke[i] && !hear(i)) return false;
-        if (!spoke[i] && workers_[i]->seconds() > limits_.seconds && !stopHung(i)) return false;
+      const std::vector<bool> hasMessage = waitForMessages();
+      for (std::size_t i = hasMessage.size(); i-- > 0;) {
+        if (hasMessage[i] && !handleMessage(i)) return false;
+        if (!hasMessage[i] && workers_[i]->seconds() > limits_.seconds && !stopHung(i))
+          return false;
       }
     }
     return true;
@@ -203,38 +204,38 @@ class Pool {
 
  private:
   std::optional<std::uint64_t> next() {
-    if (again_.empty()) return jobs_.next();
-    const std::uint64_t job = again_.front();
-    again_.pop_front();
+    if (retries_.empty()) return jobs_.next();
+    const std::uint64_t job = retries_.front();
+    retries_.pop_front();
     return job;
   }
 
-  void hire(std::uint64_t job) {
+  void startWorker(std::uint64_t job) {
     std::vector<int> channels;
     for (const auto& worker : workers_) channels.push_back(worker->channel());
     workers_.push_back(std::make_unique<Worker>(jobs_, limits_, channels));
-    workers_.back()->give(job);
+    workers_.back()->sendJob(job);
   }
 
   /// Which workers have sent something. Waits at most kWatchMilliseconds.
-  std::vector<bool> listen() const {
+  std::vector<bool> waitForMessages() const {
     std::vector<pollfd> channels;
     for (const auto& worker : workers_) channels.push_back({worker->channel(), POLLIN, 0});
     // A signal interrupted poll(): read nothing in this round; watch() checks for the signal in the
     // next.
     if (::poll(channels.data(), channels.size(), kWatchMilliseconds) < 0) channels.clear();
-    std::vector<bool> spoke;
-    for (const pollfd& channel : channels) spoke.push_back(channel.revents != 0);
-    return spoke;
+    std::vector<bool> hasMessage;
+    for (const pollfd& channel : channels) hasMessage.push_back(channel.revents != 0);
+    return hasMessage;
   }
 
   /// Takes the verdict of worker i and sends it the next job; false if `watch` stops all.
-  bool hear(std::size_t i) {
-    const std::optional<Verdict> verdict = workers_[i]->take();
-    if (!verdict) return replace(i);
+  bool handleMessage(std::size_t i) {
+    const std::optional<Verdict> verdict = workers_[i]->receiveVerdict();
+    if (!verdict) return replaceEnded(i);
     if (!jobs_.watch(verdict)) return false;
     if (const auto job = next()) {
-      workers_[i]->give(*job);
+      workers_[i]->sendJob(*job);
     } else {
       workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(i));
     }
@@ -242,39 +243,39 @@ class Pool {
   }
 
   /// Replaces a worker that has ended by itself.
-  bool replace(std::size_t i) {
+  bool replaceEnded(std::size_t i) {
     const std::uint64_t job = workers_[i]->job();
     const int status = workers_[i]->waitForEnd();
     // insert() returns whether the job is tried again for the first time.
-    if (wasKilled(status) && triedAgain_.insert(job).second) {
-      again_.push_back(job);
-      return dismiss(i);
+    if (wasKilled(status) && retried_.insert(job).second) {
+      retries_.push_back(job);
+      return removeWorker(i);
     }
-    return lose(i, describeEnd(status));
+    return reportLoss(i, describeEnd(status));
   }
 
   bool stopHung(std::size_t i) {
     workers_[i]->kill();
     workers_[i]->waitForEnd();
-    return lose(i, fmt::format("took longer than {:g} s", limits_.seconds));
+    return reportLoss(i, fmt::format("took longer than {:g} s", limits_.seconds));
   }
 
-  bool lose(std::size_t i, const std::string& reason) {
-    return jobs_.watch(jobs_.lost(workers_[i]->job(), reason)) && dismiss(i);
+  bool reportLoss(std::size_t i, const std::string& reason) {
+    return jobs_.watch(jobs_.lost(workers_[i]->job(), reason)) && removeWorker(i);
   }
 
   /// Removes a worker that has ended, and starts a new one if there is a job.
-  bool dismiss(std::size_t i) {
+  bool removeWorker(std::size_t i) {
     workers_.erase(workers_.begin() + static_cast<std::ptrdiff_t>(i));
-    if (const auto job = next()) hire(*job);
+    if (const auto job = next()) startWorker(*job);
     return true;
   }
 
   const WorkerJobs& jobs_;
   const WorkerLimits& limits_;
   std::vector<std::unique_ptr<Worker>> workers_;
-  std::deque<std::uint64_t> again_;
-  std::set<std::uint64_t> triedAgain_;
+  std::deque<std::uint64_t> retries_;
+  std::set<std::uint64_t> retried_;
 };
 
 }  // namespace

@@ -69,7 +69,7 @@ CornerGap gapBetween(const std::vector<FlatTile>& tiles, const model::Corner& a,
 }
 
 /// The shortest rotation of a unit normal to z. A sheet that faces down is turned over about x.
-Quaternion turnUp(const Vector3& normal) {
+Quaternion rotateUp(const Vector3& normal) {
   const Vector3 axis = normal.cross(Vector3::UnitZ());
   const double sine = axis.norm();
   const double angle = std::atan2(sine, normal.z());
@@ -83,7 +83,7 @@ FlatSheet flatSheet(const model::Model& model) {
   const Vector3 normal = model::tileNormal(model.tiles[0]);
   requireFlat(model, normal);
   FlatSheet sheet;
-  sheet.turn = turnUp(normal);
+  sheet.turn = rotateUp(normal);
   sheet.height = (sheet.turn * model.tiles[0].vertices[0]).z();
   for (const model::Tile& tile : model.tiles) {
     FlatTile& flat = sheet.tiles.emplace_back();

@@ -29,7 +29,7 @@ GoldenScene openingScene(const std::string& name, const model::TessellationShape
     const double turn = std::atan2(now.y(), now.x()) - std::atan2(start.y(), start.x());
     scene.poses[k].rotation = rotationFromVector(Vector3(0, 0, turn));
   }
-  picture::keepInSight(scene.content, scene.poses);
+  picture::keepInView(scene.content, scene.poses);
   return scene;
 }
 
@@ -45,7 +45,7 @@ GoldenScene brickScene(const std::string& name, const SampleBricks& sample, cons
   Poses target = sample.poses;
   for (Pose& pose : target) pose.position *= 1.15;
   scene.content.target = model::bottomTiles(sample.bricks, target);
-  picture::keepInSight(scene.content, sample.poses);
+  picture::keepInView(scene.content, sample.poses);
   return scene;
 }
 

@@ -133,8 +133,8 @@ class Pages(unittest.TestCase):
                 self.assertAlmostEqual(number, expected, 5)
             body.send_keys("n")
             self.assertIn("Tile 0", window.run(
-                "return document.getElementById('said').textContent"))
-            self.assert_readouts_follow(window, "said", body)
+                "return document.getElementById('status').textContent"))
+            self.assert_readouts_follow(window, "status", body)
             theme = lambda: window.run("return document.documentElement.dataset.theme")
             first = theme()
             body.send_keys("t")
@@ -152,7 +152,7 @@ class Pages(unittest.TestCase):
             text, right = window.run(
                 "const [stage] = kirireel.stages;"
                 "return [document.querySelector(arguments[0]).textContent,"
-                "        stage.wordsOf(stage.chosen)];", {"said": "#said", "tip": ".tip"}[name])
+                "        stage.wordsOf(stage.chosen)];", {"status": "#status", "tip": ".tip"}[name])
             self.assertEqual(text, right)
             shown.append(text)
         self.assertNotEqual(*shown)

@@ -162,8 +162,8 @@ class Page {
   /** Describes the selected tile of the first run in its current state. */
   describeChosen() {
     // Otherwise a screen reader would read out every frame.
-    byId("said").setAttribute("aria-live", this.player.isPlaying ? "off" : "polite");
-    byId("said").textContent = this.sections[0].words;
+    byId('status').setAttribute('aria-live', this.player.isPlaying ? 'off' : 'polite');
+    byId('status').textContent = this.sections[0].words;
   }
 
   // ---- the stages

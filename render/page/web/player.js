@@ -56,9 +56,9 @@ class Player {
     const list = this.isEven ? run.progress : run.times;
     const { sample, share } = this.placeOf(run);
     const from = count < 0 && share > 0 ? sample + 1 : sample;
-    const wanted = Math.max(0, Math.min(list.length - 1, from + count));
+    const requested = Math.max(0, Math.min(list.length - 1, from + count));
     this.pause();
-    this.seek(list[wanted] / (this.isEven ? 1 : this.endTime || 1));
+    this.seek(list[requested] / (this.isEven ? 1 : this.endTime || 1));
   }
 
   setPace(isEven) {

@@ -27,7 +27,7 @@ class LeftFilesTest : public testing::Test {
   }
 
   bool isForeign(const std::string& name) const {
-    return output::LeftFiles(folder_.path()).isForeign(name);
+    return output::RecordedFiles(folder_.path()).isForeign(name);
   }
 
   test::TemporaryFolder folder_;
@@ -38,8 +38,8 @@ TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("summary.json"));
   EXPECT_FALSE(isForeign("final.ply"));  // not there
-  EXPECT_TRUE(output::LeftFiles(folder_.path()).isAsLeft("final.obj"));
-  EXPECT_FALSE(output::LeftFiles(folder_.path()).isAsLeft("final.ply"));
+  EXPECT_TRUE(output::RecordedFiles(folder_.path()).isUnchanged("final.obj"));
+  EXPECT_FALSE(output::RecordedFiles(folder_.path()).isUnchanged("final.ply"));
 }
 
 TEST_F(LeftFilesTest, TakeNothingElseForOurs) {

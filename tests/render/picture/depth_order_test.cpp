@@ -123,7 +123,7 @@ bool isHidden(const std::vector<picture::Piece>& pieces, const picture::Piece& o
   });
 }
 
-bool isOn(const std::vector<picture::SeenLine>& lines, const Vector3& point) {
+bool isOn(const std::vector<picture::VisibleLine>& lines, const Vector3& point) {
   for (const auto& [line, isSilhouette] : lines) {
     for (std::size_t k = 1; k < line.size(); ++k) {
       const Vector3 side = line[k] - line[k - 1];
@@ -138,8 +138,8 @@ TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
   const SampleBricks sample = heap();
   const picture::Camera camera = cameraOf(sample);
   const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
-  const std::vector<picture::SeenOutline> seen =
-      picture::seenOutlines(geometryOf(sample, camera), pieces, camera, 0);
+  const std::vector<picture::VisibleOutline> seen =
+      picture::visibleOutlines(geometryOf(sample, camera), pieces, camera, 0);
   ASSERT_EQ(seen.size(), pieces.size());
   int points = 0, hidden = 0, wrong = 0;
   for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
@@ -170,8 +170,8 @@ TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
     const picture::Camera camera =
         picture::fitCamera(picture::brickCorners(sample.bricks, sample.poses), fit);
     const std::vector<picture::Piece> pieces = piecesOf(sample, camera);
-    const std::vector<picture::SeenOutline> seen =
-        picture::seenOutlines(geometryOf(sample, camera), pieces, camera, 0);
+    const std::vector<picture::VisibleOutline> seen =
+        picture::visibleOutlines(geometryOf(sample, camera), pieces, camera, 0);
     int closed = 0;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
       if (pieces[k].normal.z() < 0.5) continue;
@@ -187,8 +187,8 @@ TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
 std::pair<double, double> lengthsOf(const SampleBricks& sample, const picture::Camera& camera,
                                     double width) {
   std::pair<double, double> lengths;
-  for (const picture::SeenOutline& outline :
-       picture::seenOutlines(geometryOf(sample, camera), piecesOf(sample, camera), camera, width)) {
+  for (const picture::VisibleOutline& outline : picture::visibleOutlines(
+           geometryOf(sample, camera), piecesOf(sample, camera), camera, width)) {
     for (const auto& [line, isSilhouette] : outline.lines) {
       for (std::size_t k = 1; k < line.size(); ++k) {
         (isSilhouette ? lengths.first : lengths.second) += (line[k] - line[k - 1]).norm();
