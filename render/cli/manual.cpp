@@ -36,7 +36,7 @@ std::string escaped(const std::string& text) {
       result += letter;
     }
   }
-  // A zero-width space prevents that a line is read as a request.
+  // A zero-width space prevents that troff reads a line as a request.
   const bool isRequest = result.starts_with('.') || result.starts_with('\'');
   return isRequest ? "\\&" + result : result;
 }

@@ -1,5 +1,5 @@
-// One command a family of models (sim/generate/families.h), made from the family's list of
-// parameters: name, range, default, unit. A new family needs no line here.
+// One command per family of models (sim/generate/families.h), made from the family's list of
+// parameters: name, range, default, unit. A new family needs no change here.
 #include "render/cli/model_commands.h"
 
 #include <CLI/CLI.hpp>
@@ -23,14 +23,14 @@
 namespace kirireel::cli {
 namespace {
 
-/// Values are kept by name; what was not given is absent, and the family has its own default.
+/// Values are stored by name. A missing value means the family's own default.
 void addParameter(OptionGroup& group, const generate::FamilyParameter& parameter,
                   GenerateOrder& order) {
   const scene::Range range{parameter.least, parameter.most};
   const auto read = [&order, range, name = parameter.name,
                      whole = parameter.whole](const scene::TypedValue& typed) {
     order.values[name] =
-        // Whole numbers are kept as doubles, which hold them exactly up to 2^53.
+        // Whole numbers are stored as doubles, exact up to 2^53.
         whole ? static_cast<double>(scene::parseInteger(typed, range))
               : scene::parseNumber(typed, range);
   };
@@ -58,7 +58,7 @@ CLI::App* addFamily(CLI::App& generate, const generate::Family& family, Generate
                                                  {"bottom", model::JointFace::Bottom},
                                                  {"top", model::JointFace::Top}},
                                                 "faces that joints lie on");
-  // Called only for the family that was given. It stores the family's name.
+  // Called only for the given family. It stores the family's name.
   command->parse_complete_callback([&order, name = family.name] { order.family = name; });
   command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
   return command;
@@ -97,9 +97,9 @@ int carryOut(const GenerateOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reads a model in any format that readModel() knows and writes it in the one that the ending of
-// OUT names. Positions are written to the last bit; what a format cannot hold (a .fold file has no
-// faces of joints in thick bricks, for example) is reported by writeModel().
+// Reads a model in any format of readModel() and writes it in the format of OUT's ending. Positions
+// are written to the last bit. writeModel() reports data that a format cannot store (for example, a
+// .fold file has no faces of joints in thick bricks).
 
 CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
   CLI::App* command = program.add_subcommand("convert", "write a model in another format");
@@ -122,7 +122,7 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
   requireGiven(order.output, "OUT", command);
 }
 
-/// Of what only FOLD files hold.
+/// Warns of data that only FOLD files can store.
 void warnOfLosses(const model::Model& model, const std::filesystem::path& output) {
   if (output.extension() == ".fold") return;
   std::vector<std::string> lost;
@@ -147,8 +147,8 @@ int carryOut(const ConvertOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Reads a model as `record` would, aligns its start to its target, and prints counts, mobility, and
-// what does not fit. Nothing runs.
+// Reads a model as `record` would, aligns its start to its target, and prints counts, mobility and
+// faults. Does not run it.
 
 namespace {
 
@@ -265,7 +265,7 @@ int carryOut(const ModelsOrder&) {
 
 // ------------------------------------------------------------------------------------------------
 // Studies measure this machine: seconds of CPU time against error, of our solver and of Bullet's.
-// Rows are kept as they are finished, so an interrupted study continues with --resume.
+// Each finished row is stored, so an interrupted study continues with --resume.
 
 namespace {
 
@@ -278,7 +278,7 @@ std::string studyList() {
   return text + fmt::format("{:<16}{}\n", kAll, "these one after the other");
 }
 
-/// Throws InputError for a name that no study has.
+/// Throws InputError for an unknown name.
 std::vector<const study::Study*> chosenStudies(const std::string& name) {
   std::vector<const study::Study*> chosen;
   if (name != kAll) return {&study::studyNamed(name)};
@@ -286,14 +286,14 @@ std::vector<const study::Study*> chosenStudies(const std::string& name) {
   return chosen;
 }
 
-/// The command to repeat it, without --resume, which changes no result. It is in the caption of
+/// The command to repeat it, without --resume, which changes no result. For the caption of
 /// NAME.csv and NAME.json.
 std::string commandText(const StudyOrder& order) {
   return fmt::format("kirireel study {}{}", order.name.string(),
                      order.settings.extent == study::Extent::Quick ? " --quick" : "");
 }
 
-/// What a timing depends on: program, compiler, Eigen, Bullet.
+/// Versions that affect a timing: program, compiler, Eigen, Bullet.
 std::string ownVersions() {
   std::vector<std::string> parts;
   for (const auto& [name, version] : record::allVersions()) {
@@ -313,11 +313,11 @@ bool runOne(const study::Study& study, const study::StudySettings& settings) {
         if (isTerminal) {
           fmt::print(stderr, "\r\033[K{} {}/{}: {}", study.name, done, total, name);
         }
-        // Asked after each case.
+        // Checked after each case.
         stopped = takeInterrupt().has_value();
         return !stopped;
       });
-  // Takes the line of progress away before results are printed.
+  // Removes the line of progress before printing results.
   if (isTerminal) fmt::print(stderr, "\r\033[K");
   if (stopped) return false;
   const std::filesystem::path file = settings.folder / (study.name + ".csv");

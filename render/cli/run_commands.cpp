@@ -1,6 +1,6 @@
-// Paints a recorded run again from trajectory.h5. The trajectory holds poses at samples; nothing is
-// simulated, so another camera, size or colour costs only the painting. Several trajectories make
-// one grid with a row each and the same camera and scale.
+// Paints a recorded run again from the poses in trajectory.h5. It does not simulate, so another
+// camera, size or colour costs only the painting. Several trajectories make one grid with a row for
+// each.
 #include "render/cli/run_commands.h"
 
 #include <algorithm>
@@ -93,13 +93,13 @@ int carryOut(const RenderOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Options of states, elements and decks, which `record` and `simulate` have too (behind --export),
-// and the command that exports a finished run. Every value that changes a byte of a file has a
-// writer (serializedAs()) and is in the fingerprint.
+// Options of states, elements and decks, also of `record` and `simulate` (with --export), and the
+// command that exports a finished run. Every value that changes a byte of a file has a writer
+// (serializedAs()) and is in the fingerprint.
 
 namespace {
 
-/// One word more than there are commas; empty ones stay, and are refused by those who read them.
+/// One word more than there are commas. Empty words remain, and their readers reject them.
 std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
   std::vector<std::string> words;
   std::size_t begin = 0;
@@ -112,8 +112,8 @@ std::vector<std::string> splitAtCommas(const scene::TypedValue& value) {
 }
 
 void addStateOptions(OptionGroup& group, exports::ExportSettings& settings) {
-  // The default is two states. The first state that is typed empties the list, later ones add to
-  // it. The flag outlives this function.
+  // The default is two states. The first typed state replaces the list, later ones are appended.
+  // The flag outlives this function.
   const auto isTyped = std::make_shared<bool>(false);
   const auto append = [&settings, isTyped](const std::string& name) {
     exports::requireStateName(name);
@@ -156,7 +156,7 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
              })
       .serializedAs(
           [&elements] { return elements.perEdge > 0 ? scene::numberText(elements.perEdge) : ""; });
-  // Empty words for the default: the count per edge is in force then.
+  // An empty text for the default: then the count per edge applies.
   length("--element-size", "", "longest element edge, instead of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT",
                 "elements through the thickness");
@@ -188,7 +188,7 @@ void addElementOptions(CLI::App& command, fea::ElementRule& elements) {
              [&elements] { elements.family = fea::ElementFamily::Plane; });
 }
 
-/// "all", "edge", or numbers with commas; whether the model has such tiles is seen when it is read.
+/// "all", "edge", or numbers with commas. The numbers are checked after reading the model.
 fea::DriveChoice parseDrive(const scene::TypedValue& typed) {
   if (typed.text == "all") return {fea::DriveChoice::All, {}};
   if (typed.text == "edge") return {fea::DriveChoice::Edge, {}};
@@ -347,13 +347,13 @@ int carryOut(const ExportOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// The command reads only trajectory.h5: everything that curves show is measured from the samples,
-// or was stored with them. Options of figures are in print sizes (mm, points); see
-// render/record/curves.h for what follows from them.
+// The command reads only trajectory.h5. Curves are measured from the samples or stored with them.
+// Options of figures are in print sizes (mm, points); see
+// render/record/curves.h.
 
 namespace {
 
-/// "svg,png": each format once, in the order of their first naming.
+/// "svg,png": each format once, in the order of first mention.
 std::vector<picture::PageFormat> parsePlots(const scene::TypedValue& typed) {
   std::vector<picture::PageFormat> plots;
   std::istringstream words(typed.text);
@@ -481,8 +481,8 @@ int parseSamples(const scene::TypedValue& typed) {
   return typed.text == "all" ? 0 : static_cast<int>(scene::parseInteger(typed, {2, 1e6}));
 }
 
-/// The trajectory of a run that was named by its folder or its file. A file is taken as it is; a
-/// folder without a trajectory is refused with what to do.
+/// The trajectory of a run given by its folder or its file. A file is not checked. Throws
+/// InputError for a folder without a trajectory.
 std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
   if (!std::filesystem::is_directory(run)) return run;
   const std::filesystem::path file = run / output::kTrajectory;
@@ -510,7 +510,7 @@ void addPageOptions(CLI::App& command, page::WebPageSettings& settings) {
              "files of the run to include in the page: videos play, pictures are shown, others can "
              "be saved, such as deployment.mp4,final.obj",
              [&settings](const scene::TypedValue& typed) {
-               // Files are searched next to the trajectory when the page is made.
+               // The page searches files next to the trajectory.
                std::istringstream names(typed.text);
                for (std::string name; std::getline(names, name, ',');) {
                  settings.embedded.push_back(name);
@@ -570,8 +570,8 @@ int carryOut(const PageOrder& order) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Prints what does not agree, one line each, on standard output, because that is the result; exit
-// code 1 then.
+// Prints each disagreement as one line on standard output, because it is the result. The exit code
+// is then 1.
 
 CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order) {
   CLI::App* command = program.add_subcommand(

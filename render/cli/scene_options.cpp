@@ -237,7 +237,7 @@ scene::SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& 
 
 namespace {
 
-/// Overlapping tiles are a mistake, or intended in a sheet that is folded flat. The depth is the
+/// Overlap of tiles is an error, or intended in a sheet that is folded flat. The depth is the
 /// distance by which two tiles would have to be separated, metres. One line reports the deepest
 /// pair and the number of pairs.
 void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warnings) {
@@ -257,7 +257,7 @@ void warnOfOverlaps(const model::Model& model, std::vector<std::string>& warning
 /// Search path of findModel(): first near the current folder, then the installed models.
 constexpr const char* kModelFolders[] = {"data", KIRIREEL_MODELS};
 
-/// Refuses a mistyped name of a known model; the reader refuses other names.
+/// Rejects a misspelt name of a known model; the reader rejects other names.
 void requireNoMisspelling(const std::filesystem::path& named) {
   std::error_code ignored;
   if (std::filesystem::exists(findModel(named), ignored)) return;

@@ -415,7 +415,7 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
       samples->append(sample);
       return report(sample);
     };
-    // Warnings are collected, since they may come from threads without the interpreter lock.
+    // Collect warnings, because they may come from threads without the interpreter lock.
     const deploy::TrialObserver search = [&](const deploy::SearchNews& news) {
       if (!news.warning.empty()) {
         warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));

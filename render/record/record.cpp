@@ -1,16 +1,15 @@
 // record() in its order:
 //
-// - 1. Invalid input is refused: settings, styles, exports, files of others in the
-//   folder, the font, the encoder, the graphics library.
-// - 2. The scene is deployed. Samples go to trajectory.h5 on a separate thread (pipeline.h). A
-// killed run can continue from a checkpoint.
-// - 3. End state, meshes, load curve, pictures, video and exports are made from trajectory.h5, so
-//   that render() and export can make them again.
-// - 4. Files are hashed, summary.json is written, and all of them are put in place together
-//   (FileSet).
+// - 1. Reject invalid input: settings, styles, exports, files of others in the folder, font,
+//   encoder, graphics library.
+// - 2. Deploy the scene. A separate thread writes samples to trajectory.h5 (pipeline.h). A killed
+//   run can continue from a checkpoint.
+// - 3. Make end state, meshes, load curve, pictures, video and exports from trajectory.h5. So
+//   render() and export can make them again.
+// - 4. Hash the files, write summary.json, and move all of them into place together (FileSet).
 //
-// An interruption ends the current stage. The results so far are written, and the summary says who
-// ended it. Only errors (a full disk) leave the folder as it was, and then the checkpoint stays.
+// An interruption ends the current stage. The results so far are written, and the summary names its
+// cause. Only errors (a full disk) leave the folder unchanged; the checkpoint then remains.
 //
 // Memory does not grow with the run: samples are streamed to the file and read back one by one.
 #include "render/record/record.h"
@@ -44,9 +43,9 @@
 namespace kirireel::record {
 namespace {
 
-/// A step that takes no longer is not ended from within: its checkpoint loses nothing.
+/// Steps that take less are not interrupted from within, so their checkpoint loses nothing.
 constexpr std::chrono::milliseconds kPatience{100};
-/// Of a video at an even pace between what is held, seconds.
+/// Least duration of the motion in a video at an even pace, without held frames, seconds.
 constexpr double kLeastMotion = 0.1;
 
 /// `meaning`: for the message, as in "a factor".
@@ -57,7 +56,7 @@ void requireWithin(double value, double least, double most, const char* option,
                                option, value, meaning, least, most));
 }
 
-/// What makes a grid impossible, before anything is deployed.
+/// Rejects impossible grids before the deployment.
 void requireGrid(const PictureSettings& settings) {
   picture::GridStyle style;
   style.heads = settings.columnHeads;
@@ -67,7 +66,7 @@ void requireGrid(const PictureSettings& settings) {
   if (settings.arrows) picture::requireDrawable("--arrows", picture::kArrow);
 }
 
-/// Also chooses the font of all text from now on.
+/// Also sets the font of all text from now on.
 void requireValidSettings(const PictureSettings& settings) {
   picture::setFont(settings.font);
   picture::requireValidSize(settings.size);
@@ -106,10 +105,10 @@ void requireValidSettings(const PictureSettings& settings) {
 
 /// Painters beyond these wait for the encoder.
 constexpr int kMostPainters = 16;
-/// Mesa has no more.
+/// The maximum in Mesa.
 constexpr int kMostRasterThreads = 16;
 
-/// Pictures, meshes and exports are made from it.
+/// Whether the run needs trajectory.h5. Pictures, meshes and exports are made from it.
 bool keepsTrajectory(const RecordSettings& settings) {
   return settings.trajectory || settings.meshes || settings.paints() ||
          !settings.exports.formats.empty();
@@ -130,7 +129,7 @@ void nameInterruption(const std::string& by, deploy::DeploymentResult& result) {
   result.trajectory.events.back().text = deploy::endText(result.outcome, result.reason);
 }
 
-/// Field by field, since a summary also has what recording adds.
+/// Field by field, because recording adds fields to a summary.
 void noteResult(const deploy::DeploymentResult& result, double endTime, RunSummary& summary) {
   summary.outcome = result.outcome;
   summary.reason = result.reason;
@@ -158,7 +157,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.leftOutFrom = end.leftOutFrom;
 }
 
-/// One run into trajectory.h5. What is passed must outlive it.
+/// Writes one run to trajectory.h5. All arguments must outlive it.
 class LiveRun {
   using Clock = std::chrono::steady_clock;
 
@@ -180,7 +179,7 @@ class LiveRun {
     }
   }
 
-  /// Observers are called on this thread, the writer writes on another.
+  /// Calls observers on this thread; the writer has its own thread.
   void deploy() {
     std::optional<ThreadedTrajectoryWriter> writer;
     if (keepsTrajectory(settings_)) {
@@ -303,20 +302,21 @@ void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
   summary.files.emplace_back(output::kLoadCurve);
 }
 
-/// Who makes a run's pictures from what: noted in each of them. It goes into the metadata of PNG,
-/// SVG, PDF and video files.
+/// Author and source of a run's pictures, for the metadata of PNG, SVG, PDF and video
+/// files.
 std::string madeBy(const std::string& model, const std::string& order) {
   const std::string text = fmt::format("Kirireel {}, model {}", programVersion(), model);
   return order.empty() ? text : fmt::format("{}, order {}", text, order);
 }
 
-/// Sets up the graphics library. Missing parts are reported before a simulation, not after it.
-/// Making a context takes a moment; a run of hours that ends without pictures would cost more.
+/// Sets up the graphics library, which reports missing parts before a simulation. Making a
+/// context takes a moment, but a run of hours without pictures costs more.
 void prepareGraphics(const PictureSettings& settings) {
   if (settings.graphics) picture::setGraphicsLibrary(*settings.graphics);
-  // Mesa draws all contexts' triangles with one set of threads; with none it draws them on the
-  // painters' own, but one painter at a time under a lock (lp_setup_rasterize_scene), and as that
-  // is two thirds of painting, the others would wait there in every frame.
+  // Mesa draws the triangles of all contexts with one set of threads. Without these threads it
+  // draws on the painters' own, but only one painter at a time under a lock
+  // (lp_setup_rasterize_scene). This is two thirds of painting, so all others would wait in every
+  // frame.
   if (settings.paintsFrames()) {
     const int painters = settings.painters();
     picture::setRasterThreads(painters > 1 ? std::min(painters, kMostRasterThreads) : 0);
@@ -324,7 +324,7 @@ void prepareGraphics(const PictureSettings& settings) {
   if (settings.paints()) const picture::Context probe;
 }
 
-/// Whether the run was ended before it could move.
+/// Whether the run ended before it could move.
 bool wasCutShort(const trajectory::TrajectoryReader& run) {
   if (run.end().events.empty()) return false;
   const std::string& text = run.end().events.back().text;
@@ -332,8 +332,8 @@ bool wasCutShort(const trajectory::TrajectoryReader& run) {
          text.starts_with(deploy::toString(deploy::Outcome::Diverged));
 }
 
-/// Whether one picture shows all of a run. Motion shorter than this fraction of the model's size is
-/// ignored.
+/// Whether one picture shows the whole run. Motion shorter than this fraction of the model's size
+/// is ignored.
 bool isStill(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
              const picture::CameraChoice& camera) {
   constexpr double kStill = 1e-9;
@@ -342,7 +342,7 @@ bool isStill(const trajectory::TrajectoryReader& run, const MotionCurve& motion,
          camera.keys.empty();
 }
 
-/// All pictures of a finished run. Nothing if the settings have none.
+/// Makes all pictures of a finished run, if the settings request any.
 void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings& asked,
                   const ProgressObserver& observer, PictureReport& report) {
   if (!asked.paints()) return;
@@ -362,8 +362,8 @@ void makePictures(const trajectory::TrajectoryReader& run, const PictureSettings
   pictures.writeSnapshots(run, motion);
 }
 
-/// Files in place change no more: each is read once. Files whose digest is known already are not
-/// read again.
+/// Files in place do not change, so each is read once. Files with a known digest are not read
+/// again.
 void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
   std::set<std::string> known = {output::kSummary};
   for (const output::FileDigest& digest : summary.digests) known.insert(digest.name);
@@ -385,8 +385,8 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
   }
 }
 
-/// Whether pictures of some run may have this name. Names with any number count: how many there
-/// will be is not known.
+/// Whether pictures of some run may have this name. Names with any number count, because the number
+/// of pictures is not known.
 bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
   return (settings.video && name == settings.videoFile) ||
