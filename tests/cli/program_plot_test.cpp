@@ -58,7 +58,7 @@ TEST_F(PlotSweep, SaysWhatIsMissing) {
   EXPECT_EQ(plot("run,rows,thickness,end_time\na,1,0.1,\n").err,
             "plot-sweep: no run has numbers in thickness, rows, end_time\n");
   EXPECT_EQ(plot("run,rows,thickness,end_time\na,1,0,3\n", {"--log", "x"}).err,
-            "plot-sweep: x has values that are not above 0; leave it out of --log\n");
+            "plot-sweep: x has values <= 0; remove it from --log\n");
   const ProgramEnd end = runTool(kScript, {"none.csv", "--x", "a", "--y", "b", "--measure", "c"});
   EXPECT_THAT(end.err, HasSubstr("none.csv: No such file or directory; give the table of a sweep"));
 }

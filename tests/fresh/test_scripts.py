@@ -147,7 +147,7 @@ class Setup(OnAMachine):
         self.assertIn("libosmesa6-dev", self.installed())
         self.assertNotIn("none", self.installed())
         again = self.machine.run("scripts/setup", "--with-tools")
-        self.assertEqual(again.stdout, "setup: every package is there; nothing to do\n")
+        self.assertEqual(again.stdout, "setup: all packages are installed; nothing to do\n")
 
     @unittest.skipIf(os.geteuid() != 0, "asks for sudo")
     def test_next_alternative_where_the_first_does_not_exist(self):
@@ -161,7 +161,7 @@ class Setup(OnAMachine):
         self.assertFalse(gone & set(self.installed()))
         updates = (self.folder / "log").read_text().count("update")
         again = self.machine.run("scripts/setup", "--with-tools")
-        self.assertIn("setup: every package is there; nothing to do\n", again.stdout)
+        self.assertIn("setup: all packages are installed; nothing to do\n", again.stdout)
         self.assertEqual((self.folder / "log").read_text().count("update"), updates)
 
     @unittest.skipIf(os.geteuid() != 0, "asks for sudo")
