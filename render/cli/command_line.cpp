@@ -78,7 +78,7 @@ void requireNoExtraWords(const CLI::App& program) {
     throw InputError(fmt::format("error: unknown command {}{}; {}", left.front(),
                                  suggestion(left.front(), commands), help));
   }
-  throw InputError(fmt::format("error: '{}' is one argument too many; {}", left.front(), help));
+  throw InputError(fmt::format("error: unexpected argument '{}'; {}", left.front(), help));
 }
 
 /// CLI11's text starts with the option without its value and a colon.

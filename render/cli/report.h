@@ -58,9 +58,9 @@ inline constexpr int kExitInterrupted = 4;  ///< by a signal
 
 /// The exit codes as text, at the end of a command's help.
 inline constexpr const char* kExitCodesHelp =
-    "Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or\n"
-    "command line wrong; 3 the run missed its target, bricks passed through each\n"
-    "other, or the search ended at its budget; 4 interrupted.";
+    "Exit codes: 0 done, at the target or without one; 1 failed; 2 wrong input or\n"
+    "command line; 3 the target was missed, bricks overlapped, or the search used up\n"
+    "its budget; 4 interrupted.";
 
 // ------------------------------------------------------------------------------------------------
 // Ctrl-C and termination signals.

@@ -534,7 +534,7 @@ ContactLayout layOutContacts(std::size_t count, std::size_t series) {
 
 picture::Frame composeContactSheet(const std::vector<std::string>& keys,
                                    const std::vector<ContactPicture>& pictures) {
-  if (pictures.empty()) throw InputError("error: no run is done, there is nothing to show");
+  if (pictures.empty()) throw InputError("error: no run is finished, so there is nothing to show");
   const ContactLayout layout = layOutContacts(pictures.size(), seriesLength(pictures));
   std::vector<std::vector<std::string>> values;
   for (const std::size_t chosen : layout.chosen) values.push_back(pictures[chosen].values);

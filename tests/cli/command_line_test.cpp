@@ -36,9 +36,10 @@ TEST(CommandLine, HelpTellsTheExitCodes) {
   for (const Words& words : {Words{"--help"}, {"record", "--help"}, {"simulate", "--help"}}) {
     EXPECT_THAT(
         page(words),
-        HasSubstr("Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or\n"
-                  "command line wrong; 3 the run missed its target, bricks passed through each\n"
-                  "other, or the search ended at its budget; 4 interrupted."));
+        HasSubstr(
+            "Exit codes: 0 done, at the target or without one; 1 failed; 2 wrong input or\n"
+            "command line; 3 the target was missed, bricks overlapped, or the search used up\n"
+            "its budget; 4 interrupted."));
   }
 }
 
@@ -317,7 +318,7 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
             "error: no family given, as in kirireel generate tessellation FOLDER; see kirireel "
             "generate --help");
   EXPECT_EQ(messageOf({"record", "fan", "cylinder"}),
-            "error: 'cylinder' is one argument too many; see kirireel record --help");
+            "error: unexpected argument 'cylinder'; see kirireel record --help");
   EXPECT_EQ(messageOf({"record", "fan", "--fps"}),
             "error: --fps needs a value; see kirireel record --help");
 }

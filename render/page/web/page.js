@@ -315,6 +315,7 @@ async function openPage() {
 
 openPage().catch((error) => {
   for (const place of document.querySelectorAll(".without")) {
-    place.textContent = `This browser cannot unpack the model (${error.message}); those since 2023 can.`;
+    place.textContent =
+        `This browser cannot unpack the model (${error.message}); browsers since 2023 can.`;
   }
 });

@@ -91,7 +91,7 @@ TEST_F(ContactSheet, LeavesRoomForFailedRuns) {
 TEST_F(ContactSheet, IsNotMadeOfNothing) {
   EXPECT_THAT(
       [] { sweep::composeContactSheet({"k"}, {}); },
-      testing::ThrowsMessage<InputError>("error: no run is done, there is nothing to show"));
+      testing::ThrowsMessage<InputError>("error: no run is finished, so there is nothing to show"));
 }
 
 }  // namespace
