@@ -13,9 +13,9 @@ void write(const fs::path& file, const std::string& text) {
 }
 
 /// A folder with one file that a run left, and its record.
-class LeftFilesTest : public testing::Test {
+class RecordedFilesTest : public testing::Test {
  protected:
-  LeftFilesTest() {
+  RecordedFilesTest() {
     fs::create_directory(folder_ / "frames");
     write(folder_ / "final.obj", "ours");
     write(folder_ / "frames/frame_00000.png", "ours too");
@@ -33,7 +33,7 @@ class LeftFilesTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
+TEST_F(RecordedFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(isForeign("final.obj"));
   EXPECT_FALSE(isForeign("frames/frame_00000.png"));
   EXPECT_FALSE(isForeign("summary.json"));
@@ -42,7 +42,7 @@ TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
   EXPECT_FALSE(output::RecordedFiles(folder_.path()).isUnchanged("final.ply"));
 }
 
-TEST_F(LeftFilesTest, TakeNothingElseForOurs) {
+TEST_F(RecordedFilesTest, TakeNothingElseForOurs) {
   write(folder_ / "final.ply", "theirs");
   EXPECT_TRUE(isForeign("final.ply"));
   write(folder_ / "final.obj", "OURS");  // as many bytes
@@ -52,7 +52,7 @@ TEST_F(LeftFilesTest, TakeNothingElseForOurs) {
   EXPECT_TRUE(isForeign("final.obj"));
 }
 
-TEST_F(LeftFilesTest, KnowNothingWithoutASealedRecord) {
+TEST_F(RecordedFilesTest, KnowNothingWithoutASealedRecord) {
   write(folder_ / "summary.json", test::bytesOf(folder_ / "summary.json") + " ");
   EXPECT_TRUE(isForeign("final.obj"));
   EXPECT_TRUE(isForeign("summary.json"));
@@ -60,7 +60,7 @@ TEST_F(LeftFilesTest, KnowNothingWithoutASealedRecord) {
   EXPECT_TRUE(isForeign("final.obj"));
 }
 
-TEST_F(LeftFilesTest, AreNotSoughtThroughLinksToFolders) {
+TEST_F(RecordedFilesTest, AreNotSoughtThroughLinksToFolders) {
   fs::rename(folder_ / "frames", folder_ / "elsewhere");
   fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "frames");
   EXPECT_TRUE(isForeign("frames/frame_00000.png"));
@@ -72,7 +72,7 @@ TEST_F(LeftFilesTest, AreNotSoughtThroughLinksToFolders) {
   EXPECT_TRUE(isForeign("final.obj"));
 }
 
-TEST_F(LeftFilesTest, CountAsTheNewestRecordHasThem) {
+TEST_F(RecordedFilesTest, CountAsTheNewestRecordHasThem) {
   write(folder_ / "final.obj", "exported again");
   output::FileList files;
   files["final.obj"] = output::digestOf(folder_.path(), "final.obj");
