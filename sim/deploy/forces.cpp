@@ -471,7 +471,7 @@ TargetGuide::TargetGuide(const std::vector<model::Tile>& start,
     const std::vector<Vector3>& from = start[i].vertices;
     const std::vector<Vector3>& to = target[i].vertices;
     const Matrix3 R = model::bestRigidMotion(from, to).rotation;
-    TileMotion tileMotion{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
+    GuideMotion tileMotion{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
     for (std::size_t k = 0; k < from.size(); ++k) {
       tileMotion.vertices.push_back(from[k] - tileMotion.startMean);
       tileMotion.misfit.push_back(R.transpose() * (to[k] - tileMotion.targetMean) -
@@ -484,7 +484,7 @@ TargetGuide::TargetGuide(const std::vector<model::Tile>& start,
 std::vector<model::Tile> TargetGuide::at(double progress) const {
   std::vector<model::Tile> tiles(motions_.size());
   for (std::size_t i = 0; i < motions_.size(); ++i) {
-    const TileMotion& tileMotion = motions_[i];
+    const GuideMotion& tileMotion = motions_[i];
     const Quaternion turn = rotationFromVector(progress * tileMotion.turn);
     const Vector3 middle =
         tileMotion.startMean + progress * (tileMotion.targetMean - tileMotion.startMean);

@@ -248,7 +248,7 @@ class TargetGuide {
 
  private:
   /// The motion of one tile.
-  struct TileMotion {
+  struct GuideMotion {
     Vector3 startMean;
     Vector3 targetMean;
     Vector3 turn;                   ///< rotation vector of the best fit
@@ -256,7 +256,7 @@ class TargetGuide {
     std::vector<Vector3> misfit;    ///< residual of the best fit, in the start's axes
   };
 
-  std::vector<TileMotion> motions_;
+  std::vector<GuideMotion> motions_;
 };
 
 /// The bricks' poses that fit the target best, each brick independently. `target` has one tile per

@@ -17,7 +17,6 @@
 #include <fmt/format.h>
 
 #include "sim/deploy/assembled_state.h"
-#include "sim/deploy/run_drive.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
