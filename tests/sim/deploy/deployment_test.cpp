@@ -305,7 +305,7 @@ TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
   const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, deploy::Outcome::Diverged);
   EXPECT_THAT(result.reason, HasSubstr("a brick left all bounds at "));
-  EXPECT_THAT(result.reason, HasSubstr("try a shorter `timestep` or more damping"));
+  EXPECT_THAT(result.reason, HasSubstr(". Try a shorter `timestep` or more damping"));
 }
 
 TEST(Deploy, ExactJointsBearTheSameStiffness) {

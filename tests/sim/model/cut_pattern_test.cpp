@@ -280,7 +280,7 @@ TEST(CutPatterns, OptionsChooseLines) {
               HasSubstr("a.svg: error: no line has the colour, layer or id 'green' of `cut`. "
                         "Available: #000000, #ff0000"));
   EXPECT_THAT(read("a.obj", "v 0 0 0\n", settings).refusal,
-              HasSubstr("`cut` is for drawings (.svg, .dxf) only"));
+              HasSubstr("`cut` is only for drawings (.svg, .dxf). Remove it"));
 }
 
 TEST(CutPatterns, CirclesRelieveTheEndsOfSlits) {
@@ -371,7 +371,7 @@ TEST(CutPatterns, TheWidestNeckMayBeGiven) {
 
 TEST(CutPatterns, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read("a.svg", "<svg><text>a</text></svg>").refusal,
-              HasSubstr("a.svg: error: the file has no lines of a sheet"));
+              HasSubstr("a.svg: error: the drawing has no lines of a sheet"));
   EXPECT_THAT(read("a.svg", page("<path d=\"M0 0H40V20H0M20 0V18\"/>")).refusal,
               HasSubstr("a.svg: error: the outline is open: the line that ends at (0, 0) mm leaves "
                         "the sheet. Close the outline, or end the line at it"));

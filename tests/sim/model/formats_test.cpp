@@ -424,7 +424,7 @@ TEST(FormatErrors, Fold) {
       messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
       "@/a.fold: error: entry 0 is not a list of whole numbers. Write vertex numbers >= 0");
   EXPECT_TRUE(messageFor({{"a.fold", "{\"x\": "}}, "a.fold")
-                  .starts_with("@/a.fold: error: this is no JSON ("));
+                  .starts_with("@/a.fold: error: this is not JSON ("));
   EXPECT_EQ(messageFor({{"a.fold", "3"}}, "a.fold"),
             "@/a.fold: error: the file has no JSON object. Give a FOLD file");
 }
