@@ -13,7 +13,6 @@
 
 #include "render/picture/state_painter.h"
 #include "sim/base/error.h"
-#include "sim/deploy/continuation.h"
 
 namespace kirireel::record {
 namespace {

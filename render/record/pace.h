@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "render/record/job.h"
-#include "sim/deploy/continuation.h"
+#include "sim/deploy/mechanism_path.h"
+#include "sim/deploy/state_interpolator.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel::record {

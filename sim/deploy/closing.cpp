@@ -22,6 +22,7 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/model/hinge.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/sheet.h"

@@ -2,66 +2,19 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/deploy/assembled_state.h"
-#include "sim/deploy/dynamics.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/search_budget.h"
-#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
-#include "sim/model/isometry.h"
 #include "sim/scene/scene.h"
-#include "sim/trajectory/measures.h"
-#include "sim/trajectory/trajectory.h"
 
 namespace kirireel::deploy {
-
-// ------------------------------------------------------------------------------------------------
-// Kinematic deployment: a path of the mechanism from its start to its target.
-
-/// A kinematic path: states with closed joints, each a small move away from the one before.
-struct MechanismPath {
-  std::vector<Poses> states;      ///< the first is the start; one pose per tile
-  std::vector<double> lengths;    ///< path length up to each state, metres; see pathDistance()
-  double guideLength = 0;         ///< length of the guide from start to goal, metres
-  double error = 0;               ///< target error at the end, metres; 0 without a target
-  bool isStuck = false;           ///< the path ended early: the bricks no longer follow the guide
-  bool isCutShort = false;        ///< the budget was spent or the caller stopped
-  bool endsAtOpenJoints = false;  ///< the next states open joints by more than rounding explains
-  bool isRounded = false;         ///< joints close only within the rounding of the coordinates
-  std::vector<model::Symmetry> symmetries;  ///< model symmetries that all states have; a group
-
-  /// Length of the whole path, metres.
-  double length() const { return lengths.back(); }
-};
-
-/// The root mean square distance of a brick's bottom vertices from its centre of mass, metres.
-double gyrationRadius(const model::Brick& brick);
-
-/// Distance between two states of the same bricks, metres: the root of the mean over bricks of
-///   |dx|^2 + w rho^2 |dphi|^2,
-/// with dx the displacement of the centre of mass, dphi the rotation in radians, rho the brick's
-/// gyrationRadius() and w `turnWeight`. Path lengths use w = 1.
-double pathDistance(const std::vector<model::Brick>& bricks, const Poses& from, const Poses& to,
-                    double turnWeight = 1);
-
-/// Closes joints as Dynamics::assemble() does, but keeps the bricks' common centre fixed. Near
-/// singular states, rounding errors times the stiffness would otherwise shift the whole sheet.
-bool closeInPlace(Poses& poses, Dynamics& dynamics);
-
-/// Measures how much deeper bricks overlap than at `start`. It counts the pairs that these contacts
-/// keep apart, or all pairs if contacts are off. The meter keeps a reference to `bricks`.
-trajectory::PenetrationMeter overlapMeter(const scene::Environment& environment,
-                                          const std::vector<model::Brick>& bricks,
-                                          std::span<const model::Pivot> pivots, const Poses& start);
 
 /// Minimum number of states along a guide.
 inline constexpr double kLeastStates = 60;
@@ -150,64 +103,6 @@ class PathGuide {
  private:
   std::vector<Poses> states_;
   std::vector<double> lengths_ = {0};  // up to each state, metres
-};
-
-// ------------------------------------------------------------------------------------------------
-// States of a recorded run between its samples.
-
-/// Number of states that momentsBetween() returns.
-inline constexpr int kMomentsBetween = 10;
-/// Radians. Up to here, states of momentsBetween() open joints by less than 1e-7 of a tile.
-inline constexpr double kMostTurnBetween = 0.05;
-
-/// Adds a joint-closing correction to an interpolated state. The correction is a cubic in `share`:
-/// zero at both ends and equal to the known corrections (`open` to `closed`) at 1/3 and 2/3.
-void moveByThirds(Poses& poses, double share, const std::array<Poses, 2>& open,
-                  const std::array<Poses, 2>& closed);
-
-/// kMomentsBetween equidistant states between two states, by the cubic through both of them and the
-/// states at one third and two thirds.
-std::vector<Poses> momentsThrough(const Poses& from, const std::array<Poses, 2>& thirds,
-                                  const Poses& to);
-
-/// Finds states between two samples of one run. Linear interpolation opens joints by the square of
-/// the rotation between the samples. If the joints are closed in both samples, the interpolator
-/// therefore closes them again. This moves the bricks as little as possible, weighted by their
-/// masses.
-class StateInterpolator {
- public:
-  /// Both must outlive the interpolator.
-  StateInterpolator(const model::Model& model, const std::vector<model::Brick>& bricks);
-  /// The subject must outlive the interpolator.
-  explicit StateInterpolator(const trajectory::Subject& subject)
-      : StateInterpolator(subject.model, subject.bricks) {}
-
-  /// The state at a share in [0, 1] between one sample and a later one. Time, joint gap and target
-  /// error belong to this state. Penetration, pins and steps are those of the earlier sample. If
-  /// joints are closed in both samples (to 1e-9 of a tile), they are closed to the same tolerance
-  /// here. If no such state exists, this returns the nearer sample's state.
-  trajectory::Sample between(const trajectory::Sample& from, const trajectory::Sample& to,
-                             double share);
-
-  /// kMomentsBetween equidistant states between two states. Closes the joints only twice, at one
-  /// third and two thirds, and uses the cubic through these and the two given states. Returns an
-  /// empty list if a brick rotates by more than kMostTurnBetween between the two states: its path
-  /// is then unknown.
-  std::vector<Poses> momentsBetween(const Poses& from, const Poses& to);
-
- private:
-  bool areClosed(const Poses& poses) const;
-  Poses closedBetween(const Poses& from, const Poses& to, double share);
-  mechanics::JointSolver& solverFor(const Poses& from, const Poses& to);
-  void setPinned(const std::vector<int>& tiles);
-
-  const model::Model& model_;
-  const std::vector<model::Brick>& bricks_;
-  std::vector<bool> pinned_;
-  std::vector<model::Pivot> pivots_;
-  double tileSize_;                                  ///< metres
-  std::unique_ptr<mechanics::JointSolver> inPlane_;  ///< created at first use, like inSpace_
-  std::unique_ptr<mechanics::JointSolver> inSpace_;
 };
 
 }  // namespace kirireel::deploy

@@ -27,6 +27,7 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/plane_motion.h"
 #include "sim/deploy/planner.h"

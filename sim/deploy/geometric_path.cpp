@@ -11,9 +11,10 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/arrival.h"
 #include "sim/deploy/assembled_state.h"
-#include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/run_figures.h"
+#include "sim/deploy/state_interpolator.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/deploy/continuation.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/path_evaluation.h"
 #include "sim/deploy/result.h"
 #include "sim/deploy/run.h"

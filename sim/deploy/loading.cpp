@@ -21,6 +21,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/path_evaluation.h"
 #include "sim/mechanics/bar_hinge_sheet.h"
 #include "sim/mechanics/elastic_sheet.h"

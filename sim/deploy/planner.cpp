@@ -26,6 +26,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/smoothing.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sim/deploy/assembled_state.h"
-#include "sim/deploy/continuation.h"
 #include "sim/deploy/result.h"
+#include "sim/deploy/state_interpolator.h"
 #include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 

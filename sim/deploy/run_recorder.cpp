@@ -7,7 +7,6 @@
 #include <array>
 #include <utility>
 
-#include "sim/deploy/continuation.h"
 
 namespace kirireel::deploy {
 

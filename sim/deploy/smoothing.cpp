@@ -38,6 +38,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/banded_program.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/near_gaps.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"

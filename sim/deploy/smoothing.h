@@ -3,6 +3,7 @@
 
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/deploy/search_budget.h"
 
 namespace kirireel::deploy {

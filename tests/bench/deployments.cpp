@@ -30,8 +30,8 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
-#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
 #include "sim/scene/scene_needs.h"

@@ -8,7 +8,7 @@
 
 #include "render/record/pace.h"
 #include "sim/base/error.h"
-#include "sim/deploy/continuation.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::bench {

@@ -25,7 +25,7 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "sim/deploy/continuation.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/model/isometry.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"

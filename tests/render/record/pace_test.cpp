@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "render/record/run_pictures.h"
-#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/model/lattice.h"
 #include "sim/trajectory/measures.h"
 #include "tests/support/files.h"

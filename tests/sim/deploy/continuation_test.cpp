@@ -1,5 +1,4 @@
 // Deployments as geometry: paths of the mechanism.
-#include "sim/deploy/continuation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/mechanism_path.h"
 #include "sim/generate/families.h"
 #include "sim/generate/shells.h"
 #include "sim/model/isometry.h"

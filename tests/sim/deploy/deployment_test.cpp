@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/deploy/continuation.h"
+#include "sim/deploy/state_interpolator.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
 

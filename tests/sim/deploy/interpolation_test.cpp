@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/deploy/continuation.h"
+#include "sim/deploy/mechanism_path.h"
+#include "sim/deploy/state_interpolator.h"
 #include "sim/model/lattice.h"
 #include "sim/trajectory/measures.h"
 
