@@ -121,8 +121,8 @@ scene::Scene readScene(const RecordOrder& order, std::vector<std::string>& warni
 /// The outcome in the words of summary.json, and whether the run has a shortfall. Diverged is a
 /// failure; interrupted has its own code.
 int exitCode(const std::string& outcome, bool isShort) {
-  if (outcome == deploy::toString(deploy::Outcome::Interrupted)) return kExitInterrupted;
-  if (outcome == deploy::toString(deploy::Outcome::Diverged)) return kExitFailed;
+  if (outcome == run::toString(run::Outcome::Interrupted)) return kExitInterrupted;
+  if (outcome == run::toString(run::Outcome::Diverged)) return kExitFailed;
   return isShort ? kExitShort : kExitDone;
 }
 
@@ -357,7 +357,7 @@ int carryOut(const RecordOrder& order) {
   fmt::print("{}", order.printJson ? record::summaryJson(scene, settings, summary)
                    : order.verbose ? describeRun(scene, settings, summary)
                                    : describeRunBriefly(scene, settings, summary));
-  return exitCode(deploy::toString(summary.outcome), !summary.shortfall.empty());
+  return exitCode(run::toString(summary.outcome), !summary.shortfall.empty());
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -18,9 +18,9 @@
 
 #include "render/cli/option_group.h"
 #include "render/picture/state_painter.h"
-#include "sim/deploy/assembled_state.h"
-#include "sim/deploy/dynamics.h"
-#include "sim/deploy/path_choice.h"
+#include "sim/path/path_choice.h"
+#include "sim/run/assembled_state.h"
+#include "sim/run/dynamics.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/trajectory/sheet.h"
 
@@ -44,9 +44,9 @@ std::string inTiles(double metres, const model::Model& model) {
 std::string reasonOfMiss(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
-  if (summary.outcome != deploy::Outcome::Settled || error <= kReached * tile) return "";
+  if (summary.outcome != run::Outcome::Settled || error <= kReached * tile) return "";
   // Coordinates with few digits displace tiles and target by the rounding's spread.
-  if (scene.model.rounding > 0 && error <= deploy::roundedReach(scene.model)) {
+  if (scene.model.rounding > 0 && error <= run::roundedReach(scene.model)) {
     return fmt::format("reason: coordinates are rounded to {}; tiles and target fit no better\n",
                        lengthText(scene.model.rounding, scene.model.unit, 6));
   }
@@ -75,7 +75,7 @@ std::string reasonOfMiss(const scene::Scene& scene, const record::RunSummary& su
 
 /// Two or three lines: error, bounds, reason.
 std::string describeTarget(const scene::Scene& scene, const record::RunSummary& summary) {
-  const deploy::Accuracy& accuracy = summary.accuracy;
+  const run::Accuracy& accuracy = summary.accuracy;
   const model::Model& model = scene.model;
   std::string text = fmt::format("target error {} at the end ({} at the start)\n",
                                  inTiles(accuracy.targetErrorEnd, model),
@@ -92,7 +92,7 @@ std::string describeTarget(const scene::Scene& scene, const record::RunSummary& 
 /// The largest gap of any step, and the gap at the end. Compliant joints, which open on purpose,
 /// are listed separately.
 std::string describeJoints(const scene::Scene& scene, const record::RunSummary& summary) {
-  const deploy::Accuracy& accuracy = summary.accuracy;
+  const run::Accuracy& accuracy = summary.accuracy;
   const model::Model& model = scene.model;
   std::string text =
       fmt::format("joint gap {} at most, {} at the end", inTiles(accuracy.jointGapMax, model),
@@ -107,11 +107,11 @@ std::string describeJoints(const scene::Scene& scene, const record::RunSummary& 
 /// The tolerance in time of the steps of a run, and the exceptions; empty for runs without such
 /// steps. The total error is only known if it was measured.
 std::string describeTime(const scene::Scene& scene, const record::RunSummary& summary) {
-  const deploy::DeployCost& cost = summary.deployCost;
+  const run::DeployCost& cost = summary.deployCost;
   scene::Scene run = scene;
   run.path = summary.path;
   const bool isWalked = summary.path.kind == scene::PathKind::Continuation;
-  if (isWalked || !scene.grips.empty() || !deploy::keepsTolerance(run)) {
+  if (isWalked || !scene.grips.empty() || !run::keepsTolerance(run)) {
     return summary.path.kind == scene::PathKind::Guided
                ? "time: critically damped springs guide the tiles in fixed steps, without a "
                  "tolerance\n"
@@ -137,7 +137,7 @@ std::string describeTime(const scene::Scene& scene, const record::RunSummary& su
 /// The total depth, and its part outside the corners that joined bricks share. Thick bricks cannot
 /// avoid overlap in these corners; contacts prevent the rest.
 std::string describePenetration(const scene::Scene& scene, const record::RunSummary& summary) {
-  const deploy::Accuracy& accuracy = summary.accuracy;
+  const run::Accuracy& accuracy = summary.accuracy;
   const LengthUnit& unit = scene.model.unit;
   std::string text =
       fmt::format("penetration {} at most", inTiles(accuracy.penetrationMax, scene.model));
@@ -183,13 +183,13 @@ std::string describeNeed(const char* name, const scene::Need& need) {
 constexpr std::size_t kPairsNamed = 3;
 
 /// The deepest pairs come first.
-std::string describeBlocking(const std::vector<deploy::BlockingPair>& blocking,
+std::string describeBlocking(const std::vector<run::BlockingPair>& blocking,
                              const model::Model& model) {
   if (blocking.empty()) return "";
   std::vector<std::string> pairs;
-  for (const deploy::BlockingPair& pair : blocking) {
+  for (const run::BlockingPair& pair : blocking) {
     if (pairs.size() == kPairsNamed) break;
-    pairs.push_back(deploy::describe(pair, model.fileOrder.countsFrom, model.unit));
+    pairs.push_back(run::describe(pair, model.fileOrder.countsFrom, model.unit));
   }
   return fmt::format("{} pair{} of bricks would overlap at the target: {}{}\n", blocking.size(),
                      blocking.size() > 1 ? "s" : "", fmt::join(pairs, "; "),
@@ -198,7 +198,7 @@ std::string describeBlocking(const std::vector<deploy::BlockingPair>& blocking,
 
 /// CPU seconds of all threads together, and total wall time.
 std::string describeCost(const record::RunSummary& summary) {
-  const deploy::DeployCost& deploy = summary.deployCost;
+  const run::DeployCost& deploy = summary.deployCost;
   const record::RecordCost& record = summary.recordCost;
   std::string text =
       fmt::format("{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
@@ -270,10 +270,10 @@ namespace {
 
 /// "target reached, error 1e-13 m", "target missed by ...", "settled after 6 s: ...".
 std::string describeEnd(const scene::Scene& scene, const record::RunSummary& summary) {
-  using enum deploy::Outcome;
+  using enum run::Outcome;
   const std::string end =
       fmt::format("{} after {:.4g} s",
-                  summary.outcome == OutOfTime ? "still moving" : deploy::toString(summary.outcome),
+                  summary.outcome == OutOfTime ? "still moving" : run::toString(summary.outcome),
                   summary.endTime);
   const double error = summary.accuracy.targetErrorEnd;
   const bool isFailed = summary.outcome == Diverged || summary.outcome == Locked;
@@ -291,7 +291,7 @@ std::string describeEnd(const scene::Scene& scene, const record::RunSummary& sum
 
 /// The end, and any shortfall other than a missed target.
 std::string headline(const scene::Scene& scene, const record::RunSummary& summary) {
-  using enum deploy::Outcome;
+  using enum run::Outcome;
   std::string text = describeEnd(scene, summary);
   if (summary.shortfall.empty() || summary.outcome == Interrupted) return text;
   const bool isExplained = summary.atTarget == false || summary.outcome == Locked;
@@ -310,7 +310,7 @@ std::string describeMotion(const record::RunSummary& summary, double tile) {
                      : summary.path.kind == scene::PathKind::Continuation ? "kinematic path"
                      : summary.path.kind == scene::PathKind::Guided       ? "guided by springs"
                                                                           : "dynamics";
-  const bool isClear = summary.accuracy.penetrationGrownMax <= deploy::kClearShare * tile;
+  const bool isClear = summary.accuracy.penetrationGrownMax <= run::kClearShare * tile;
   return fmt::format("{}, {}", path,
                      summary.needs.contacts.on ? "contacts on"
                      : isClear                 ? "no collisions"
@@ -321,11 +321,11 @@ std::string describeMotion(const record::RunSummary& summary, double tile) {
 std::string describeWorstOverlap(const scene::Scene& scene, const record::RunSummary& summary) {
   const double tile = model::tileSize(scene.model);
   const double grown = summary.accuracy.penetrationGrownMax;
-  const bool isOverlapping = grown > deploy::kClearShare * tile;
+  const bool isOverlapping = grown > run::kClearShare * tile;
   std::string text =
       isOverlapping ? fmt::format("worst overlap {}\n", inTiles(grown, scene.model)) : "";
   if (summary.blocking.empty() || (summary.atTarget == true && !isOverlapping)) return text;
-  const deploy::BlockingPair& worst = summary.blocking.front();
+  const run::BlockingPair& worst = summary.blocking.front();
   const int first = scene.model.fileOrder.countsFrom;
   return text + fmt::format("overlaps at the target: {} pair{}, worst tiles {} and {} ({})\n",
                             summary.blocking.size(), summary.blocking.size() > 1 ? "s" : "",
@@ -343,7 +343,7 @@ std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSe
                       scene.model.joints.size(), summary.needs.planar.on ? "planar" : "in space",
                       describeMotion(summary, tile));
   if (!scene.model.joints.empty()) {
-    const deploy::Accuracy& accuracy = summary.accuracy;
+    const run::Accuracy& accuracy = summary.accuracy;
     text += accuracy.jointOpeningMax > 0
                 ? fmt::format("joints open by up to {}, {} at the end\n",
                               inTiles(accuracy.jointOpeningMax, scene.model),
@@ -362,9 +362,8 @@ std::string describeRunBriefly(const scene::Scene& scene, const record::RecordSe
 
 std::string describeRun(const scene::Scene& scene, const record::RecordSettings& settings,
                         const record::RunSummary& summary) {
-  std::string text =
-      fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
-                  deploy::toString(summary.outcome), summary.endTime, summary.reason);
+  std::string text = fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
+                                 run::toString(summary.outcome), summary.endTime, summary.reason);
   text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));

@@ -284,7 +284,7 @@ struct MemoryRun {
 
 /// A run that was deployed here. It also keeps the order, which save() needs.
 struct DeployedRun : MemoryRun {
-  DeployedRun(cli::RecordResult prepared, deploy::DeploymentResult ended,
+  DeployedRun(cli::RecordResult prepared, run::DeploymentResult ended,
               std::shared_ptr<const trajectory::SampleTable> table)
       : MemoryRun(trajectory::subjectOf(prepared.scene), ended.trajectory, std::move(table)),
         order(std::move(prepared)),
@@ -293,7 +293,7 @@ struct DeployedRun : MemoryRun {
   }
 
   cli::RecordResult order;
-  deploy::DeploymentResult result;
+  run::DeploymentResult result;
 };
 
 // ---- arrays
@@ -411,18 +411,18 @@ std::shared_ptr<DeployedRun> deployModel(const cli::LoadedModel& loaded, const p
   withoutInterpreter([&] {
     cli::RecordResult prepared = cli::prepareOrder(order, warnings);
     const auto samples = std::make_shared<trajectory::SampleTable>();
-    const deploy::SampleObserver keep = [&](const trajectory::Sample& sample) {
+    const run::SampleObserver keep = [&](const trajectory::Sample& sample) {
       samples->append(sample);
       return report(sample);
     };
     // Collect warnings, because they may come from threads without the interpreter lock.
-    const deploy::TrialObserver search = [&](const deploy::SearchNews& news) {
+    const run::TrialObserver search = [&](const run::SearchNews& news) {
       if (!news.warning.empty()) {
         warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
       }
       return true;
     };
-    deploy::DeploymentResult result =
+    run::DeploymentResult result =
         deploy::deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
     run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
   });
@@ -486,8 +486,8 @@ std::vector<std::string> save(const DeployedRun& run, const std::filesystem::pat
     // Replaces the deployment: passes the samples to record()'s observer and returns the known
     // result.
     const record::Deployer again = [&run](const scene::Scene&, double,
-                                          const deploy::SampleObserver& observer,
-                                          const deploy::TrialObserver&, deploy::Checkpoints*) {
+                                          const run::SampleObserver& observer,
+                                          const run::TrialObserver&, run::Checkpoints*) {
       for (std::size_t i = 0; i < run.samples->size(); ++i) observer(run.samples->sample(i));
       return run.result;
     };
@@ -592,7 +592,7 @@ void addRun(py::module_& module) {
   py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(module, "Run",
                                                                    "A deployment made by deploy().")
       .def_property_readonly(
-          "outcome", [](const DeployedRun& run) { return deploy::toString(run.result.outcome); },
+          "outcome", [](const DeployedRun& run) { return run::toString(run.result.outcome); },
           "settled, locked, out_of_time, diverged or interrupted")
       .def_property_readonly(
           "reason", [](const DeployedRun& run) { return run.result.reason; }, "one line: why")

@@ -16,7 +16,7 @@
 #include "render/picture/grid.h"
 #include "render/picture/state_painter.h"
 #include "sim/base/files.h"
-#include "sim/deploy/result.h"
+#include "sim/run/result.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel::record {
@@ -153,30 +153,30 @@ struct PictureReport {
 
 /// The contents of summary.json, without the settings.
 struct RunSummary : PictureReport {
-  deploy::Outcome outcome = deploy::Outcome::OutOfTime;  ///< how the run ended
-  std::string reason;                                    ///< one line: reason for the end
-  std::optional<bool> atTarget;  ///< at the end; absent without a target drive
-  std::string shortfall;         ///< why the run counts as incomplete; empty if it is complete
-  double forbiddenOverlap = 0;   ///< see deploy::DeploymentResult; metres
-  double endTime = 0;            ///< simulated seconds
+  run::Outcome outcome = run::Outcome::OutOfTime;  ///< how the run ended
+  std::string reason;                              ///< one line: reason for the end
+  std::optional<bool> atTarget;                    ///< at the end; absent without a target drive
+  std::string shortfall;        ///< why the run counts as incomplete; empty if it is complete
+  double forbiddenOverlap = 0;  ///< see run::DeploymentResult; metres
+  double endTime = 0;           ///< simulated seconds
   /// Time at which the first brick was farther away than pictures show (see kFarthestShown),
   /// simulated seconds. Its data continue.
   std::optional<double> leftOutFrom;
-  scene::Needs needs;                              ///< modelled features, with reasons
-  scene::PathSettings path;                        ///< path of the run
-  std::string pathReason;                          ///< one short phrase: reason for the path
-  std::vector<deploy::PathEvaluation> candidates;  ///< tested kinematic paths, in order
-  deploy::Accuracy accuracy;                       ///< gaps, errors and overlaps
-  std::optional<double> timeError;                 ///< tiles; see deploy::DeploymentResult
-  double assembledError = -1;                      ///< metres; < 0 if not computed
-  std::vector<deploy::BlockingPair> blocking;      ///< bricks that block each other at the target
-  std::vector<std::string> warnings;               ///< about the target, one line each
-  std::vector<trajectory::Event> events;           ///< actions of the timeline, end of the run
-  deploy::DeployCost deployCost;                   ///< of the run itself
-  std::optional<mechanics::LoadCurve> loadCurve;   ///< of a scene with grips
-  std::optional<model::Elasticity> elasticity;     ///< absent if no hinge has a spring
-  std::string leftOut;                             ///< why an export is missing; usually empty
-  std::vector<output::FileDigest> digests;         ///< of all files but summary.json
+  scene::Needs needs;                             ///< modelled features, with reasons
+  scene::PathSettings path;                       ///< path of the run
+  std::string pathReason;                         ///< one short phrase: reason for the path
+  std::vector<run::PathEvaluation> candidates;    ///< tested kinematic paths, in order
+  run::Accuracy accuracy;                         ///< gaps, errors and overlaps
+  std::optional<double> timeError;                ///< tiles; see run::DeploymentResult
+  double assembledError = -1;                     ///< metres; < 0 if not computed
+  std::vector<run::BlockingPair> blocking;        ///< bricks that block each other at the target
+  std::vector<std::string> warnings;              ///< about the target, one line each
+  std::vector<trajectory::Event> events;          ///< actions of the timeline, end of the run
+  run::DeployCost deployCost;                     ///< of the run itself
+  std::optional<mechanics::LoadCurve> loadCurve;  ///< of a scene with grips
+  std::optional<model::Elasticity> elasticity;    ///< absent if no hinge has a spring
+  std::string leftOut;                            ///< why an export is missing; usually empty
+  std::vector<output::FileDigest> digests;        ///< of all files but summary.json
 };
 
 /// Progress of a run, for a progress line. `stage` is a string literal.

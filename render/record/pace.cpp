@@ -27,7 +27,7 @@ constexpr double kSameFrameTime = 1e-6;
 double shownDistance(const trajectory::Subject& subject, const picture::PictureContent& content,
                      const Poses& from, const Poses& to) {
   if (picture::showsAllBricks(content, from) && picture::showsAllBricks(content, to)) {
-    return deploy::pathDistance(subject.bricks, from, to);
+    return run::pathDistance(subject.bricks, from, to);
   }
   std::vector<model::Brick> bricks;
   Poses before, after;
@@ -37,7 +37,7 @@ double shownDistance(const trajectory::Subject& subject, const picture::PictureC
     before.push_back(from[i]);
     after.push_back(to[i]);
   }
-  return bricks.empty() ? 0 : deploy::pathDistance(bricks, before, after);
+  return bricks.empty() ? 0 : run::pathDistance(bricks, before, after);
 }
 
 /// Linear interpolation between points with ascending x; constant

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "render/record/job.h"
-#include "sim/deploy/mechanism_path.h"
-#include "sim/deploy/state_interpolator.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/run/state_interpolator.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel::record {
@@ -90,7 +90,7 @@ class Replay {
   void loadPair(std::size_t index);
 
   const trajectory::TrajectoryReader& run_;
-  deploy::StateInterpolator interpolator_;
+  run::StateInterpolator interpolator_;
   std::size_t index_ = 0;                 ///< of the first sample of the pair
   std::vector<trajectory::Sample> pair_;  ///< two consecutive samples; empty before first use
 };

@@ -116,21 +116,21 @@ bool keepsTrajectory(const RecordSettings& settings) {
 
 /// The end of a run that the files show.
 struct RunEnd {
-  deploy::DeploymentResult result;
+  run::DeploymentResult result;
   SharedSample first;
   SharedSample last;
   std::optional<double> leftOutFrom;  ///< see RunSummary
 };
 
 /// A deployment knows that it was ended early, but not by whom.
-void nameInterruption(const std::string& by, deploy::DeploymentResult& result) {
-  if (result.outcome != deploy::Outcome::Interrupted) return;
+void nameInterruption(const std::string& by, run::DeploymentResult& result) {
+  if (result.outcome != run::Outcome::Interrupted) return;
   result.reason = "interrupted by " + by;
-  result.trajectory.events.back().text = deploy::endText(result.outcome, result.reason);
+  result.trajectory.events.back().text = run::endText(result.outcome, result.reason);
 }
 
 /// Field by field, because recording adds fields to a summary.
-void noteResult(const deploy::DeploymentResult& result, double endTime, RunSummary& summary) {
+void noteResult(const run::DeploymentResult& result, double endTime, RunSummary& summary) {
   summary.outcome = result.outcome;
   summary.reason = result.reason;
   summary.atTarget = result.atTarget;
@@ -186,13 +186,13 @@ class LiveRun {
       subject_.settings = settingsText(scene_, settings_);
       writer.emplace(settings_.folder / output::kTrajectory, subject_);
     }
-    const deploy::SampleObserver watch = [&](const trajectory::Sample& sample) {
+    const run::SampleObserver watch = [&](const trajectory::Sample& sample) {
       keep(sample);
       const bool taken = !writer || writer->take(end_.last);
       return taken &&
              reportProgress("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
-    const deploy::TrialObserver searching = [&](const deploy::SearchNews& news) {
+    const run::TrialObserver searching = [&](const run::SearchNews& news) {
       if (!news.warning.empty()) reportWarning(news.warning);
       return reportProgress("searching a path", news.share);
     };
@@ -250,7 +250,7 @@ class LiveRun {
   const Deployer& deployer_;
   trajectory::Subject subject_;
   picture::PictureContent start_;
-  deploy::Checkpoints checkpoints_;
+  run::Checkpoints checkpoints_;
   std::string remark_;  // not reported yet
   const char* stage_ = "searching a path";
   double share_ = 0;
@@ -328,8 +328,8 @@ void prepareGraphics(const PictureSettings& settings) {
 bool wasCutShort(const trajectory::TrajectoryReader& run) {
   if (run.end().events.empty()) return false;
   const std::string& text = run.end().events.back().text;
-  return text.starts_with(deploy::toString(deploy::Outcome::Interrupted)) ||
-         text.starts_with(deploy::toString(deploy::Outcome::Diverged));
+  return text.starts_with(run::toString(run::Outcome::Interrupted)) ||
+         text.starts_with(run::toString(run::Outcome::Diverged));
 }
 
 /// Whether one picture shows the whole run. Motion shorter than this fraction of the model's size
@@ -428,7 +428,7 @@ int PictureSettings::painters() const {
   return painterCount.value_or(std::min(cores, kMostPainters));
 }
 
-RunSummary summaryOf(const deploy::DeploymentResult& result, double endTime) {
+RunSummary summaryOf(const run::DeploymentResult& result, double endTime) {
   RunSummary summary;
   noteResult(result, endTime, summary);
   return summary;
@@ -462,7 +462,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
     makePictures(trajectory, settings, observer, summary);
   }
   if (summary.stoppedAt) {
-    summary.outcome = deploy::Outcome::Interrupted;
+    summary.outcome = run::Outcome::Interrupted;
     summary.reason = fmt::format("interrupted by {} while painting; the video ends at {:.4g} s",
                                  summary.stoppedBy, *summary.stoppedAt);
   }
@@ -481,7 +481,7 @@ RunSummary record(const scene::Scene& scene, const RecordSettings& asked,
   noteDigests(settings.folder, summary);
   summary.recordCost.wallSeconds = stopwatch.seconds();
   summary.recordCost.peakMemoryBytes = peakMemoryBytes();
-  if (summary.outcome != deploy::Outcome::Interrupted) run.removeCheckpoint();
+  if (summary.outcome != run::Outcome::Interrupted) run.removeCheckpoint();
   files.commit(summaryJson(scene, settings, summary));
   if (exportFailure) std::rethrow_exception(exportFailure);
   return summary;

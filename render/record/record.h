@@ -12,13 +12,13 @@
 namespace kirireel::record {
 
 /// Deploys a scene like deployUnkept(), or replays an earlier deployment.
-using Deployer = std::function<deploy::DeploymentResult(
-    const scene::Scene& scene, double sampleInterval, const deploy::SampleObserver& observer,
-    const deploy::TrialObserver& searching, deploy::Checkpoints* checkpoints)>;
+using Deployer = std::function<run::DeploymentResult(
+    const scene::Scene& scene, double sampleInterval, const run::SampleObserver& observer,
+    const run::TrialObserver& searching, run::Checkpoints* checkpoints)>;
 
 /// The results of a deployment for a summary, before painting and writing. `endTime` in simulated
 /// seconds.
-RunSummary summaryOf(const deploy::DeploymentResult& result, double endTime);
+RunSummary summaryOf(const run::DeploymentResult& result, double endTime);
 
 /// Deploys the scene to trajectory.h5, then makes all other requested files from it, and
 /// finally summary.json. Memory does not grow with the length of the run. The video of an

@@ -32,9 +32,9 @@
 #include "render/picture/png.h"
 #include "render/picture/video.h"
 #include "render/writers/mesh.h"
-#include "sim/deploy/forces.h"
-#include "sim/deploy/run_drive.h"
 #include "sim/engines/bullet_world.h"
+#include "sim/run/forces.h"
+#include "sim/run/run_drive.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 #include "sim/trajectory/array_file.h"
@@ -72,10 +72,9 @@ void addStepFigures(Json& json, const std::string& part, const StepReport& took)
 }
 
 /// The figures of accuracy that only runs with a target have.
-constexpr std::array kOfTarget = {&deploy::Accuracy::targetErrorStart,
-                                  &deploy::Accuracy::targetErrorEnd,
-                                  &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::rigidBound,
-                                  &deploy::Accuracy::springsRestError};
+constexpr std::array kOfTarget = {&run::Accuracy::targetErrorStart, &run::Accuracy::targetErrorEnd,
+                                  &run::Accuracy::targetErrorMin, &run::Accuracy::rigidBound,
+                                  &run::Accuracy::springsRestError};
 
 /// Lengths; null without a target or a search.
 Json accuracyJson(const RunSummary& summary, bool hasTarget) {
@@ -102,11 +101,11 @@ Json elasticityJson(const std::optional<model::Elasticity>& elasticity) {
 }
 
 /// Lengths in metres, work in multiplications.
-Json candidatesJson(const std::vector<deploy::PathEvaluation>& candidates) {
+Json candidatesJson(const std::vector<run::PathEvaluation>& candidates) {
   Json json = Json::array();
-  for (const deploy::PathEvaluation& path : candidates) {
+  for (const run::PathEvaluation& path : candidates) {
     json.push_back({{"candidate", path.candidate},
-                    {"end", deploy::toString(path.end)},
+                    {"end", run::toString(path.end)},
                     {"error", path.error},
                     {"overlap_growth", path.overlapGrowth},
                     {"overlap_growth_at_end", path.overlapGrowthAtEnd},
@@ -139,9 +138,9 @@ Json pathJson(const RunSummary& summary) {
 }
 
 /// Pairs of bricks that would overlap at the target, and remedies.
-Json blockingJson(const std::vector<deploy::BlockingPair>& blocking) {
+Json blockingJson(const std::vector<run::BlockingPair>& blocking) {
   Json pairs = Json::array();
-  for (const deploy::BlockingPair& pair : blocking) {
+  for (const run::BlockingPair& pair : blocking) {
     Json face;
     if (pair.freeingFace) face = *pair.freeingFace == model::JointFace::Top ? "top" : "bottom";
     pairs.push_back(
@@ -245,9 +244,9 @@ const char* colouringWord(picture::Colouring colouring) {
 }
 
 Json lookJson(const picture::Look& look) {
-  const char* ground =
-      std::ranges::find(picture::kGroundLooks, look.ground,
-                        &std::pair<const char*, picture::GroundLook>::second)->first;
+  const char* ground = std::ranges::find(picture::kGroundLooks, look.ground,
+                                         &std::pair<const char*, picture::GroundLook>::second)
+                           ->first;
   return {{"theme", look.theme == picture::Theme::Dark ? "dark" : "light"},
           {"colour", colouringWord(look.colouring)},
           {"ground", ground},
@@ -288,19 +287,19 @@ Json springsJson(const scene::Scene& scene) {
   const auto mean = [&](const auto& part) {
     double sum = 0;
     for (const model::Brick& brick : bricks)
-      sum += part(brick, deploy::springOf(brick, scene.springs));
+      sum += part(brick, run::springOf(brick, scene.springs));
     return sum / static_cast<double>(bricks.size());
   };
-  return {{"spring_stiffness", mean([](const model::Brick&, const deploy::BrickSpring& spring) {
+  return {{"spring_stiffness", mean([](const model::Brick&, const run::BrickSpring& spring) {
              return spring.springStiffness;
            })},
-          {"torque_stiffness", mean([](const model::Brick&, const deploy::BrickSpring& spring) {
+          {"torque_stiffness", mean([](const model::Brick&, const run::BrickSpring& spring) {
              return spring.torqueStiffness;
            })},
-          {"force_damping", mean([](const model::Brick&, const deploy::BrickSpring& spring) {
+          {"force_damping", mean([](const model::Brick&, const run::BrickSpring& spring) {
              return spring.forceDamping;
            })},
-          {"torque_damping", mean([](const model::Brick& brick, const deploy::BrickSpring& spring) {
+          {"torque_damping", mean([](const model::Brick& brick, const run::BrickSpring& spring) {
              return brick.normal.dot(spring.torqueDamping * brick.normal);
            })}};
 }
@@ -384,7 +383,7 @@ Json eventsJson(const std::vector<trajectory::Event>& events) {
 std::string summaryJson(const scene::Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary) {
   Json json = {
-      {"outcome", deploy::toString(summary.outcome)},
+      {"outcome", run::toString(summary.outcome)},
       {"reason", summary.reason},
       {"end_time", summary.endTime},
       {"video_frames", summary.videoFrames},

@@ -124,7 +124,7 @@ class Verifier {
   }
 
   /// A figure among the summary's "accuracy".
-  void compareAccuracy(const Json& stated, double deploy::Accuracy::*figure, double computed) {
+  void compareAccuracy(const Json& stated, double run::Accuracy::*figure, double computed) {
     const char* name = nameOfField(figure);
     compare(output::kSummary, name, stated.at(name), computed, lengthRounding_);
   }
@@ -222,11 +222,11 @@ class Verifier {
       leastError = std::min(leastError, sample.targetError);
     }
     const Json& accuracy = summary.at("accuracy");
-    compareAccuracy(accuracy, &deploy::Accuracy::jointGapMean,
+    compareAccuracy(accuracy, &run::Accuracy::jointGapMean,
                     gapSum / static_cast<double>(run.steps().size()));
-    compareAccuracy(accuracy, &deploy::Accuracy::jointGapMax, largestGap);
+    compareAccuracy(accuracy, &run::Accuracy::jointGapMax, largestGap);
     if (run.subject().model.target)
-      compareAccuracy(accuracy, &deploy::Accuracy::targetErrorMin, leastError);
+      compareAccuracy(accuracy, &run::Accuracy::targetErrorMin, leastError);
     // Figures of steps without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
@@ -243,14 +243,14 @@ class Verifier {
     const trajectory::Sample first = run.sample(0);
     const trajectory::Sample last = run.sample(run.times().size() - 1);
     const Poses asRead = model::startPoses(subject.model.tiles, subject.bricks);
-    compareAccuracy(stated, &deploy::Accuracy::assemblyMove,
+    compareAccuracy(stated, &run::Accuracy::assemblyMove,
                     trajectory::targetError(model::bottomTiles(subject.bricks, asRead),
                                             subject.bricks, first.poses));
-    compareAccuracy(stated, &deploy::Accuracy::jointGapEnd, last.jointGap);
+    compareAccuracy(stated, &run::Accuracy::jointGapEnd, last.jointGap);
     if (subject.model.target) {
-      compareAccuracy(stated, &deploy::Accuracy::targetErrorStart, first.targetError);
-      compareAccuracy(stated, &deploy::Accuracy::targetErrorEnd, last.targetError);
-      compareAccuracy(stated, &deploy::Accuracy::rigidBound,
+      compareAccuracy(stated, &run::Accuracy::targetErrorStart, first.targetError);
+      compareAccuracy(stated, &run::Accuracy::targetErrorEnd, last.targetError);
+      compareAccuracy(stated, &run::Accuracy::rigidBound,
                       trajectory::rigidBound(subject.model.tiles, *subject.model.target));
     }
     compareElasticity(summary, subject, first.poses, last.poses);
@@ -308,7 +308,7 @@ class Verifier {
     const auto error = [&](const Poses& poses) {
       return trajectory::targetError(*subject.model.target, subject.bricks, poses);
     };
-    using deploy::Accuracy;
+    using run::Accuracy;
     std::vector<StateFigure> figures = {
         {nameOfField(&Accuracy::jointGapMax), gap},
         {nameOfField(&Accuracy::jointOpeningMax), gap},

@@ -20,10 +20,10 @@
 #include "render/picture/label.h"
 #include "render/picture/painter.h"
 #include "render/record/summary.h"
-#include "sim/deploy/assembled_state.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/model_checks.h"
 #include "sim/model/sheet_frame.h"
+#include "sim/run/assembled_state.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
@@ -234,7 +234,7 @@ Inspection inspect(const scene::Scene& scene, const std::function<void(const cha
   beginStage("searching the state nearest to the target");
   const std::optional<model::SheetFrame> frame = scene::ownAxes(scene);
   inspection.assembledError =
-      deploy::assembleAtTarget(frame ? scene::inAxes(*frame, scene) : scene).error;
+      run::assembleAtTarget(frame ? scene::inAxes(*frame, scene) : scene).error;
   return inspection;
 }
 

@@ -21,22 +21,22 @@
 
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
-#include "sim/deploy/arrival.h"
-#include "sim/deploy/assembled_state.h"
-#include "sim/deploy/closing.h"
-#include "sim/deploy/dynamics.h"
-#include "sim/deploy/geometric_path.h"
-#include "sim/deploy/loading.h"
-#include "sim/deploy/mechanism_path.h"
-#include "sim/deploy/path_choice.h"
 #include "sim/deploy/plane_motion.h"
-#include "sim/deploy/planner.h"
-#include "sim/deploy/rest.h"
-#include "sim/deploy/run.h"
-#include "sim/deploy/run_drive.h"
+#include "sim/path/closing.h"
+#include "sim/path/path_choice.h"
+#include "sim/path/planner.h"
+#include "sim/run/arrival.h"
+#include "sim/run/assembled_state.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/geometric_path.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/run/rest.h"
+#include "sim/run/run.h"
+#include "sim/run/run_drive.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
+#include "sim/statics/loading.h"
 #include "sim/trajectory/sheet.h"
 
 namespace kirireel::deploy {
@@ -97,24 +97,25 @@ void requireSense(const scene::Scene& scene, double sampleInterval) {
   } else {
     static_cast<void>(scene::hingeSprings(scene, bricks));
   }
-  static_cast<void>(makeDriveForce(scene, bricks));
+  static_cast<void>(run::makeDriveForce(scene, bricks));
 }
 
 /// Results of the path search.
 struct Search {
-  AssembledState nearest;
-  std::vector<BlockingPair> blocking;
+  run::AssembledState nearest;
+  std::vector<run::BlockingPair> blocking;
   std::vector<std::string> warnings;
-  PlannedPath planned;
-  PathChoice choice;  ///< of the dynamics if there is no planned path
-  double misfit = 0;  ///< misfit of the tiles, metres; 0 if the path is exact
+  path::PlannedPath planned;
+  path::PathChoice choice;  ///< of the dynamics if there is no planned path
+  double misfit = 0;        ///< misfit of the tiles, metres; 0 if the path is exact
 };
 
 /// Throws if there is no target and the joints leave no motion that the given forces could drive.
-void requireMotion(const scene::Scene& scene, const PlannedPath& planned) {
-  const MechanismPath& path = planned.path->path;
+void requireMotion(const scene::Scene& scene, const path::PlannedPath& planned) {
+  const run::MechanismPath& path = planned.path->path;
   const double tile = model::tileSize(scene.model);
-  if (path.isCutShort || farthestMove(path.states.front(), path.states.back(), tile) > 0) return;
+  if (path.isCutShort || run::farthestMove(path.states.front(), path.states.back(), tile) > 0)
+    return;
   const trajectory::Freedom freedom =
       scene::sceneNeeds(scene).planar.on ? trajectory::Freedom::Plane : trajectory::Freedom::Space;
   const trajectory::Mobility left =
@@ -158,17 +159,17 @@ double misfitOf(const scene::Scene& scene) {
 
 /// The path to full extension. Tiles with a misfit keep that tolerance, unless exact joints lead
 /// farther.
-void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
+void extend(const scene::Scene& scene, run::SearchBudget& budget, const run::TrialObserver& watch,
             Search& found) {
   constexpr double kShorter = 0.98;
-  found.planned = planExtension(scene, budget, watch);
+  found.planned = path::planExtension(scene, budget, watch);
   const double misfit = misfitOf(scene);
   if (misfit == 0) return;
   scene::Scene loose = scene;
   loose.model.rounding = misfit;
-  PlannedPath other = planExtension(loose, budget, watch);
-  if (!isCollisionFree(loose, *other.path)) return;
-  const bool isFree = isCollisionFree(scene, *found.planned.path);
+  path::PlannedPath other = path::planExtension(loose, budget, watch);
+  if (!path::isCollisionFree(loose, *other.path)) return;
+  const bool isFree = path::isCollisionFree(scene, *found.planned.path);
   const double length = isFree ? found.planned.path->path.length() : 0;
   if (other.path->path.length() < kShorter * length) return;
   found.planned = std::move(other);
@@ -177,13 +178,13 @@ void extend(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
 }
 
 /// Continues from full extension to the second compact state, if the scene requests it.
-void closeAgain(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
-                Search& found) {
+void closeAgain(const scene::Scene& scene, run::SearchBudget& budget,
+                const run::TrialObserver& watch, Search& found) {
   if (scene.path.to != scene::Destination::Closed || found.planned.isCutShort) return;
   scene::Scene fitted = scene;
   if (found.misfit > 0) fitted.model.rounding = found.misfit;
-  GeometricPath& path = *found.planned.path;
-  continueUntilClosed(
+  run::GeometricPath& path = *found.planned.path;
+  path::continueUntilClosed(
       fitted, budget,
       [&](double share) {
         return watch({kClosing, share});
@@ -193,22 +194,22 @@ void closeAgain(const scene::Scene& scene, SearchBudget& budget, const TrialObse
 }
 
 /// Checks the target, and searches a path of the mechanism if the scene is kinematic.
-void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver& watch,
+void search(const scene::Scene& scene, run::SearchBudget& budget, const run::TrialObserver& watch,
             Search& found) {
   watch({kAssembling, 0});
-  found.warnings = targetWarnings(scene);
+  found.warnings = path::targetWarnings(scene);
   if (std::string rigid = rigidTilesWarning(scene); !rigid.empty()) {
     found.warnings.push_back(std::move(rigid));
   }
   for (const std::string& warning : found.warnings) watch({kAssembling, 0, warning});
-  found.nearest = assembleAtTarget(scene, [&] { return watch({kAssembling, 0}); });
-  if (const std::string far = reachWarning(scene, found.nearest); !far.empty()) {
+  found.nearest = run::assembleAtTarget(scene, [&] { return watch({kAssembling, 0}); });
+  if (const std::string far = path::reachWarning(scene, found.nearest); !far.empty()) {
     found.warnings.push_back(far);
     watch({kAssembling, budget.share(), far});
   }
   scene::Scene touching = scene;
-  touching.environment.contacts = contactsIfOn(scene.environment.contacts);
-  found.blocking = blockingPairs(touching, found.nearest.restPoses);
+  touching.environment.contacts = path::contactsIfOn(scene.environment.contacts);
+  found.blocking = run::blockingPairs(touching, found.nearest.restPoses);
   const scene::PathKind kind = scene.path.kind;
   const bool isClosing = scene.path.to == scene::Destination::Closed;
   if (kind != scene::PathKind::Auto && kind != scene::PathKind::Continuation) {
@@ -229,7 +230,7 @@ void search(const scene::Scene& scene, SearchBudget& budget, const TrialObserver
     }
     found.planned.trouble = reason;
   } else if (scene.model.target) {
-    found.planned = planPath(scene, found.nearest, budget, watch);
+    found.planned = path::planPath(scene, found.nearest, budget, watch);
   } else {
     extend(scene, budget, watch, found);
     requireMotion(scene, found.planned);
@@ -245,10 +246,10 @@ bool isSearched(const scene::Scene& scene) {
 }
 
 /// Warns if bricks overlapped in a run without contacts.
-void addOverlapWarning(const scene::Scene& scene, DeploymentResult& result) {
+void addOverlapWarning(const scene::Scene& scene, run::DeploymentResult& result) {
   const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
-  if (result.needs.contacts.on || grown <= kClearShare * tile) return;
+  if (result.needs.contacts.on || grown <= run::kClearShare * tile) return;
   result.warnings.push_back(fmt::format(
       "bricks overlapped by up to {} in a run without contacts. `contacts = all` prevents overlaps",
       model::lengthInTiles(grown, scene.model)));
@@ -273,13 +274,13 @@ double farthestVertex(const std::vector<model::Brick>& bricks, const Poses& a, c
 }
 
 /// Runs the scene with dynamics along the chosen path.
-DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice,
-                             const AssembledState& nearest, const RunObservers& watch,
-                             Checkpoints* checkpoints) {
+run::DeploymentResult runDynamics(const scene::Scene& scene, const path::PathChoice& choice,
+                                  const run::AssembledState& nearest,
+                                  const run::RunObservers& watch, run::Checkpoints* checkpoints) {
   scene::Scene chosen = scene;
   chosen.path = choice.path;
-  Run run(chosen, nearest, watch, checkpoints);
-  DeploymentResult result = run.finish();
+  run::Run run(chosen, nearest, watch, checkpoints);
+  run::DeploymentResult result = run.finish();
   if (!run.seesAllPairs()) {
     result.warnings.push_back(fmt::format(
         "too many bricks are in one place. The overlap is the largest of the first {} pairs",
@@ -291,19 +292,19 @@ DeploymentResult runDynamics(const scene::Scene& scene, const PathChoice& choice
 
 /// Runs the scene twice, the second time with a tenth of its tolerance. The error in time is the
 /// largest distance of a vertex between both runs, over their common samples.
-DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
-                          const AssembledState& nearest, const RunObservers& watch,
-                          Checkpoints* checkpoints) {
+run::DeploymentResult runTwice(const scene::Scene& scene, const path::PathChoice& choice,
+                               const run::AssembledState& nearest, const run::RunObservers& watch,
+                               run::Checkpoints* checkpoints) {
   std::vector<std::pair<double, Poses>> samples;
-  RunObservers keeping = watch;
+  run::RunObservers keeping = watch;
   keeping.sample = [&](const trajectory::Sample& sample) {
     samples.emplace_back(sample.time, sample.poses);
     return watch.sample(sample);
   };
-  DeploymentResult result = runDynamics(scene, choice, nearest, keeping, checkpoints);
+  run::DeploymentResult result = runDynamics(scene, choice, nearest, keeping, checkpoints);
   scene::Scene chosen = scene;
   chosen.path = result.path;
-  if (!keepsTolerance(chosen) || result.outcome == Outcome::Interrupted) return result;
+  if (!run::keepsTolerance(chosen) || result.outcome == run::Outcome::Interrupted) return result;
   scene::Scene finer = scene;
   finer.solver.tolerance *= kFinerShare;
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
@@ -316,7 +317,7 @@ DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
     }
     return next < samples.size();
   };
-  const DeploymentResult again =
+  const run::DeploymentResult again =
       runDynamics(finer, choice, nearest, {watch.sampleInterval, compare, {}}, nullptr);
   result.timeError = largest / model::tileSize(scene.model);
   result.cost.cpuSeconds += again.cost.cpuSeconds;
@@ -324,10 +325,10 @@ DeploymentResult runTwice(const scene::Scene& scene, const PathChoice& choice,
 }
 
 /// Takes the planned path, or chooses a dynamic path and adapts the scene's contacts to it.
-void selectPath(scene::Scene& scene, Search& found, SearchBudget& budget,
-                const TrialObserver& watch, std::vector<TrialEnd>& trials) {
+void selectPath(scene::Scene& scene, Search& found, run::SearchBudget& budget,
+                const run::TrialObserver& watch, std::vector<run::TrialEnd>& trials) {
   if (found.planned.path) {
-    std::string warning = overlapWarning(scene, found.planned);
+    std::string warning = path::overlapWarning(scene, found.planned);
     if (warning.empty()) return;
     watch({kAssembling, budget.share(), warning});
     found.warnings.push_back(std::move(warning));
@@ -338,7 +339,8 @@ void selectPath(scene::Scene& scene, Search& found, SearchBudget& budget,
   if (isContactOpen)
     contacts = isSearched(scene) ? scene::ContactFilter::All : scene::ContactFilter::None;
   if (scene.path.kind == scene::PathKind::Auto) scene.path.kind = scene::PathKind::Dynamic;
-  found.choice = choosePath(scene, {found.nearest, !found.blocking.empty()}, budget, watch, trials);
+  found.choice =
+      path::choosePath(scene, {found.nearest, !found.blocking.empty()}, budget, watch, trials);
   if (isContactOpen && found.choice.isClear) contacts = scene::ContactFilter::None;
   if (!found.choice.isFound && isContactOpen && found.choice.through) {
     contacts = scene::ContactFilter::None;
@@ -355,8 +357,8 @@ class OverlapWatch {
       : filter_(scene.environment.contacts),
         bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
         pivots_(model::makePivots(scene.model.joints, bricks_)),
-        meter_(overlapMeter(scene.environment, bricks_, pivots_,
-                            model::startPoses(scene.model.tiles, bricks_))) {}
+        meter_(run::overlapMeter(scene.environment, bricks_, pivots_,
+                                 model::startPoses(scene.model.tiles, bricks_))) {}
 
   /// A run's own figures cover all pairs. Here pairs without contacts are excluded.
   void observe(const Poses& poses) {
@@ -365,7 +367,7 @@ class OverlapWatch {
   }
 
   /// The largest growth so far, metres. 0 if the user switched contacts off.
-  double grown(const Accuracy& accuracy) const {
+  double grown(const run::Accuracy& accuracy) const {
     if (filter_ == scene::ContactFilter::None) return 0;
     return filter_ == scene::ContactFilter::Unjoined ? grown_ : accuracy.penetrationGrownMax;
   }
@@ -379,7 +381,7 @@ class OverlapWatch {
 };
 
 /// Whether the budget was spent before the search found a path without faults.
-bool isCutShort(const Search& found, const DeploymentResult& result, bool isOverlapping) {
+bool isCutShort(const Search& found, const run::DeploymentResult& result, bool isOverlapping) {
   const bool isBest = found.planned.path && result.accuracy.jointOpeningMax == 0 &&
                       result.atTarget.value_or(true) && !isOverlapping;
   return (found.planned.isCutShort || found.choice.isCutShort) && !isBest;
@@ -388,14 +390,15 @@ bool isCutShort(const Search& found, const DeploymentResult& result, bool isOver
 /// Records why a run does not count as successful, also in its reason. `grown`: the overlap that
 /// counts, metres.
 void addShortfall(const scene::Scene& scene, const Search& found, double grown,
-                  DeploymentResult& result) {
-  if (result.outcome == Outcome::Interrupted || result.outcome == Outcome::Diverged) return;
+                  run::DeploymentResult& result) {
+  if (result.outcome == run::Outcome::Interrupted || result.outcome == run::Outcome::Diverged)
+    return;
   std::vector<std::string> faults;
-  if (result.outcome == Outcome::Locked || result.atTarget == false) {
+  if (result.outcome == run::Outcome::Locked || result.atTarget == false) {
     faults.push_back(result.reason);
   }
   const double tile = model::tileSize(scene.model);
-  const bool isOverlapping = grown > kClearShare * tile;
+  const bool isOverlapping = grown > run::kClearShare * tile;
   if (isOverlapping) {
     result.forbiddenOverlap = grown;
     faults.push_back(
@@ -410,7 +413,7 @@ void addShortfall(const scene::Scene& scene, const Search& found, double grown,
   if (!faults.empty()) {
     result.reason = hasReason ? result.shortfall : result.reason + "; " + result.shortfall;
   }
-  result.trajectory.events.back().text = endText(result.outcome, result.reason);
+  result.trajectory.events.back().text = run::endText(result.outcome, result.reason);
 }
 
 /// Whether a flat sheet should search a path through space. This applies to kinematic paths to a
@@ -424,25 +427,26 @@ bool mayLeavePlane(const scene::Scene& given, const scene::Scene& scene, const S
     return false;
   }
   if (!found.planned.path) return false;
-  const GeometricPath& path = *found.planned.path;
-  const bool isRounded = path.path.isRounded || std::isfinite(roundedJointStiffness(scene.model));
+  const run::GeometricPath& path = *found.planned.path;
+  const bool isRounded =
+      path.path.isRounded || std::isfinite(run::roundedJointStiffness(scene.model));
   const bool mayOpen = isRounded || given.path.jointsAreCompliant();
-  return !isCollisionFree(scene, path) || (path.hasCompliantJoints && !mayOpen);
+  return !path::isCollisionFree(scene, path) || (path.hasCompliantJoints && !mayOpen);
 }
 
 /// Replaces scene and path by those in space, if the path there keeps joints closed and has no
 /// overlaps. The search has its own budget: otherwise a sheet that stays in its plane would be
 /// affected.
 void leavePlane(const scene::Scene& given, scene::Scene& scene, Search& found,
-                const TrialObserver& watch) {
+                const run::TrialObserver& watch) {
   scene::Scene inSpace = given;
   inSpace.spaceReason = "only a path in space keeps joints closed without overlaps";
-  SearchBudget budget;
+  run::SearchBudget budget;
   Search other;
   search(inSpace, budget, watch, other);
-  const std::optional<GeometricPath>& path = other.planned.path;
-  if (!path || !isCollisionFree(inSpace, *path)) return;
-  if (path->evaluation.opening > kOpenJoints * model::tileSize(given.model)) return;
+  const std::optional<run::GeometricPath>& path = other.planned.path;
+  if (!path || !path::isCollisionFree(inSpace, *path)) return;
+  if (path->evaluation.opening > run::kOpenJoints * model::tileSize(given.model)) return;
   scene = inSpace;
   found = std::move(other);
 }
@@ -457,21 +461,22 @@ void abandonSearch(scene::Scene& scene, Search& found) {
 }
 
 /// Runs a scene whose plane, if it is planar, is already horizontal.
-DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval,
-                                const SampleObserver& observer, const TrialObserver& searching,
-                                Checkpoints* checkpoints) {
+run::DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval,
+                                     const run::SampleObserver& observer,
+                                     const run::TrialObserver& searching,
+                                     run::Checkpoints* checkpoints) {
   scene::Scene scene = given;
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == scene::SolverKind::Bullet) checkpoints = nullptr;
-  if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
+  if (!scene.grips.empty()) return statics::followGrips(scene, sampleInterval, observer);
   leaveLockedPlane(scene);
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
   const double startSeconds = threadCpuSeconds() - searchSeconds;
-  SearchBudget budget;
+  run::SearchBudget budget;
   bool shouldContinue = true;
   std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
-  const TrialObserver watchSearch = [&](const SearchNews& news) {
+  const run::TrialObserver watchSearch = [&](const run::SearchNews& news) {
     shouldContinue = shouldContinue && (!searching || searching(news));
     searchSeconds = threadCpuSeconds() - startSeconds;
     const bool isNew = checkpoints && checkpoints->trials().size() > savedTrials;
@@ -481,7 +486,7 @@ DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval
     }
     return shouldContinue;
   };
-  std::vector<TrialEnd> trials;
+  std::vector<run::TrialEnd> trials;
   Search found;
   try {
     const InterruptionCatcher catcher;
@@ -498,13 +503,13 @@ DeploymentResult deployAsItLies(const scene::Scene& given, double sampleInterval
   // A search that ended early ends the run at its start, possibly on another path.
   if (!shouldContinue) checkpoints = nullptr;
   OverlapWatch overlaps(given);
-  const SampleObserver takeSample = [&](const trajectory::Sample& sample) {
+  const run::SampleObserver takeSample = [&](const trajectory::Sample& sample) {
     overlaps.observe(sample.poses);
     return observer(sample) && shouldContinue;
   };
-  DeploymentResult result =
+  run::DeploymentResult result =
       found.planned.path
-          ? playBack(scene, *found.planned.path, found.nearest, sampleInterval, takeSample)
+          ? run::playBack(scene, *found.planned.path, found.nearest, sampleInterval, takeSample)
           : (scene.solver.measuresTimeError ? runTwice : runDynamics)(
                 scene, found.choice, found.nearest, {sampleInterval, takeSample, {}}, checkpoints);
   const bool isContactOpen = given.environment.contacts == scene::ContactFilter::Auto;
@@ -542,7 +547,7 @@ trajectory::Sample inWorld(const model::SheetFrame& frame, trajectory::Sample sa
 }
 
 void turnToWorld(const model::SheetFrame& frame, const scene::Scene& scene,
-                 DeploymentResult& result) {
+                 run::DeploymentResult& result) {
   for (trajectory::FigureState& state : result.trajectory.figureStates) {
     state.poses = inWorld(frame, std::move(state.poses));
   }
@@ -562,26 +567,28 @@ void turnToWorld(const model::SheetFrame& frame, const scene::Scene& scene,
 
 }  // namespace
 
-DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
-                              const SampleObserver& observer, const TrialObserver& searching,
-                              Checkpoints* checkpoints) {
+run::DeploymentResult deployUnkept(const scene::Scene& given, double sampleInterval,
+                                   const run::SampleObserver& observer,
+                                   const run::TrialObserver& searching,
+                                   run::Checkpoints* checkpoints) {
   scene::Scene scene = given;
   scene::fillFromModel(scene);
   const std::optional<model::SheetFrame> frame = scene::ownAxes(scene);
   if (!frame) return deployAsItLies(scene, sampleInterval, observer, searching, checkpoints);
-  const SampleObserver turned = [&](const trajectory::Sample& sample) {
+  const run::SampleObserver turned = [&](const trajectory::Sample& sample) {
     return observer(inWorld(*frame, sample));
   };
-  DeploymentResult result =
+  run::DeploymentResult result =
       deployAsItLies(scene::inAxes(*frame, scene), sampleInterval, turned, searching, checkpoints);
   turnToWorld(*frame, scene, result);
   return result;
 }
 
-DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
-                        const SampleObserver& observer, const TrialObserver& searching) {
+run::DeploymentResult deploy(const scene::Scene& scene, double sampleInterval,
+                             const run::SampleObserver& observer,
+                             const run::TrialObserver& searching) {
   std::vector<trajectory::Sample> samples;
-  DeploymentResult result = deployUnkept(
+  run::DeploymentResult result = deployUnkept(
       scene, sampleInterval,
       [&](const trajectory::Sample& sample) {
         samples.push_back(sample);

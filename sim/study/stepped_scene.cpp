@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "sim/base/interruption.h"
-#include "sim/deploy/dynamics.h"
-#include "sim/deploy/rest.h"
 #include "sim/engines/bullet_world.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/rest.h"
 #include "sim/scene/scene_needs.h"
 
 namespace kirireel::study {
@@ -34,8 +34,7 @@ SteppedScene::SteppedScene(const scene::Scene& scene)
     : SteppedScene(scene, model::makeBricks(scene.model.tiles, scene.brick),
                    [](const scene::Scene& asked, const std::vector<model::Brick>& bricks,
                       const Poses& start) {
-                     auto made =
-                         deploy::makeDynamics(asked, scene::sceneNeeds(asked), bricks, start);
+                     auto made = run::makeDynamics(asked, scene::sceneNeeds(asked), bricks, start);
                      const double step = asked.solver.timestep;
                      if (asked.solver.tolerance > 0) {
                        made->setTolerance({asked.solver.tolerance, step, step});
@@ -69,10 +68,10 @@ SteppedScene::SteppedScene(const scene::Scene& scene, std::vector<model::Brick> 
   dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
   // Joints that do not close are made compliant, as in a run.
   if (!dynamics_->assemble(motion_.poses))
-    dynamics_->setJointStiffness(deploy::misfitStiffness(scene_, bricks_));
+    dynamics_->setJointStiffness(run::misfitStiffness(scene_, bricks_));
   setupSeconds_ = threadCpuSeconds() - before;
   // Without a nudge, a run might never leave a singular closed state, which is an equilibrium.
-  motion_.velocities = deploy::nudge(bricks_.size(), size_, scene_.solver.seed);
+  motion_.velocities = run::nudge(bricks_.size(), size_, scene_.solver.seed);
 }
 
 // One step of the scene's length. Only the solver's time counts, not that of the measurements.
@@ -192,10 +191,10 @@ std::string toString(const Method& method) {
 // Ours takes the whole step. Engines get their substeps from WorldDynamics.
 DynamicsMaker dynamicsMaker(const Method& method) {
   return [method](const scene::Scene& scene, const std::vector<model::Brick>& bricks,
-                  const Poses& start) -> std::unique_ptr<deploy::Dynamics> {
+                  const Poses& start) -> std::unique_ptr<run::Dynamics> {
     if (method.engine == kDirect) {
       auto direct =
-          std::make_unique<deploy::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks, start);
+          std::make_unique<run::DirectDynamics>(scene, scene::sceneNeeds(scene), bricks, start);
       if (method.tolerance > 0) {
         // The tolerance in tiles, the step below which the order is one, and the longest step.
         direct->setTolerance(
@@ -203,7 +202,7 @@ DynamicsMaker dynamicsMaker(const Method& method) {
       }
       return direct;
     }
-    return std::make_unique<deploy::WorldDynamics>(
+    return std::make_unique<run::WorldDynamics>(
         method.engine.makeWorld(method, scene, bricks, start), method.substeps, bricks.size());
   };
 }

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/deploy/dynamics.h"
-#include "sim/deploy/forces.h"
 #include "sim/engines/brick_world.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/forces.h"
 #include "sim/scene/scene.h"
 #include "sim/study/study.h"
 #include "sim/trajectory/measures.h"
@@ -61,7 +61,7 @@ Method bulletBaseline();
 std::string toString(const Method& method);
 
 /// Creates the dynamics that advance a scene's bricks from their start.
-using DynamicsMaker = std::function<std::unique_ptr<deploy::Dynamics>(
+using DynamicsMaker = std::function<std::unique_ptr<run::Dynamics>(
     const scene::Scene&, const std::vector<model::Brick>& bricks, const Poses& start)>;
 
 /// An engine at 240 steps per second with various substeps and iterations. One can replace the
@@ -120,8 +120,8 @@ class SteppedScene {
   std::vector<model::Brick> bricks_;
   std::vector<model::Pivot> pivots_;
   Motion motion_;
-  std::optional<deploy::TargetSprings> springs_;
-  std::unique_ptr<deploy::Dynamics> dynamics_;
+  std::optional<run::TargetSprings> springs_;
+  std::unique_ptr<run::Dynamics> dynamics_;
   mechanics::LoadSource loads_;
   mechanics::TimedLoads timedLoads_;
   StepReport report_;

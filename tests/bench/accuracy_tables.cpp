@@ -13,14 +13,14 @@ void printGapTable(const std::vector<NamedScene>& models) {
              "unconv");
   for (const auto& [name, scene] : models) {
     const double start = threadCpuSeconds();
-    const deploy::DeploymentResult result = deploy::deploy(
+    const run::DeploymentResult result = deploy::deploy(
         scene, 1.0 / 60,
         [&](const trajectory::Sample&) { return threadCpuSeconds() - start < kRunBudget; });
-    const deploy::Accuracy& accuracy = result.accuracy;
+    const run::Accuracy& accuracy = result.accuracy;
     const double steps = 240 * result.trajectory.samples.back().time;
     fmt::print("{:<28}{:>6}{:>10.1e}{:>12}{:>10.2e}{:>10.1e}{:>10.1e}{:>10.3f}{:>9}{:>9}{:>9}\n",
                name, scene.model.tiles.size(), accuracy.jointGapMax / model::modelSize(scene.model),
-               deploy::toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidBound,
+               run::toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidBound,
                accuracy.penetrationMax / model::tileSize(scene.model),
                1e3 * result.cost.cpuSeconds / steps, result.cost.took.steps,
                result.cost.took.halved, result.cost.took.unconverged);

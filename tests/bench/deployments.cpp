@@ -31,9 +31,9 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
-#include "sim/deploy/mechanism_path.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
+#include "sim/run/mechanism_path.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/sheet.h"
 #include "tests/bench/string_method.h"
@@ -74,10 +74,10 @@ double windingOf(const scene::Scene& scene, const trajectory::Trajectory& trajec
   const std::vector<trajectory::Sample>& samples = trajectory.samples;
   double length = 0;
   for (std::size_t k = 1; k < samples.size(); ++k) {
-    length += deploy::pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
+    length += run::pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
   }
   if (length == 0) return 1;
-  return length / deploy::pathDistance(bricks, samples.front().poses, samples.back().poses);
+  return length / run::pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
 /// In how many ways the tiles can move at a part of the run, beyond moves of the whole.
@@ -111,8 +111,8 @@ std::vector<Poses> statesOf(const trajectory::Trajectory& trajectory) {
 
 /// How deep bricks may overlap on another path beyond the start, metres: as on the run, or than
 /// counts as clear.
-double mostGrownOf(const scene::Scene& scene, const deploy::DeploymentResult& result) {
-  return std::max(deploy::kClearShare * model::tileSize(scene.model),
+double mostGrownOf(const scene::Scene& scene, const run::DeploymentResult& result) {
+  return std::max(run::kClearShare * model::tileSize(scene.model),
                   result.accuracy.penetrationGrownMax);
 }
 
@@ -133,7 +133,7 @@ constexpr double kDetour = 1.5;
 /// How much longer than its tiles' own motions a run is; of a long one also how many ways there
 /// are in which its tiles can move, and to what part of its length the string method shortens it. A
 /// mechanism whose tiles must move apart to turn has no path as short as the tiles' own motions.
-void addWinding(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+void addWinding(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const trajectory::Trajectory& trajectory = result.trajectory;
   const double winding = windingOf(scene, trajectory);
   row.add(fmt::format("winding {:5.2f}", winding));
@@ -149,9 +149,9 @@ bool turnsBack(const scene::Scene& scene, const trajectory::Trajectory& trajecto
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const std::vector<trajectory::Sample>& samples = trajectory.samples;
   for (std::size_t k = 2; k < samples.size(); ++k) {
-    const double first = deploy::pathDistance(bricks, samples[k - 2].poses, samples[k - 1].poses);
-    const double second = deploy::pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
-    const double both = deploy::pathDistance(bricks, samples[k - 2].poses, samples[k].poses);
+    const double first = run::pathDistance(bricks, samples[k - 2].poses, samples[k - 1].poses);
+    const double second = run::pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
+    const double both = run::pathDistance(bricks, samples[k - 2].poses, samples[k].poses);
     if (both * both < first * first + second * second - 2 * kBack * first * second) return true;
   }
   return false;
@@ -167,7 +167,7 @@ double extentOf(const Poses& poses) {
 }
 
 /// Where a run ended: its target error, or how much a sheet without a target has extended.
-void addEnd(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+void addEnd(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
   if (!scene.model.target) {
     row.add(fmt::format("extended {:.9f}",
@@ -185,7 +185,7 @@ void addEnd(const scene::Scene& scene, const deploy::DeploymentResult& result, R
 
 /// How far joints opened; where they did, also the least opening that the string method finds from
 /// the run's own states and from the tiles' own motions, and the ratio of the two.
-void addGap(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+void addGap(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const double tile = model::tileSize(scene.model);
   const double opening = std::max(result.accuracy.jointGapMax, result.accuracy.jointOpeningMax);
   row.add(fmt::format("gap {:8.1e}", opening / tile));
@@ -231,7 +231,7 @@ struct Tally {
   }
 };
 
-void addOverlap(const scene::Scene& scene, const deploy::DeploymentResult& result, Row& row) {
+void addOverlap(const scene::Scene& scene, const run::DeploymentResult& result, Row& row) {
   const double tile = model::tileSize(scene.model);
   const double grown = result.accuracy.penetrationGrownMax;
   row.add(fmt::format("overlap {:8.1e}", grown / tile));
@@ -239,13 +239,13 @@ void addOverlap(const scene::Scene& scene, const deploy::DeploymentResult& resul
     return warning.find("bricks pass") != std::string::npos ||
            warning.find("into each other") != std::string::npos;
   });
-  row.require(grown <= deploy::kClearShare * tile || isSaid, "overlap");
+  row.require(grown <= run::kClearShare * tile || isSaid, "overlap");
 }
 
 void printRow(const std::string& name, scene::Scene scene, Tally& tally) {
   if (scene.model.target) model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 30, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 30, nullptr);
   const bool isWalked = result.path.kind == scene::PathKind::Continuation;
   Row row;
   addEnd(scene, result, row);
@@ -257,7 +257,7 @@ void printRow(const std::string& name, scene::Scene scene, Tally& tally) {
   fmt::print(
       "{:<12} {:<30} {:>4} {:<11} {:<12}{} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
       row.missed.empty() ? "holds" : fmt::format("{}", fmt::join(row.missed, ",")), name,
-      scene.model.tiles.size(), deploy::toString(result.outcome),
+      scene.model.tiles.size(), run::toString(result.outcome),
       isWalked ? "continuation" : "dynamic", row.words, asymmetryOf(scene, result.trajectory),
       result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
       result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);

@@ -24,7 +24,7 @@ constexpr double kRates[] = {1, 7, 24, 25, 30, 50, 240};
 
 /// Everything that must be the same, as numbers.
 std::vector<double> figuresOf(const scene::Scene& scene, double rate,
-                              deploy::DeploymentResult& result) {
+                              run::DeploymentResult& result) {
   result = deploy::deploy(scene, 1 / rate, nullptr);
   StateTape tape;
   tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
@@ -36,16 +36,15 @@ std::vector<double> figuresOf(const scene::Scene& scene, double rate,
 
 /// Returns whether all runs agree.
 bool compareRates(const std::string& name, const scene::Scene& scene, const char* contacts) {
-  deploy::DeploymentResult usual;
+  run::DeploymentResult usual;
   const std::vector<double> figures = figuresOf(scene, 60, usual);
   std::string differing;
   for (const double rate : kRates) {
-    deploy::DeploymentResult result;
+    run::DeploymentResult result;
     if (figuresOf(scene, rate, result) != figures) differing += fmt::format(" {:g}", rate);
   }
-  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts,
-             deploy::toString(usual.outcome), usual.cost.took.steps,
-             differing.empty() ? "same" : "differs at" + differing);
+  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts, run::toString(usual.outcome),
+             usual.cost.took.steps, differing.empty() ? "same" : "differs at" + differing);
   std::fflush(stdout);
   return differing.empty();
 }

@@ -8,7 +8,7 @@
 
 #include "render/record/pace.h"
 #include "sim/base/error.h"
-#include "sim/deploy/mechanism_path.h"
+#include "sim/run/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 
 namespace kirireel::bench {
@@ -39,7 +39,7 @@ Figures figuresOf(const trajectory::TrajectoryReader& run) {
   for (const record::FrameMoment& moment : record::videoMoments(record::motionOf(run), {})) {
     Poses poses = states.at(moment.time).poses;
     figures.gap = std::max(figures.gap, trajectory::jointGap(pivots, poses).max / tile);
-    if (!before.empty()) way.push_back(way.back() + deploy::pathDistance(bricks, before, poses));
+    if (!before.empty()) way.push_back(way.back() + run::pathDistance(bricks, before, poses));
     before = std::move(poses);
   }
   if (way.size() <= 2 * kRampFrames) return figures;

@@ -29,7 +29,7 @@ void printShares(int side) {
   const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
   const Motion motion{model::startPoses(scene.model.tiles, bricks),
                       std::vector<Velocity>(bricks.size())};
-  const deploy::TargetSprings springs(bricks, *scene.model.target, {}, scene.springs);
+  const run::TargetSprings springs(bricks, *scene.model.target, {}, scene.springs);
   mechanics::StepSystem<D> system(bricks, model::makePivots(scene.model.joints, bricks),
                                   model::tileSize(scene.model));
   std::vector<model::Load> loads(bricks.size());

@@ -25,8 +25,8 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "sim/deploy/mechanism_path.h"
 #include "sim/model/isometry.h"
+#include "sim/run/mechanism_path.h"
 #include "sim/scene/scene_needs.h"
 #include "sim/trajectory/measures.h"
 
@@ -113,7 +113,7 @@ class String {
   double length() const {
     double sum = 0;
     for (std::size_t k = 1; k < images_.size(); ++k) {
-      sum += deploy::pathDistance(bricks_, images_[k - 1], images_[k]);
+      sum += run::pathDistance(bricks_, images_[k - 1], images_[k]);
     }
     return sum;
   }
@@ -147,7 +147,7 @@ class String {
   void spreadEvenly() {
     std::vector<double> lengths = {0};
     for (std::size_t k = 1; k < images_.size(); ++k) {
-      lengths.push_back(lengths.back() + deploy::pathDistance(bricks_, images_[k - 1], images_[k]));
+      lengths.push_back(lengths.back() + run::pathDistance(bricks_, images_[k - 1], images_[k]));
     }
     std::vector<Poses> even = {images_.front()};
     std::size_t next = 1;

@@ -7,8 +7,8 @@
 
 #include "render/record/run_pictures.h"
 #include "sim/deploy/deployment.h"
-#include "sim/deploy/mechanism_path.h"
 #include "sim/model/lattice.h"
+#include "sim/run/mechanism_path.h"
 #include "sim/trajectory/measures.h"
 #include "tests/support/files.h"
 
@@ -121,7 +121,7 @@ class DynamicRun : public testing::Test {
     scene::Scene scene;
     scene.model = model::makeTessellation({});
     scene.path.kind = scene::PathKind::Straight;
-    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, {});
+    const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, {});
     trajectory::writeTrajectory(result.trajectory, folder_ / "run.h5");
   }
 
@@ -141,7 +141,7 @@ TEST_F(DynamicRun, IsShownAtAnEvenPaceWithClosedJoints) {
   for (const record::FrameMoment& moment : moments) {
     Poses poses = states.at(moment.time).poses;
     gap = std::max(gap, trajectory::jointGap(pivots, poses).max);
-    if (!before.empty()) moved.push_back(deploy::pathDistance(run.subject().bricks, before, poses));
+    if (!before.empty()) moved.push_back(run::pathDistance(run.subject().bricks, before, poses));
     before = std::move(poses);
   }
   EXPECT_LT(gap, 1e-9);  // measured 4e-12, tiles of 1 m

@@ -137,7 +137,7 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
         const bool goesOn = std::string(progress.stage) != "deploying" || ++samples < 4;
         return goesOn ? record::Interruption() : "the test";
       });
-  EXPECT_EQ(summary.outcome, deploy::Outcome::Interrupted);
+  EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
   EXPECT_EQ(trajectory::readTrajectory(settings_.folder / "trajectory.h5").events.back().text,
             "interrupted: interrupted by the test");
@@ -148,8 +148,8 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
 TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
   // No sample and no news, until something ends it.
   const record::Deployer stuck =
-      [](const scene::Scene& scene, double interval, const deploy::SampleObserver& observer,
-         const deploy::TrialObserver& searching, deploy::Checkpoints* checkpoints) {
+      [](const scene::Scene& scene, double interval, const run::SampleObserver& observer,
+         const run::TrialObserver& searching, run::Checkpoints* checkpoints) {
         const InterruptionCatcher catcher;
         EXPECT_THROW(
             {
@@ -168,7 +168,7 @@ TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
       },
       stuck);
   EXPECT_EQ(asked, 1);  // another signal would be for what comes next
-  EXPECT_EQ(summary.outcome, deploy::Outcome::Interrupted);
+  EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 1);
 }
@@ -179,7 +179,7 @@ TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
         const bool goesOn = std::string(progress.stage) == "deploying" || progress.share < 0.3;
         return goesOn ? record::Interruption() : "the test";
       });
-  EXPECT_EQ(summary.outcome, deploy::Outcome::Interrupted);
+  EXPECT_EQ(summary.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(summary.reason, "interrupted by the test while painting; the video ends at 0.1 s");
   EXPECT_EQ(summary.videoFrames, 3);
 }
@@ -275,7 +275,7 @@ TEST_F(RecordTest, TypeHasItsPointsInThePdf) {
 TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
   settings_.scaleBar = true;
   EXPECT_EQ(record::record(tessellationScene(), settings_, proceed_).outcome,
-            deploy::Outcome::OutOfTime);
+            run::Outcome::OutOfTime);
   settings_.look.camera.view = picture::kIsometricView;
   EXPECT_EQ(messageOfRecording(),
             "error: a scale bar needs a parallel projection and a fixed camera; add --projection "
@@ -338,7 +338,7 @@ TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
   scene.springs.springStiffness = 1e9;
   scene.springs.torqueStiffness = 1e9;
   const record::RunSummary summary = record::record(scene, settings_, proceed_);
-  EXPECT_EQ(summary.outcome, deploy::Outcome::Diverged);
+  EXPECT_EQ(summary.outcome, run::Outcome::Diverged);
   EXPECT_THAT(summary.reason, HasSubstr("left all bounds"));
   for (const char* name : {"deployment.mp4", "snapshots.png", "final.obj", "summary.json"}) {
     EXPECT_TRUE(fs::exists(settings_.folder / name)) << name;

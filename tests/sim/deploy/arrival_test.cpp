@@ -1,5 +1,5 @@
 // When a run counts as done: arrived, clear of overlaps, its search not ended by the budget.
-#include "sim/deploy/arrival.h"
+#include "sim/run/arrival.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,17 +31,17 @@ model::Model familyOf(const char* name, const std::map<std::string, double>& val
 TEST(Arrival, IsWithinAFactorOfTheLeastErrorAndAMillionthOfATile) {
   model::Model model = familyOf("tessellation");
   const double tile = model::tileSize(model);
-  EXPECT_TRUE(deploy::hasArrived(model, 0.9e-6 * tile, 0));
-  EXPECT_FALSE(deploy::hasArrived(model, 1.1e-6 * tile, 0));
-  EXPECT_TRUE(deploy::hasArrived(model, 0.0104 * tile, 0.01 * tile));
-  EXPECT_FALSE(deploy::hasArrived(model, 0.0106 * tile, 0.01 * tile));
+  EXPECT_TRUE(run::hasArrived(model, 0.9e-6 * tile, 0));
+  EXPECT_FALSE(run::hasArrived(model, 1.1e-6 * tile, 0));
+  EXPECT_TRUE(run::hasArrived(model, 0.0104 * tile, 0.01 * tile));
+  EXPECT_FALSE(run::hasArrived(model, 0.0106 * tile, 0.01 * tile));
   // Nothing nearer is known, yet the target is out of reach.
-  EXPECT_TRUE(deploy::isNearest(model, 0.2 * tile, 0.2 * tile));
-  EXPECT_FALSE(deploy::hasArrived(model, 0.2 * tile, 0.2 * tile));
+  EXPECT_TRUE(run::isNearest(model, 0.2 * tile, 0.2 * tile));
+  EXPECT_FALSE(run::hasArrived(model, 0.2 * tile, 0.2 * tile));
 }
 
 /// `at_target` by the definition, from figures that the run reports.
-bool isAtTarget(const scene::Scene& scene, const deploy::DeploymentResult& run) {
+bool isAtTarget(const scene::Scene& scene, const run::DeploymentResult& run) {
   const double tile = model::tileSize(scene.model), error = run.accuracy.targetErrorEnd;
   return error <= 1.05 * run.assembledError + 1e-6 * tile && error <= 0.1 * tile;
 }
@@ -50,25 +50,25 @@ bool isAtTarget(const scene::Scene& scene, const deploy::DeploymentResult& run) 
 TEST(Arrival, ASheetThatItsThicknessKeepsShortIsNotAtItsTarget) {
   scene::Scene scene = sceneOf(familyOf("sphere-to-saddle"));
   scene.environment.contacts = scene::ContactFilter::All;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_EQ(run.atTarget, isAtTarget(scene, run));
   EXPECT_EQ(run.atTarget, false);
-  EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
+  EXPECT_EQ(run.outcome, run::Outcome::Locked);
   EXPECT_THAT(run.reason, HasSubstr("short of the target"));
   EXPECT_THAT(run.shortfall, HasSubstr("short of the target"));
 }
 
 TEST(Arrival, OverlapsAreAShortfallUnlessContactsAreSwitchedOff) {
   scene::Scene scene = sceneOf(familyOf("stampfli-removal"));
-  const deploy::DeploymentResult open = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult open = deploy::deploy(scene, 1, nullptr);
   const double tile = model::tileSize(scene.model);
   ASSERT_GT(open.accuracy.penetrationGrownMax, 0.1 * tile);  // measured: 0.84 tiles
-  EXPECT_EQ(open.outcome, deploy::Outcome::Settled);
+  EXPECT_EQ(open.outcome, run::Outcome::Settled);
   EXPECT_THAT(open.shortfall, HasSubstr("bricks overlap by up to "));
   EXPECT_THAT(open.reason, HasSubstr(open.shortfall));
   EXPECT_THAT(open.trajectory.events.back().text, HasSubstr(open.shortfall));
   scene.environment.contacts = scene::ContactFilter::None;
-  const deploy::DeploymentResult none = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult none = deploy::deploy(scene, 1, nullptr);
   ASSERT_GT(none.accuracy.penetrationGrownMax, 0.1 * tile);
   EXPECT_THAT(none.shortfall, IsEmpty());
 }
@@ -80,7 +80,7 @@ TEST(Arrival, OverlapsOfJoinedPairsDoNotCountWhereOnlyUnjoinedOnesTouch) {
       "tessellation", {{"columns", 2}, {"rows", 2}, {"start-angle", 0}, {"target-angle", 90}}));
   std::swap(scene.model.tiles, *scene.model.target);
   scene.environment.contacts = scene::ContactFilter::Unjoined;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_EQ(run.atTarget, true) << run.reason;
   EXPECT_THAT(run.shortfall, IsEmpty());
 }
@@ -89,7 +89,7 @@ TEST(Arrival, ASearchThatItsBudgetEndsIsAShortfall) {
   scene::Scene scene = sceneOf(familyOf("cap", {{"half-size", 3}}));
   EXPECT_THAT(deploy::deploy(scene, 1, nullptr).shortfall, IsEmpty());
   scene.path.searchEffort = 0;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_THAT(run.shortfall,
               HasSubstr("the search for a path spent its budget. Raise `search_effort`"));
   EXPECT_THAT(run.warnings, testing::Contains(HasSubstr("spent its budget")));
@@ -103,7 +103,7 @@ TEST(Arrival, FrictionThatHoldsASheetIsReported) {
   scene.environment.gravity = {0, 0, -1e4};
   scene.path.kind = scene::PathKind::Straight;
   scene.stop.duration = 4;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_EQ(run.atTarget, false);
   EXPECT_THAT(run.shortfall, HasSubstr("friction on the ground holds the tiles: the drive pulls "
                                        "each with at most "));

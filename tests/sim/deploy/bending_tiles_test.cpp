@@ -47,7 +47,7 @@ void bendAt(double rate, scene::Scene& scene) {
   }
 }
 
-double bendAngle(const deploy::DeploymentResult& run, const trajectory::Sample& sample) {
+double bendAngle(const run::DeploymentResult& run, const trajectory::Sample& sample) {
   return model::hingeAngle(model::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
                            sample.poses);
 }
@@ -61,7 +61,7 @@ TEST(BendingTiles, SwingWithTheFrequencyOfTheirClosedForm) {
   bendAt(rate, scene);
   scene.solver.tolerance = 1e-6;
   scene.stop.duration = 1;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.01, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.01, nullptr);
   const model::Brick& half = run.trajectory.bricks[0];
   const Vector3 axis = Vector3(1, 1, 0).normalized();
   const double stiffness =
@@ -87,7 +87,7 @@ TEST(BendingTiles, KeepTheirEnergyToTheTolerance) {
     bendAt(3, scene);
     scene.solver.tolerance = tolerance;
     scene.stop.duration = 2;
-    const deploy::DeploymentResult run = deploy::deploy(scene, 0.05, nullptr);
+    const run::DeploymentResult run = deploy::deploy(scene, 0.05, nullptr);
     const auto energy = [](const trajectory::Sample& sample) {
       return sample.mechanics->energies.kinetic + sample.mechanics->energies.elastic;
     };
@@ -112,8 +112,8 @@ TEST(BendingTiles, NeverDivergeWhateverTheirStiffnessAndStep) {
       bendAt(3, scene);
       scene.solver.timestep = step;
       scene.stop.duration = 2;
-      const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
-      EXPECT_NE(run.outcome, deploy::Outcome::Diverged) << youngs << " " << step;
+      const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+      EXPECT_NE(run.outcome, run::Outcome::Diverged) << youngs << " " << step;
       EXPECT_LT(run.accuracy.jointGapMax, 1e-11) << youngs << " " << step;
       const auto energy = [](const trajectory::Sample& sample) {
         return sample.mechanics->energies.kinetic + sample.mechanics->energies.elastic;
@@ -139,7 +139,7 @@ TEST(BendingTiles, AreNotInTheirOwnWay) {
       bendAt(side, scene);
       scene.environment.contacts = contacts;
       scene.stop.duration = 0.1;
-      const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+      const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
       EXPECT_EQ(run.accuracy.penetrationOutsidePivotsMax, 0);
       angles.push_back(bendAngle(run, run.trajectory.samples.back()));
     }
@@ -191,8 +191,8 @@ TEST(BendingTiles, RestWhereStiffBarsAndHingesAreInBalance) {
     scene::splitTiles({}, scene);
     scene.actuation.drive = scene::Drive::None;
     scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
-    const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
-    EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+    const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
     EXPECT_EQ(run.elasticity->count("springs"), 8);
     const Poses& last = run.trajectory.samples.back().poses;
     const double height = model::bottomTiles(run.trajectory.bricks, last)[2].vertices[2].z();
@@ -217,7 +217,7 @@ TEST(BendingTiles, DeployToATargetThatRigidTilesReach) {
   scene::splitTiles({}, scene);
   model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_EQ(run.atTarget, true) << run.reason;
   EXPECT_EQ(run.elasticity->count("springs"), 4);
   EXPECT_LT(run.elasticity->energyEnd, 1e-6);
@@ -229,7 +229,7 @@ TEST(BendingTiles, AreInTheTrajectory) {
   bendAt(1, scene);
   scene.stop.duration = 0.1;
   const test::TemporaryFolder folder;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
   const trajectory::TrajectoryReader reader(folder / "run.h5");
   ASSERT_EQ(reader.subject().model.joints.size(), 2U);
@@ -264,7 +264,7 @@ TEST(BendingTiles, SayWhatKeepsThemFromBending) {
   scene = frustratedSheet(0.02);
   scene.stop.duration = 0.1;
   std::string said;
-  deploy::deploy(scene, 0.1, nullptr, [&](const deploy::SearchNews& news) {
+  deploy::deploy(scene, 0.1, nullptr, [&](const run::SearchNews& news) {
     said += news.warning;
     return true;
   });

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/deployment.h"
+#include "sim/run/assembled_state.h"
 
 namespace kirireel {
 namespace {
@@ -28,8 +28,8 @@ scene::Scene foldedPair(double angle) {
   return scene;
 }
 
-std::vector<deploy::BlockingPair> blockingOf(const scene::Scene& scene) {
-  return deploy::blockingPairs(scene, deploy::assembleAtTarget(scene).restPoses);
+std::vector<run::BlockingPair> blockingOf(const scene::Scene& scene) {
+  return run::blockingPairs(scene, run::assembleAtTarget(scene).restPoses);
 }
 
 TEST(Blockage, AFoldAwayFromTheJointsLeavesRoom) {
@@ -37,23 +37,23 @@ TEST(Blockage, AFoldAwayFromTheJointsLeavesRoom) {
 }
 
 TEST(Blockage, AFoldTowardsTheTopsIsFreedByJointsThere) {
-  const std::vector<deploy::BlockingPair> pairs = blockingOf(foldedPair(1));
+  const std::vector<run::BlockingPair> pairs = blockingOf(foldedPair(1));
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].tileA, 0);
   EXPECT_EQ(pairs[0].tileB, 1);
   EXPECT_EQ(pairs[0].freeingFace, model::JointFace::Top);
   EXPECT_GT(pairs[0].overlap, 1e-3);
   EXPECT_LT(pairs[0].overlap, 0.02);  // not more than the bricks are thick
-  EXPECT_THAT(deploy::describe(pairs[0], 0), HasSubstr("tiles 0 and 1 by "));
-  EXPECT_THAT(deploy::describe(pairs[0], 1), HasSubstr("tiles 1 and 2 by "));
-  EXPECT_THAT(deploy::describe(pairs[0], 0), HasSubstr("joints on the top"));
+  EXPECT_THAT(run::describe(pairs[0], 0), HasSubstr("tiles 0 and 1 by "));
+  EXPECT_THAT(run::describe(pairs[0], 1), HasSubstr("tiles 1 and 2 by "));
+  EXPECT_THAT(run::describe(pairs[0], 0), HasSubstr("joints on the top"));
 }
 
 TEST(Blockage, ThinnerBricksFreeTilesThatLieOnEachOther) {
   scene::Scene scene = foldedPair(0);
   scene.model.joints.clear();
   scene.model.target = {squareAt(0, 0), squareAt(0.3, 0.011)};
-  const std::vector<deploy::BlockingPair> pairs = blockingOf(scene);
+  const std::vector<run::BlockingPair> pairs = blockingOf(scene);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_NEAR(pairs[0].overlap, 0.009, 1e-9);
   EXPECT_FALSE(pairs[0].freeingFace);
@@ -70,10 +70,10 @@ TEST(Blockage, TilesThatCrossAreFreedByNoThickness) {
   }
   scene.model.target = {squareAt(0, 0), upright};
   scene.model.tiles = {squareAt(0, 0), squareAt(2, 0)};
-  const std::vector<deploy::BlockingPair> pairs = blockingOf(scene);
+  const std::vector<run::BlockingPair> pairs = blockingOf(scene);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].freeingThickness, 0);
-  EXPECT_THAT(deploy::describe(pairs[0], 0), HasSubstr("the tiles themselves overlap"));
+  EXPECT_THAT(run::describe(pairs[0], 0), HasSubstr("the tiles themselves overlap"));
 }
 
 TEST(Blockage, NothingBlocksWithoutContacts) {
@@ -85,8 +85,8 @@ TEST(Blockage, NothingBlocksWithoutContacts) {
 }
 
 TEST(Blockage, ARunThatIsStoppedByContactSaysWhere) {
-  const deploy::DeploymentResult result = deploy::deploy(foldedPair(1), 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Locked) << result.reason;
+  const run::DeploymentResult result = deploy::deploy(foldedPair(1), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Locked) << result.reason;
   EXPECT_THAT(result.reason, HasSubstr("contact stops tiles 0 and 1"));
   EXPECT_EQ(result.blocking.size(), 1u);
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4);  // of a tile of 1 m

@@ -6,8 +6,8 @@
 #include "sim/generate/families.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
-#include "tests/sim/deploy/moving.h"
 #include "tests/sim/model/polygons.h"
+#include "tests/sim/run/moving.h"
 
 namespace kirireel {
 namespace {
@@ -117,9 +117,9 @@ TEST_P(ConcaveFamily, DeploysToItsLeastError) {
   scene.model = generate::generateModel(generate::familyNamed(GetParam()), {});
   model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   const double tile = model::tileSize(scene.model);
-  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   EXPECT_EQ(run.atTarget, true);
   EXPECT_LE(run.accuracy.targetErrorEnd, run.assembledError + 1e-9 * tile);
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);
@@ -137,7 +137,7 @@ TEST(ConcaveBricks, FamiliesDeployAmongContactsToo) {
   model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);
   scene.environment.contacts = scene::ContactFilter::All;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   const double tile = model::tileSize(scene.model);
   EXPECT_EQ(run.atTarget, true) << run.reason;
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-6 * tile);
@@ -150,7 +150,7 @@ TEST(ConcaveBricks, SplitStarsDeploy) {
       generate::generateModel(generate::familyNamed("stars"), {{"columns", 2}, {"rows", 2}}), {1});
   model::alignStartToTarget(scene.model);
   scene::fillFromModel(scene);
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_EQ(run.atTarget, true) << run.reason;
   EXPECT_LE(run.accuracy.targetErrorEnd, 1e-6 * model::tileSize(scene.model));
 }

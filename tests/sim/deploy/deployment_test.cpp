@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/deploy/state_interpolator.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
+#include "sim/run/state_interpolator.h"
 
 namespace kirireel {
 namespace {
@@ -37,8 +37,8 @@ scene::Scene shippedScene(const char* name = "tessellation_4x4") {
 }
 
 TEST(Deploy, TheShippedSheetSettlesAtItsTarget) {
-  const deploy::DeploymentResult result = deploy::deploy(shippedScene(), 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
+  const run::DeploymentResult result = deploy::deploy(shippedScene(), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
   EXPECT_THAT(result.reason, HasSubstr("from the target"));
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);    // measured 1e-12
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-3);  // measured 7e-7
@@ -53,8 +53,8 @@ TEST(Deploy, AClosedSingularTargetIsReached) {
        {scene::ContactFilter::None, scene::ContactFilter::All}) {
     scene::Scene scene = shippedScene("heart");
     scene.environment.contacts = contacts;
-    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-    EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
+    const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
     EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 5e-13
   }
 }
@@ -63,16 +63,16 @@ TEST(Deploy, BulletSettlesItToo) {
   scene::Scene scene = shippedScene();
   scene.solver.kind = scene::SolverKind::Bullet;
   scene.environment.contacts = scene::ContactFilter::None;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.jointGapMax, 1e-3);     // measured 9e-5
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-2);  // measured 1e-6
 }
 
 TEST(Deploy, AccuracyDescribesTheSamples) {
-  const deploy::DeploymentResult result = deploy::deploy(smallScene(), 1.0 / 60, nullptr);
+  const run::DeploymentResult result = deploy::deploy(smallScene(), 1.0 / 60, nullptr);
   const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
-  const deploy::Accuracy& accuracy = result.accuracy;
+  const run::Accuracy& accuracy = result.accuracy;
   EXPECT_EQ(accuracy.targetErrorStart, samples.front().targetError);
   EXPECT_EQ(accuracy.targetErrorEnd, samples.back().targetError);
   EXPECT_EQ(accuracy.jointGapEnd, samples.back().jointGap);
@@ -86,11 +86,11 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
 }
 
 /// All figures of a run but those that count samples, and its end, as numbers.
-std::vector<double> figuresOf(deploy::DeploymentResult& result) {
+std::vector<double> figuresOf(run::DeploymentResult& result) {
   StateTape tape;
-  for (const auto largest : {&deploy::Accuracy::jointGapMax, &deploy::Accuracy::jointOpeningMax,
-                             &deploy::Accuracy::targetErrorMin, &deploy::Accuracy::penetrationMax,
-                             &deploy::Accuracy::penetrationOutsidePivotsMax}) {
+  for (const auto largest : {&run::Accuracy::jointGapMax, &run::Accuracy::jointOpeningMax,
+                             &run::Accuracy::targetErrorMin, &run::Accuracy::penetrationMax,
+                             &run::Accuracy::penetrationOutsidePivotsMax}) {
     std::erase_if(result.trajectory.figureStates, [&](const trajectory::FigureState& state) {
       return state.figure == nameOfField(largest);
     });
@@ -107,11 +107,11 @@ TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
   scene::Scene scene = smallScene();
   scene.environment.contacts = scene::ContactFilter::All;
   scene.environment.gravity = Vector3(0, 0, -9.81);
-  deploy::DeploymentResult usual = deploy::deploy(scene, 1.0 / 60, nullptr);
+  run::DeploymentResult usual = deploy::deploy(scene, 1.0 / 60, nullptr);
   const std::vector<double> figures = figuresOf(usual);
   std::vector<double> usualTimes;
   for (const double rate : {1.0, 7.0, 24.0, 25.0, 30.0, 50.0, 240.0, 1000.0}) {
-    deploy::DeploymentResult result = deploy::deploy(scene, 1 / rate, nullptr);
+    run::DeploymentResult result = deploy::deploy(scene, 1 / rate, nullptr);
     EXPECT_EQ(figuresOf(result), figures) << rate;
     std::vector<double> times;
     for (const trajectory::Sample& sample : result.trajectory.samples) {
@@ -163,7 +163,7 @@ TEST(Deploy, SamplesBetweenStepsHaveClosedJoints) {
 TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
   scene::Scene scene = smallScene();
   scene.model.target->front().vertices.front().x() += 0.1;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
   const std::vector<model::Brick>& bricks = result.trajectory.bricks;
   const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
   const auto poses = [&](const char* name) {
@@ -172,7 +172,7 @@ TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
     EXPECT_NE(state, states.end()) << name;
     return state->poses;
   };
-  const deploy::Accuracy& accuracy = result.accuracy;
+  const run::Accuracy& accuracy = result.accuracy;
   EXPECT_EQ(trajectory::jointGap(pivots, poses("joint_gap_max")).max, accuracy.jointGapMax);
   EXPECT_EQ(trajectory::deepestPenetration(bricks, poses("penetration_max")).depth,
             accuracy.penetrationMax);
@@ -199,10 +199,10 @@ scene::Scene overlappingScene(scene::PathKind kind) {
 TEST(Deploy, LargestFiguresCoverSamplesAndMomentsBetween) {
   for (const scene::PathKind kind : {scene::PathKind::Continuation, scene::PathKind::Straight}) {
     for (const double interval : {1.0 / 240, 1.0 / 24, 1.0 / 7}) {
-      const deploy::DeploymentResult result =
+      const run::DeploymentResult result =
           deploy::deploy(overlappingScene(kind), interval, nullptr);
       const std::vector<trajectory::Sample>& samples = result.trajectory.samples;
-      deploy::StateInterpolator interpolator(result.trajectory);
+      run::StateInterpolator interpolator(result.trajectory);
       double deepest = 0, gap = 0;
       for (std::size_t k = 0; k < samples.size(); ++k) {
         deepest = std::max(deepest, samples[k].penetration);
@@ -226,7 +226,7 @@ TEST(Deploy, LargestFiguresCoverSamplesAndMomentsBetween) {
 TEST(Deploy, HowFarOverlapsGrowDoesNotDependOnTheFrameRate) {
   for (const scene::PathKind kind : {scene::PathKind::Continuation, scene::PathKind::Straight}) {
     const scene::Scene scene = overlappingScene(kind);
-    const deploy::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
+    const run::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
     double deepest = 0;
     const std::vector<model::Brick>& bricks = often.trajectory.bricks;
     trajectory::PenetrationMeter meter(bricks, model::makePivots(scene.model.joints, bricks),
@@ -249,8 +249,8 @@ TEST(Deploy, ARunThatDivergesEndsWithItsLastStepInBounds) {
   scene::Scene scene = smallScene();
   scene.solver.kind = scene::SolverKind::Bullet;
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  ASSERT_EQ(result.outcome, deploy::Outcome::Diverged);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  ASSERT_EQ(result.outcome, run::Outcome::Diverged);
   const trajectory::Sample& last = result.trajectory.samples.back();
   EXPECT_EQ(last.time, result.trajectory.events.back().time);
   EXPECT_EQ(last.targetError, result.accuracy.targetErrorEnd);
@@ -260,8 +260,8 @@ TEST(Deploy, ARunThatDivergesEndsWithItsLastStepInBounds) {
 TEST(Deploy, RunsForItsDuration) {
   scene::Scene scene = smallScene();
   scene.stop.duration = 0.2;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::OutOfTime);
+  const run::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::OutOfTime);
   EXPECT_THAT(result.reason, StartsWith("still moving after 0.2 s, at "));
   EXPECT_NEAR(result.trajectory.samples.back().time, 0.2, 1e-12);
 }
@@ -271,9 +271,9 @@ TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
   for (model::Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 1.2;  // the tiles do not grow with it
   }
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   // Half a tile away is not called arrived.
-  EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
+  EXPECT_EQ(result.outcome, run::Outcome::Locked);
   EXPECT_THAT(result.reason, HasSubstr("no nearer state with closed joints was found"));
   EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidBound);
   EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledError, 1, 1e-3);  // measured 1e-5
@@ -282,17 +282,17 @@ TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
 TEST(Deploy, WithoutTargetItSettlesWhereItStands) {
   scene::Scene scene = smallScene();
   scene.model.target.reset();
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Settled);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Settled);
   EXPECT_EQ(result.reason, "came to rest; there is no target");
   EXPECT_EQ(result.accuracy.targetErrorEnd, 0);
 }
 
 TEST(Deploy, TheObserverSeesEverySampleAndCanEndTheRun) {
   std::size_t seen = 0;
-  const deploy::DeploymentResult result =
+  const run::DeploymentResult result =
       deploy::deploy(smallScene(), 1.0 / 60, [&](const trajectory::Sample&) { return ++seen < 5; });
-  EXPECT_EQ(result.outcome, deploy::Outcome::Interrupted);
+  EXPECT_EQ(result.outcome, run::Outcome::Interrupted);
   EXPECT_EQ(result.reason, "ended early by the caller");
   EXPECT_EQ(seen, 5U);
   EXPECT_EQ(result.trajectory.samples.size(), 5U);
@@ -302,8 +302,8 @@ TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
   scene::Scene scene = smallScene();
   scene.solver.kind = scene::SolverKind::Bullet;
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Diverged);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Diverged);
   EXPECT_THAT(result.reason, HasSubstr("a brick left all bounds at "));
   EXPECT_THAT(result.reason, HasSubstr(". Try a shorter `timestep` or more damping"));
 }
@@ -311,15 +311,15 @@ TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
 TEST(Deploy, ExactJointsBearTheSameStiffness) {
   scene::Scene scene = smallScene();
   scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);  // measured 4e-13
 }
 
 TEST(Deploy, ClosesAnOpenStartAndTellsHowFarThatWent) {
   scene::Scene scene = smallScene();
   for (Vector3& vertex : scene.model.tiles[4].vertices) vertex.x() += 1e-3;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_GT(result.accuracy.assemblyMove, 1e-4);
   EXPECT_LT(result.accuracy.assemblyMove, 2e-3);
   EXPECT_LT(result.trajectory.samples.front().jointGap, 1e-10);
@@ -412,7 +412,7 @@ TEST(Deploy, LeavesAPlaneThatLocksTheSheet) {
   EXPECT_THAT(errorOf(scene, 0.1),
               testing::HasSubstr("no motion in its plane, but 3 out of it. Set"));
   scene.velocities = {{.tiles = {}, .linear = {1, 0, 0}, .angular = {}, .where = {}}};
-  const deploy::DeploymentResult inSpace = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult inSpace = deploy::deploy(scene, 0.1, nullptr);
   EXPECT_FALSE(inSpace.needs.planar.on);
   EXPECT_EQ(inSpace.needs.planar.reason, "no motion in its plane, 3 out of it");
   scene.solver.planar = true;
@@ -424,11 +424,11 @@ TEST(Deploy, LeavesAPlaneThatLocksTheSheet) {
 }
 
 TEST(Outcome, HasAName) {
-  EXPECT_EQ(deploy::toString(deploy::Outcome::Settled), "settled");
-  EXPECT_EQ(deploy::toString(deploy::Outcome::Locked), "locked");
-  EXPECT_EQ(deploy::toString(deploy::Outcome::OutOfTime), "out_of_time");
-  EXPECT_EQ(deploy::toString(deploy::Outcome::Diverged), "diverged");
-  EXPECT_EQ(deploy::toString(deploy::Outcome::Interrupted), "interrupted");
+  EXPECT_EQ(run::toString(run::Outcome::Settled), "settled");
+  EXPECT_EQ(run::toString(run::Outcome::Locked), "locked");
+  EXPECT_EQ(run::toString(run::Outcome::OutOfTime), "out_of_time");
+  EXPECT_EQ(run::toString(run::Outcome::Diverged), "diverged");
+  EXPECT_EQ(run::toString(run::Outcome::Interrupted), "interrupted");
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ Vector3 massCentre(const std::vector<model::Brick>& bricks, const Poses& poses) 
 }
 
 /// How far the mass centre is from v t + g t^2 / 2 at worst, metres.
-double farthestFromParabola(const deploy::DeploymentResult& run, const Vector3& speed) {
+double farthestFromParabola(const run::DeploymentResult& run, const Vector3& speed) {
   const std::vector<model::Brick>& bricks = run.trajectory.bricks;
   const Vector3 start = massCentre(bricks, run.trajectory.samples.front().poses);
   double farthest = 0;
@@ -53,7 +53,7 @@ TEST(FreeMotion, ClosedBricksFall) {
     scene::Scene scene = undriven(generate::makeSphereToSaddle({.columns = 4, .rows = 4}), 0.3);
     scene.environment.gravity = {0, 0, -kGravity};
     scene.environment.contacts = contacts;
-    const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
+    const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
     EXPECT_NEAR(run.trajectory.samples.back().time, 0.3, 1e-9);
     EXPECT_LT(farthestFromParabola(run, Vector3::Zero()), 1e-9);
   }
@@ -66,7 +66,7 @@ TEST(FreeMotion, ClosedBricksFlyWithTheirFirstVelocity) {
   const Vector3 speed(0.3, -0.2, 1);
   scene.velocities.resize(1);  // of all tiles
   scene.velocities[0].linear = speed;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
   EXPECT_LT(farthestFromParabola(run, speed), 1e-9);
 }
 
@@ -105,7 +105,7 @@ double pendulumAngle(double time) {
   return a;
 }
 
-double farthestFromPendulum(const deploy::DeploymentResult& run) {
+double farthestFromPendulum(const run::DeploymentResult& run) {
   const model::Brick& brick = run.trajectory.bricks[1];
   double farthest = 0;
   for (const trajectory::Sample& sample : run.trajectory.samples) {
@@ -121,7 +121,7 @@ double farthestFromPendulum(const deploy::DeploymentResult& run) {
 }
 
 TEST(FreeMotion, APendulumStartsAtRest) {
-  const deploy::DeploymentResult run = deploy::deploy(pendulum(0.1), 1.0 / 60, nullptr);
+  const run::DeploymentResult run = deploy::deploy(pendulum(0.1), 1.0 / 60, nullptr);
   ASSERT_TRUE(run.trajectory.samples.front().mechanics);
   EXPECT_EQ(run.trajectory.samples.front().mechanics->energies.kinetic, 0);
 }
@@ -131,7 +131,7 @@ TEST(FreeMotion, TheMeasuredErrorIsThatOfThePendulum) {
     scene::Scene scene = pendulum(2);
     scene.solver.tolerance = tolerance;
     scene.solver.measuresTimeError = true;
-    const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+    const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
     ASSERT_TRUE(run.timeError);
     const double error = farthestFromPendulum(run);  // tiles have edges of 1 m
     EXPECT_GT(*run.timeError, 0.3 * error) << tolerance;
@@ -153,7 +153,7 @@ TEST(FreeMotion, StepsThatGiveEnergyAreWarnedOf) {
   scene.velocities[0].linear = {0.1, 0, 0};
   scene.velocities[0].angular = {0.3, 2, 0.2};
   scene.solver.tolerance = 0;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   ASSERT_EQ(run.warnings.size(), 1U);
   EXPECT_TRUE(run.warnings[0].starts_with("energy grows by 9.")) << run.warnings[0];
   EXPECT_NE(run.warnings[0].find("Use a smaller `timestep`"), std::string::npos);

@@ -30,14 +30,14 @@ scene::Scene sprungSheet(double stiffness) {
   return scene;
 }
 
-double openingAtEnd(const deploy::DeploymentResult& run) {
+double openingAtEnd(const run::DeploymentResult& run) {
   return model::hingeAngle(model::hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
                            run.trajectory.samples.back().poses);
 }
 
 TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
-  const deploy::DeploymentResult run = deploy::deploy(sprungSheet(5), 0.1, nullptr);
-  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  const run::DeploymentResult run = deploy::deploy(sprungSheet(5), 0.1, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   EXPECT_NEAR(openingAtEnd(run), 70 * kDegree, 1e-5);  // measured 2e-7
   ASSERT_TRUE(run.elasticity.has_value());
   EXPECT_EQ(run.elasticity->count("springs"), 24);
@@ -50,8 +50,8 @@ TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
 TEST(SprungSheets, AreNotAtRestWhileSoftSpringsStillMoveThem) {
   scene::Scene scene = sprungSheet(1e-5);
   scene.stop.duration = 3;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
-  EXPECT_EQ(run.outcome, deploy::Outcome::OutOfTime) << run.reason;
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::OutOfTime) << run.reason;
 }
 
 TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
@@ -61,7 +61,7 @@ TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
   shape.startAngle = 30 * kDegree;
   scene.model = model::makeTessellation(shape);  // its target is open by 90 degrees
   scene.actuation.drive = scene::Drive::Target;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
   EXPECT_GT(openingAtEnd(run), 40 * kDegree);
   EXPECT_LT(openingAtEnd(run), 89.9 * kDegree);
   EXPECT_GT(run.elasticity->energyEnd, 1);
@@ -89,8 +89,8 @@ TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
   scene.actuation.drive = scene::Drive::None;
   scene.hinges.stiffness = 5;
   scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
-  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   ASSERT_EQ(run.elasticity->count("springs"), 4);
   EXPECT_GT(run.elasticity->energyStart, 4);
   EXPECT_LT(run.elasticity->energyEnd, 1e-8);

@@ -49,12 +49,12 @@ void expectSameState(const trajectory::Sample& a, const trajectory::Sample& b) {
 
 TEST(InterruptedStep, CountsAsNotBegun) {
   const scene::Scene scene = sheetThatFalls();
-  const deploy::DeploymentResult whole = deploy::deploy(scene, kStep, nullptr);
-  ASSERT_NE(whole.outcome, deploy::Outcome::Interrupted);
+  const run::DeploymentResult whole = deploy::deploy(scene, kStep, nullptr);
+  ASSERT_NE(whole.outcome, run::Outcome::Interrupted);
   for (const int look : {1, 3, 7}) {
     const InterruptionScope scope(EndAtLook{look});
-    const deploy::DeploymentResult part = deploy::deploy(scene, kStep, nullptr);
-    ASSERT_EQ(part.outcome, deploy::Outcome::Interrupted) << look;
+    const run::DeploymentResult part = deploy::deploy(scene, kStep, nullptr);
+    ASSERT_EQ(part.outcome, run::Outcome::Interrupted) << look;
     const std::vector<trajectory::Sample>& samples = part.trajectory.samples;
     ASSERT_LT(samples.size(), whole.trajectory.samples.size());
     for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -70,8 +70,8 @@ TEST(InterruptedSearch, ShowsTheStart) {
   scene.model = model::makeTessellation({.columns = 30, .rows = 30});
   scene.path.kind = scene::PathKind::Auto;
   const InterruptionScope scope(EndAtLook{3});
-  const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
-  EXPECT_EQ(result.outcome, deploy::Outcome::Interrupted);
+  const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Interrupted);
   ASSERT_EQ(result.trajectory.samples.size(), 1U);
   EXPECT_EQ(result.trajectory.samples.front().time, 0);
   EXPECT_EQ(result.pathReason, "the search for a path was interrupted");

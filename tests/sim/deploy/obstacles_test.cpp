@@ -7,10 +7,10 @@
 #include "sim/base/error.h"
 #include "sim/contacts/contact_finder.h"
 #include "sim/deploy/deployment.h"
-#include "sim/deploy/dynamics.h"
 #include "sim/model/lattice.h"
+#include "sim/run/dynamics.h"
 #include "sim/scene/scene_needs.h"
-#include "tests/sim/deploy/moving.h"
+#include "tests/sim/run/moving.h"
 
 namespace kirireel {
 namespace {
@@ -201,7 +201,7 @@ TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
       0.5 * (scene.model.tiles.front().vertices[0] + scene.model.tiles.back().vertices[2]);
   scene.environment.obstacles = {sphere(middle - Vector3(0, 0, 1.6), 1.5)};
   scene.stop.duration = 0.6;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   EXPECT_FALSE(result.needs.planar.on);
   EXPECT_EQ(result.needs.planar.reason, "obstacles push out of the plane");
   const Vector3 centre = scene.environment.obstacles[0].pose.position;
@@ -228,8 +228,8 @@ TEST(Obstacles, AreNamedWhereTheyStopADeployment) {
     scene.environment.gravity.setZero();
     scene.model.target = {rectangle({3, 0, 0}, 1, 1)};
     scene.path.kind = scene::PathKind::Straight;
-    const deploy::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
-    EXPECT_EQ(result.outcome, deploy::Outcome::Locked);
+    const run::DeploymentResult result = deploy::deploy(scene, 0.1, nullptr);
+    EXPECT_EQ(result.outcome, run::Outcome::Locked);
     EXPECT_THAT(result.reason, EndsWith("of the target: contact stops tile 0 and obstacle 0"));
   }
 }

@@ -17,8 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const Matrix3 kTurn =
-    Eigen::AngleAxisd(2.1, Vector3(0.3, -1, 0.5).normalized()).toRotationMatrix();
+const Matrix3 kTurn = Eigen::AngleAxisd(2.1, Vector3(0.3, -1, 0.5).normalized()).toRotationMatrix();
 const Vector3 kMove(0.4, -3, 2);
 
 std::vector<model::Tile> turned(std::vector<model::Tile> tiles) {
@@ -64,11 +63,11 @@ scene::Scene withLigaments() {
 }
 
 /// The largest distance of a vertex between two runs, of which the second is turned, metres.
-double farthest(const deploy::DeploymentResult& level, const deploy::DeploymentResult& tilted) {
+double farthest(const run::DeploymentResult& level, const run::DeploymentResult& tilted) {
   double largest = 0;
   for (std::size_t k = 0; k < level.trajectory.samples.size(); ++k) {
-    const std::vector<model::Tile> wanted = turned(
-        model::bottomTiles(level.trajectory.bricks, level.trajectory.samples[k].poses));
+    const std::vector<model::Tile> wanted =
+        turned(model::bottomTiles(level.trajectory.bricks, level.trajectory.samples[k].poses));
     const std::vector<model::Tile> found =
         model::bottomTiles(tilted.trajectory.bricks, tilted.trajectory.samples[k].poses);
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -86,8 +85,8 @@ TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
   shape.columns = shape.rows = 2;
   shape.startAngle = 80 * kDegree;
   scene.model.target = model::makeTessellation(shape).tiles;
-  const deploy::DeploymentResult level = deploy::deploy(scene, 0.5, nullptr);
-  const deploy::DeploymentResult tilted = deploy::deploy(turned(scene), 0.5, nullptr);
+  const run::DeploymentResult level = deploy::deploy(scene, 0.5, nullptr);
+  const run::DeploymentResult tilted = deploy::deploy(turned(scene), 0.5, nullptr);
   EXPECT_EQ(level.needs.planar.reason, "start and target lie in horizontal planes");
   EXPECT_TRUE(tilted.needs.planar.on);
   EXPECT_EQ(tilted.needs.planar.reason, "start and target lie in one plane");
@@ -97,8 +96,8 @@ TEST(OwnAxes, APathInAnyPlaneIsTheHorizontalOne) {
 }
 
 TEST(OwnAxes, LigamentsWorkInAnyPlane) {
-  const deploy::DeploymentResult level = deploy::deploy(withLigaments(), 0.1, nullptr);
-  const deploy::DeploymentResult tilted = deploy::deploy(turned(withLigaments()), 0.1, nullptr);
+  const run::DeploymentResult level = deploy::deploy(withLigaments(), 0.1, nullptr);
+  const run::DeploymentResult tilted = deploy::deploy(turned(withLigaments()), 0.1, nullptr);
   ASSERT_EQ(level.trajectory.samples.size(), tilted.trajectory.samples.size());
   EXPECT_LT(farthest(level, tilted), 1e-9);
   ASSERT_TRUE(tilted.elasticity.has_value());
@@ -121,8 +120,8 @@ TEST(OwnAxes, ForcesAreInTheWorldsAxes) {
   scene::Scene scene = withLigaments();
   scene.hinges = {};
   scene.timeline.push_back({scene::Trigger{}, scene::timeline::Pin{{0}}, {}});
-  const deploy::DeploymentResult level = deploy::deploy(scene, 0.1, nullptr);
-  const deploy::DeploymentResult tilted = deploy::deploy(turned(scene), 0.1, nullptr);
+  const run::DeploymentResult level = deploy::deploy(scene, 0.1, nullptr);
+  const run::DeploymentResult tilted = deploy::deploy(turned(scene), 0.1, nullptr);
   const trajectory::Mechanics& a = *level.trajectory.samples.back().mechanics;
   const trajectory::Mechanics& b = *tilted.trajectory.samples.back().mechanics;
   ASSERT_EQ(a.holds.size(), 1u);
@@ -152,8 +151,8 @@ scene::Scene gripped() {
 }
 
 TEST(OwnAxes, GripsActInAnyPlane) {
-  const deploy::DeploymentResult level = deploy::deploy(gripped(), 0.5, nullptr);
-  const deploy::DeploymentResult tilted = deploy::deploy(turned(gripped()), 0.5, nullptr);
+  const run::DeploymentResult level = deploy::deploy(gripped(), 0.5, nullptr);
+  const run::DeploymentResult tilted = deploy::deploy(turned(gripped()), 0.5, nullptr);
   ASSERT_EQ(level.trajectory.samples.size(), tilted.trajectory.samples.size());
   EXPECT_LT(farthest(level, tilted), 1e-9);
   // Of the grip that moves: its forces along x, y and z are those of the horizontal sheet, turned.

@@ -79,7 +79,7 @@ scene::Scene sceneOf(model::Model model) {
   return scene;
 }
 
-double largestOpening(const deploy::DeploymentResult& run) {
+double largestOpening(const run::DeploymentResult& run) {
   return std::max(run.accuracy.jointGapMax, run.accuracy.jointOpeningMax);
 }
 
@@ -88,7 +88,7 @@ TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
   double worst = 0, farthest = 0;
   for (int seed = 0; seed < 100; ++seed) {
     const int places = 3 + seed / 4 % 2;
-    const deploy::DeploymentResult run =
+    const run::DeploymentResult run =
         deploy::deploy(sceneOf(rounded(seededSheet(seed), places)), 1, nullptr);
     const double digit = std::pow(10, -places);
     worst = std::max(worst, largestOpening(run) / digit);
@@ -107,8 +107,7 @@ TEST(RoundedSheets, LeaveAndReachClosedStates) {
   for (const int places : {3, 4}) {
     const model::Model exact = generate::generateModel(generate::familyNamed("heart"),
                                                        {{"start-angle", 0}, {"target-angle", 180}});
-    const deploy::DeploymentResult run =
-        deploy::deploy(sceneOf(rounded(exact, places)), 1, nullptr);
+    const run::DeploymentResult run = deploy::deploy(sceneOf(rounded(exact, places)), 1, nullptr);
     const double digit = std::pow(10, -places);
     EXPECT_LE(largestOpening(run), 2 * digit) << run.reason;
     EXPECT_LE(run.accuracy.targetErrorEnd, 5 * digit) << run.reason;
@@ -116,8 +115,7 @@ TEST(RoundedSheets, LeaveAndReachClosedStates) {
 }
 
 TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
-  const deploy::DeploymentResult run =
-      deploy::deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
   EXPECT_NE(run.reason.find("of the last digit, 0.001 m, of the model's coordinates. Tiles with "
                             "this rounding do not fit each other better"),
             std::string::npos)
@@ -129,7 +127,7 @@ TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
   const model::Model chain = generate::generateModel(
       generate::familyNamed("tessellation"),
       {{"columns", 2}, {"rows", 2}, {"length", 0.913}, {"start-angle", 20}, {"target-angle", 77}});
-  const deploy::DeploymentResult run = deploy::deploy(sceneOf(rounded(chain, 3)), 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(sceneOf(rounded(chain, 3)), 1, nullptr);
   EXPECT_LE(run.accuracy.jointGapMax, 1e-10);
   EXPECT_EQ(run.accuracy.jointOpeningMax, 0);
   EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
@@ -154,9 +152,9 @@ model::Model sheetOfRods() {
 TEST(RoundedSheets, EndBeforeJointsOpenByMoreThanRoundingExplains) {
   scene::Scene scene = sceneOf(sheetOfRods());
   scene.environment.contacts = scene::ContactFilter::None;
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
   EXPECT_LE(largestOpening(run), 10 * 0.01) << run.reason;
-  EXPECT_EQ(run.outcome, deploy::Outcome::Locked);
+  EXPECT_EQ(run.outcome, run::Outcome::Locked);
   EXPECT_NE(run.shortfall.find("the path ends at the last state with closed joints. Beyond it they "
                                "open by more than ten times the last digit, 0.01 m"),
             std::string::npos)
@@ -173,7 +171,7 @@ TEST(RoundedSheets, DeployByDynamicsToo) {
   for (const model::Model& model : {seededSheet(2), heart}) {
     scene::Scene scene = sceneOf(rounded(model, 3));
     scene.path.kind = scene::PathKind::Dynamic;
-    const deploy::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+    const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
     EXPECT_LE(run.accuracy.targetErrorEnd, 10e-3) << run.pathReason << "; " << run.reason;
     EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
   }

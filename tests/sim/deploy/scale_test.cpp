@@ -23,7 +23,7 @@ scene::Scene scaled(scene::Scene scene, double factor) {
 
 /// The largest distance between the bricks of two runs at any sample, the second's lengths divided
 /// by `factor`, metres.
-double difference(const deploy::DeploymentResult& run, const deploy::DeploymentResult& other,
+double difference(const run::DeploymentResult& run, const run::DeploymentResult& other,
                   double factor) {
   double largest = 0;
   for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
@@ -39,8 +39,8 @@ double difference(const deploy::DeploymentResult& run, const deploy::DeploymentR
 }
 
 void expectSameAtScale(const scene::Scene& scene, double factor, double tolerance) {
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
-  const deploy::DeploymentResult other = deploy::deploy(scaled(scene, factor), 1.0 / 60, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const run::DeploymentResult other = deploy::deploy(scaled(scene, factor), 1.0 / 60, nullptr);
   EXPECT_EQ(run.outcome, other.outcome) << factor;
   EXPECT_EQ(run.pathReason, other.pathReason) << factor;
   ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size()) << factor;
@@ -114,8 +114,8 @@ scene::Scene weighing(scene::Scene scene, double density) {
 }
 
 void expectSameMotion(const scene::Scene& scene, const scene::Scene& other, double tolerance) {
-  const deploy::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
-  const deploy::DeploymentResult same = deploy::deploy(other, 1.0 / 60, nullptr);
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const run::DeploymentResult same = deploy::deploy(other, 1.0 / 60, nullptr);
   EXPECT_EQ(run.pathReason, same.pathReason);
   ASSERT_EQ(run.trajectory.samples.size(), same.trajectory.samples.size());
   EXPECT_LE(difference(run, same, 1), tolerance);
@@ -137,8 +137,8 @@ TEST(Scale, HeavierBricksMoveAlikeByDefault) {
 TEST(Scale, ThickerBricksMoveAlikeInThePlane) {
   scene::Scene thick = weighing(sheet(), 300);
   thick.brick.thickness *= 3;
-  deploy::DeploymentResult run = deploy::deploy(weighing(sheet(), 1000), 1.0 / 60, nullptr);
-  deploy::DeploymentResult other = deploy::deploy(thick, 1.0 / 60, nullptr);
+  run::DeploymentResult run = deploy::deploy(weighing(sheet(), 1000), 1.0 / 60, nullptr);
+  run::DeploymentResult other = deploy::deploy(thick, 1.0 / 60, nullptr);
   ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
   // Centres of mass are at half the thickness.
   for (trajectory::Trajectory* trajectory : {&run.trajectory, &other.trajectory}) {

@@ -25,15 +25,15 @@ scene::Scene capScene() {
 }
 
 /// When the run has halved its error, seconds.
-double halfTime(const deploy::DeploymentResult& result) {
+double halfTime(const run::DeploymentResult& result) {
   for (const trajectory::Sample& sample : result.trajectory.samples) {
     if (sample.targetError <= 0.5 * result.accuracy.targetErrorStart) return sample.time;
   }
   return result.trajectory.samples.back().time;
 }
 
-void expectArrived(const deploy::DeploymentResult& result) {
-  EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
+void expectArrived(const run::DeploymentResult& result) {
+  EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-4);
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);
 }
@@ -43,7 +43,7 @@ TEST(Sensitivity, DampingSlowsADeploymentAndLeavesItsEnd) {
   for (const double damping : {10, 50, 250}) {
     scene::Scene scene = capScene();
     scene.springs.forceDamping = damping;
-    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
+    const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
     expectArrived(result);
     EXPECT_GT(halfTime(result), before);
     before = halfTime(result);
@@ -55,7 +55,7 @@ TEST(Sensitivity, StiffnessQuickensADeploymentAndLeavesItsEnd) {
   for (const double stiffness : {25, 100, 400}) {
     scene::Scene scene = capScene();
     scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
-    const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
+    const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 240, nullptr);
     expectArrived(result);
     EXPECT_LT(halfTime(result), before);
     before = halfTime(result);
@@ -89,8 +89,8 @@ TEST_P(Expansion, EndsAtTheSheetsLimitWhateverItsStrengthAndInItsPlane) {
       scene.actuation.drive = scene::Drive::Expansion;
       scene.springs.springStiffness = stiffness;
       scene.solver.planar = planar;
-      const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
-      EXPECT_EQ(result.outcome, deploy::Outcome::Settled) << result.reason;
+      const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+      EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
       const auto& samples = result.trajectory.samples;
       ends.push_back(spread(samples.back().poses));
       EXPECT_GT(ends.back(), 1.5 * spread(samples.front().poses));

@@ -56,7 +56,7 @@ MotionErrors deployedErrors(int side, bool planar, double stiffness) {
   scene.solver.planar = planar;
   scene.springs = scene::paperSprings();
   scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
-  const deploy::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
   MotionErrors errors;
   for (const trajectory::Sample& sample : result.trajectory.samples) {
     errors.lastAngle = openingAngle(sample.poses);

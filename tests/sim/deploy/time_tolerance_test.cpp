@@ -25,12 +25,12 @@ scene::Scene openingSheet(double tolerance) {
   return scene;
 }
 
-deploy::DeploymentResult deployed(const scene::Scene& scene, double rate) {
+run::DeploymentResult deployed(const scene::Scene& scene, double rate) {
   return deploy::deploy(scene, 1 / rate, nullptr);
 }
 
 /// The farthest that a vertex of one run is from its place in another at a common time.
-double largestDifference(const deploy::DeploymentResult& a, const deploy::DeploymentResult& b) {
+double largestDifference(const run::DeploymentResult& a, const run::DeploymentResult& b) {
   double largest = 0;
   const std::vector<model::Brick>& bricks = a.trajectory.bricks;
   for (const trajectory::Sample& sample : a.trajectory.samples) {
@@ -62,9 +62,9 @@ TEST(TimeTolerance, SamplesBetweenStepsFollowBothSides) {
 }
 
 TEST(TimeTolerance, IsKeptBySteps) {
-  const deploy::DeploymentResult exact = deployed(openingSheet(1e-7), 60);
+  const run::DeploymentResult exact = deployed(openingSheet(1e-7), 60);
   for (const double tolerance : {1e-3, 1e-5}) {
-    const deploy::DeploymentResult run = deployed(openingSheet(tolerance), 60);
+    const run::DeploymentResult run = deployed(openingSheet(tolerance), 60);
     EXPECT_LT(largestDifference(run, exact), 10 * tolerance)
         << tolerance;  // measured 0.3 and 0.9 times
     EXPECT_EQ(run.cost.took.touchingTime, 0);
@@ -75,13 +75,13 @@ TEST(TimeTolerance, IsKeptBySteps) {
 }
 
 TEST(TimeTolerance, FixedStepsAreFarFromIt) {
-  const deploy::DeploymentResult exact = deployed(openingSheet(1e-6), 60);
+  const run::DeploymentResult exact = deployed(openingSheet(1e-6), 60);
   EXPECT_GT(largestDifference(deployed(openingSheet(0), 60), exact), 1e-3);  // measured 0.04
 }
 
 TEST(TimeTolerance, SamplesDependOnNoOtherSample) {
-  const deploy::DeploymentResult sparse = deployed(openingSheet(1e-4), 30);
-  const deploy::DeploymentResult dense = deployed(openingSheet(1e-4), 120);
+  const run::DeploymentResult sparse = deployed(openingSheet(1e-4), 30);
+  const run::DeploymentResult dense = deployed(openingSheet(1e-4), 120);
   EXPECT_EQ(largestDifference(sparse, dense), 0);
   EXPECT_EQ(sparse.cost.took.steps, dense.cost.took.steps);
 }
@@ -97,8 +97,8 @@ TEST(TimeTolerance, IsKeptThroughAFallOnTheGround) {
   scene.actuation.drive = scene::Drive::None;
   scene.solver.tolerance = 1e-4;
   scene.stop.duration = 1;
-  const deploy::DeploymentResult run = deployed(scene, 60);
-  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  const run::DeploymentResult run = deployed(scene, 60);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   for (const trajectory::Sample& sample : run.trajectory.samples) {
     const double fallen = std::min(0.2, 5 * sample.time * sample.time);
     EXPECT_NEAR(sample.poses[0].position.z(), 0.05 - fallen, 1e-6);  // measured 5e-8
@@ -122,7 +122,7 @@ TEST(TimeTolerance, SaysForHowLongContactsWereTooMany) {
   scene.actuation.drive = scene::Drive::None;
   scene.solver.tolerance = 1e-4;
   scene.stop.duration = 1;
-  const deploy::DeploymentResult run = deployed(scene, 60);
+  const run::DeploymentResult run = deployed(scene, 60);
   EXPECT_GT(run.cost.took.touchingTime, 0);
   EXPECT_LT(run.cost.took.touchingTime, run.trajectory.samples.back().time - 0.15);
   EXPECT_LT(run.accuracy.penetrationGrownMax, 1e-4);
@@ -134,8 +134,8 @@ TEST(TimeTolerance, GoesOnThroughSingularStarts) {
   shape.columns = shape.rows = 4;
   scene.model = model::makeTessellation(shape);  // closed
   scene.stop.duration = 5;
-  const deploy::DeploymentResult run = deployed(scene, 60);
-  EXPECT_EQ(run.outcome, deploy::Outcome::Settled) << run.reason;
+  const run::DeploymentResult run = deployed(scene, 60);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
   EXPECT_LT(run.accuracy.targetErrorEnd, 1e-5);
   EXPECT_LT(run.accuracy.jointGapMax, 1e-10);
 }

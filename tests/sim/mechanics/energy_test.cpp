@@ -24,7 +24,7 @@ double largestGrowth(const Case& c) {
   settings.springStiffness = settings.torqueStiffness = c.stiffness;
   settings.forceDamping = c.forceDamping;
   settings.torqueDamping = 0;
-  const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, settings);
+  const run::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, settings);
   test::Numbers numbers(2);
   for (Velocity& velocity : sheet.motion.velocities) {
     velocity.linear = numbers.vector();

@@ -171,7 +171,7 @@ TEST_P(SheetOfSquares, FollowsItsEquationOfMotionToTheTolerance) {
   for (const double tolerance : kTolerances) {
     JoinedBricks sheet(test::openSheet(side, start));
     const JoinedBricks still = sheet;
-    const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
+    const run::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
     const mechanics::LoadSource loads = test::springLoads(still, springs, {});
     OneAngleSheet exact(still, side, start, loads);
     ASSERT_LT(farthest(sheet, exact.poses()), 1e-12);

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/deploy/forces.h"
 #include "sim/mechanics/extrapolation.h"
 #include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/lattice.h"
+#include "sim/run/forces.h"
 #include "tests/support/pair_forces.h"
 
 namespace kirireel::test {
@@ -45,13 +45,13 @@ inline model::Model openSheet(int side, double startAngle) {
 
 /// Target springs and the environment's damping, as a deployment has them.
 inline mechanics::LoadSource springLoads(const JoinedBricks& sheet,
-                                         const deploy::TargetSprings& springs,
+                                         const run::TargetSprings& springs,
                                          scene::Environment environment) {
   return [&sheet, &springs, environment](const Poses& poses, std::vector<model::Load>& loads) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), poses[i], 1);
     }
-    deploy::addEnvironmentLoads(environment, sheet.bricks, poses, loads);
+    run::addEnvironmentLoads(environment, sheet.bricks, poses, loads);
   };
 }
 

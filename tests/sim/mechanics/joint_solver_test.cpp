@@ -100,7 +100,7 @@ TEST(JointSolver, ClosesTheJointsOfOpeningSheetsAfterEveryStep) {
   for (const bool planar : {true, false}) {
     for (const int side : {2, 4, 10}) {
       JoinedBricks sheet(test::openSheet(side, 0));
-      const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
+      const run::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
       const Poses start = sheet.motion.poses;
       const auto solver = sheet.solver(planar);
       test::Numbers numbers(1);

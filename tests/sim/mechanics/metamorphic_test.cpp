@@ -25,7 +25,7 @@ struct Story {
 std::vector<model::Tile> tilesAfter(const Story& story, bool planar) {
   JoinedBricks sheet(story.model, story.thickness);
   for (Velocity& velocity : sheet.motion.velocities) velocity = {story.speed, story.turn};
-  const deploy::TargetSprings springs(sheet.bricks, *story.model.target, {}, story.springs);
+  const run::TargetSprings springs(sheet.bricks, *story.model.target, {}, story.springs);
   scene::Environment environment;
   environment.gravity = story.gravity;
   const auto solver = sheet.solver(planar);

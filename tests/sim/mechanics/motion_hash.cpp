@@ -27,7 +27,7 @@ Motion motionOf(bool planar) {
   test::JoinedBricks sheet(test::openSheet(8, 0));
   test::Numbers numbers(5);
   for (Velocity& velocity : sheet.motion.velocities) velocity.linear = 1e-6 * numbers.vector();
-  const deploy::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
+  const run::TargetSprings springs(sheet.bricks, *sheet.model.target, {}, {});
   const auto solver = sheet.solver(planar);
   const mechanics::LoadSource loads = test::springLoads(sheet, springs, {});
   for (int step = 0; step < 60; ++step) solver->advance(sheet.motion, 1.0 / 240, loads, nullptr);

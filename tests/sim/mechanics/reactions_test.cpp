@@ -4,8 +4,8 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
-#include "sim/deploy/forces.h"
 #include "sim/mechanics/joint_solver.h"
+#include "sim/run/forces.h"
 #include "tests/sim/mechanics/joined_bricks.h"
 
 namespace kirireel {
@@ -331,7 +331,7 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
         const Pose& start = sheet.motion.poses[i];
         for (const Vector3& corner : sheet.bricks[i].bottom) {
-          deploy::addPointSpring({corner, start.apply(corner), 5, 0}, poses[i], loads[i]);
+          run::addPointSpring({corner, start.apply(corner), 5, 0}, poses[i], loads[i]);
         }
       }
       const Vector3 arm = poses.back().rotation * sheet.bricks.back().bottom[2];

@@ -31,7 +31,7 @@ TEST(SteppedScene, MovesAsARunDoes) {
     const scene::Scene scene = pulledSheet(tolerance);
     study::SteppedScene stepped(scene);
     for (int step = 0; step < 120; ++step) stepped.advance();
-    const deploy::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
     ASSERT_NEAR(run.trajectory.samples.back().time, 0.5, 1e-12);
     const Poses& end = run.trajectory.samples.back().poses;
     double apart = 0;

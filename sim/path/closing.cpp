@@ -1,0 +1,360 @@
+// The second compact state of a sheet that has one motion once it has left its start.
+//
+// 1. *One motion*: half-way to full extension the joints' equations leave one freedom.
+// 2. *Following*: the next state is predicted by a straight line through the last two. Then its
+//    joints are closed. Steps are short: closing moves it by a small fraction of the step. One
+//    motion has one curve, which passes full extension without a branch.
+// 3. *Meeting*: each hinge at a corner has two gaps, one on either side. A gap is the distance
+//    of the hinge angle from a bound. A step closes a gap by at most half: tiles approach
+//    without overlap. Tiles without a common hinge may overlap before; bisection finds that
+//    state.
+// 4. *The end*: a compact state is often singular. Other motions branch off there, and joints
+//    close badly near it. It is therefore extrapolated: poses as polynomials of the first gap
+//    (Neville's rule), through the last states, at gap 0.
+#include "sim/path/closing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/hinge.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/sheet.h"
+
+namespace kirireel::path {
+namespace {
+
+constexpr double kStepsToExtension = 60;
+// If closing the joints moves a step by more than this fraction, the step is halved.
+constexpr double kMostCorrection = 0.1;
+// The search fails if a step is shorter than this fraction of a tile.
+constexpr double kLeastStep = 1e-7;
+// Steps grow by this factor.
+constexpr double kLongerStep = 1.3;
+// A path longer than this multiple of the extension path has no second compact state.
+constexpr double kLongestPath = 20;
+// A step closes a gap by at most this fraction.
+constexpr double kGapShare = 0.5;
+// A gap that closes by less in a step is constant, radians.
+constexpr double kStill = 1e-9;
+// Below this gap the end is poseAtNoGap(), radians. The error is about the product of the last
+// kNodes gaps.
+constexpr double kNearGap = 1e-3;
+constexpr std::size_t kNodes = 5;
+// For rounded tiles, this multiple of the root of the rounding is used.
+constexpr double kAboveRounding = 10;
+// At the end, smaller gaps are shut, radians. For rounded tiles the limit is kShutDigits digits.
+constexpr double kShut = 1e-6;
+constexpr double kShutDigits = 100;  // of the last digit, in tiles
+constexpr int kBisections = 40;
+// Maximum number of moves that close rounded joints beyond the first order.
+constexpr int kClosingMoves = 4;
+
+std::vector<model::Brick> bricksOfMetric(const scene::Scene& scene) {
+  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  for (model::Brick& brick : bricks) {
+    const double radius = run::gyrationRadius(brick);
+    brick.mass = 1;
+    brick.inertia = radius * radius * Matrix3::Identity();
+  }
+  return bricks;
+}
+
+scene::Scene withoutSurroundings(scene::Scene scene) {
+  scene.environment = scene::Environment{};
+  return scene;
+}
+
+/// The polynomial through these states, each at its own gap, evaluated at gap 0.
+Poses poseAtNoGap(const std::vector<double>& gaps, const std::vector<Poses>& states) {
+  Poses poses = states.back();
+  std::vector<Vector3> turns(poses.size(), Vector3::Zero());
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    double weight = 1;
+    for (std::size_t m = 0; m < states.size(); ++m) {
+      if (m != k) weight *= gaps[m] / (gaps[m] - gaps[k]);
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Pose& origin = states.back()[i];
+      poses[i].position += weight * (states[k][i].position - origin.position);
+      turns[i] += weight * turnBetween(origin.rotation, states[k][i].rotation);
+    }
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].rotation = (rotationFromVector(turns[i]) * poses[i].rotation).normalized();
+  }
+  return poses;
+}
+
+class ClosingPath {
+ public:
+  ClosingPath(const scene::Scene& scene, run::SearchBudget& budget,
+              const PathObserver& shouldContinue, run::GeometricPath& found)
+      : scene_(withoutSurroundings(scene)),
+        tile_(model::tileSize(scene.model)),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        metric_(bricksOfMetric(scene)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        hinges_(model::findHinges(bricks_, pivots_, scene::sceneNeeds(scene).planar.on).hinges),
+        jointStiffness_(run::roundedJointStiffness(scene.model)),
+        dynamics_(run::makeDynamics(scene_, scene::sceneNeeds(scene), metric_,
+                                    found.path.states.front())),
+        meter_(run::overlapMeter(scene.environment, bricks_, pivots_, found.path.states.front())),
+        budget_(budget),
+        shouldContinue_(shouldContinue),
+        found_(found),
+        path_(found.path),
+        extension_(found.path.length()) {
+    dynamics_->setJointStiffness(jointStiffness_);
+  }
+
+  void follow() {
+    requireOneMotion();
+    last_ = path_.states.back();
+    before_ = beforeLast();
+    gaps_ = gapsAt(last_);
+    const double longest = extension_ / kStepsToExtension;
+    const double allowed = meter_.at(last_).grown +
+                           run::kClearShare * tile_;  // the path to extension has the same limit
+    double step = longest;
+    // The gaps of the previous state show which gaps are closing.
+    std::vector<double> earlier = gapsAt(before_, gaps_);
+    while (mayContinue()) {
+      const double made = run::pathDistance(metric_, before_, last_);
+      step = std::min(step, kGapShare * distanceToMeeting(earlier, made));
+      Poses tried = interpolate(before_, last_, 1 + step / made);
+      const Poses predicted = tried;
+      const bool isClosed = close(tried);
+      const double off = run::pathDistance(metric_, predicted, tried);
+      if (!isClosed || off > kMostCorrection * step) {
+        step *= 0.5;
+        if (step < kLeastStep * tile_) throw stopped();
+        continue;
+      }
+      if (const double grown = meter_.at(tried).grown; grown > allowed) {
+        keep(lastFree(tried, allowed));
+        note(true);
+        return;
+      }
+      earlier = std::exchange(gaps_, gapsAt(tried, gaps_));
+      before_ = std::exchange(last_, std::move(tried));
+      keep(last_);
+      if (const std::optional<std::size_t> gap = closingGap(earlier);
+          gap && gaps_[*gap] < nearGap()) {
+        finish(*gap);
+        return;
+      }
+      if (path_.length() > (1 + kLongestPath) * extension_) throw neverMeets();
+      step = std::min(kLongerStep * step, longest);
+    }
+    path_.isCutShort = true;
+  }
+
+ private:
+  bool isExact() const { return std::isinf(jointStiffness_); }
+
+  /// Below this gap the end is extrapolated, radians. Rounded joints resist motions whose singular
+  /// values exceed the root of the rounding in tiles. Singular values are about as large as the
+  /// gap.
+  double nearGap() const {
+    if (isExact()) return kNearGap;
+    return std::max(kNearGap, kAboveRounding * std::sqrt(scene_.model.rounding / tile_));
+  }
+
+  bool mayContinue() {
+    return !budget_.isSpent() && (!shouldContinue_ || shouldContinue_(budget_.share()));
+  }
+
+  void requireOneMotion() const {
+    if (!run::isExtension(scene_, path_)) {
+      throw InputError(
+          "error: `to = closed` follows the motion of the sheet, but the sheet does not extend "
+          "from its start. Set `target` or other joints (`joints_file`)");
+    }
+    if (found_.evaluation.overlapGrowth > run::kClearShare * tile_) {
+      throw InputError(
+          "error: `to = closed`: tiles overlap before full extension, so they cannot move beyond "
+          "it. Set `target`");
+    }
+    const auto half = std::ranges::lower_bound(path_.lengths, 0.5 * extension_);
+    const Poses& state = path_.states[static_cast<std::size_t>(half - path_.lengths.begin())];
+    const bool isPlanar = scene::sceneNeeds(scene_).planar.on;
+    const trajectory::Mobility left = trajectory::mobility(
+        scene_.model, model::bottomTiles(bricks_, state),
+        isPlanar ? trajectory::Freedom::Plane : trajectory::Freedom::Space, scene_.brick.thickness);
+    if (!left.isCounted || left.freedoms <= 1) return;
+    throw InputError(
+        fmt::format("error: `to = closed` needs a sheet with one motion, but this sheet has {} "
+                    "half way to full extension. Set `target`, or connect tiles rigidly (`fix`)",
+                    left.freedoms));
+  }
+
+  static InputError stopped() {
+    return InputError(
+        "error: `to = closed`: beyond full extension the sheet stops before its tiles meet. Set "
+        "`target`");
+  }
+  static InputError neverMeets() {
+    return InputError(
+        "error: `to = closed`: the tiles do not meet again beyond full extension. Set `target`");
+  }
+
+  /// The last state that is far enough from the end to define a direction.
+  const Poses& beforeLast() const {
+    std::size_t k = path_.states.size() - 1;
+    while (k > 0 && run::pathDistance(metric_, path_.states[k], last_) <
+                        0.5 * extension_ / kStepsToExtension) {
+      --k;
+    }
+    return path_.states[k];
+  }
+
+  /// Closes the joints of a nearby state, within the rounding of the model's coordinates.
+  bool close(Poses& poses) {
+    if (isExact()) {
+      budget_.spend(100.0 * static_cast<double>(bricks_.size() * bricks_.size()));
+      return run::closeInPlace(poses, *dynamics_);
+    }
+    const auto withoutForces = [](const Poses&, std::vector<model::Load>& loads) {
+      std::ranges::fill(loads, model::Load{});
+    };
+    for (int k = 0; k < kClosingMoves; ++k) {
+      Motion motion{poses, std::vector<Velocity>(poses.size())};
+      budget_.spend(dynamics_->advance(motion, 1, withoutForces).work);
+      const double moved = run::pathDistance(metric_, poses, motion.poses);
+      poses = std::move(motion.poses);
+      if (moved <= scene_.model.rounding) break;
+    }
+    return trajectory::jointGap(pivots_, poses).max <= run::roundedReach(scene_.model);
+  }
+
+  /// Two gaps per hinge: the distances of its angle from both bounds, radians. Angles are
+  /// continuous with `before`.
+  std::vector<double> gapsAt(const Poses& poses, const std::vector<double>& before = {}) const {
+    std::vector<double> gaps;
+    for (std::size_t k = 0; k < hinges_.size(); ++k) {
+      double gap = model::hingeAngle(hinges_[k], poses) - hinges_[k].least;
+      if (!before.empty()) {
+        constexpr double kTurn = 2 * std::numbers::pi;
+        gap += kTurn * std::round((before[2 * k] - gap) / kTurn);
+      }
+      gaps.push_back(gap);
+      gaps.push_back(hinges_[k].most - hinges_[k].least - gap);
+    }
+    return gaps;
+  }
+
+  /// The closing gap that reaches zero first at the current rate.
+  std::optional<std::size_t> closingGap(const std::vector<double>& earlier) const {
+    std::optional<std::size_t> first;
+    double least = 0;
+    for (std::size_t k = 0; k < gaps_.size(); ++k) {
+      const double closed = earlier[k] - gaps_[k];
+      if (closed < kStill || !(gaps_[k] > 0)) continue;
+      const double left = gaps_[k] / closed;
+      if (first && left >= least) continue;
+      first = k;
+      least = left;
+    }
+    return first;
+  }
+
+  /// Remaining path length at the current rate, metres.
+  double distanceToMeeting(const std::vector<double>& earlier, double made) const {
+    const std::optional<std::size_t> gap = closingGap(earlier);
+    return gap ? made * gaps_[*gap] / (earlier[*gap] - gaps_[*gap])
+               : std::numeric_limits<double>::infinity();
+  }
+
+  /// The last state before tiles without a common hinge overlap, by bisection.
+  Poses lastFree(const Poses& beyond, double allowed) {
+    double free = 0, blocked = 1;
+    Poses best = last_;
+    for (int k = 0; k < kBisections; ++k) {
+      const double share = 0.5 * (free + blocked);
+      Poses tried = interpolate(last_, beyond, share);
+      const bool isFree = close(tried) && meter_.at(tried).grown <= allowed;
+      (isFree ? free : blocked) = share;
+      if (isFree) best = std::move(tried);
+    }
+    return best;
+  }
+
+  void keep(const Poses& poses) {
+    path_.lengths.push_back(path_.length() +
+                            run::pathDistance(bricks_, path_.states.back(), poses));
+    path_.states.push_back(poses);
+  }
+
+  /// Adds the end, extrapolated from the last states and their gaps.
+  void finish(std::size_t gap) {
+    const std::size_t count = std::min(kNodes, path_.states.size());
+    const std::vector<Poses> states(path_.states.end() - static_cast<std::ptrdiff_t>(count),
+                                    path_.states.end());
+    std::vector<double> nodes(count);
+    std::vector<double> known = gaps_;
+    for (std::size_t k = count; k-- > 0;) {
+      known = gapsAt(states[k], known);
+      nodes[k] = known[gap];
+    }
+    Poses end = poseAtNoGap(nodes, states);
+    Poses closed = end;
+    if (close(closed) && run::pathDistance(metric_, end, closed) < nearGap() * nearGap() * tile_) {
+      end = std::move(closed);
+    }
+    keep(end);
+    gaps_ = gapsAt(end, gaps_);
+    note(false);
+  }
+
+  void note(bool meetBetween) {
+    const double shut =
+        isExact() ? kShut : std::max(kShut, kShutDigits * scene_.model.rounding / tile_);
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < hinges_.size(); ++k) {
+      count += std::min(std::abs(gaps_[2 * k]), std::abs(gaps_[2 * k + 1])) <= shut;
+    }
+    found_.closedWords =
+        fmt::format("the path ends when the tiles meet again{}: {} of {} hinges are closed",
+                    meetBetween ? " away from their hinges" : "", count, hinges_.size());
+    found_.evaluation.overlapGrowthAtEnd = meter_.at(path_.states.back()).grown;
+    for (const Poses& state : path_.states) {
+      found_.evaluation.overlapGrowth =
+          std::max(found_.evaluation.overlapGrowth, meter_.at(state).grown);
+    }
+    found_.evaluation.length = path_.length();
+    path_.guideLength = path_.length();
+  }
+
+  scene::Scene scene_;
+  double tile_;                       // metres
+  std::vector<model::Brick> bricks_;  // of the scene
+  std::vector<model::Brick> metric_;  // the same with the path's metric as masses
+  std::vector<model::Pivot> pivots_;
+  std::vector<model::Hinge> hinges_;
+  double jointStiffness_;
+  std::unique_ptr<run::Dynamics> dynamics_;  // closes joints
+  trajectory::PenetrationMeter meter_;
+  run::SearchBudget& budget_;
+  const PathObserver& shouldContinue_;
+  run::GeometricPath& found_;
+  run::MechanismPath& path_;
+  double extension_;  // length of the path to full extension, metres
+  Poses before_, last_;
+  std::vector<double> gaps_;  // of the last state
+};
+
+}  // namespace
+
+void continueUntilClosed(const scene::Scene& scene, run::SearchBudget& budget,
+                         const PathObserver& shouldContinue, run::GeometricPath& found) {
+  ClosingPath(scene, budget, shouldContinue, found).follow();
+}
+
+}  // namespace kirireel::path

@@ -1,0 +1,677 @@
+// Kinematic path by the points nearest to a guide.
+//
+// The guide g(s), s in [0, 1], moves each brick independently from its start to its goal. The
+// centre moves on a straight line, and the brick rotates uniformly about one axis. The guide opens
+// the joints. The path consists of the closed states, c(q) = 0, that are nearest to g(s). Each is
+// computed from the state before:
+//   minimise |q - g(s)|_W  with  c(q) = 0  and  phi(q) >= 0,
+// phi the gaps of contacts, and W = diag(1, w rho^2) for each brick. Positions have weight 1.
+// Rotations count by their arc at the radius of gyration rho, with weight w. One move is the step
+//   minimise |u - (g(s) - q)|_W  with  J u = 0,  C u >= -phi,
+// and then closes the joints again. This is a Gauss-Newton step for the nearest point. The joint
+// solver computes it as a step of unit time with the velocities g(s) - q, with W as masses and
+// without forces. The contact finder sweeps each move: no brick passes through another, even in a
+// long move. s grows in equal steps. If the mechanism follows its guide, the states are therefore
+// equidistant.
+//
+// A move aims at the fraction t of the distance to g. t is 1 if the mechanism is straight. On a
+// curved mechanism
+//   |q' - g|^2 = |q - g|^2 - 2 m^2 / t + c m^2,  m = |q' - q|,
+// c depends on the curvature, and t = 1 / c leads to the nearest point. A larger t would oscillate
+// about it. Each move estimates c for the next one. If closing undoes too much of a move, or bricks
+// have no room, the move is repeated with half the fraction.
+//
+// Compliant joints replace c(q) = 0 by a spring energy. The state minimises
+//   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over the weight of a position.
+// A design without freedom can then leave its start by opening joints. In a model whose coordinates
+// were rounded, this energy also defines "closed". r then follows from the rounding, see
+// assembled_state.h.
+//
+// Full extension maximises the sum of squared distances from the common centre on the mechanism, by
+// gradient ascent with momentum: Nesterov (1983), Soviet Math. Doklady 27.
+//
+// Nearest points are followed as in predictor-corrector continuation: Allgower, Georg (1990),
+// Introduction to Numerical Continuation Methods, chapters 2 and 6.
+#include "sim/path/continuation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <ranges>
+#include <utility>
+
+#include "sim/run/assembled_state.h"
+#include "sim/run/dynamics.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::path {
+namespace {
+
+// Step of the guide from state to state, as a fraction of a tile, and the maximum number of states.
+// Lengths below are fractions of a tile or of a state. "State" as a length is the distance between
+// two consecutive states of the path.
+constexpr double kStateShare = 0.02;
+constexpr double kMostStates = 200;
+// The jump off the start may be this many times longer than that of its guide, plus one state.
+constexpr double kLongestJump = 4;
+// Without a jump, progress starts with this value and grows by this factor from state to state.
+constexpr double kFirstProgress = 1e-5;
+constexpr double kGrowth = 1.3;
+// Maximum number of moves towards one state of the guide, and towards the goal.
+constexpr int kMovesAState = 4;
+constexpr int kMovesAtGoal = 300;
+// Maximum number of moves towards the goal before compliant joints close.
+constexpr int kMovesToSettle = 60;
+// A move longer than this many states of the guide is repeated with a smaller fraction.
+constexpr double kLongestMove = 3;
+// A move shorter than this fraction of a state is the last one towards its guide state.
+constexpr double kShortMove = 0.05;
+// At the goal, moves stop below this fraction of a tile.
+constexpr double kNoMove = 1e-10;
+// The bricks are stuck after this many consecutive guide states with hardly any move.
+constexpr int kStuckPlaces = 8;
+// Above this error at the end (fraction of a tile), an earlier state may be nearer to the target.
+constexpr double kFarError = 1e-6;
+// If a move fails, is too long or increases the distance, its aim is halved, down to these
+// fractions of the distance. The aim of later moves grows again by kAimGrowth.
+constexpr double kLeastAim = 1e-6;
+constexpr double kLeastGood = 1.0 / 16;
+constexpr double kAimGrowth = 1.5;
+// Tolerance for changes of distance, as a fraction of the distance or of a tile.
+constexpr double kNoFarther = 1e-6;
+// Extension: maximum distance of the aim, in states, and the fraction below which bricks are stuck.
+constexpr double kReach = 5;
+constexpr double kLeastReach = 1e-6;
+// Extension: the first aim is this fraction of the maximum distance away. An aim is at most kWider
+// times farther from the centre than the state.
+constexpr double kFirstReach = 1e-3;
+constexpr double kWider = 1.0;
+// Extension: a state's length is at least the tiles' root mean square distance from their centre
+// over this number.
+constexpr double kRadiusStates = 100;
+// The last move of a path has at least this fraction of a state.
+constexpr double kResting = 0.5;
+constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
+constexpr int kMostExtending = 2000;
+// Moves stop below this fraction of the coordinates' rounding.
+constexpr double kNoDigit = 0.1;
+// Maximum cost of the path with exact joints, relative to that of the path with rounded joints.
+constexpr double kExactCost = 4;
+// Maximum number of moves that close compliant joints beyond the first order.
+constexpr int kSettlingMoves = 4;
+// Joint stiffnesses near a flush start, over the weight of a position, tried in order. On caps of
+// 64 to 144 tiles 1e4 opens joints least, by 2e-4 to 3e-3 of a tile. If it jams, softer joints
+// arrive.
+constexpr double kNearStart[] = {1e4, 1e3, 1e2};
+// Perturbation that leaves a saddle, radians, and the relative gain in extent that confirms it.
+constexpr double kNudge = 0.02;
+constexpr double kMoreExtent = 1e-6;
+
+/// The same bricks, with the path's metric instead of their masses and inertias.
+std::vector<model::Brick> metricBricks(const scene::Scene& scene, double turnWeight) {
+  std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  for (model::Brick& brick : bricks) {
+    const double radius = run::gyrationRadius(brick);
+    brick.mass = 1;
+    brick.inertia = turnWeight * radius * radius * Matrix3::Identity();
+  }
+  return bricks;
+}
+
+scene::Scene withoutLoads(scene::Scene scene) {
+  scene.environment.gravity.setZero();
+  scene.environment.brickFriction = 0;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.solver = scene::SolverSettings{.planar = scene.solver.planar};
+  return scene;
+}
+
+/// The mean position of the bricks of each piece. `pieces` comes from model::piecesOf().
+std::vector<Vector3> centresOf(const Poses& poses, const std::vector<int>& pieces) {
+  std::vector<Vector3> centres(1 + *std::ranges::max_element(pieces), Vector3::Zero());
+  std::vector<double> counts(centres.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    centres[pieces[i]] += poses[i].position;
+    ++counts[pieces[i]];
+  }
+  for (std::size_t k = 0; k < centres.size(); ++k) centres[k] /= counts[k];
+  return centres;
+}
+
+/// Moves each brick away from the centre of its piece, by a fraction of its distance.
+Poses spread(Poses poses, const std::vector<int>& pieces, double part) {
+  const std::vector<Vector3> centres = centresOf(poses, pieces);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].position += part * (poses[i].position - centres[pieces[i]]);
+  }
+  return poses;
+}
+
+/// The sum of squared distances from the centres of the pieces, square metres.
+double extent(const Poses& poses, const std::vector<int>& pieces) {
+  const std::vector<Vector3> centres = centresOf(poses, pieces);
+  double sum = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    sum += (poses[i].position - centres[pieces[i]]).squaredNorm();
+  }
+  return sum;
+}
+
+/// The mechanism in one metric. It moves states towards guide states.
+class Mechanism {
+ public:
+  Mechanism(const scene::Scene& scene, const ContinuationSettings& settings, const Poses& start)
+      : scene_(scene),
+        jointStiffness_(settings.jointStiffness),
+        turnWeight_(settings.turnWeight),
+        tile_(model::tileSize(scene.model)),
+        bricks_(metricBricks(scene, settings.turnWeight)) {
+    restart(start);
+  }
+
+  // Resets contacts: overlaps at these poses count as overlaps of the start.
+  void restart(const Poses& start) {
+    dynamics_ = run::makeDynamics(scene_, scene::sceneNeeds(scene_), bricks_, start);
+    dynamics_->setJointStiffness(jointStiffness_);
+    dynamics_->setHalving(isTouching());
+  }
+
+  /// Sets the joint stiffness, relative to the stiffness of the pull.
+  void holdJoints(double stiffness) {
+    jointStiffness_ = stiffness;
+    dynamics_->setJointStiffness(jointStiffness_);
+  }
+
+  /// Closes compliant joints beyond the first order, with the smallest motion of the bricks. One
+  /// move is a Gauss-Newton step, which leaves gaps of half the square of the rotations.
+  void settle(Poses& poses, run::SearchBudget& budget) {
+    for (int i = 0; i < kSettlingMoves; ++i) {
+      const double moved = move(poses, poses, std::numeric_limits<double>::infinity(), budget);
+      if (moved <= scene_.model.rounding) return;
+    }
+  }
+
+  const std::vector<model::Brick>& bricks() const { return bricks_; }
+  bool close(Poses& poses) { return run::closeInPlace(poses, *dynamics_); }
+  void restore(const run::SymmetricStates& symmetries, Poses& poses) {
+    symmetries.restore(poses, *dynamics_);
+  }
+
+  /// Moves towards `place`, by at most about `longest` metres. Returns the distance moved, metres.
+  double move(Poses& poses, const Poses& place, double longest, run::SearchBudget& budget) {
+    const double before = distance(poses, place);
+    for (bool isFirst = true;; isFirst = false) {
+      Motion motion{poses, aimedAt(poses, place)};
+      const StepReport report = dynamics_->advance(motion, 1, withoutForces);
+      budget.spend(report.work);
+      const double moved = run::pathDistance(bricks_, poses, motion.poses);
+      const double after = distance(motion.poses, place);
+      // Among contacts the solver has already halved a failed move.
+      const bool isGood = (report.unconverged == 0 || isTouching()) &&
+                          (!isExact() || after <= (1 + kNoFarther) * before + kNoFarther * tile_);
+      const bool isTaken = isGood || (moved > 0 && aim_ <= kLeastGood);
+      if ((isTaken && !(moved > longest)) || aim_ <= kLeastAim) {
+        if (isFirst) aimNext(report, before, distance(poses, motion.poses), after);
+        poses = std::move(motion.poses);
+        return moved;
+      }
+      aim_ *= moved > longest ? std::min(0.5, 0.5 * longest / moved) : 0.5;
+    }
+  }
+
+ private:
+  bool isExact() const { return std::isinf(jointStiffness_); }
+  bool isTouching() const { return scene_.environment.contacts != scene::ContactFilter::None; }
+
+  /// Distance from a state to a place in the metric of the mechanism, metres.
+  double distance(const Poses& state, const Poses& place) const {
+    return run::pathDistance(bricks_, state, place, turnWeight_);
+  }
+
+  /// Computes the next move's aim from the last move; see the head of this file.
+  void aimNext(const StepReport& report, double before, double moved, double after) {
+    double best = 1;
+    if (isExact() && moved > kNoFarther * before) {
+      const double gained = 0.5 * (before - after) * (before + after) / (moved * moved);
+      best = 1 / std::max(1.0, 2 * (1 / aim_ - gained));
+    }
+    if (report.halved > 0) best = std::min(best, 0.5 * aim_);
+    aim_ = std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_));
+  }
+
+  /// The velocities that move free bricks by the fraction aim_ of the distance to a place, in 1 s.
+  std::vector<Velocity> aimedAt(const Poses& from, const Poses& place) const {
+    std::vector<Velocity> velocities;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      velocities.push_back({aim_ * (place[i].position - from[i].position),
+                            aim_ * turnBetween(from[i].rotation, place[i].rotation)});
+    }
+    return velocities;
+  }
+
+  static void withoutForces(const Poses&, std::vector<model::Load>& loads) {
+    std::ranges::fill(loads, model::Load{});
+  }
+
+  const scene::Scene& scene_;
+  double jointStiffness_;  // relative to the bricks' unit mass and unit time
+  double turnWeight_;
+  double tile_;     // metres
+  double aim_ = 1;  // the fraction of the distance at which moves aim, (0, 1]
+  std::vector<model::Brick> bricks_;
+  std::unique_ptr<run::Dynamics> dynamics_;
+};
+
+class Continuation {
+ public:
+  /// `closedStiffness`: stiffness of closed joints, as ContinuationSettings::jointStiffness.
+  Continuation(const scene::Scene& scene, Poses start, const ContinuationSettings& settings,
+               double closedStiffness, run::SearchBudget& budget,
+               const PathObserver& shouldContinue)
+      : scene_(withoutLoads(scene)),
+        settings_(heldBy(settings, closedStiffness)),
+        closedStiffness_(closedStiffness),
+        tile_(model::tileSize(scene.model)),
+        pieces_(model::piecesOf(scene.model)),
+        poses_(std::move(start)),
+        mechanism_(scene_, settings_, poses_),
+        symmetries_(scene),
+        budget_(budget),
+        shouldContinue_(shouldContinue) {
+    symmetries_.keepThoseOf(poses_);
+    if (!settings_.areJointsCompliant()) mechanism_.close(poses_);
+    mechanism_.restore(symmetries_, poses_);
+    keep();
+  }
+
+  /// Follows the given states from the first, which is closed, to the last.
+  // Jumps off a singular start, then continues state by state.
+  run::MechanismPath along(std::vector<Poses> states) {
+    states.front() = poses_;
+    for (const Poses& state : states) symmetries_.keepThoseOf(state);
+    for (Poses& state : states) state = model::symmetricMean(state, symmetries_.group());
+    const PathGuide guide(mechanism_.bricks(), std::move(states));
+    path_.guideLength = guide.length();
+    const double count =
+        std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
+    stateLength_ = path_.guideLength / count;
+    if (stateLength_ > 0) {
+      if (settings_.jump > 0 && !settings_.areJointsCompliant()) jump(guide);
+      follow(guide, 1 / count);
+    }
+    return finish();
+  }
+
+  run::MechanismPath toExtension() {
+    const double radius =
+        run::pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
+    if (radius == 0) return finish();  // loose tiles
+    stateLength_ = std::max(kStateShare * tile_, radius / kRadiusStates);
+    extend();
+    // Without any gain in extent, the state is a maximum or, often by symmetry, a saddle.
+    while (mayContinue() && leaveSaddle()) continue;
+    omitRest();
+    path_.guideLength = path_.length();
+    return finish();
+  }
+
+ private:
+  static ContinuationSettings heldBy(ContinuationSettings settings, double closedStiffness) {
+    settings.jointStiffness = std::min(settings.jointStiffness, closedStiffness);
+    return settings;
+  }
+
+  /// Whether "closed" means closed within the rounding of the coordinates.
+  bool isRounded() const {
+    return settings_.jointStiffness == closedStiffness_ && settings_.areJointsCompliant();
+  }
+
+  bool mayContinue() {
+    path_.isCutShort =
+        path_.isCutShort || budget_.isSpent() || (shouldContinue_ && !shouldContinue_(progress_));
+    return !path_.isCutShort && !path_.isStuck;
+  }
+
+  void keep() {
+    const bool isFirst = path_.states.empty();
+    const double length = isFirst ? 0
+                                  : path_.length() + run::pathDistance(mechanism_.bricks(),
+                                                                       path_.states.back(), poses_);
+    path_.states.push_back(poses_);
+    path_.lengths.push_back(length);
+  }
+
+  double moveTowards(const Poses& place) {
+    const double moved = mechanism_.move(poses_, place, kLongestMove * stateLength_, budget_);
+    if (isRounded()) mechanism_.settle(poses_, budget_);
+    mechanism_.restore(symmetries_, poses_);
+    keep();
+    return moved;
+  }
+
+  /// Moves the tiles apart until the extent no longer grows.
+  void extend() {
+    const double whole = run::pathDistance(mechanism_.bricks(), poses_, spread(poses_, pieces_, 1));
+    const double widest = kReach * stateLength_ / whole;
+    // Flush bricks separate by tiny moves. Larger moves would jam.
+    double part = kFirstReach * widest;
+    double reached = extent(poses_, pieces_);
+    Poses last = poses_;
+    int gains = 0;  // consecutive gains
+    for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayContinue(); ++i) {
+      // The momentum grows with the number of consecutive gains.
+      const double momentum = gains / (gains + 3.0);
+      const Poses ahead = interpolate(last, poses_, 1 + momentum);
+      Poses tried = poses_;
+      const double moved =
+          mechanism_.move(tried, spread(ahead, pieces_, part), stateLength_, budget_);
+      if (isRounded()) mechanism_.settle(tried, budget_);
+      mechanism_.restore(symmetries_, tried);
+      const double extended = extent(tried, pieces_);
+      if (!(extended - reached > kNoGain * reached)) {
+        if (gains == 0) part *= 0.3;
+        gains = 0;
+        continue;
+      }
+      ++gains;
+      last = std::exchange(poses_, std::move(tried));
+      keep();
+      reached = extended;
+      // Distant aims cost halved moves. The aim comes nearer if moves already have full length.
+      part = moved < 0.5 * stateLength_ ? std::min(kGrowth * part, kWider) : part / kGrowth;
+    }
+  }
+
+  /// Removes the states near the last one: there they oscillate with hardly any gain in extent.
+  void omitRest() {
+    const auto distanceToLast = [&](std::size_t state) {
+      return run::pathDistance(mechanism_.bricks(), path_.states[state], poses_);
+    };
+    std::size_t kept = path_.states.size() - 1;
+    if (kept == 0) return;
+    while (kept > 1 && distanceToLast(kept - 1) < kResting * stateLength_) --kept;
+    path_.states.resize(kept);
+    path_.lengths.resize(kept);
+    keep();
+  }
+
+  /// Rotates all tiles a little in the same sense and extends them again. This keeps rotational
+  /// symmetry but breaks mirror symmetry. Returns whether the extent grew. If not, the state is
+  /// restored.
+  bool leaveSaddle() {
+    const Poses before = poses_;
+    const run::MechanismPath soFar = path_;
+    Poses place = poses_;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      const Vector3 normal = place[i].rotation * mechanism_.bricks()[i].normal;
+      place[i].rotation = Quaternion(Eigen::AngleAxisd(kNudge, normal)) * place[i].rotation;
+    }
+    moveTowards(place);
+    extend();
+    if (extent(poses_, pieces_) > (1 + kMoreExtent) * extent(before, pieces_)) return true;
+    poses_ = before;
+    path_ = soFar;
+    mechanism_.restart(poses_);
+    return false;
+  }
+
+  /// Jumps to the closed state near the guide, if there is one.
+  void jump(const PathGuide& guide) {
+    Poses first = guide.at(settings_.jump);
+    if (!mechanism_.close(first)) return;
+    const double far = run::pathDistance(mechanism_.bricks(), poses_, first);
+    if (far > kLongestJump * settings_.jump * path_.guideLength + stateLength_) return;
+    poses_ = std::move(first);
+    mechanism_.restore(symmetries_, poses_);
+    keep();
+    // Overlaps that the jump causes count as overlaps of the start.
+    mechanism_.restart(poses_);
+    progress_ = settings_.jump;
+  }
+
+  void follow(const PathGuide& guide, double largest) {
+    double advance = progress_ > 0 ? std::min(progress_, largest) : kFirstProgress;
+    int still = 0;
+    for (; progress_ < 1 && mayContinue(); advance = std::min(kGrowth * advance, largest)) {
+      progress_ = std::min(1.0, progress_ + advance);
+      const double expected = advance * path_.guideLength;
+      const double before = path_.length();
+      const Poses place = guide.at(progress_);
+      for (int i = 0; i < kMovesAState && mayContinue(); ++i) {
+        if (moveTowards(place) < kShortMove * expected) break;
+      }
+      still = path_.length() - before < kShortMove * expected ? still + 1 : 0;
+      // Compliant joints may resist their guide for many states before they open.
+      path_.isStuck = still >= kStuckPlaces && (isRounded() || !settings_.areJointsCompliant());
+    }
+    if (settings_.areJointsCompliant()) {
+      for (int i = 0; i < kMovesToSettle && mayContinue(); ++i) {
+        if (moveTowards(guide.end()) < noMove()) break;
+      }
+      mechanism_.holdJoints(closedStiffness_);
+    }
+    goTo(guide.end());
+    if (isRounded()) soften(guide.end());
+  }
+
+  // Moves towards the goal until the moves become negligible.
+  void goTo(const Poses& goal) {
+    for (int i = 0; i < kMovesAtGoal && mayContinue(); ++i) {
+      if (moveTowards(goal) < noMove()) break;
+    }
+  }
+
+  /// Moves below this length are negligible, metres.
+  double noMove() const {
+    return std::max(kNoMove * tile_, isRounded() ? kNoDigit * scene_.model.rounding : 0);
+  }
+
+  /// Comes nearer to the goal with softer joints, as long as they stay closed within the rounding.
+  void soften(const Poses& goal) {
+    const std::vector<model::Pivot> pivots =
+        model::makePivots(scene_.model.joints, mechanism_.bricks());
+    run::softenWhileClosed(scene_.model, [&](double stiffness) {
+      const Poses before = poses_;
+      const run::MechanismPath soFar = path_;
+      mechanism_.holdJoints(stiffness);
+      goTo(goal);
+      if (trajectory::jointGap(pivots, poses_).max <= run::roundedGap(scene_.model)) return true;
+      poses_ = before;
+      path_ = soFar;
+      return false;
+    });
+  }
+
+  run::MechanismPath finish() {
+    path_.symmetries = symmetries_.group();
+    if (scene_.model.target) {
+      path_.error = errorOf(poses_);
+      if (!settings_.areJointsCompliant() && path_.error > kFarError * tile_) endAtNearest();
+    }
+    return std::move(path_);
+  }
+
+  double errorOf(const Poses& state) const {
+    return trajectory::targetError(*scene_.model.target, mechanism_.bricks(), state);
+  }
+
+  /// If the target is out of reach, ends the path at the state that is nearest to the target.
+  void endAtNearest() {
+    std::size_t nearest = path_.states.size() - 1;
+    for (std::size_t k = 0; k < path_.states.size(); ++k) {
+      const double error = errorOf(path_.states[k]);
+      if (error >= path_.error) continue;
+      nearest = k;
+      path_.error = error;
+    }
+    path_.states.resize(nearest + 1);
+    path_.lengths.resize(nearest + 1);
+  }
+
+  scene::Scene scene_;
+  ContinuationSettings settings_;
+  double closedStiffness_;
+  double tile_;  // metres
+  std::vector<int> pieces_;
+  Poses poses_;  // the current state
+  Mechanism mechanism_;
+  run::SymmetricStates symmetries_;  // symmetries that the path keeps
+  double stateLength_ = 0;           // step of the guide from state to state, metres
+  double progress_ = 0;              // along the guide, [0, 1]
+  run::SearchBudget& budget_;
+  const PathObserver& shouldContinue_;
+  run::MechanismPath path_;
+};
+
+/// Follows a guide between two states. Neither has to be the scene's target.
+run::MechanismPath followBetween(const scene::Scene& scene, std::vector<Poses> guide,
+                                 const ContinuationSettings& settings, run::SearchBudget& budget,
+                                 const PathObserver& shouldContinue) {
+  scene::Scene between = scene;
+  between.solver.planar = scene::sceneNeeds(scene).planar.on;
+  between.model.target.reset();
+  const double exact = std::numeric_limits<double>::infinity();
+  return Continuation(between, guide.front(), settings, exact, budget, shouldContinue)
+      .along(std::move(guide));
+}
+
+/// Ends a path at its state nearest to a place.
+void endNearest(const std::vector<model::Brick>& bricks, const Poses& place,
+                run::MechanismPath& path) {
+  const auto nearest = std::ranges::min_element(
+      path.states, {}, [&](const Poses& state) { return run::pathDistance(bricks, state, place); });
+  path.states.erase(nearest + 1, path.states.end());
+}
+
+/// Recomputes the lengths of a path whose states have changed.
+void measureLengths(const std::vector<model::Brick>& bricks, run::MechanismPath& path) {
+  path.lengths = {0};
+  for (std::size_t k = 1; k < path.states.size(); ++k) {
+    path.lengths.push_back(path.length() +
+                           run::pathDistance(bricks, path.states[k - 1], path.states[k]));
+  }
+}
+
+/// Whether a state with exactly closed joints lies near each state, within roundedReach().
+bool closesExactly(const scene::Scene& scene, const std::vector<Poses>& states) {
+  const scene::Scene bare = [&] {
+    scene::Scene copy = scene;
+    copy.environment = scene::Environment{};
+    return copy;
+  }();
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const auto dynamics = run::makeDynamics(bare, scene::sceneNeeds(bare), bricks, states.front());
+  const double reach = run::roundedReach(scene.model);
+  return std::ranges::all_of(states, [&](const Poses& state) {
+    Poses closed = state;
+    return dynamics->assemble(closed) && run::pathDistance(bricks, state, closed) <= reach;
+  });
+}
+
+/// Ends a path at its last state before joints open by more than the rounding of the coordinates
+/// explains; see roundedReach().
+void endBeforeJointsOpen(const scene::Scene& scene, run::MechanismPath& path) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const auto isOpen = [&](const Poses& state) {
+    return trajectory::jointGap(pivots, state).max > run::roundedReach(scene.model);
+  };
+  const auto open = std::ranges::find_if(path.states.begin() + 1, path.states.end(), isOpen);
+  if (open == path.states.end()) return;
+  path.endsAtOpenJoints = true;
+  path.states.erase(open, path.states.end());
+  path.lengths.resize(path.states.size());
+  path.guideLength = path.length();
+}
+
+/// Repeats a path with exact joints. Returns the given path, closed within the rounding, if the
+/// tiles do not fit each other along the whole path. `cost` is the work that the given path took.
+run::MechanismPath closedExactly(const scene::Scene& scene, run::MechanismPath rounded, double cost,
+                                 run::SearchBudget& budget, const PathObserver& shouldContinue) {
+  rounded.isRounded = true;
+  if (rounded.isStuck || rounded.isCutShort) return rounded;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  rounded.isStuck = std::ranges::any_of(rounded.states, [&](const Poses& state) {
+    return trajectory::jointGap(pivots, state).max > run::roundedReach(scene.model);
+  });
+  if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
+  run::SearchBudget part(std::min(kExactCost * cost, budget.left()));
+  run::MechanismPath exact =
+      Continuation(scene, rounded.states.front(), {.jump = 0},
+                   std::numeric_limits<double>::infinity(), part, shouldContinue)
+          .along(rounded.states);
+  budget.spend(part.spent());
+  if (exact.isStuck || exact.isCutShort) return rounded;
+  const double apart = run::pathDistance(bricks, exact.states.back(), rounded.states.back());
+  exact.guideLength = rounded.guideLength;
+  exact.endsAtOpenJoints = rounded.endsAtOpenJoints;
+  return apart <= run::roundedReach(scene.model) ? exact : rounded;
+}
+
+}  // namespace
+
+run::MechanismPath continueAlong(const scene::Scene& scene, std::vector<Poses> guide,
+                                 const ContinuationSettings& settings, run::SearchBudget& budget,
+                                 const PathObserver& shouldContinue) {
+  const double closed = run::roundedJointStiffness(scene.model);
+  const double before = budget.spent();
+  run::MechanismPath path =
+      Continuation(scene, guide.front(), settings, closed, budget, shouldContinue)
+          .along(std::move(guide));
+  if (!std::isfinite(closed) || settings.areJointsCompliant()) return path;
+  return closedExactly(scene, std::move(path), budget.spent() - before, budget, shouldContinue);
+}
+
+run::MechanismPath connect(const scene::Scene& scene, std::vector<Poses> guide,
+                           run::SearchBudget& budget, const PathObserver& shouldContinue) {
+  return followBetween(scene, std::move(guide), {.jump = 0}, budget, shouldContinue);
+}
+
+run::MechanismPath continueFromGoal(const scene::Scene& scene, const Poses& start,
+                                    const Poses& goal, run::SearchBudget& budget,
+                                    const PathObserver& shouldContinue) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const double near = kNoFarther * model::tileSize(scene.model);
+  const auto isAtStart = [&](const run::MechanismPath& path) {
+    return run::pathDistance(bricks, path.states.back(), start) <= near;
+  };
+  run::MechanismPath back = connect(scene, {goal, start}, budget, shouldContinue);
+  endNearest(bricks, start, back);
+  back.isStuck = !isAtStart(back);
+  for (const double stiffness : kNearStart) {
+    if (back.isCutShort || !back.isStuck) break;
+    run::MechanismPath rest =
+        followBetween(scene, {back.states.back(), start}, {.jump = 0, .jointStiffness = stiffness},
+                      budget, shouldContinue);
+    back.isCutShort = rest.isCutShort;
+    if (!isAtStart(rest)) continue;
+    back.isStuck = false;
+    back.symmetries = std::move(rest.symmetries);
+    std::move(std::next(rest.states.begin()), rest.states.end(), std::back_inserter(back.states));
+  }
+  std::ranges::reverse(back.states);
+  if (!back.isStuck) back.states.front() = start;
+  measureLengths(bricks, back);
+  if (scene.model.target) back.error = trajectory::targetError(*scene.model.target, bricks, goal);
+  return back;
+}
+
+run::MechanismPath continueToExtension(const scene::Scene& scene, run::SearchBudget& budget,
+                                       const PathObserver& shouldContinue) {
+  const Poses start =
+      model::startPoses(scene.model.tiles, model::makeBricks(scene.model.tiles, scene.brick));
+  const double closed = run::roundedJointStiffness(scene.model);
+  const double before = budget.spent();
+  run::MechanismPath path =
+      Continuation(scene, start, {.turnWeight = 1}, closed, budget, shouldContinue).toExtension();
+  if (!std::isfinite(closed)) return path;
+  endBeforeJointsOpen(scene, path);
+  return closedExactly(scene, std::move(path), budget.spent() - before, budget, shouldContinue);
+}
+
+}  // namespace kirireel::path

@@ -1,0 +1,190 @@
+// The gap of two convex pieces is their largest separation over all planes of faces and of pairs of
+// edges (sim/contacts/contact_finder.h). A point c on that plane, with the unit normal n from B to
+// A, moves with brick A by dx_a + dphi_a x (c - x_a), and in the same form with B. Thus
+//   dgap = n . dx_a + ((c - x_a) x n) . dphi_a - n . dx_b - ((c - x_b) x n) . dphi_b.
+// For two edges, c is the middle of the nearest points of their lines. n is parallel to the line
+// between these points, and its own change has no effect. For a face and points, c is each point.
+#include "sim/path/near_gaps.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace kirireel::path {
+namespace {
+
+using contacts::Outline;
+using contacts::PlacedOutline;
+using contacts::SeparatingPlane;
+
+// Points of an edge are at equal distance up to this fraction of the reach.
+constexpr double kTie = 1e-4;
+// Planes separate bricks equally well up to this fraction of their radii.
+constexpr double kEqualPlanes = 1e-9;
+
+/// The first and the last of the points that lie farthest against `direction`, within `tie` metres:
+/// the ends of an edge, or the same corner twice.
+std::array<Vector3, 2> lowestEdge(const PlacedOutline& placed, const Vector3& direction,
+                                  double tie) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Vector3& point : placed.points) low = std::min(low, point.dot(direction));
+  std::vector<Vector3> found;
+  for (const Vector3& point : placed.points) {
+    if (point.dot(direction) <= low + tie) found.push_back(point);
+  }
+  return {found.front(), found.back()};
+}
+
+/// The middle of the nearest points of two lines that are not parallel. Each line may degenerate to
+/// a point.
+Vector3 middleOfNearest(const std::array<Vector3, 2>& p, const std::array<Vector3, 2>& q) {
+  const Vector3 u = p[1] - p[0], v = q[1] - q[0], w = q[0] - p[0];
+  const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
+  const double determinant = uu * vv - uv * uv;
+  double s = 0, t = 0;
+  if (determinant > 1e-12 * uu * vv) {
+    s = (vv * u.dot(w) - uv * v.dot(w)) / determinant;
+    t = (uv * u.dot(w) - uu * v.dot(w)) / determinant;
+  } else if (uu > 0) {
+    s = u.dot(w) / uu;
+  } else if (vv > 0) {
+    t = -v.dot(w) / vv;
+  }
+  return 0.5 * (p[0] + s * u + q[0] + t * v);
+}
+
+}  // namespace
+
+NearGapFinder::NearGapFinder(const std::vector<model::Brick>& bricks,
+                             std::span<const model::Pivot> pivots, scene::ContactFilter contacts,
+                             double pivotZone, bool planar, const Poses& start)
+    : planar_(planar) {
+  const auto joined = model::sharedCorners(pivots);
+  std::vector<std::vector<model::BrickPiece>> pieces;
+  std::vector<std::vector<std::size_t>> whole;
+  for (const model::Brick& brick : bricks) {
+    radii_.push_back(contacts::outerRadius(brick));
+    pieces.push_back(model::convexPieces(brick, static_cast<int>(pieces.size())));
+    whole.push_back(addOutlines(pieces.back(), {}, 0));
+  }
+  const int count = static_cast<int>(bricks.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) {
+      const auto corners = joined.find({a, b});
+      if (corners == joined.end()) {
+        addPairs(a, b, whole[a], whole[b]);
+      } else if (contacts == scene::ContactFilter::All && !corners->second.areOneTile) {
+        const double length = model::cutLength(bricks[a], bricks[b], pivotZone);
+        addPairs(a, b, addOutlines(pieces[a], corners->second.ofA, length),
+                 addOutlines(pieces[b], corners->second.ofB, length));
+      }
+    }
+  }
+  for (std::vector<PiecePair>& ofBricks : pairs_) {
+    for (PiecePair& pair : ofBricks) {
+      place(pair, start);
+      pair.kept = std::max(0.0, -separate(pair, 0));
+    }
+  }
+}
+
+std::vector<std::size_t> NearGapFinder::addOutlines(const std::vector<model::BrickPiece>& pieces,
+                                                    const std::vector<int>& withoutCorners,
+                                                    double length) {
+  std::vector<std::size_t> added;
+  for (const model::BrickPiece& piece : pieces) {
+    added.push_back(outlines_.size());
+    outlines_.push_back(contacts::makeOutline(
+        length > 0 ? model::withoutCorners(piece, withoutCorners, length) : piece.shape, planar_));
+  }
+  return added;
+}
+
+void NearGapFinder::addPairs(int a, int b, const std::vector<std::size_t>& outlinesA,
+                             const std::vector<std::size_t>& outlinesB) {
+  std::vector<PiecePair>& added = pairs_.emplace_back();
+  for (const std::size_t ofA : outlinesA) {
+    for (const std::size_t ofB : outlinesB) {
+      PiecePair& pair = added.emplace_back(PiecePair{a, b, ofA, ofB});
+      // Planes are indices of faces and edges: pieces with equal counts have the same list.
+      const Outline &x = outlines_[ofA], &y = outlines_[ofB];
+      const auto [list, isNew] = planeLists_.try_emplace(
+          {x.normals.size(), x.directions.size(), y.normals.size(), y.directions.size()});
+      if (isNew) list->second = contacts::separatingPlanes(x, y);
+      pair.planes = &list->second;
+    }
+  }
+}
+
+void NearGapFinder::place(const PiecePair& pair, const Poses& poses) {
+  contacts::placeOutline(outlines_[pair.a], poses[pair.brickA], placedA_);
+  contacts::placeOutline(outlines_[pair.b], poses[pair.brickB], placedB_);
+}
+
+/// The largest separation of a placed pair, metres. Stores its plane in `known`, the first of
+/// equally good planes. Stops at the first plane that separates the pair by the margin.
+double NearGapFinder::separate(PiecePair& pair, double margin) {
+  const auto along = [&](std::size_t plane) {
+    return contacts::separation((*pair.planes)[plane], placedA_, placedB_);
+  };
+  if (const double known = along(pair.known); margin > 0 && known >= margin) return known;
+  const double tie = kEqualPlanes * (radii_[pair.brickA] + radii_[pair.brickB]);
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < pair.planes->size(); ++k) {
+    const double distance = along(k);
+    if (!(distance > best + tie)) continue;
+    if (!contacts::isSteady((*pair.planes)[k], placedA_, placedB_)) continue;
+    best = distance;
+    pair.known = k;
+    if (margin > 0 && best >= margin) return best;
+  }
+  return best;
+}
+
+std::vector<NearGap> NearGapFinder::find(const Poses& poses, double margin, double reach) {
+  std::vector<NearGap> gaps;
+  for (std::vector<PiecePair>& ofBricks : pairs_) {
+    const int a = ofBricks.front().brickA, b = ofBricks.front().brickB;
+    const double near = radii_[a] + radii_[b] + margin;
+    if ((poses[a].position - poses[b].position).squaredNorm() >= near * near) continue;
+    for (PiecePair& pair : ofBricks) {
+      place(pair, poses);
+      const double distance = separate(pair, margin);
+      if (distance < margin) append(pair, distance, reach, poses, gaps);
+    }
+  }
+  return gaps;
+}
+
+void NearGapFinder::append(const PiecePair& pair, double distance, double reach, const Poses& poses,
+                           std::vector<NearGap>& gaps) const {
+  const SeparatingPlane& plane = (*pair.planes)[pair.known];
+  const Vector3 normal = contacts::planeNormal(plane, placedA_, placedB_);
+  const auto add = [&](const Vector3& point, double gap) {
+    NearGap& added = gaps.emplace_back();
+    added.brickA = pair.brickA;
+    added.brickB = pair.brickB;
+    added.gap = gap + pair.kept;
+    added.ofA << normal, (point - poses[pair.brickA].position).cross(normal);
+    added.ofB << -normal, -(point - poses[pair.brickB].position).cross(normal);
+  };
+  if (plane.kind == SeparatingPlane::Kind::Edges) {
+    const double tie = kTie * reach;
+    add(middleOfNearest(lowestEdge(placedA_, normal, tie), lowestEdge(placedB_, -normal, tie)),
+        distance);
+    return;
+  }
+  const bool isOfA = plane.kind == SeparatingPlane::Kind::FaceOfA;
+  const PlacedOutline& faces = isOfA ? placedA_ : placedB_;
+  const PlacedOutline& points = isOfA ? placedB_ : placedA_;
+  const Vector3 outward = isOfA ? Vector3(-normal) : normal;
+  const int face = isOfA ? plane.a : plane.b;
+  const double level = outward.dot(faces.points[faces.outline->facePoints[face]]);
+  for (const Vector3& point : points.points) {
+    const double gap = outward.dot(point) - level;
+    if (gap < distance + reach) add(point, gap);
+  }
+}
+
+}  // namespace kirireel::path

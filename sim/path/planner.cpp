@@ -1,0 +1,661 @@
+// Selection of a kinematic path.
+//
+// There is one list of candidates (kCandidates), one evaluation (evaluate), one order (isBetter),
+// and one stop rule: the search ends at the first path that arrives with exact joints and without
+// overlaps. A candidate has a guide, contacts or none, and joints that are exact or of stiffness r.
+// r is relative to the stiffness of one tile's position. If a candidate stiffens, its path guides
+// the next one with r ten times as large, as long as the joint openings decrease.
+//
+// Overlaps are measured at the states and half-way between them. At the end of a branch of the
+// mechanism the path jumps, and its states do not show the overlaps of the jump.
+//
+// The selected path is improved as a whole if it is rough, overlaps or opens joints
+// (smoothing.cpp). If that makes it worse, the original path is kept.
+#include "sim/path/planner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/path/continuation.h"
+#include "sim/path/smoothing.h"
+#include "sim/run/arrival.h"
+#include "sim/run/assembled_state.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::path {
+namespace {
+
+// ------------------------------------------------------------------------------------------------
+// The candidates.
+
+/// What a candidate follows.
+enum class Guide {
+  OwnMotion,     ///< each tile's own motion to the goal
+  FromTarget,    ///< the same backwards from the goal; joints may be compliant near the start
+  PreviousPath,  ///< the last path without contacts and with compliant joints
+};
+
+struct Candidate {
+  Guide guide;
+  bool hasContacts;
+  double jointStiffness;  ///< see ContinuationSettings
+  bool stiffens = false;  ///< whether stiffer joints are tried along the resulting path
+};
+
+// The candidates in the order of the search. The first brings most designs to their targets.
+// Without contacts, soft joints give the smoothest paths. These guide the candidates with contacts.
+// Exact joints with bricks that are flush at the start cost most.
+constexpr auto kCandidates = std::to_array<Candidate>({
+    {Guide::OwnMotion, false, run::kExactJoints},
+    {Guide::FromTarget, true, run::kExactJoints},
+    {Guide::OwnMotion, false, 10, true},
+    {Guide::PreviousPath, true, 10},
+    {Guide::PreviousPath, true, 100},
+    {Guide::OwnMotion, true, 1e3, true},
+    {Guide::OwnMotion, true, run::kExactJoints},
+    {Guide::OwnMotion, true, 1e2, true},
+});
+constexpr double kStiffer = 10;
+// Joints are stiffened as long as each step leaves less than this fraction of the opening.
+constexpr double kOpeningLeft = 0.9;
+
+/// The candidates of a scene: kCandidates, or those with the scene's own joint ratio.
+std::vector<Candidate> candidatesOf(const scene::PathSettings& path) {
+  if (!path.jointsAreCompliant()) return {kCandidates.begin(), kCandidates.end()};
+  return {{Guide::OwnMotion, false, path.jointRatio},
+          {Guide::PreviousPath, true, path.jointRatio},
+          {Guide::OwnMotion, true, path.jointRatio}};
+}
+
+/// The name of a candidate in summary.json.
+std::string describe(const Candidate& candidate) {
+  const char* guide = candidate.guide == Guide::OwnMotion    ? "motion of each tile"
+                      : candidate.guide == Guide::FromTarget ? "backwards from the target"
+                                                             : "previous path";
+  const std::string joints = std::isinf(candidate.jointStiffness)
+                                 ? "exact joints"
+                                 : fmt::format("joint ratio {:g}", candidate.jointStiffness);
+  return fmt::format("{}, contacts {}, {}", guide, candidate.hasContacts ? "on" : "off", joints);
+}
+
+// A candidate may use this fraction of the budget, and the same again for each fifth of the guide
+// that it has followed.
+constexpr double kPathShare = 0.1;
+constexpr double kParts = 5;
+// The same for a candidate from the target, if exact joints arrive without contacts. A path that
+// contacts do not block takes many short moves. A blocked path costs little.
+constexpr double kFromTargetShare = 0.75;
+// A final move to the nearest state is at most this fraction of a tile.
+constexpr double kLastMove = 1e-3;
+// The extension without contacts may use this fraction of the budget.
+constexpr double kWithoutContactsShare = 0.6;
+// ------------------------------------------------------------------------------------------------
+// The evaluation.
+
+// Number of frames for roughness, and the angle above which a frame is rough, radians.
+constexpr int kFrames = 360;
+constexpr double kRoughAngle = 30 * kDegree;
+
+/// The velocities of all tiles between two states, relative to the time between them. Rotations
+/// count by their arc at the radius of gyration.
+std::vector<Vector3> velocitiesBetween(const std::vector<model::Brick>& bricks, const Poses& from,
+                                       const Poses& to) {
+  std::vector<Vector3> velocities;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    velocities.push_back(to[i].position - from[i].position);
+    velocities.push_back(run::gyrationRadius(bricks[i]) *
+                         turnBetween(from[i].rotation, to[i].rotation));
+  }
+  return velocities;
+}
+
+double dot(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
+  return sum;
+}
+
+/// The vertices of all tiles.
+std::vector<Vector3> verticesOf(const std::vector<model::Brick>& bricks, const Poses& poses) {
+  std::vector<Vector3> vertices;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (const Vector3& point : bricks[i].bottom) vertices.push_back(poses[i].apply(point));
+  }
+  return vertices;
+}
+
+/// Measures the variation of the tiles' motion between frames, along a path at constant speed.
+void measureRoughness(const std::vector<model::Brick>& bricks, const run::MechanismPath& path,
+                      run::PathEvaluation& evaluation) {
+  evaluation.roughFrames = 0;
+  evaluation.stepChange = evaluation.largestTurn = 0;
+  if (!(path.length() > 0)) return;
+  std::size_t next = 1;
+  Poses before = path.states.front();
+  std::vector<Vector3> vertices = verticesOf(bricks, before), steps, velocities;
+  std::vector<double> meanSteps;
+  for (int frame = 1; frame <= kFrames; ++frame) {
+    const double length = frame * path.length() / kFrames;
+    while (next + 1 < path.states.size() && path.lengths[next] < length) ++next;
+    const double part = path.lengths[next] - path.lengths[next - 1];
+    const double share =
+        part > 0 ? std::clamp((length - path.lengths[next - 1]) / part, 0.0, 1.0) : 1;
+    Poses now = interpolate(path.states[next - 1], path.states[next], share);
+    std::vector<Vector3> there = verticesOf(bricks, now);
+    std::vector<Vector3> fresh = velocitiesBetween(bricks, before, now);
+    if (!velocities.empty()) {
+      const double norms = std::sqrt(dot(fresh, fresh) * dot(velocities, velocities));
+      const double cosine = norms > 0 ? std::clamp(dot(fresh, velocities) / norms, -1.0, 1.0) : 1;
+      const double turn = std::acos(cosine);
+      evaluation.largestTurn = std::max(evaluation.largestTurn, turn);
+      if (turn > kRoughAngle) ++evaluation.roughFrames;
+    }
+    double sum = 0;
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      const Vector3 step = there[k] - vertices[k];
+      sum += step.norm();
+      if (frame == 1) {
+        steps.push_back(step);
+        continue;
+      }
+      evaluation.stepChange = std::max(evaluation.stepChange, (step - steps[k]).norm());
+      steps[k] = step;
+    }
+    meanSteps.push_back(sum / static_cast<double>(there.size()));
+    before = std::move(now);
+    vertices = std::move(there);
+    velocities = std::move(fresh);
+  }
+  const auto middle = meanSteps.begin() + kFrames / 2;
+  std::ranges::nth_element(meanSteps, middle);
+  evaluation.stepChange = *middle > 0 ? evaluation.stepChange / *middle : 0;
+}
+
+/// Whether the scene allows contacts.
+bool mayTouch(const scene::Scene& scene) {
+  return scene.environment.contacts != scene::ContactFilter::None;
+}
+
+/// Measures a path except for its end, error and work. The scene has the contacts that were
+/// requested.
+void evaluate(const scene::Scene& scene, run::GeometricPath& found) {
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const std::vector<Poses>& states = found.path.states;
+  run::PathEvaluation& evaluation = found.evaluation;
+  trajectory::PenetrationMeter meter =
+      run::overlapMeter(scene.environment, bricks, pivots, states.front());
+  evaluation.overlapGrowth = evaluation.overlapGrowthAtEnd = evaluation.opening = 0;
+  const auto measure = [&](const Poses& state) {
+    if (mayTouch(scene)) {
+      evaluation.overlapGrowthAtEnd = meter.at(state).grown;
+      evaluation.overlapGrowth = std::max(evaluation.overlapGrowth, evaluation.overlapGrowthAtEnd);
+    }
+    if (!found.hasCompliantJoints) return;
+    evaluation.opening = std::max(evaluation.opening, trajectory::jointGap(pivots, state).max);
+  };
+  run::StatesBetween between(scene, found);
+  measure(states.front());
+  for (std::size_t k = 1; k < states.size(); ++k) {
+    measure(between.at(k, 0.5));
+    measure(states[k]);
+  }
+  evaluation.length = found.path.length();
+  measureRoughness(bricks, found.path, evaluation);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The order.
+
+// Openings that differ by less than this fraction of a tile are equal.
+constexpr double kOpeningStep = 0.02;
+
+/// Whether a path is better than another. A path that arrives without overlaps comes first. Next is
+/// the smaller opening in steps of kOpeningStep, then smoothness, then the exact opening. With
+/// overlaps, the smaller overlap is better. Before the target, the nearer end is better. If the
+/// user requests contacts, a path with overlaps is the last choice.
+class PathOrder {
+ public:
+  explicit PathOrder(const scene::Scene& scene)
+      : tile_(model::tileSize(scene.model)),
+        mustTouch_(mayTouch(scene) && scene.environment.contacts != scene::ContactFilter::Auto) {}
+
+  bool isBetter(const run::PathEvaluation& a, const run::PathEvaluation& b) const {
+    return keyOf(a) < keyOf(b);
+  }
+
+ private:
+  using Key = std::tuple<int, double, int, double>;
+
+  Key keyOf(const run::PathEvaluation& path) const {
+    const bool arrives = path.end == run::PathEnd::Arrived;
+    const bool isOverlapping = path.overlapGrowth > run::kClearShare * tile_;
+    if (arrives && !isOverlapping) {
+      return {0, std::floor(path.opening / (kOpeningStep * tile_)), path.roughFrames, path.opening};
+    }
+    if (isOverlapping && (arrives || mustTouch_)) {
+      return {mustTouch_ ? 3 : 1, path.overlapGrowth, path.roughFrames, path.opening};
+    }
+    return {2, path.error, path.roughFrames, path.opening};
+  }
+
+  double tile_;     // metres
+  bool mustTouch_;  // the user requests contacts
+};
+
+// ------------------------------------------------------------------------------------------------
+// Improvement of the selected path.
+
+// A path is smooth if no step changes by more than this fraction of the typical step. The
+// velocities of all tiles together must rotate by at most kSmoothTurn between frames, radians.
+constexpr double kSmoothStepChange = 0.2;
+constexpr double kSmoothTurn = 10 * kDegree;
+// Bricks with a larger overlap, as a fraction of a tile, are not pushed apart: another path is
+// needed.
+constexpr double kSmallOverlap = 0.1;
+
+/// Improves a path as a whole if it is rough, overlaps or opens joints. Keeps the improved path if
+/// it is smoother and its overlaps and openings do not exceed those of the found path beyond the
+/// tolerance. Returns the figures of the improved path, if there is one.
+std::optional<run::PathEvaluation> improve(const scene::Scene& scene, run::GeometricPath& found,
+                                           run::SearchBudget& budget,
+                                           const PathObserver& shouldContinue) {
+  const run::PathEvaluation& before = found.evaluation;
+  const double tile = model::tileSize(scene.model);
+  const double clear = run::kClearShare * tile;
+  const bool isSmooth = before.stepChange <= kSmoothStepChange && before.largestTurn <= kSmoothTurn;
+  if (isSmooth && before.overlapGrowth <= clear && before.opening == 0) return std::nullopt;
+  const double spent = budget.spent();
+  run::GeometricPath better = found;
+  const bool arePushedApart = mayTouch(scene) && before.overlapGrowth <= kSmallOverlap * tile;
+  const scene::ContactFilter contacts =
+      arePushedApart ? contactsIfOn(scene.environment.contacts) : scene::ContactFilter::None;
+  better.path = smoothed(scene, found, contacts, budget, shouldContinue);
+  // Without overlaps on the found path, a path near it needs no contacts.
+  if (before.overlapGrowth > clear) better.contacts = contacts;
+  evaluate(scene, better);
+  run::PathEvaluation& after = better.evaluation;
+  after.candidate = "smoothed: " + before.candidate;
+  after.work = budget.spent() - spent;
+  const run::PathEvaluation improved = after;
+  // Joints with smaller gaps count as closed.
+  const double closed = found.path.isRounded ? 0 : run::kOpenJoints * tile;
+  if (after.overlapGrowth <= std::max(before.overlapGrowth, clear) &&
+      after.opening <= std::max(before.opening, closed) && after.stepChange < before.stepChange) {
+    found = std::move(better);
+  }
+  return improved;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Description of a path, for the summary.
+
+const char* const kSmoothing = "smoothing of the path";
+const char* const kExtending = "the path to full extension";
+
+/// Sets the reasons for the path and its contacts, from its figures.
+void addReasons(const scene::Scene& scene, run::GeometricPath& found) {
+  const bool isTouching = found.contacts != scene::ContactFilter::None;
+  const bool isOverlapping = overlaps(scene, found);
+  found.contactReason = !mayTouch(scene)              ? "not requested"
+                        : isTouching && isOverlapping ? "bricks touch on the path, and some overlap"
+                        : isTouching                  ? "bricks touch on the path"
+                        : isOverlapping ? "bricks overlap, and no path with contacts was found"
+                                        : "no bricks touch on the path";
+  const bool isOpen = found.hasCompliantJoints && !found.path.isRounded;
+  const double opening = found.evaluation.opening;
+  found.reason = fmt::format(
+      "kinematic path{}{}", isTouching ? " with contacts" : "",
+      isOpen
+          ? fmt::format(", compliant joints open by up to {}: no path with exact joints was found",
+                        model::lengthInTiles(opening, scene.model))
+          : "");
+}
+
+// ------------------------------------------------------------------------------------------------
+// The search.
+
+class Planner {
+ public:
+  Planner(const scene::Scene& scene, const run::AssembledState& nearest, run::SearchBudget& budget,
+          const run::TrialObserver& observer)
+      : scene_(scene),
+        nearest_(nearest),
+        order_(scene),
+        budget_(budget),
+        observer_(observer),
+        tile_(model::tileSize(scene.model)),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        start_(model::startPoses(scene.model.tiles, bricks_)) {}
+
+  PlannedPath find() {
+    const std::vector<Candidate> candidates = candidatesOf(scene_.path);
+    for (const Candidate& candidate : candidates) {
+      const bool isLast = &candidate == &candidates.back();
+      if (planned_.path && (isOver_ || !isWorthTrying(candidate, isLast))) continue;
+      if (planned_.path && budget_.isSpent()) {
+        planned_.isCutShort = true;
+        break;
+      }
+      tryCandidate(candidate);
+      if (!budget_.isLimited()) limitBudget();
+      if (isExactEnough(*planned_.path) && isCollisionFree(scene_, *planned_.path)) break;
+    }
+    if (planned_.path->evaluation.end == run::PathEnd::Arrived) {
+      const auto improved =
+          improve(scene_, *planned_.path, budget_, [&](double) { return report(kSmoothing); });
+      if (improved) planned_.candidates.push_back(*improved);
+    }
+    // A candidate that ran out of budget matters only if no other is collision-free.
+    planned_.isCutShort =
+        planned_.isCutShort ||
+        (!isCollisionFree(scene_, *planned_.path) &&
+         std::ranges::any_of(planned_.candidates, [](const run::PathEvaluation& candidate) {
+           return candidate.end == run::PathEnd::OutOfBudget;
+         }));
+    addReasons(scene_, *planned_.path);
+    return std::move(planned_);
+  }
+
+ private:
+  /// Whether joints are exact, or compliant by request.
+  bool isExactEnough(const run::GeometricPath& found) const {
+    return !found.hasCompliantJoints || found.path.isRounded || scene_.path.jointsAreCompliant();
+  }
+
+  /// Limits the search by the work of the first candidate. If this was stuck early, its work is
+  /// scaled to kLeastStates states.
+  void limitBudget() {
+    const auto states = static_cast<double>(planned_.path->path.states.size());
+    const double work = planned_.candidates.front().work * std::max(1.0, kLeastStates / states);
+    budget_.limitByFirst(work, scene_.path.searchEffort);
+  }
+
+  bool isWorthTrying(const Candidate& candidate, bool isLast) {
+    if (candidate.hasContacts && !mayTouch(scene_)) return false;
+    const bool hasExactJoints = std::isinf(candidate.jointStiffness);
+    // Bricks that overlap at the goal block any path with contacts. One such path then shows where
+    // the sheet stops.
+    if (isBlocked()) {
+      const bool isStiffest = hasExactJoints || scene_.path.jointsAreCompliant();
+      return candidate.hasContacts ? candidate.guide == Guide::OwnMotion && isStiffest
+                                   : !firstArrives();
+    }
+    // If exact joints do not arrive without contacts, they do not arrive with contacts either.
+    if (hasExactJoints && candidate.guide != Guide::FromTarget && !firstArrives()) return false;
+    if (candidate.guide == Guide::PreviousPath) return !previous_.empty();
+    const bool isFree = isCollisionFree(scene_, *planned_.path);
+    // Exact joints with contacts cost most, and have no benefit if joints hardly open.
+    if (hasExactJoints && candidate.guide == Guide::OwnMotion) {
+      return !isFree || planned_.path->evaluation.opening >= kOpeningStep * tile_;
+    }
+    // The softest joints are the last candidate.
+    return !isLast || !isFree;
+  }
+
+  /// Whether the first candidate, whose joints are exact, arrives.
+  bool firstArrives() const {
+    return !planned_.candidates.empty() && planned_.candidates.front().end == run::PathEnd::Arrived;
+  }
+
+  /// Whether bricks that may touch overlap at the goal by more than at the start.
+  bool isBlocked() {
+    if (!isBlocked_) isBlocked_ = mayTouch(scene_) && growthAt(nearest_.poses) > clear();
+    return *isBlocked_;
+  }
+
+  double clear() const { return run::kClearShare * tile_; }
+
+  /// The growth of overlaps at a state, for bricks that may touch, metres.
+  double growthAt(const Poses& state) const {
+    return run::overlapMeter(scene_.environment, bricks_, pivots_, start_).at(state).grown;
+  }
+
+  void tryCandidate(Candidate candidate) {
+    std::vector<Poses> guide = candidate.guide == Guide::PreviousPath
+                                   ? previous_
+                                   : std::vector<Poses>{start_, nearest_.poses};
+    std::optional<run::PathEvaluation> last;
+    while (true) {
+      run::GeometricPath found = follow(candidate, guide);
+      const run::PathEvaluation evaluation = found.evaluation;
+      const bool arrives = evaluation.end == run::PathEnd::Arrived;
+      if (arrives) guide = found.path.states;
+      const bool isBack = candidate.guide == Guide::FromTarget;
+      consider(std::move(found), isBack && !arrives);
+      const bool isStiffer = !last || evaluation.opening < kOpeningLeft * last->opening;
+      if (!arrives || !isStiffer || isOver_) break;
+      if (!candidate.hasContacts && std::isfinite(candidate.jointStiffness)) previous_ = guide;
+      if (!candidate.stiffens) break;
+      if (candidate.hasContacts && evaluation.overlapGrowth > clear()) break;
+      last = evaluation;
+      candidate.jointStiffness *= kStiffer;
+      candidate.guide = Guide::PreviousPath;
+    }
+  }
+
+  /// Follows a guide and evaluates the path.
+  run::GeometricPath follow(const Candidate& candidate, const std::vector<Poses>& guide) {
+    scene::Scene trial = scene_;
+    run::GeometricPath found;
+    found.contacts = candidate.hasContacts ? contactsIfOn(scene_.environment.contacts)
+                                           : scene::ContactFilter::None;
+    trial.environment.contacts = found.contacts;
+    found.evaluation.candidate = describe(candidate);
+    found.evaluation.hasContacts = candidate.hasContacts;
+    run::SearchBudget part(budget_.left());
+    const bool isBack = candidate.guide == Guide::FromTarget;
+    const auto shouldContinue = [&](double progress) {
+      const double share =
+          isBack && firstArrives() ? kFromTargetShare : kPathShare * (1 + (kParts - 1) * progress);
+      return report(found.evaluation.candidate) && part.spent() <= share * budget_.all();
+    };
+    found.hasCompliantJoints = !std::isinf(candidate.jointStiffness) || isBack;
+    if (isBack) {
+      found.path = continueFromGoal(trial, closedStart_, nearest_.poses, part, shouldContinue);
+    } else {
+      // If bricks are flush at the start, a jump off it would jam them.
+      ContinuationSettings settings;
+      if (candidate.hasContacts || found.hasCompliantJoints) settings.jump = 0;
+      settings.jointStiffness = candidate.jointStiffness;
+      found.path = continueAlong(trial, guide, settings, part, shouldContinue);
+      endAtNearest(found.path);
+    }
+    if (closedStart_.empty()) closedStart_ = found.path.states.front();
+    found.hasCompliantJoints = found.hasCompliantJoints || found.path.isRounded;
+    budget_.spend(part.spent());
+    found.evaluation.work = part.spent();
+    found.evaluation.error = found.path.error;
+    found.evaluation.end = endOf(found.path);
+    evaluate(scene_, found);
+    if (!found.path.isRounded && found.evaluation.opening <= run::kExactShare * tile_) {
+      found.hasCompliantJoints = false;
+    }
+    return found;
+  }
+
+  /// Ends a path at the known nearest state if it comes near it, unless bricks overlap deeper
+  /// there. Tiles of rounded coordinates come near it only within the rounding's reach. In a
+  /// singular state, a gap of that size is a rotation by its square root.
+  void endAtNearest(run::MechanismPath& path) const {
+    if (path.isStuck || path.isCutShort) return;
+    if (run::isNearest(scene_.model, path.error, nearest_.error)) return;
+    const bool isRounded = std::isfinite(run::roundedJointStiffness(scene_.model));
+    const double reach =
+        isRounded ? std::sqrt(run::roundedReach(scene_.model) * tile_) : kLastMove * tile_;
+    if (run::farthestMove(path.states.back(), nearest_.poses, tile_) > reach) return;
+    const double gap = trajectory::jointGap(pivots_, nearest_.poses).max;
+    if (!isRounded && gap > run::kExactShare * tile_) return;
+    const double grown = growthAt(path.states.back());
+    if (mayTouch(scene_) && growthAt(nearest_.poses) > std::max(grown, clear())) return;
+    path.lengths.push_back(path.length() +
+                           run::pathDistance(bricks_, path.states.back(), nearest_.poses));
+    path.states.push_back(nearest_.poses);
+    path.error = nearest_.error;
+    path.isRounded = isRounded;
+  }
+
+  run::PathEnd endOf(const run::MechanismPath& path) const {
+    if (path.isCutShort) return run::PathEnd::OutOfBudget;
+    if (path.isStuck) return run::PathEnd::Stuck;
+    const double limit =
+        run::arrivalLimit(scene_.model, nearest_.error) + run::roundedReach(scene_.model);
+    return path.error <= limit ? run::PathEnd::Arrived : run::PathEnd::Short;
+  }
+
+  /// Records a path. Selects it if it is the best so far and begins at the start.
+  void consider(run::GeometricPath found, bool isWithoutStart) {
+    const run::PathEvaluation& evaluation = found.evaluation;
+    planned_.candidates.push_back(evaluation);
+    if (isWithoutStart) return;
+    if (planned_.path && !order_.isBetter(evaluation, planned_.path->evaluation)) return;
+    planned_.path = std::move(found);
+  }
+
+  /// Reports what is being tried. Returns whether to continue.
+  bool report(const std::string& what) {
+    isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
+    return !isOver_;
+  }
+
+  const scene::Scene& scene_;
+  const run::AssembledState& nearest_;
+  PathOrder order_;
+  run::SearchBudget& budget_;
+  const run::TrialObserver& observer_;
+  double tile_;  // metres
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  Poses start_, closedStart_;    // as read, and with closed joints
+  std::vector<Poses> previous_;  // the last path without contacts and with compliant joints
+  std::optional<bool> isBlocked_;
+  PlannedPath planned_;
+  bool isOver_ = false;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Full extension.
+
+/// The path to full extension with these contacts. It may use a share of the remaining budget.
+run::GeometricPath extension(const scene::Scene& scene, scene::ContactFilter contacts, double share,
+                             run::SearchBudget& budget, const run::TrialObserver& observer) {
+  scene::Scene trial = scene;
+  trial.environment.contacts = contacts;
+  run::SearchBudget part(share * budget.left());
+  run::GeometricPath found;
+  found.path = continueToExtension(trial, part, [&](double) {
+    return !observer || observer({kExtending, budget.share()});
+  });
+  budget.spend(part.spent());
+  found.hasCompliantJoints = found.path.isRounded;
+  found.contacts = contacts;
+  found.evaluation.candidate = fmt::format("full extension, contacts {}",
+                                           contacts == scene::ContactFilter::None ? "off" : "on");
+  found.evaluation.hasContacts = contacts != scene::ContactFilter::None;
+  found.evaluation.work = part.spent();
+  found.evaluation.end = found.path.isCutShort ? run::PathEnd::OutOfBudget : run::PathEnd::Arrived;
+  evaluate(scene, found);
+  return found;
+}
+
+}  // namespace
+
+scene::ContactFilter contactsIfOn(scene::ContactFilter requested) {
+  return requested == scene::ContactFilter::Auto ? scene::ContactFilter::All : requested;
+}
+
+bool overlaps(const scene::Scene& scene, const run::GeometricPath& found) {
+  return found.evaluation.overlapGrowth > run::kClearShare * model::tileSize(scene.model);
+}
+
+bool isCollisionFree(const scene::Scene& scene, const run::GeometricPath& found) {
+  return found.evaluation.end == run::PathEnd::Arrived && !overlaps(scene, found);
+}
+
+std::string toString(run::PathEnd end) {
+  switch (end) {
+    case run::PathEnd::Arrived:
+      return "arrived";
+    case run::PathEnd::Short:
+      return "short";
+    case run::PathEnd::Stuck:
+      return "stuck";
+    case run::PathEnd::OutOfBudget:
+      return "out_of_budget";
+  }
+  return "unknown";
+}
+
+PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& nearest,
+                     run::SearchBudget& budget, const run::TrialObserver& observer) {
+  return Planner(scene, nearest, budget, observer).find();
+}
+
+// Flush bricks may block each other. If the scene leaves contacts open, a sheet that does not move
+// is not accepted.
+PlannedPath planExtension(const scene::Scene& scene, run::SearchBudget& budget,
+                          const run::TrialObserver& observer) {
+  const scene::ContactFilter requested = scene.environment.contacts;
+  PlannedPath planned;
+  const auto consider = [&](run::GeometricPath found) {
+    planned.candidates.push_back(found.evaluation);
+    planned.isCutShort = planned.isCutShort || found.path.isCutShort;
+    const bool isHeld = requested == scene::ContactFilter::Auto && planned.path &&
+                        !run::isExtension(scene, found.path);
+    const bool isBetter =
+        !planned.path || PathOrder(scene).isBetter(found.evaluation, planned.path->evaluation);
+    if (isBetter && !isHeld) planned.path = std::move(found);
+  };
+  consider(extension(scene, scene::ContactFilter::None, kWithoutContactsShare, budget, observer));
+  budget.limitByFirst(planned.candidates.front().work, scene.path.searchEffort);
+  if (mayTouch(scene) && !isCollisionFree(scene, *planned.path)) {
+    consider(extension(scene, contactsIfOn(requested), 1, budget, observer));
+  }
+  const auto improved = improve(scene, *planned.path, budget, [&](double) {
+    return !observer || observer({kSmoothing, budget.share()});
+  });
+  if (improved) planned.candidates.push_back(*improved);
+  addReasons(scene, *planned.path);
+  return planned;
+}
+
+std::string overlapWarning(const scene::Scene& scene, const PlannedPath& planned) {
+  if (!overlaps(scene, *planned.path)) return "";
+  const double tile = model::tileSize(scene.model);
+  const run::PathEvaluation& path = planned.path->evaluation;
+  const std::string words = fmt::format("tiles overlap by up to {} on the path",
+                                        model::lengthInTiles(path.overlapGrowth, scene.model));
+  if (path.overlapGrowthAtEnd > run::kClearShare * tile) {
+    const auto touching = std::ranges::find_if(
+        planned.candidates, [](const auto& candidate) { return candidate.hasContacts; });
+    const bool isStopKnown = touching != planned.candidates.end() && scene.model.target;
+    return words +
+           fmt::format(", and by {} at its end. {}`contacts = all` shows where the sheet stops",
+                       lengthText(path.overlapGrowthAtEnd, scene.model.unit, 2),
+                       isStopKnown ? fmt::format("With contacts it ends {} short of the target. ",
+                                                 lengthText(touching->error, scene.model.unit))
+                                   : "");
+  }
+  const std::string thinner =
+      scene::sceneNeeds(scene).planar.on
+          ? ""
+          : fmt::format("`thickness = {:.2g}`, ",
+                        0.25 * scene.brick.thickness / scene.model.unit.metres);
+  return words +
+         fmt::format(
+             ". No collision-free path was found. Try {}a larger `search_effort`, or `contacts = "
+             "all` to see where the sheet stops",
+             thinner);
+}
+
+}  // namespace kirireel::path

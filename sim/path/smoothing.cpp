@@ -1,0 +1,713 @@
+// Improvement of a path as a whole.
+//
+// The states q_0 ... q_n of a path, with fixed ends, minimise the energy
+//   E = sum over i of |z_(i-1) - 2 z_i + z_(i+1)|^2 + p sum over i of |c(q_i)|^2
+// with closed joints c(q_i) = 0 and gaps of near bricks phi(q_i) >= 0. z stacks the position x and
+// the rotation matrix rho R / sqrt 2 of each brick, with its radius of gyration rho: a rotation
+// counts by its arc. The second term is the price p of joints that are open on the found path. They
+// may open in its leading modes only: the first singular vectors of its openings over the states.
+//
+// One round:
+// 1. B_i is an orthonormal basis of the moves of state i that keep its joints closed: the null
+//    space of their Jacobian J in the metric |dx|^2 + rho^2 |dphi|^2. It is computed at one state
+//    by QR and projected to its neighbours. Columns that open the joints in the modes follow.
+// 2. With q_i moved by B_i y_i, the energy is quadratic and the gaps are linear in y. This is a
+//    banded quadratic program, because second differences couple three states (banded_program.h).
+//    Gaps may be violated at a price, because bricks that are jammed have no solution.
+// 3. The states move, and Newton steps close their joints. Bricks that then overlap are pushed
+//    apart by the same program, each state by itself.
+// 4. The round is accepted if E falls and overlaps stay small. If not, it is tried again with more
+//    damping (Levenberg, Marquardt).
+//
+// The states are then interpolated by cubics at constant speed, closed and pushed apart again.
+//
+// J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, 2006, chapter 18 (sequential
+// quadratic programming). N. Ratliff et al., CHOMP: gradient optimization techniques for efficient
+// motion planning, ICRA 2009, minimises such an energy of robots' paths.
+#include "sim/path/smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include <Eigen/QR>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include "sim/path/banded_program.h"
+#include "sim/path/near_gaps.h"
+#include "sim/run/assembled_state.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::path {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+// Lengths are fractions of a tile. Larger sheets are not improved: the null space by QR is
+// O(bricks^3), and all pairs are listed.
+constexpr std::size_t kMostBricks = 250;
+constexpr int kIntervals = 60;          // between the states that are improved
+constexpr double kFinalSpacing = 0.02;  // spacing of the states of the result
+constexpr double kLeastFinal = 120;     // minimum number of intervals of the result
+constexpr double kMostFinal = 400;
+constexpr int kSmoothingRounds = 12;      // maximum number of accepted rounds
+constexpr int kSmoothingTries = 24;       // maximum number of tried rounds
+constexpr double kLeastRoundGain = 0.02;  // of the energy; a smaller gain ends the rounds
+// A path is smooth enough if no brick's step changes by more than this fraction of the typical
+// step.
+constexpr double kSmoothEnough = 0.5;
+constexpr int kModes = 24;                       // maximum number of modes of openings
+constexpr double kWaves = 16;                    // an opening costs as much as a wave of equal size
+constexpr double kMargin = 0.1;                  // of gaps in the program
+constexpr double kPushMargin = 0.03;             // the same while bricks are pushed apart
+constexpr double kPointReach = 1e-2;             // of the points of a pair
+constexpr double kOverlap = 1e-5;                // overlap that is ignored
+constexpr double kFinalOverlap = 1e-5;           // the same in the result
+constexpr double kMostOverlap = 4 * kOverlap;    // limit for an accepted round
+constexpr double kEarlyOverlap = 15 * kOverlap;  // limit for the first rounds
+constexpr int kEarlyRounds = 4;
+constexpr double kLongestRoundMove = 0.15;  // of a brick in a round
+constexpr int kPushes = 8;
+constexpr double kPriceOfPushing = 1e3;  // price of opening joints over that of moving
+constexpr double kFirstDamping = 6e-5;
+constexpr double kLeastDamping = 6e-9;
+constexpr double kMostDamping = 600;
+constexpr double kClosedByNewton =
+    1e-11;  // tolerance of an open joint, to which Newton steps close states
+constexpr double kNewtonEnd = 1e-13;
+constexpr int kNewtonSteps = 20;
+constexpr double kOpenOnPath =
+    1e-9;                           // joints that are open by more on the found path are compliant
+constexpr double kSingular = 1e-5;  // a singular value of the joints' Jacobian that counts as 0
+constexpr double kRegular = 1e-12;  // added to J J', which redundant joints make singular
+// Multiplications in a program, over states times freedoms cubed: steps of a block factorisation.
+constexpr double kProgramCost = 80;
+
+/// The joints of a sheet and their derivatives with respect to u. u stacks the displacement dx and
+/// the arc rho dphi of each brick: 6 numbers, or 3 in the plane.
+class Joints {
+ public:
+  Joints(const std::vector<model::Brick>& bricks, const std::vector<model::Pivot>& pivots,
+         bool isPlanar)
+      : isPlanar_(isPlanar), count_(static_cast<int>(bricks.size())) {
+    for (const model::Brick& brick : bricks) radii_.push_back(run::gyrationRadius(brick));
+    for (const model::Pivot& pivot : pivots) {
+      if (isPlanar && pivot.isUpper) continue;
+      pivots_.push_back(pivot);
+      rows_ += rowsOf(pivot);
+    }
+  }
+
+  int rows() const { return rows_; }
+  /// Numbers per brick.
+  int freedoms() const { return isPlanar_ ? 3 : 6; }
+  int columns() const { return count_ * freedoms(); }
+  double radius(int brick) const { return radii_[brick]; }
+
+  /// Openings of the joints, metres. For a link, the excess of its length.
+  VectorXd gaps(const Poses& poses) const {
+    VectorXd values(rows_);
+    int row = 0;
+    for (const model::Pivot& pivot : pivots_) {
+      const Vector3 apart = apartOf(pivot, poses);
+      if (pivot.distance > 0) {
+        values[row] = apart.norm() - pivot.distance;
+      } else {
+        values.segment(row, rowsOf(pivot)) = apart.head(rowsOf(pivot));
+      }
+      row += rowsOf(pivot);
+    }
+    return values;
+  }
+
+  SparseMatrix jacobian(const Poses& poses) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    int row = 0;
+    for (const model::Pivot& pivot : pivots_) {
+      Eigen::Matrix3d axes = Matrix3::Identity();
+      if (pivot.distance > 0) axes.row(0) = apartOf(pivot, poses).normalized();
+      for (int k = 0; k < rowsOf(pivot); ++k, ++row) {
+        const Vector3 axis = axes.row(k);
+        addRow(row, pivot.brickA, axis, pivot.pointA, poses, entries);
+        addRow(row, pivot.brickB, -axis, pivot.pointB, poses, entries);
+      }
+    }
+    SparseMatrix matrix(rows_, columns());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+  }
+
+  /// The state after the move u.
+  Poses moved(Poses poses, const VectorXd& u) const {
+    for (int i = 0; i < count_; ++i) {
+      Vector6 move = Vector6::Zero();
+      for (int k = 0; k < freedoms(); ++k) move[component(k)] = u[i * freedoms() + k];
+      poses[i] = displaced(poses[i], move.head<3>(), move.tail<3>() / radii_[i]);
+    }
+    return poses;
+  }
+
+  /// Component k of u of a linear form in (dx, dphi) of one brick.
+  double partOf(const Vector6& form, int brick, int k) const {
+    const int which = component(k);
+    return which < 3 ? form[which] : form[which] / radii_[brick];
+  }
+
+  /// The index in (dx, dphi) of a brick's component k.
+  int component(int k) const { return isPlanar_ && k == 2 ? 5 : k; }
+
+ private:
+  int rowsOf(const model::Pivot& pivot) const { return pivot.distance > 0 ? 1 : isPlanar_ ? 2 : 3; }
+
+  static Vector3 apartOf(const model::Pivot& pivot, const Poses& poses) {
+    return model::poseOf(pivot.brickA, poses).apply(pivot.pointA) -
+           model::poseOf(pivot.brickB, poses).apply(pivot.pointB);
+  }
+
+  void addRow(int row, int brick, const Vector3& axis, const Vector3& point, const Poses& poses,
+              std::vector<Eigen::Triplet<double>>& entries) const {
+    if (!model::isBrick(brick)) return;
+    Vector6 form;
+    form << axis, (poses[brick].rotation * point).cross(axis);
+    for (int k = 0; k < freedoms(); ++k) {
+      entries.emplace_back(row, brick * freedoms() + k, partOf(form, brick, k));
+    }
+  }
+
+  bool isPlanar_;
+  int count_;  // bricks
+  int rows_ = 0;
+  std::vector<double> radii_;  // of gyration, metres
+  std::vector<model::Pivot> pivots_;
+};
+
+/// Moves of least length that change the gaps of joints by given amounts at one state.
+class LeastMoves {
+ public:
+  LeastMoves(const Joints& joints, const Poses& poses) : jacobian_(joints.jacobian(poses)) {
+    SparseMatrix square = jacobian_ * jacobian_.transpose();
+    SparseMatrix regular(square.rows(), square.cols());
+    regular.setIdentity();
+    square += kRegular * regular;
+    factor_.compute(square);
+  }
+
+  const SparseMatrix& jacobian() const { return jacobian_; }
+  /// Returns one column of moves per column of changes.
+  MatrixXd forChanges(const MatrixXd& changes) const {
+    return jacobian_.transpose() * MatrixXd(factor_.solve(changes));
+  }
+
+ private:
+  SparseMatrix jacobian_;
+  Eigen::SimplicialLDLT<SparseMatrix> factor_;
+};
+
+/// An orthonormal basis of the columns' span, in their order.
+MatrixXd orthonormal(const MatrixXd& columns) {
+  const Eigen::HouseholderQR<MatrixXd> qr(columns);
+  return qr.householderQ() * MatrixXd::Identity(columns.rows(), columns.cols());
+}
+
+class Smoothing {
+ public:
+  Smoothing(const scene::Scene& scene, const run::GeometricPath& found,
+            scene::ContactFilter contacts, run::SearchBudget& budget,
+            const PathObserver& shouldContinue)
+      : found_(found),
+        budget_(budget),
+        shouldContinue_(shouldContinue),
+        tile_(model::tileSize(scene.model)),
+        isPlanar_(scene::sceneNeeds(scene).planar.on),
+        mostOpen_(found.path.isRounded ? run::roundedGap(scene.model) : kClosedByNewton * tile_),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        joints_(bricks_, pivots_, isPlanar_) {
+    if (contacts != scene::ContactFilter::None) {
+      gaps_.emplace(bricks_, pivots_, contacts, scene.environment.pivotZone, isPlanar_,
+                    found.path.states.front());
+    }
+    takeStates(scene);
+  }
+
+  /// The improved states. Empty if there is no improvement.
+  std::vector<Poses> find() {
+    if (!prepare()) return {};
+    int taken = 0;
+    double damping = kFirstDamping;
+    for (int tries = kSmoothingTries; taken < kSmoothingRounds && !isOver();) {
+      const double before = energy_;
+      if (!round(damping, tries, taken)) break;
+      ++taken;
+      if (energy_ <= before && energy_ > (1 - kLeastRoundGain) * before) break;
+      if (isSmooth() && overlap_ <= kMostOverlap * tile_) break;
+    }
+    return taken > 0 ? interpolated() : std::vector<Poses>{};
+  }
+
+ private:
+  // Whether the budget is spent or the caller stops.
+  bool isOver() const { return budget_.isSpent() || (shouldContinue_ && !shouldContinue_(1)); }
+
+  std::size_t count() const { return states_.size(); }
+  int freedoms() const { return free_ + static_cast<int>(modes_.cols()); }
+
+  /// Samples the found path at constant speed, and computes the modes of its joint openings.
+  void takeStates(const scene::Scene& scene) {
+    const run::MechanismPath& path = found_.path;
+    run::StatesBetween between(scene, found_);
+    states_.push_back(path.states.front());
+    for (int k = 1; k < kIntervals; ++k) {
+      const double length = k * path.length() / kIntervals;
+      const auto next = std::upper_bound(path.lengths.begin() + 1, path.lengths.end() - 1, length);
+      const auto state = static_cast<std::size_t>(next - path.lengths.begin());
+      const double part = path.lengths[state] - path.lengths[state - 1];
+      const double share = part > 0 ? (length - path.lengths[state - 1]) / part : 1;
+      states_.push_back(between.at(state, share));
+    }
+    states_.push_back(path.states.back());
+    MatrixXd openings(joints_.rows(), static_cast<Eigen::Index>(count()));
+    for (std::size_t k = 0; k < count(); ++k) {
+      openings.col(static_cast<Eigen::Index>(k)) = joints_.gaps(states_[k]);
+      isOpen_.push_back(found_.hasCompliantJoints &&
+                        trajectory::jointGap(pivots_, states_[k]).max > kOpenOnPath * tile_);
+    }
+    takeModes(openings);
+  }
+
+  /// The left singular vectors of the openings, by the eigenvectors of the smaller Gram matrix.
+  void takeModes(const MatrixXd& openings) {
+    modes_.resize(joints_.rows(), 0);
+    if (std::ranges::none_of(isOpen_, [](bool isOpen) { return isOpen; })) return;
+    const SymmetricEigen eigen = eigenOf(openings.transpose() * openings);
+    const double largest = eigen.values[eigen.values.size() - 1];
+    std::vector<VectorXd> found;
+    for (Eigen::Index k = eigen.values.size();
+         k-- > 0 && found.size() < kModes && eigen.values[k] > 1e-12 * largest;) {
+      found.push_back((openings * eigen.vectors.col(k)).normalized());
+    }
+    modes_.resize(joints_.rows(), static_cast<Eigen::Index>(found.size()));
+    for (std::size_t k = 0; k < found.size(); ++k)
+      modes_.col(static_cast<Eigen::Index>(k)) = found[k];
+    modes_ = orthonormal(modes_);
+  }
+
+  /// Closes a state by Newton steps. Open joints may keep the part of their opening that lies in
+  /// the modes. Returns the remaining gap, metres.
+  double close(Poses& poses, bool isOpen) const {
+    VectorXd goal = VectorXd::Zero(joints_.rows());
+    if (isOpen) goal = modes_ * (modes_.transpose() * joints_.gaps(poses));
+    return closeTo(goal, poses);
+  }
+
+  double closeTo(const VectorXd& goal, Poses& poses) const {
+    if (joints_.rows() == 0) return 0;
+    for (int k = 0; k < kNewtonSteps; ++k) {
+      const VectorXd missing = goal - joints_.gaps(poses);
+      if (missing.cwiseAbs().maxCoeff() < kNewtonEnd * tile_) break;
+      poses = joints_.moved(std::move(poses), LeastMoves(joints_, poses).forChanges(missing));
+    }
+    return (goal - joints_.gaps(poses)).cwiseAbs().maxCoeff();
+  }
+
+  /// Closes the states between the ends, finds their bases, and pushes bricks apart. Returns
+  /// whether the path can be improved.
+  bool prepare() {
+    for (std::size_t i = 1; i + 1 < count(); ++i) close(states_[i], isOpen_[i]);
+    std::optional<MatrixXd> least;
+    std::size_t from = 0;
+    for (const std::size_t i : {count() / 3, count() / 2, 2 * count() / 3}) {
+      MatrixXd basis = nullSpace(states_[i]);
+      if (least && basis.cols() >= least->cols()) continue;
+      least = std::move(basis);
+      from = i;
+    }
+    free_ = static_cast<int>(least->cols());
+    const double cost = kProgramCost * static_cast<double>(count()) * std::pow(freedoms(), 3);
+    if (free_ == 0 || cost > budget_.left()) return false;
+    bases_.assign(count(), *least);
+    for (std::size_t i = from; i < count(); ++i) {
+      bases_[i] = carriedOn(i == from ? *least : bases_[i - 1], states_[i], isOpen_[i]);
+    }
+    for (std::size_t i = from; i-- > 0;) {
+      bases_[i] = carriedOn(bases_[i + 1], states_[i], isOpen_[i]);
+    }
+    for (std::size_t i = 1; i + 1 < count(); ++i) {
+      pushApart(states_[i], bases_[i], isOpen_[i], kOverlap);
+      makeSymmetric(states_[i], isOpen_[i]);
+    }
+    overlap_ = overlapOf(states_);
+    double length = 0;
+    for (std::size_t i = 1; i < count(); ++i) {
+      length += run::pathDistance(bricks_, states_[i - 1], states_[i]);
+    }
+    const double mean = length / static_cast<double>(count() - 1);
+    scale_ = static_cast<double>(bricks_.size()) * mean * mean;
+    price_ = std::pow(2 * std::numbers::pi * kWaves / static_cast<double>(count() - 1), 4);
+    energy_ = energyOf(states_);
+    return scale_ > 0;
+  }
+
+  /// An orthonormal basis of the moves that keep joints closed.
+  MatrixXd nullSpace(const Poses& poses) const {
+    const MatrixXd transposed = MatrixXd(joints_.jacobian(poses)).transpose();
+    if (joints_.rows() == 0) return MatrixXd::Identity(joints_.columns(), joints_.columns());
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(transposed);
+    qr.setThreshold(kSingular);
+    const MatrixXd q = qr.householderQ();
+    return q.rightCols(joints_.columns() - qr.rank());
+  }
+
+  /// The basis of a neighbour, projected onto the moves that keep this state's joints closed. If
+  /// joints may open, the moves that open them in the modes follow.
+  MatrixXd carriedOn(const MatrixXd& neighbour, const Poses& poses, bool isOpen) const {
+    MatrixXd basis = MatrixXd::Zero(joints_.columns(), freedoms());
+    if (joints_.rows() == 0) {
+      basis.leftCols(free_) = neighbour.leftCols(free_);
+      return basis;
+    }
+    const LeastMoves least(joints_, poses);
+    MatrixXd closed = neighbour.leftCols(free_);
+    for (int k = 0; k < 2; ++k) {
+      closed = orthonormal(closed - least.forChanges(least.jacobian() * closed));
+    }
+    basis.leftCols(free_) = closed;
+    if (isOpen) basis.rightCols(modes_.cols()) = orthonormal(least.forChanges(modes_));
+    return basis;
+  }
+
+  /// The rows of a state's program that keep bricks apart, for pairs within `margin` metres. Bounds
+  /// allow an overlap of `overlap` metres.
+  void appendGaps(const Poses& poses, const MatrixXd& basis, double margin, double overlap,
+                  BandedProgram& program) {
+    std::vector<NearGap> near;
+    if (gaps_) near = gaps_->find(poses, margin, kPointReach * tile_);
+    MatrixXd rows = MatrixXd::Zero(static_cast<Eigen::Index>(near.size()), basis.cols());
+    VectorXd bounds(static_cast<Eigen::Index>(near.size()));
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      const auto add = [&](const Vector6& form, int brick) {
+        for (int f = 0; f < joints_.freedoms(); ++f) {
+          rows.row(row) +=
+              joints_.partOf(form, brick, f) * basis.row(brick * joints_.freedoms() + f);
+        }
+      };
+      add(near[k].ofA, near[k].brickA);
+      add(near[k].ofB, near[k].brickB);
+      bounds[row] = -near[k].gap - overlap;
+    }
+    program.constraints.push_back(std::move(rows));
+    program.bounds.push_back(std::move(bounds));
+  }
+
+  /// Separates bricks of one state that overlap by more than `overlap` tiles.
+  void pushApart(Poses& poses, const MatrixXd& basis, bool isOpen, double overlap) {
+    if (!gaps_) return;
+    for (int k = 0; k < kPushes; ++k) {
+      BandedProgram program;
+      appendGaps(poses, basis, kPushMargin * tile_, -0.5 * overlap * tile_, program);
+      const VectorXd& bounds = program.bounds.front();
+      const double deepest = bounds.size() > 0 ? bounds.maxCoeff() - 0.5 * overlap * tile_ : 0;
+      if (deepest <= overlap * tile_) return;
+      VectorXd weights = VectorXd::Ones(basis.cols());
+      weights.tail(modes_.cols()).setConstant(kPriceOfPushing);
+      program.hessian.diagonal.push_back(weights.asDiagonal());
+      program.gradient = MatrixXd::Zero(basis.cols(), 1);
+      program.priceScale = deepest;
+      const MatrixXd y = solve(program);
+      if (y.size() == 0) return;
+      poses = joints_.moved(std::move(poses), basis * y.col(0));
+      close(poses, isOpen);
+    }
+  }
+
+  /// The deepest overlap beyond the start, metres.
+  double overlapOf(const std::vector<Poses>& states) {
+    double deepest = 0;
+    if (!gaps_) return deepest;
+    for (const Poses& poses : states) {
+      for (const NearGap& near : gaps_->find(poses, 0, 0)) deepest = std::max(deepest, -near.gap);
+    }
+    return deepest;
+  }
+
+  /// z of a state: the position and the rotation matrix of each brick.
+  VectorXd placesOf(const Poses& poses) const {
+    VectorXd places(12 * static_cast<Eigen::Index>(poses.size()));
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const auto row = 12 * static_cast<Eigen::Index>(i);
+      const double scale = joints_.radius(static_cast<int>(i)) * std::numbers::sqrt2 / 2;
+      const Matrix3 rotation = scale * poses[i].rotation.toRotationMatrix();
+      places.segment<3>(row) = poses[i].position;
+      places.segment<9>(row + 3) = rotation.reshaped();
+    }
+    return places;
+  }
+
+  /// The change of z for each column of a basis.
+  MatrixXd changesOf(const MatrixXd& basis, const Poses& poses) const {
+    MatrixXd changes(12 * static_cast<Eigen::Index>(poses.size()), basis.cols());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const auto row = 12 * static_cast<Eigen::Index>(i);
+      const Matrix3 rotation = std::numbers::sqrt2 / 2 * poses[i].rotation.toRotationMatrix();
+      for (Eigen::Index c = 0; c < basis.cols(); ++c) {
+        Vector6 move = Vector6::Zero();
+        for (int f = 0; f < joints_.freedoms(); ++f) {
+          move[joints_.component(f)] =
+              basis(static_cast<Eigen::Index>(i) * joints_.freedoms() + f, c);
+        }
+        changes.col(c).segment<3>(row) = move.head<3>();
+        const Matrix3 turned = crossMatrix(move.tail<3>()) * rotation;
+        changes.col(c).segment<9>(row + 3) = turned.reshaped();
+      }
+    }
+    return changes;
+  }
+
+  std::vector<VectorXd> placesOf(const std::vector<Poses>& states) const {
+    std::vector<VectorXd> places;
+    for (const Poses& poses : states) places.push_back(placesOf(poses));
+    return places;
+  }
+
+  double energyOf(const std::vector<Poses>& states) const {
+    const std::vector<VectorXd> z = placesOf(states);
+    double energy = 0;
+    for (std::size_t i = 1; i + 1 < z.size(); ++i) {
+      energy += (z[i - 1] - 2 * z[i] + z[i + 1]).squaredNorm();
+      if (modes_.cols() > 0) energy += price_ * joints_.gaps(states[i]).squaredNorm();
+    }
+    return energy / scale_;
+  }
+
+  /// Whether the steps of all bricks between states change little.
+  bool isSmooth() const {
+    const std::vector<VectorXd> z = placesOf(states_);
+    double largest = 0, typical = 0;
+    for (std::size_t i = 1; i + 1 < z.size(); ++i) {
+      const VectorXd second = z[i - 1] - 2 * z[i] + z[i + 1];
+      for (Eigen::Index row = 0; row < second.size(); row += 12) {
+        largest = std::max(largest, second.segment<12>(row).norm());
+        typical += (z[i] - z[i - 1]).segment<12>(row).norm();
+      }
+    }
+    typical /= static_cast<double>(bricks_.size() * (z.size() - 2));
+    return largest <= kSmoothEnough * typical;
+  }
+
+  /// The program of a round, without damping.
+  BandedProgram programOf() {
+    BandedProgram program;
+    const std::size_t inner = count() - 2;
+    const std::vector<VectorXd> z = placesOf(states_);
+    std::vector<VectorXd> second(count());  // differences, at the state in their middle
+    for (std::size_t i = 1; i <= inner; ++i) second[i] = z[i - 1] - 2 * z[i] + z[i + 1];
+    std::vector<MatrixXd> changes;
+    for (std::size_t i = 1; i <= inner; ++i) changes.push_back(changesOf(bases_[i], states_[i]));
+    program.gradient.resize(freedoms(), static_cast<Eigen::Index>(inner));
+    for (std::size_t i = 1; i <= inner; ++i) {
+      const MatrixXd& here = changes[i - 1];
+      VectorXd force = -2 * second[i];
+      if (i > 1) force += second[i - 1];
+      if (i < inner) force += second[i + 1];
+      const double own = 4 + (i > 1 ? 1 : 0) + (i < inner ? 1 : 0);
+      VectorXd gradient = here.transpose() * force;
+      MatrixXd diagonal = own * here.transpose() * here;
+      if (modes_.cols() > 0) {
+        const MatrixXd openings = joints_.jacobian(states_[i]) * bases_[i];
+        gradient += price_ * openings.transpose() * joints_.gaps(states_[i]);
+        diagonal += price_ * openings.transpose() * openings;
+      }
+      program.gradient.col(static_cast<Eigen::Index>(i) - 1) = gradient;
+      program.hessian.diagonal.push_back(std::move(diagonal));
+      if (i + 1 <= inner) program.hessian.first.push_back(-4 * changes[i].transpose() * here);
+      if (i + 2 <= inner) program.hessian.second.push_back(changes[i + 1].transpose() * here);
+      appendGaps(states_[i], bases_[i], kMargin * tile_, kOverlap * tile_, program);
+    }
+    program.priceScale = program.gradient.cwiseAbs().maxCoeff();
+    return program;
+  }
+
+  /// The longest move of a brick, metres.
+  double longest(const std::vector<VectorXd>& moves) const {
+    double most = 0;
+    for (const VectorXd& u : moves) {
+      for (Eigen::Index i = 0; i < u.size(); i += joints_.freedoms()) {
+        most = std::max(most, u.segment(i, joints_.freedoms()).norm());
+      }
+    }
+    return most;
+  }
+
+  /// Tries rounds until one is accepted. Returns whether one was.
+  bool round(double& damping, int& tries, int taken) {
+    const BandedProgram program = programOf();
+    for (; tries > 0 && damping <= kMostDamping && !isOver();) {
+      BandedProgram damped = program;
+      for (MatrixXd& block : damped.hessian.diagonal) block.diagonal().array() += damping;
+      const MatrixXd y = solve(damped);
+      budget_.spend(kProgramCost * static_cast<double>(count()) * std::pow(freedoms(), 3));
+      if (y.size() == 0) {
+        damping *= 10;
+        continue;
+      }
+      std::vector<VectorXd> moves;
+      for (Eigen::Index i = 0; i < y.cols(); ++i) moves.push_back(bases_[i + 1] * y.col(i));
+      const double most = longest(moves) / tile_;
+      if (most > 2 * kLongestRoundMove) {
+        damping *= most > 6 * kLongestRoundMove ? 10 : 3;
+        continue;
+      }
+      --tries;
+      if (take(moves, std::min(1.0, kLongestRoundMove / most), taken)) {
+        const double factor = most < 0.5 * kLongestRoundMove ? 10
+                              : most < kLongestRoundMove     ? 3
+                                                             : 1;
+        damping = std::max(damping / factor, kLeastDamping);
+        return true;
+      }
+      damping *= 10;
+    }
+    return false;
+  }
+
+  /// Moves all states by a fraction of the moves. Keeps them if that is better.
+  bool take(const std::vector<VectorXd>& moves, double part, int taken) {
+    std::vector<Poses> tried = states_;
+    std::vector<MatrixXd> bases = bases_;
+    for (std::size_t i = 1; i + 1 < count(); ++i) {
+      tried[i] = joints_.moved(std::move(tried[i]), part * moves[i - 1]);
+      const double gap = close(tried[i], isOpen_[i]);
+      if (gap > mostOpen_) return false;
+      bases[i] = carriedOn(bases_[i], tried[i], isOpen_[i]);
+      pushApart(tried[i], bases[i], isOpen_[i], kOverlap);
+      makeSymmetric(tried[i], isOpen_[i]);
+    }
+    const double overlap = overlapOf(tried);
+    const double energy = energyOf(tried);
+    const double allowed = std::max(
+        {kMostOverlap * tile_, overlap_, taken < kEarlyRounds ? kEarlyOverlap * tile_ : 0});
+    const bool isBetter = (energy < energy_ && overlap < allowed) ||
+                          (overlap < 0.7 * overlap_ && overlap_ > kMostOverlap * tile_);
+    if (!isBetter) return false;
+    states_ = std::move(tried);
+    bases_ = std::move(bases);
+    energy_ = energy;
+    overlap_ = overlap;
+    return true;
+  }
+
+  /// The mean of a state's images under the symmetries, with its joints closed again.
+  void makeSymmetric(Poses& poses, bool isOpen) const {
+    if (found_.path.symmetries.size() < 2) return;
+    poses = model::symmetricMean(poses, found_.path.symmetries);
+    close(poses, isOpen);
+  }
+
+  /// Path lengths of the states of the result, for a path of length `whole`.
+  std::vector<double> finalLengths(double whole) const {
+    const double count =
+        std::clamp(std::ceil(whole / (kFinalSpacing * tile_)), kLeastFinal, kMostFinal);
+    const double spacing = whole / count;
+    std::vector<double> lengths;
+    for (int k = 1; k < count; ++k) lengths.push_back(k * spacing);
+    return lengths;
+  }
+
+  /// States at constant speed on cubics through the improved states.
+  std::vector<Poses> interpolated() {
+    std::vector<double> lengths = {0};
+    for (std::size_t i = 1; i < count(); ++i) {
+      lengths.push_back(lengths.back() + run::pathDistance(bricks_, states_[i - 1], states_[i]));
+    }
+    std::vector<Poses> found = {states_.front()};
+    for (const double length : finalLengths(lengths.back())) {
+      const auto next = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, length);
+      const auto i = static_cast<std::size_t>(next - lengths.begin());
+      const bool isOpen = isOpen_[i - 1] || isOpen_[i];
+      Poses poses = onCubic(lengths, i, length);
+      if (isOpen) {
+        const double share = (length - lengths[i - 1]) / (lengths[i] - lengths[i - 1]);
+        closeTo((1 - share) * joints_.gaps(states_[i - 1]) + share * joints_.gaps(states_[i]),
+                poses);
+      } else {
+        close(poses, false);
+      }
+      const std::size_t near = length - lengths[i - 1] < lengths[i] - length ? i - 1 : i;
+      pushApart(poses, carriedOn(bases_[near], poses, isOpen), isOpen, kFinalOverlap);
+      makeSymmetric(poses, isOpen);
+      found.push_back(std::move(poses));
+    }
+    found.push_back(states_.back());
+    return found;
+  }
+
+  /// The cubic through the four states around the interval before state i (Lagrange).
+  Poses onCubic(const std::vector<double>& lengths, std::size_t i, double length) const {
+    const std::size_t first = std::min(i > 2 ? i - 2 : 0, count() - 4);
+    Poses poses = states_[i];
+    std::vector<Vector3> turns(poses.size(), Vector3::Zero());
+    for (std::size_t k = first; k < first + 4; ++k) {
+      double weight = 1;
+      for (std::size_t m = first; m < first + 4; ++m) {
+        if (m != k) weight *= (length - lengths[m]) / (lengths[k] - lengths[m]);
+      }
+      for (std::size_t b = 0; b < poses.size(); ++b) {
+        poses[b].position += weight * (states_[k][b].position - states_[i][b].position);
+        turns[b] += weight * turnBetween(states_[i][b].rotation, states_[k][b].rotation);
+      }
+    }
+    for (std::size_t b = 0; b < poses.size(); ++b) {
+      poses[b].rotation = (rotationFromVector(turns[b]) * poses[b].rotation).normalized();
+    }
+    return poses;
+  }
+
+  const run::GeometricPath& found_;
+  run::SearchBudget& budget_;
+  const PathObserver& shouldContinue_;
+  double tile_;  // metres
+  bool isPlanar_;
+  double mostOpen_;  // after Newton steps, metres
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  Joints joints_;
+  std::optional<NearGapFinder> gaps_;  // absent if bricks may not touch
+  std::vector<Poses> states_;
+  std::vector<bool> isOpen_;     // whether joints of a state are open
+  MatrixXd modes_;               // of openings, orthonormal columns
+  int free_ = 0;                 // motions that keep joints closed
+  std::vector<MatrixXd> bases_;  // one per state
+  double price_ = 0;             // of a squared opening
+  double scale_ = 0;             // of the energy, square metres
+  double energy_ = 0;
+  double overlap_ = 0;  // the deepest beyond the start, metres
+};
+
+}  // namespace
+
+run::MechanismPath smoothed(const scene::Scene& scene, const run::GeometricPath& found,
+                            scene::ContactFilter contacts, run::SearchBudget& budget,
+                            const PathObserver& shouldContinue) {
+  run::MechanismPath path = found.path;
+  if (!(path.length() > 0) || path.states.front().size() > kMostBricks) return path;
+  std::vector<Poses> states = Smoothing(scene, found, contacts, budget, shouldContinue).find();
+  if (states.empty()) return path;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  path.states = std::move(states);
+  path.lengths = {0};
+  for (std::size_t k = 1; k < path.states.size(); ++k) {
+    path.lengths.push_back(path.length() +
+                           run::pathDistance(bricks, path.states[k - 1], path.states[k]));
+  }
+  return path;
+}
+
+}  // namespace kirireel::path

@@ -1,0 +1,383 @@
+// The choice of a solver for a scene.
+#include "sim/run/dynamics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/interruption.h"
+#include "sim/engines/bullet_world.h"
+#include "sim/run/forces.h"
+#include "sim/scene/scene_parts.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::run {
+
+double misfitStiffness(const scene::Scene& scene, const std::vector<model::Brick>& bricks) {
+  return kMisfitRatio * placeStiffness(scene.springs, bricks);
+}
+
+bool keepsTolerance(const scene::Scene& scene) {
+  return scene.solver.tolerance > 0 && scene.solver.kind == scene::SolverKind::Direct &&
+         !scene.solver.substeps && scene.path.kind != scene::PathKind::Guided &&
+         !scene.path.jointsAreCompliant();
+}
+
+std::unique_ptr<Dynamics> makeDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                                       const std::vector<model::Brick>& bricks,
+                                       const Poses& start) {
+  if (scene.solver.kind == scene::SolverKind::Bullet) {
+    return makeBulletDynamics(scene, bricks, start);
+  }
+  return std::make_unique<DirectDynamics>(scene, needs, bricks, start);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The direct solver with contacts, in two ways.
+//
+// *Fixed steps* (advance): the joint solver's own step with a contact finder.
+//
+// *Steps to a tolerance* (advanceToTolerance): see tolerance_steps.cpp.
+//
+// The solver knows obstacles, as the ground, by their contacts alone.
+
+namespace {
+
+// Overlaps below this part of a tile, and of the thickness, count as none.
+constexpr double kTilePart = 1e-5;
+constexpr double kThicknessPart = 2e-3;
+// Points of bricks touch below this part of the tolerance in time.
+constexpr double kTouchingPart = 0.1;
+// Joints are closed below this part of a tile.
+constexpr double kClosed = 1e-10;
+
+/// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
+/// weight.
+std::vector<mechanics::Support> groundSupports(const scene::Scene& scene, const scene::Needs& needs,
+                                               const std::vector<model::Brick>& bricks) {
+  std::vector<mechanics::Support> supports;
+  const scene::Environment& environment = scene.environment;
+  if (!needs.planar.on || !environment.ground) return supports;
+  const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
+  if (push == 0) return supports;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const double share = bricks[i].mass / static_cast<double>(bricks[i].bottom.size());
+    for (const Vector3& point : bricks[i].bottom) {
+      supports.push_back({static_cast<int>(i), point, push * share});
+    }
+  }
+  return supports;
+}
+
+/// The forces of all points in which two things touch.
+struct PairSum {
+  Vector3 force = Vector3::Zero();
+  Vector3 moment = Vector3::Zero();  // about the origin
+  Vector3 pointSum = Vector3::Zero();
+  double weight = 0;
+
+  void add(const mechanics::TouchForce& touch, double sign) {
+    force += sign * touch.force;
+    moment += sign * touch.point.cross(touch.force);
+    const double share = touch.push > 0 ? touch.push : touch.force.norm();
+    pointSum += share * touch.point;
+    weight += share;
+  }
+
+  /// About the middle of what pushes; points that only rub count by that.
+  trajectory::Hold resultant(int tile, int other) const {
+    const Vector3 point = pointSum / weight;
+    return {trajectory::HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
+  }
+};
+
+/// The solver of a scene's joints and forces between pairs.
+std::unique_ptr<mechanics::JointSolver> solverOf(const scene::Scene& scene,
+                                                 const scene::Needs& needs,
+                                                 const std::vector<model::Brick>& bricks) {
+  scene::Ties ties = scene::dynamicTies(scene, bricks);
+  return mechanics::makeJointSolver(
+      bricks, ties.pivots,
+      {needs.planar.on, model::tileSize(scene.model), groundSupports(scene, needs, bricks),
+       std::move(ties.pairForces)});
+}
+
+void requireFree(const std::optional<contacts::ObstacleOverlap>& overlap,
+                 const model::Model& model) {
+  if (!overlap) return;
+  throw InputError(
+      fmt::format("error: tile {} overlaps obstacle {} by {} at the start. Move the obstacle",
+                  model.fileOrder.countsFrom + overlap->brick, overlap->obstacle,
+                  lengthText(overlap->depth, model.unit)));
+}
+
+// Obstacles are bodies in space.
+void requireSpace(const scene::Scene& scene, const scene::Needs& needs) {
+  if (!needs.planar.on || scene.environment.obstacles.empty()) return;
+  throw InputError(
+      "error: obstacles work only with bricks in space. Remove `planar = on` or the obstacles");
+}
+
+}  // namespace
+
+DirectDynamics::DirectDynamics(const scene::Scene& scene, const scene::Needs& needs,
+                               const std::vector<model::Brick>& bricks, const Poses& start)
+    : bricks_(bricks),
+      countsFrom_(scene.model.fileOrder.countsFrom),
+      tileSize_(model::tileSize(scene.model)),
+      environment_(scene.environment),
+      solver_(solverOf(scene, needs, bricks_)),  // which refers to its bricks
+      substeps_(scene.solver.substeps.value_or(1)),
+      keepsEnergy_(scene.hinges.areLigaments || scene.hinges.panels),
+      isRubbing_(!groundSupports(scene, needs, bricks).empty()),
+      touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
+  requireSpace(scene, needs);
+  if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
+  const auto finder = [&](double tolerance) {
+    auto made = std::make_unique<contacts::ContactFinder>(
+        bricks, start, model::makePivots(scene.model.joints, bricks), scene.environment,
+        needs.planar.on, tolerance);
+    requireFree(made->overlapWithObstacle(start), scene.model);
+    return made;
+  };
+  contacts_ = finder(touching_);
+  if (!keepsTolerance(scene)) return;
+  touching_ = std::min(touching_, kTouchingPart * scene.solver.tolerance * tileSize_);
+  exactContacts_ = finder(touching_);
+}
+
+// A state that cannot be closed is given back as it was.
+bool DirectDynamics::assemble(Poses& poses) {
+  Poses closed = poses;
+  if (solver_->assemble(closed) > kClosed * tileSize_) return false;
+  poses = std::move(closed);
+  return true;
+}
+
+void DirectDynamics::fitVelocities(Motion& motion) {
+  solver_->collide(motion);
+}
+
+void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
+  isPinned_ = std::ranges::find(pinned, true) != pinned.end();
+  solver_->setPinned(pinned);
+}
+
+/// The actuation with what surrounds the bricks.
+mechanics::TimedLoads DirectDynamics::allLoads(const mechanics::TimedLoads& actuation) const {
+  return [this, &actuation](double seconds, const Poses& poses, std::vector<model::Load>& loads) {
+    checkInterruption();  // a step may be halved many times
+    actuation(seconds, poses, loads);
+    addEnvironmentLoads(environment_, bricks_, poses, loads);
+  };
+}
+
+StepReport DirectDynamics::advance(Motion& motion, double step,
+                                   const mechanics::LoadSource& actuation) {
+  const mechanics::TimedLoads timeless =
+      [&](double, const Poses& poses, std::vector<model::Load>& loads) { actuation(poses, loads); };
+  const mechanics::TimedLoads all = allLoads(timeless);
+  const mechanics::LoadSource now = [&](const Poses& poses, std::vector<model::Load>& loads) {
+    all(0, poses, loads);
+  };
+  StepReport report;
+  for (int substep = 0; substep < substeps_; ++substep) {
+    report += solver_->advance(motion, step / substeps_, now, contacts_.get());
+  }
+  return report;
+}
+
+void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
+  contacts::ContactFinder* exact = exactContacts_ ? exactContacts_.get() : contacts_.get();
+  toleranceSteps_ = std::make_unique<ToleranceSteps>(
+      bricks_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, isRubbing_},
+      mechanics::ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_,
+                                       keepsEnergy_},
+      tolerance.firstOrderStep);
+}
+
+StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
+                                              const mechanics::TimedLoads& actuation) {
+  const mechanics::TimedLoads all = allLoads(actuation);
+  return toleranceSteps_->advance(motion, seconds, all, isPinned_);
+}
+
+std::span<const mechanics::PassedState> DirectDynamics::passed() const {
+  if (!toleranceSteps_) return {};
+  return toleranceSteps_->passed();
+}
+
+std::vector<trajectory::Hold> DirectDynamics::contacts(const Poses& poses) const {
+  std::map<std::pair<int, int>, PairSum> pairs;
+  for (const mechanics::TouchForce& touch : solver_->touchForces(poses)) {
+    const bool isSwapped = model::isBrick(touch.brickB) && touch.brickB < touch.brickA;
+    const int tile = isSwapped ? touch.brickB : touch.brickA;
+    const int other = isSwapped ? touch.brickA : touch.brickB;
+    pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
+  }
+  std::vector<trajectory::Hold> holds;
+  for (const auto& [pair, sum] : pairs) {
+    if (sum.force.isZero(0)) continue;
+    holds.push_back(sum.resultant(pair.first, pair.second));
+  }
+  return holds;
+}
+
+std::string DirectDynamics::nameOf(const mechanics::ContactLoad& load) const {
+  const int tile = countsFrom_ + load.brickA;
+  if (load.brickB == model::kFixed) return fmt::format("tile {} and the ground", tile);
+  return model::isBrick(load.brickB)
+             ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
+             : fmt::format("tile {} and obstacle {}", tile, model::kFirstObstacle - load.brickB);
+}
+
+std::vector<std::string> DirectDynamics::loadedContacts() const {
+  std::vector<std::string> names;
+  for (const mechanics::ContactLoad& load : solver_->contactLoads()) names.push_back(nameOf(load));
+  return names;
+}
+
+void DirectDynamics::transfer(StateTape& tape) {
+  tape.transfer(*solver_, isPinned_);
+  if (toleranceSteps_) tape.transfer(*toleranceSteps_);
+  if (contacts_) tape.transfer(*contacts_);
+  if (exactContacts_) tape.transfer(*exactContacts_);
+}
+
+// ------------------------------------------------------------------------------------------------
+// An engine as the solver of a run: in each of its substeps the loads are computed anew from the
+// present poses and applied as plain forces, the damping taken at the present velocities. So an
+// engine's step is explicit in the springs, and short substeps are needed where they are stiff.
+// What an engine cannot hold (links, obstacles, pins) is refused.
+
+namespace {
+
+constexpr int kSubsteps = 20;  // as PyKirigami has
+
+// The pivots of a scene whose joints are all points that tiles share. Throws InputError at a link.
+std::vector<model::Pivot> sharedPivots(const scene::Scene& scene,
+                                       const std::vector<model::Brick>& bricks) {
+  std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  for (const model::Pivot& pivot : pivots) {
+    if (pivot.distance == 0) continue;
+    throw InputError(
+        fmt::format("error: `solver = bullet` does not support links, as between tiles {} and {}. "
+                    "Use `solver = direct`",
+                    scene.model.fileOrder.countsFrom + pivot.brickA,
+                    scene.model.fileOrder.countsFrom + pivot.brickB));
+  }
+  return pivots;
+}
+
+// Throws InputError for a scene with obstacles.
+void requireNoObstacles(const scene::Environment& environment) {
+  if (environment.obstacles.empty()) return;
+  throw InputError("error: `solver = bullet` does not support obstacles. Use `solver = direct`");
+}
+
+}  // namespace
+
+WorldDynamics::WorldDynamics(std::unique_ptr<engines::BrickWorld> world, int substeps,
+                             std::size_t brickCount)
+    : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
+
+// Pinning none is allowed, since every run says so at its start.
+void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
+  if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
+  throw InputError("error: `solver = bullet` does not support pinned tiles. Use `solver = direct`");
+}
+
+// One step as equal substeps. The motion is written to the engine first: what was changed outside
+// (closed joints, a reset) counts.
+StepReport WorldDynamics::advance(Motion& motion, double step,
+                                  const mechanics::LoadSource& actuation) {
+  world_->writeMotion(motion);
+  for (int substep = 0; substep < substeps_; ++substep) {
+    actuation(motion.poses, loads_);
+    for (std::size_t i = 0; i < loads_.size(); ++i) {
+      Vector6 velocity;
+      velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+      // An engine takes no stiffness or damping: the load is a plain force at the present state.
+      const Vector6 force = loads_[i].force - loads_[i].damping * velocity;
+      world_->applyLoad(static_cast<int>(i), force.head<3>(), force.tail<3>());
+    }
+    world_->advance(step / substeps_);
+    world_->readMotion(motion);
+  }
+  StepReport report;
+  report.steps = substeps_;
+  return report;
+}
+
+// An engine has no estimate of its error: it takes the time as one step.
+StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
+                                             const mechanics::TimedLoads& actuation) {
+  return advance(motion, seconds, [&](const Poses& poses, std::vector<model::Load>& loads) {
+    actuation(0, poses, loads);
+  });
+}
+
+std::unique_ptr<Dynamics> makeBulletDynamics(const scene::Scene& scene,
+                                             const std::vector<model::Brick>& bricks,
+                                             const Poses& start) {
+  requireNoObstacles(scene.environment);
+  engines::BulletSettings settings;
+  settings.iterations = scene.solver.iterations;
+  auto world = std::make_unique<engines::BulletWorld>(bricks, start, sharedPivots(scene, bricks),
+                                                      scene.environment, settings);
+  return std::make_unique<WorldDynamics>(std::move(world),
+                                         scene.solver.substeps.value_or(kSubsteps), bricks.size());
+}
+
+// ------------------------------------------------------------------------------------------------
+// Keeping a path symmetric. A state is replaced by the mean of its images under the group
+// (model/isometry.h) where it has drifted from it by more than the asymmetry of closed states
+// themselves; the mean of closed states is closed to the second order of the drift, and its joints
+// are closed again where that is not enough. A mean that cannot be closed is not taken.
+
+namespace {
+
+// A state has a symmetry up to this part of a tile.
+constexpr double kSymmetric = 1e-6;
+// Below this part of a tile asymmetry is that of the model's own data, which closed states have.
+constexpr double kNegligible = 5e-10;
+// Joints are closed up to this part of a tile.
+constexpr double kClosedImage = 1e-11;
+
+}  // namespace
+
+// The pivots are kept to measure whether a mean is still closed.
+SymmetricStates::SymmetricStates(const scene::Scene& scene, std::vector<model::Symmetry> group)
+    : group_(std::move(group)), tile_(model::tileSize(scene.model)) {
+  pivots_ =
+      model::makePivots(scene.model.joints, model::makeBricks(scene.model.tiles, scene.brick));
+}
+
+// Drops symmetries that the state does not have, so that the rest are those to be kept from here
+// on. The symmetries of one state form a group again.
+void SymmetricStates::keepThoseOf(const Poses& state) {
+  std::erase_if(group_, [&](const model::Symmetry& symmetry) {
+    return model::asymmetry(state, std::span(&symmetry, 1), tile_) > kSymmetric * tile_;
+  });
+}
+
+// Replaces a state by its mean over the group where it has drifted. It leaves the state as it is
+// where the mean cannot be closed.
+void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
+  if (group_.size() < 2) return;
+  if (model::asymmetry(poses, group_, tile_) <= kNegligible * tile_) return;
+  Poses mean = model::symmetricMean(poses, group_);
+  const bool isExact = !std::isfinite(dynamics.jointStiffness());
+  const bool isOpen = isExact && trajectory::jointGap(pivots_, mean).max > kClosedImage * tile_;
+  if (isOpen && !dynamics.assemble(mean)) return;
+  poses = std::move(mean);
+}
+
+}  // namespace kirireel::run

@@ -1,0 +1,302 @@
+// Playback of a path.
+//
+// The speed is constant: state k is reached at T L_k / L, with L_k the path's length up to it
+// (pathDistance) and T the playback time. Samples are interpolated, with joints closed again.
+#include "sim/run/geometric_path.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/base/interruption.h"
+#include "sim/run/arrival.h"
+#include "sim/run/assembled_state.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/run/run_figures.h"
+#include "sim/run/state_interpolator.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::run {
+namespace {
+
+// A shorter extension, as a fraction of a tile, does not count.
+constexpr double kLeastExtension = 1e-3;
+
+// Number of states that interpolate a path of rounded tiles.
+constexpr std::size_t kSmoothStates = 4;
+
+/// Plays back one path.
+class Playback {
+ public:
+  Playback(const scene::Scene& scene, const GeometricPath& found, const AssembledState& nearest,
+           double sampleInterval, const SampleObserver& observer)
+      : scene_(scene),
+        found_(found),
+        interval_(sampleInterval),
+        observer_(observer),
+        bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(model::makePivots(scene.model.joints, bricks_)),
+        figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone,
+                 model::startPoses(scene.model.tiles, bricks_), nearest),
+        between_(scene, found) {}
+
+  // Plays back all states and samples. Returns the result without outcome and reason.
+  DeploymentResult finish() {
+    figures_.begin(found_.path.states.front(), found_.hasCompliantJoints);
+    takeSample(0, found_.path.states.front());
+    try {
+      const InterruptionCatcher catcher;
+      for (std::size_t k = 1; k < found_.path.states.size() && !shouldStop_; ++k) step(k);
+    } catch (const Interrupted&) {
+      shouldStop_ = true;  // interrupted while a state was interpolated
+    }
+    // The last state is always sampled.
+    if (lastTime_ < time_ && !shouldStop_) takeSample(time_, *poses_);
+    DeploymentResult result;
+    static_cast<trajectory::Subject&>(result.trajectory) = trajectory::subjectOf(scene_);
+    figures_.copyTo(result);
+    return result;
+  }
+
+  bool isInterrupted() const { return shouldStop_ && !isWhole_; }
+  double time() const { return time_; }
+
+ private:
+  /// The time of a state, seconds.
+  double timeAt(std::size_t state) const {
+    const double whole = std::min(scene_.path.playTime, scene_.stop.duration);
+    return found_.path.length() > 0 ? whole * (found_.path.lengths[state] / found_.path.length())
+                                    : 0;
+  }
+
+  // One state of the path, and the samples that are due before it.
+  void step(std::size_t state) {
+    const double before = time_;
+    const double next = timeAt(state);
+    isWhole_ = state + 1 == found_.path.states.size();
+    if (!(next > before)) return;  // equal to the previous state up to rounding
+    time_ = next;
+    poses_ = &found_.path.states[state];
+    StepReport report;
+    report.steps = 1;
+    const StatesWithin within = {
+        before,
+        momentsThrough(found_.path.states[state - 1],
+                       {between_.at(state, 1.0 / 3), between_.at(state, 2.0 / 3)}, *poses_)};
+    figures_.observe(time_, *poses_, report, found_.hasCompliantJoints, within);
+    for (;;) {
+      const double due = static_cast<double>(samples_) * interval_;
+      if (!(due <= time_) || shouldStop_) return;
+      takeSample(due, between_.at(state, (due - before) / (time_ - before)));
+    }
+  }
+
+  // The observer may end the playback here. Further samples of the same step are then
+  // omitted.
+  void takeSample(double time, Poses poses) {
+    ++samples_;
+    lastTime_ = time;
+    const trajectory::Sample sample = figures_.sampleAt(time, std::move(poses));
+    shouldStop_ = observer_ && !observer_(sample);
+  }
+
+  const scene::Scene& scene_;
+  const GeometricPath& found_;
+  double interval_;  // seconds
+  const SampleObserver& observer_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  RunFigures figures_;
+  StatesBetween between_;
+  const Poses* poses_ = &found_.path.states.front();
+  double time_ = 0;      // of the current state, seconds
+  double lastTime_ = 0;  // of the last sample, seconds
+  long samples_ = 0;
+  bool isWhole_ = false;
+  bool shouldStop_ = false;
+};
+
+/// How a path ends near a target, `error` metres away. `nearest`: least error of a state with
+/// closed joints, metres.
+std::string endNearTarget(const scene::Scene& scene, const GeometricPath& found, double error,
+                          double nearest) {
+  const LengthUnit& unit = scene.model.unit;
+  if (hasArrived(scene.model, error, nearest)) {
+    return fmt::format("the path ends {} from the target", lengthText(error, unit));
+  }
+  const std::string words =
+      fmt::format("the path ends {} short of the target: ", lengthText(error, unit));
+  if (isNearest(scene.model, error, nearest)) {
+    return words + "no nearer state with closed joints was found";
+  }
+  return words + fmt::format("{}, although a state with closed joints exists {} from the target",
+                             found.contacts == scene::ContactFilter::None
+                                 ? "no nearer path was found"
+                                 : "no nearer path with contacts was found",
+                             lengthText(nearest, unit));
+}
+
+/// How a complete path ends. Errors as in endNearTarget().
+std::string endOf(const scene::Scene& scene, const GeometricPath& found, double error,
+                  double nearest) {
+  std::string words = "the path ends at full extension";
+  if (scene.model.target) {
+    words = endNearTarget(scene, found, error, nearest);
+  } else if (!found.closedWords.empty()) {
+    words = found.closedWords;
+  } else if (found.path.endsAtOpenJoints) {
+    words = fmt::format(
+        "the path ends at the last state with closed joints. Beyond it they open by more than ten "
+        "times the last digit, {}, of the model's coordinates",
+        lengthText(scene.model.rounding, scene.model.unit, 6));
+  } else if (!isExtension(scene, found.path)) {
+    words = fmt::format("{}. No small motion of the mechanism moves the tiles farther apart",
+                        found.contacts == scene::ContactFilter::None
+                            ? "the start is fully extended"
+                            : "contacts lock the tiles at the start");
+  }
+  if (found.hasCompliantJoints) {
+    words += fmt::format(", joints open by up to {} on the path",
+                         model::lengthInTiles(found.evaluation.opening, scene.model));
+  }
+  if (found.path.isRounded && found.isFitMeasured) {
+    words += fmt::format("; the model's tiles fit each other only to {}",
+                         lengthText(scene.model.rounding, scene.model.unit, 1));
+  } else if (found.path.isRounded) {
+    words += fmt::format(
+        ", {:.2g} of the last digit, {}, of the model's coordinates. Tiles with this rounding do "
+        "not fit each other better",
+        found.evaluation.opening / scene.model.rounding,
+        lengthText(scene.model.rounding, scene.model.unit, 6));
+  }
+  return words;
+}
+
+/// Open joints of the start are closed even if bricks then overlap. Adds a warning in this
+/// case.
+void addPushedWarning(const scene::Scene& scene, const Poses& closed, DeploymentResult& result) {
+  if (scene.environment.contacts == scene::ContactFilter::None) return;
+  const double tile = model::tileSize(scene.model);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<model::Pivot> pivots = model::makePivots(scene.model.joints, bricks);
+  const Poses asRead = model::startPoses(scene.model.tiles, bricks);
+  trajectory::PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
+  const double pushed = meter.at(closed).grown;
+  if (pushed <= kClearShare * tile) return;
+  result.warnings.push_back(fmt::format(
+      "the joints are open by up to {} at the start. Closing them makes bricks overlap by {}",
+      lengthText(trajectory::jointGap(pivots, asRead).max, scene.model.unit, 2),
+      model::lengthInTiles(pushed, scene.model)));
+}
+
+}  // namespace
+
+bool isExtension(const scene::Scene& scene, const MechanismPath& path) {
+  return path.length() >= kLeastExtension * model::tileSize(scene.model);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Interpolated states.
+
+StatesBetween::StatesBetween(const scene::Scene& scene, const GeometricPath& found)
+    : found_(found),
+      tile_(model::tileSize(scene.model)),
+      symmetries_(scene, found.path.symmetries),
+      bricks_(model::makeBricks(scene.model.tiles, scene.brick)),
+      pivots_(model::makePivots(scene.model.joints, bricks_)) {
+  scene::Scene bare = scene;
+  bare.environment = scene::Environment{};
+  projection_ = makeDynamics(bare, scene::sceneNeeds(bare), bricks_,
+                             model::startPoses(scene.model.tiles, bricks_));
+}
+
+bool StatesBetween::isOpen(const Poses& state) const {
+  return found_.hasCompliantJoints &&
+         trajectory::jointGap(pivots_, state).max > kExactShare * tile_;
+}
+
+// The cubic through the four surrounding states (Lagrange). Linear interpolation would open the
+// joints of rounded tiles by the square of a rotation.
+Poses StatesBetween::smoothAt(std::size_t state, double share) const {
+  const std::vector<Poses>& states = found_.path.states;
+  const std::vector<double>& lengths = found_.path.lengths;
+  const std::size_t count = std::min(kSmoothStates, states.size());
+  const std::size_t first = std::min(state > 2 ? state - 2 : 0, states.size() - count);
+  const double length = lengths[state - 1] + share * (lengths[state] - lengths[state - 1]);
+  Poses poses = states[state - 1];
+  std::vector<Vector3> turns(poses.size(), Vector3::Zero());
+  for (std::size_t k = first; k < first + count; ++k) {
+    double weight = 1;
+    for (std::size_t m = first; m < first + count; ++m) {
+      if (m == k) continue;
+      if (lengths[m] == lengths[k]) return interpolate(states[state - 1], states[state], share);
+      weight *= (length - lengths[m]) / (lengths[k] - lengths[m]);
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Pose& origin = states[state - 1][i];
+      poses[i].position += weight * (states[k][i].position - origin.position);
+      turns[i] += weight * turnBetween(origin.rotation, states[k][i].rotation);
+    }
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].rotation = (rotationFromVector(turns[i]) * poses[i].rotation).normalized();
+  }
+  return poses;
+}
+
+void StatesBetween::keepIfMoreClosed(const Poses& tried, Poses& poses) const {
+  if (trajectory::jointGap(pivots_, tried).max < trajectory::jointGap(pivots_, poses).max) {
+    poses = tried;
+  }
+}
+
+// Joints that are closed in both states are closed again. Open compliant joints need not close:
+// only the symmetry is restored.
+Poses StatesBetween::at(std::size_t state, double share) {
+  const Poses& from = found_.path.states[state - 1];
+  const Poses& to = found_.path.states[state];
+  if (share >= 1) return to;
+  Poses poses = interpolate(from, to, share);
+  if (isOpen(from) || isOpen(to)) {
+    if (found_.path.isRounded) keepIfMoreClosed(smoothAt(state, share), poses);
+    return model::symmetricMean(poses, found_.path.symmetries);
+  }
+  closeInPlace(poses, *projection_);
+  symmetries_.restore(poses, *projection_);
+  return poses;
+}
+
+// ------------------------------------------------------------------------------------------------
+
+DeploymentResult playBack(const scene::Scene& scene, const GeometricPath& found,
+                          const AssembledState& nearest, double sampleInterval,
+                          const SampleObserver& observer) {
+  const double startSeconds = threadCpuSeconds();
+  scene::Scene played = scene;
+  played.environment.contacts = found.contacts;
+  played.path.kind = scene::PathKind::Continuation;
+  Playback playback(played, found, nearest, sampleInterval, observer);
+  DeploymentResult result = playback.finish();
+  if (!found.hasCompliantJoints) addPushedWarning(scene, found.path.states.front(), result);
+  const double error = result.accuracy.targetErrorEnd;
+  if (scene.model.target) {
+    result.atTarget = hasArrived(scene.model, error, result.assembledError);
+  }
+  const bool isShort = result.atTarget == false || found.path.endsAtOpenJoints;
+  result.outcome = playback.isInterrupted() ? Outcome::Interrupted
+                   : isShort                ? Outcome::Locked
+                                            : Outcome::Settled;
+  result.reason = playback.isInterrupted() ? "ended early by the caller"
+                                           : endOf(scene, found, error, result.assembledError);
+  result.trajectory.events.push_back({playback.time(), endText(result.outcome, result.reason)});
+  result.needs = scene::sceneNeeds(played);
+  result.needs.contacts = {found.contacts != scene::ContactFilter::None, found.contactReason};
+  result.path = played.path;
+  result.pathReason = found.reason;
+  result.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
+  return result;
+}
+
+}  // namespace kirireel::run

@@ -1,0 +1,63 @@
+/// A kinematic path with its figures, and its playback at constant speed.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/run/mechanism_path.h"
+#include "sim/run/path_evaluation.h"
+#include "sim/run/result.h"
+#include "sim/run/run.h"
+
+namespace kirireel::run {
+
+/// A path and its properties.
+struct GeometricPath {
+  MechanismPath path;                                          ///< its states
+  scene::ContactFilter contacts = scene::ContactFilter::None;  ///< contacts along the path
+  std::string contactReason;                                   ///< for the contacts, in the summary
+  std::string reason;                                          ///< for this path, in the summary
+  std::string closedWords;          ///< how a path to the second compact state ends; else empty
+  PathEvaluation evaluation;        ///< its figures
+  bool hasCompliantJoints = false;  ///< joints may open along the path
+  /// Model::rounding is the misfit of the tiles, not the last digit of coordinates.
+  bool isFitMeasured = false;
+};
+
+/// Joints with smaller gaps, in tiles, are closed.
+inline constexpr double kExactShare = 1e-10;
+
+/// Whether a path has the minimum length of an extension.
+bool isExtension(const scene::Scene& scene, const MechanismPath& path);
+
+/// Interpolates two neighbouring states of a path. Joints that are closed in both stay
+/// closed.
+class StatesBetween {
+ public:
+  /// Keeps a reference to the path.
+  StatesBetween(const scene::Scene& scene, const GeometricPath& found);
+
+  /// The state at a share ([0, 1]) between the state before `state` and `state`.
+  Poses at(std::size_t state, double share);
+
+ private:
+  bool isOpen(const Poses& state) const;
+  Poses smoothAt(std::size_t state, double share) const;
+  void keepIfMoreClosed(const Poses& tried, Poses& poses) const;
+
+  const GeometricPath& found_;
+  double tile_;  // metres
+  SymmetricStates symmetries_;
+  std::vector<model::Brick> bricks_;
+  std::vector<model::Pivot> pivots_;
+  std::unique_ptr<Dynamics> projection_;  // closes joints
+};
+
+/// Plays back a path at constant speed, in the shorter of PathSettings::playTime and the scene's
+/// duration. Measures each state. Samples are interpolated between states, with joints closed.
+DeploymentResult playBack(const scene::Scene& scene, const GeometricPath& found,
+                          const AssembledState& nearest, double sampleInterval,
+                          const SampleObserver& observer);
+
+}  // namespace kirireel::run

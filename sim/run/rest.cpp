@@ -1,0 +1,257 @@
+// Rest. A run rests while its fastest brick is slower than the settle speed, or while all
+// steps fail and no brick moves. The rest time follows from the motion, not from the ends of
+// steps: the time at which the fastest speed falls below the limit is computed within the
+// step.
+//
+// The second part distinguishes rest from slow motion. The third part gives nudges that leave
+// an equilibrium.
+#include "sim/run/rest.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <random>
+#include <utility>
+
+namespace kirireel::run {
+namespace {
+
+// Failed steps that move no brick farther than this fraction of a tile count as no motion.
+constexpr double kStuckShare = 1e-3;
+// Number of parts of a step that are tested for the start of rest, and number of bisections.
+constexpr int kRestChecks = 16;
+constexpr int kRestHalvings = 30;
+
+}  // namespace
+
+double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize) {
+  double fastest = 0;
+  for (const Velocity& velocity : velocities) {
+    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize;
+    fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
+
+void RestWatch::observe(const RunMotion& motion, double length, const StepReport& report,
+                        bool isOnPath) {
+  if (report.unconverged == 0) {
+    jamStart_.clear();
+  } else if (!isStuck(motion.poses())) {
+    jamStart_ = motion.poses();
+  }
+  const double limit = bricks_.scene.stop.settleSpeed * bricks_.size;
+  const bool isSlow = fastestSpeed(motion.now().velocities, bricks_.tileSize) < limit;
+  if (isOnPath || !(isSlow || isStuck(motion.poses()))) {
+    rested_ = 0;
+    return;
+  }
+  const double within = isSlow ? restWithinStep(motion, length, limit) : length;
+  rested_ = within < length ? within : rested_ + length;
+}
+
+// How long the fastest speed was below a limit up to the end of the last step, seconds. It must be
+// below the limit at the end. Returns the step's length if it never was above. Speeds may
+// oscillate: the step is tested in parts, then bisected.
+double RestWatch::restWithinStep(const RunMotion& motion, double length, double limit) const {
+  const auto isFast = [&](double seconds) {
+    return fastestSpeed(motion.velocitiesAt(seconds), bricks_.tileSize) >= limit;
+  };
+  const double part = length / kRestChecks;
+  int fast = kRestChecks - 1;
+  while (fast >= 0 && !isFast(fast * part)) --fast;
+  if (fast < 0) return length;
+  double above = fast * part;
+  double below = above + part;
+  for (int k = 0; k < kRestHalvings; ++k) {
+    const double middle = 0.5 * (above + below);
+    (isFast(middle) ? above : below) = middle;
+  }
+  return length - below;
+}
+
+void RestWatch::doubleRestTime() {
+  rested_ = 0;
+  needed_ *= 2;
+}
+
+double RestWatch::moment(double now) const {
+  if (!(rested_ > 0)) return std::numeric_limits<double>::infinity();
+  return now + needed_ - rested_;
+}
+
+bool RestWatch::isStuck(const Poses& poses) const {
+  const double tile = bricks_.tileSize;
+  return !jamStart_.empty() && farthestMove(jamStart_, poses, tile) < kStuckShare * tile;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Is a state that hardly moves at rest, or only slow?
+//
+// From rest, an implicit Euler step of length h moves bricks of mass M, damping D and stiffness K
+// under the force F by dx = (M / h^2 + D / h + K)^-1 F. For long h, mass and damping vanish, and
+// dx approaches K^-1 F, Newton's step to equilibrium. Steps grow by a factor of 16, up to 1e7 s,
+// and show where the bricks would end. If none moves a thousandth of a tile, the state is at
+// rest.
+
+namespace {
+
+// Steps grow by this factor up to kLongest seconds. Rounding errors of the forces then move bricks
+// by less than a millionth of a tile.
+constexpr double kStepGrowth = 16;
+constexpr double kLongest = 1e7;
+// Displacement that counts as motion, fraction of a tile.
+constexpr double kMoved = 1e-3;
+
+}  // namespace
+
+double farthestMove(const Poses& from, const Poses& to, double tileSize) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double turn = to[i].rotation.angularDistance(from[i].rotation);
+    farthest = std::max(farthest, (to[i].position - from[i].position).norm() + turn * tileSize);
+  }
+  return farthest;
+}
+
+RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
+                    const mechanics::LoadSource& actuation, double tileSize) {
+  RestProbe probe;
+  Motion trial = motion;
+  for (double length = kStepGrowth * step; length < kLongest && !probe.movesOn;
+       length *= kStepGrowth) {
+    trial.velocities.assign(trial.poses.size(), Velocity{});
+    const StepReport report = dynamics.advance(trial, length, actuation);
+    probe.work += report.work;
+    if (report.unconverged > 0) break;  // a failed step has no information
+    probe.movesOn = farthestMove(motion.poses, trial.poses, tileSize) > kMoved * tileSize;
+  }
+  return probe;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Only a perturbation leaves an equilibrium. The nudge consists of velocities v_i of a millionth of
+// the model's size per second. It grows as exp(s t) with the growth rate s of the equilibrium and
+// becomes visible after about ln(1e6) / s = 14 / s.
+//
+// If the start moves by itself, the nudge would only add a difference between seeds: 1e-6 of a tile
+// after half a second of a cap. A start moves by itself if its forces make it faster than the nudge
+// within kNudgeTime. At a singular state joints leave only the rounding of the loads, which is
+// slower. A sheet that is pulled as a whole, but cannot open, moves without a difference in angular
+// velocities: that does not count. If no drive and no spring acts between bricks, any motion
+// counts. Pins of the timeline's start already hold.
+//
+// Symmetries: the mean over the group's images of the v_i keeps a symmetric motion symmetric.
+
+namespace {
+
+constexpr double kSpeed = 1e-6;  // model sizes per second
+// A symmetric nudge needs at least this fraction of the rotations of a whole nudge.
+constexpr double kLeft = 1e-3;
+
+/// Uniform in [-1, 1), with identical bits in all standard libraries.
+double uniform(std::mt19937& generator) {
+  return static_cast<double>(generator()) / 2147483648.0 - 1.0;
+}
+
+/// The largest deviation of an angular velocity from the mean, rad/s. 0 for a rigid motion.
+double fastestOpening(const std::vector<Velocity>& velocities) {
+  Vector3 mean = Vector3::Zero();
+  for (const Velocity& velocity : velocities) mean += velocity.angular;
+  mean /= static_cast<double>(velocities.size());
+  double fastest = 0;
+  for (const Velocity& velocity : velocities) {
+    fastest = std::max(fastest, (velocity.angular - mean).norm());
+  }
+  return fastest;
+}
+
+/// The part of the velocities that joints allow at a state.
+std::vector<Velocity> fitted(const std::vector<Velocity>& velocities, const Poses& poses,
+                             Dynamics& dynamics) {
+  Motion motion = {poses, velocities};
+  dynamics.fitVelocities(motion);
+  return motion.velocities;
+}
+
+}  // namespace
+
+std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed) {
+  std::mt19937 generator(seed);
+  const double speed = kSpeed * modelSize;
+  std::vector<Velocity> velocities(count);
+  for (Velocity& velocity : velocities) {
+    const double x = uniform(generator);
+    const double y = uniform(generator);
+    const double z = uniform(generator);
+    velocity.linear = speed * Vector3(x, y, z);
+  }
+  return velocities;
+}
+
+bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
+                   double modelSize) {
+  const double fastest =
+      drivenApart ? fastestOpening(after) * tileSize : fastestSpeed(after, tileSize);
+  return fastest > kSpeed * modelSize;
+}
+
+std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
+                                     std::span<const model::Symmetry> group, Dynamics& dynamics) {
+  std::vector<Velocity> symmetric = model::symmetricMean(whole, group);
+  const double left = fastestOpening(fitted(symmetric, poses, dynamics));
+  const double most = fastestOpening(fitted(whole, poses, dynamics));
+  if (!(left > kLeft * most)) return {};
+  return symmetric;
+}
+
+std::vector<Velocity> NudgeGiver::whole() const {
+  return nudge(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
+}
+
+/// Whether a drive or springs act between joined bricks, in addition to the environment.
+bool NudgeGiver::areDrivenApart() const {
+  const scene::Scene& scene = bricks_.scene;
+  if (bricks_.pivots.empty()) return false;
+  return scene.actuation.drive != scene::Drive::None || !bricks_.ties.pairForces.empty();
+}
+
+void NudgeGiver::giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads,
+                             const JointFit& joints, const std::vector<bool>& pinned) {
+  given_ = Nudged::Wholly;
+  std::vector<Velocity> velocities = whole();
+  if (bricks_.scene.solver.kind == scene::SolverKind::Bullet) {
+    motion.now().velocities = std::move(velocities);
+    return;
+  }
+  const std::unique_ptr<Dynamics> solver = motion.makeSolver();
+  joints.hold(*solver);
+  solver->setPinned(pinned);
+  Motion trial = {motion.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  solver->advance(trial, kNudgeTime, loads);
+  if (movesByItself(trial.velocities, areDrivenApart(), bricks_.tileSize, bricks_.size)) {
+    given_ = Nudged::No;
+    return;
+  }
+  SymmetricStates symmetries(bricks_.scene);
+  symmetries.keepThoseOf(motion.poses());
+  if (symmetries.group().size() > 1) {
+    std::vector<Velocity> symmetric =
+        symmetricNudge(velocities, motion.poses(), symmetries.group(), *solver);
+    if (!symmetric.empty()) {
+      given_ = Nudged::InSymmetry;
+      velocities = std::move(symmetric);
+    }
+  }
+  motion.now().velocities = std::move(velocities);
+}
+
+void NudgeGiver::giveAtRest(RunMotion& motion) {
+  given_ = Nudged::Wholly;
+  const std::vector<Velocity> more = whole();
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    motion.now().velocities[i].linear += more[i].linear;
+  }
+}
+
+}  // namespace kirireel::run

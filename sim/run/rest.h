@@ -1,0 +1,142 @@
+/// Detection of rest, and nudges that leave an equilibrium.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
+#include "sim/model/isometry.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/run_motion.h"
+
+namespace kirireel::run {
+
+// ------------------------------------------------------------------------------------------------
+// Detection of rest.
+
+/// The speed of the fastest brick, m/s. Rotations count at the radius `tileSize` (metres).
+double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
+
+/// Detects rest: no brick is faster than the scene's settle speed. A run also rests if its steps
+/// keep failing and no brick moves.
+class RestWatch {
+ public:
+  /// Keeps a reference to `bricks`.
+  explicit RestWatch(const SceneBricks& bricks)
+      : bricks_(bricks), needed_(bricks.scene.stop.settleTime) {}
+
+  /// Checks the last step, `length` seconds long. While tiles are guided or opened (`isOnPath`), a
+  /// run is never at rest.
+  void observe(const RunMotion& motion, double length, const StepReport& report, bool isOnPath);
+  /// Restarts the rest time, because something new acts.
+  void restartCount() { rested_ = 0; }
+  /// Doubles the required rest time after a false detection.
+  void doubleRestTime();
+
+  /// Time at which the required rest time is complete if nothing moves after `now`, seconds.
+  /// Infinity while the run is not at rest.
+  double moment(double now) const;
+  /// Whether steps fail, and the bricks have hardly moved since steps began to fail.
+  bool isStuck(const Poses& poses) const;
+
+  /// Records or plays back.
+  void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_); }
+
+ private:
+  double restWithinStep(const RunMotion& motion, double length, double limit) const;
+
+  const SceneBricks& bricks_;
+  double rested_ = 0;  // rest time at the end of the last step, seconds
+  double needed_;      // required rest time, seconds
+  Poses jamStart_;     // poses when steps began to fail; empty if they do not fail
+};
+
+// ------------------------------------------------------------------------------------------------
+// Distinguishes rest from slow motion.
+
+/// Result of probeRest().
+struct RestProbe {
+  bool movesOn = false;  ///< in the long run a brick would move farther than rounding and noise
+  double work = 0;       ///< cost of the probe, see StepReport
+};
+
+/// Finds out where almost resting bricks would move in the long run. It takes implicit steps from
+/// rest, whose length grows from `step` seconds to months. A step that is long against inertia and
+/// damping approximates Newton's method on the acting forces. Soft springs and heavy bricks
+/// therefore need no more steps. If no brick moves a thousandth of a tile, the state is at rest.
+///
+/// `dynamics`: the bricks' solver in its current state, with joints, pins and contacts. It is
+/// changed and must not be used afterwards. `actuation` must have an equilibrium, otherwise long
+/// steps are meaningless. `tileSize` in metres.
+RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
+                    const mechanics::LoadSource& actuation, double tileSize);
+
+/// The largest displacement of a brick between two states, metres. Rotations count at the radius
+/// `tileSize`.
+double farthestMove(const Poses& from, const Poses& to, double tileSize);
+
+// ------------------------------------------------------------------------------------------------
+// A nudge leaves an unstable equilibrium by small random velocities. For a start that moves by
+// itself it would be an error in time. Such starts get no nudge.
+
+/// The part of the nudge that a run has received.
+enum class Nudged {
+  No,          ///< nothing
+  InSymmetry,  ///< only the part with the symmetries of the model and the state
+  Wholly,      ///< the whole nudge
+};
+
+/// Time in which bricks must become faster than a nudge from rest, seconds.
+constexpr double kNudgeTime = 1.0 / 240;
+
+/// Random velocities for `count` bricks, without rotations. Each component is within a millionth of
+/// the model's size (metres) per second. The same seed gives the same result on all machines.
+std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed);
+
+/// Whether the acting forces move the bricks. `after` are the velocities at kNudgeTime after rest,
+/// with joints and contacts. Some brick must be faster than a nudge. If bricks are `drivenApart`,
+/// by a drive or by springs between them, the motion must be relative: a sheet that is pulled
+/// along, but cannot open, does not count. Sizes in metres.
+bool movesByItself(const std::vector<Velocity>& after, bool drivenApart, double tileSize,
+                   double modelSize);
+
+/// The part of a nudge with the symmetries of `group`, which includes the identity. Empty if joints
+/// leave almost none of it: a closed sheet may open only in a motion without symmetry. `dynamics`
+/// holds the joints at the state.
+std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
+                                     std::span<const model::Symmetry> group, Dynamics& dynamics);
+
+/// Gives nudges to a run and records them.
+class NudgeGiver {
+ public:
+  /// Keeps a reference to `bricks`.
+  explicit NudgeGiver(const SceneBricks& bricks) : bricks_(bricks) {}
+
+  /// Gives a nudge to bricks at rest at the start, unless `loads` move them. The start of an
+  /// engine's run cannot be tested and always gets the whole nudge. `joints` are those of the run;
+  /// `pinned` has one entry per brick.
+  void giveAtStart(RunMotion& motion, const mechanics::LoadSource& loads, const JointFit& joints,
+                   const std::vector<bool>& pinned);
+  /// Gives a whole nudge to bricks that came to rest: the equilibrium after a motion may be
+  /// unstable too.
+  void giveAtRest(RunMotion& motion);
+
+  /// Whether a nudge remains.
+  bool canGive() const { return given_ != Nudged::Wholly; }
+  /// Allows all nudges again, because another target has other equilibria.
+  void reset() { given_ = Nudged::No; }
+
+  /// Records or plays back.
+  void transfer(StateTape& tape) { tape.transfer(given_); }
+
+ private:
+  std::vector<Velocity> whole() const;
+  bool areDrivenApart() const;
+
+  const SceneBricks& bricks_;
+  Nudged given_ = Nudged::No;
+};
+
+}  // namespace kirireel::run

@@ -1,0 +1,204 @@
+// Steps to a tolerance among contacts: extrapolated steps (extrapolation.h) among contacts that are
+// held.
+//
+// 1. Contacts that still touch are held.
+// 2. A step is tried, with a filter: where bricks meet on the way it is not taken, and what they
+//    met is kept.
+// 3. For each contact that the refused step violates, the moment at which its gap becomes 0 is
+//    found by bisection between the step's ends, on cubics; the first of these moments is the
+//    impact.
+// 4. A step leads exactly there. The impact changes velocities by the least amount in the metric of
+//    the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping process). Its
+//    contacts are held from then on.
+// 5. After more than eight impacts in one call, or where no step keeps the tolerance, the rest of
+//    the call goes by fixed steps of first order, and the report says for how long.
+#include "sim/run/tolerance_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sim/trajectory/measures.h"
+
+namespace kirireel::run {
+namespace {
+
+// Times closer than this part of each other are the same.
+constexpr double kSameMoment = 1e-9;
+constexpr int kMostImpacts = 8;  // in one call
+// Where they crowd, or contacts change too fast, so many calls go by first order at once.
+constexpr int kCallsToWait = 8;
+constexpr int kImpactBisections = 60;  // to the last bit
+
+/// The motion of the bricks of a contact alone. Numbers them anew in the contact.
+Motion motionOf(model::Contact& contact, const Motion& all) {
+  Motion motion;
+  for (int* number : {&contact.brickA, &contact.brickB}) {
+    if (!model::isBrick(*number)) continue;
+    motion.poses.push_back(all.poses[*number]);
+    motion.velocities.push_back(all.velocities[*number]);
+    *number = static_cast<int>(motion.poses.size()) - 1;
+  }
+  return motion;
+}
+
+/// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
+/// last moment at which it is open.
+double momentOfClosing(const model::Contact& closing, const Motion& from, const Motion& to,
+                       double seconds, double latest) {
+  model::Contact contact = closing, atEnd = closing;
+  const Motion start = motionOf(contact, from), end = motionOf(atEnd, to);
+  double open = 0, closed = latest;
+  for (int k = 0; k < kImpactBisections && model::contactGap(contact, start.poses) > 0; ++k) {
+    const double middle = 0.5 * (open + closed);
+    const Poses poses = mechanics::posesBetween(start, {}, end, seconds, middle);
+    (model::contactGap(contact, poses) > 0 ? open : closed) = middle;
+  }
+  return open;
+}
+
+}  // namespace
+
+/// Whether bricks would touch at the end of a step that do not yet, or have passed through each
+/// other in it.
+bool ToleranceSteps::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
+  if (!contacts_.exact) return false;
+  std::vector<model::Contact> violated;
+  contacts_.exact->startStep(from.poses);
+  contacts_.exact->appendViolated(to.poses, violated);
+  if (violated.empty()) return false;
+  meeting_ = {from, to, seconds, std::move(violated)};
+  return true;
+}
+
+/// When in the step that was not taken the first of its contacts closes, seconds after its start.
+/// Nothing where bricks passed through each other.
+std::optional<double> ToleranceSteps::momentOfImpact() const {
+  const auto& [from, to, seconds, contacts] = *meeting_;
+  std::optional<double> first;
+  for (const model::Contact& contact : contacts) {
+    if (model::contactGap(contact, to.poses) >= -0.5 * contacts_.touching)
+      continue;  // touches, no more
+    first = momentOfClosing(contact, from, to, seconds, first.value_or(seconds));
+  }
+  return first;
+}
+
+/// Has the solver hold these contacts.
+void ToleranceSteps::setHeld(std::vector<model::Contact> contacts) {
+  const auto isHeld = [](const model::Contact& contact) {
+    return !model::isBrick(contact.brickA) || !model::isBrick(contact.brickB);
+  };
+  extrapolation_.setSupported(isPinned_ || contacts_.isRubbing ||
+                              std::ranges::any_of(contacts, isHeld));
+  solver_.holdContacts(contacts);
+}
+
+/// Keeps of the contacts that are held those whose points still touch.
+void ToleranceSteps::holdTouching(const Poses& poses) {
+  std::vector<model::Contact> held = solver_.heldContacts();
+  if (!held.empty()) contacts_.exact->startStep(poses);
+  std::erase_if(held, [&](const model::Contact& contact) {
+    return model::contactGap(contact, poses) > contacts_.touching ||
+           !contacts_.exact->isCurrent(contact);
+  });
+  setHeld(std::move(held));
+}
+
+/// The impact on those of these contacts that have closed, at this moment of the call. From now on
+/// they are held too. The motion before and after it are both passed. Returns the energy that is
+/// lost.
+double ToleranceSteps::collide(double now, const std::vector<model::Contact>& closing,
+                               Motion& motion) {
+  std::vector<model::Contact> held = solver_.heldContacts();
+  for (const model::Contact& contact : closing) {
+    const bool isHeld = std::ranges::find(held, contact) != held.end();
+    if (!isHeld && model::contactGap(contact, motion.poses) <= contacts_.touching)
+      held.push_back(contact);
+  }
+  setHeld(std::move(held));
+  const double energy = trajectory::kineticEnergy(bricks_, motion);
+  passed_.push_back({now, motion});
+  solver_.collide(motion);
+  passed_.push_back({now, motion});
+  return energy - trajectory::kineticEnergy(bricks_, motion);
+}
+
+/// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
+/// until that cannot be done. Returns the seconds done.
+double ToleranceSteps::advanceByOrders(Motion& motion, double seconds,
+                                       const mechanics::TimedLoads& loads, StepReport& report) {
+  const mechanics::StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
+    return !meetOnTheWay(from, to, length);
+  };
+  double done = 0;
+  const mechanics::TimedLoads fromHere = [&](double after, const Poses& poses,
+                                             std::vector<model::Load>& out) {
+    loads(done + after, poses, out);
+  };
+  const double shortest = kSameMoment * seconds;
+  holdTouching(motion.poses);
+  double goal = seconds;                // or the moment of the next impact
+  std::vector<model::Contact> closing;  // then
+  int impacts = 0;
+  while (done < seconds - shortest) {
+    meeting_.reset();
+    const auto taken = extrapolation_.step(motion, goal - done, fromHere, isFree, report);
+    if (taken) {
+      done += *taken;
+      holdTouching(motion.poses);
+      if (done < goal - shortest) passed_.push_back({done, motion});
+    } else {
+      const auto after = meeting_ ? momentOfImpact() : std::nullopt;
+      if (!after || ++impacts > kMostImpacts) break;
+      goal = done + *after;
+      closing = meeting_->contacts;
+    }
+    if (closing.empty() || done < goal - shortest) continue;
+    report.impacted += collide(done, closing, motion);
+    goal = seconds;
+    closing.clear();
+  }
+  return done;
+}
+
+/// Goes on from one moment of the call to another in equal steps of first order, among contacts.
+StepReport ToleranceSteps::goOnByFirstOrder(Motion& motion, double begin, double end,
+                                            const mechanics::TimedLoads& loads) {
+  const double parts = std::ceil((end - begin) / firstOrderStep_ - kSameMoment);
+  const int count = std::max(1, static_cast<int>(parts));
+  StepReport report;
+  for (int k = 0; k < count; ++k) {
+    const double now = begin + k * (end - begin) / count;
+    if (now > 0) passed_.push_back({now, motion});
+    const mechanics::LoadSource loadsNow = [&](const Poses& poses, std::vector<model::Load>& out) {
+      loads(now, poses, out);
+    };
+    report += solver_.advance(motion, (end - begin) / count, loadsNow, contacts_.coarse);
+  }
+  return report;
+}
+
+// First as far as the tolerance can be kept, then by fixed steps.
+StepReport ToleranceSteps::advance(Motion& motion, double seconds,
+                                   const mechanics::TimedLoads& loads, bool isPinned) {
+  isPinned_ = isPinned;
+  passed_.clear();
+  meeting_.reset();
+  StepReport report;
+  const bool isWaiting = callsToWait_ > 0;
+  if (isWaiting) --callsToWait_;
+  const double done = isWaiting ? 0 : advanceByOrders(motion, seconds, loads, report);
+  if (done >= (1 - kSameMoment) * seconds) return report;
+  const bool touch =
+      isWaiting || contacts_.isRubbing || meeting_ || !solver_.heldContacts().empty();
+  (touch ? report.touchingTime : report.singularTime) += seconds - done;
+  if (touch && !isWaiting) callsToWait_ = kCallsToWait;
+  // The last is the first of the steps that follow.
+  if (done == 0) passed_.clear();
+  if (!passed_.empty()) passed_.pop_back();
+  report += goOnByFirstOrder(motion, done, seconds, loads);
+  return report;
+}
+
+}  // namespace kirireel::run

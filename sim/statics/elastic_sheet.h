@@ -1,0 +1,114 @@
+/// The energy and the constraints of a planar sheet of rigid tiles with springs and ligaments, as
+/// functions of three coordinates per tile.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/mechanics/load_path.h"
+#include "sim/model/brick.h"
+#include "sim/model/hinge.h"
+#include "sim/model/pair_force.h"
+
+namespace kirireel::statics {
+
+/// The part of a brick that a grip holds: a point or the rotation.
+struct GripHandle {
+  int brick = 0;                    ///< index >= 0
+  Vector3 point = Vector3::Zero();  ///< in the brick's axes
+  bool isTurn = false;              ///< true: holds the rotation, not the point
+};
+
+/// Moves or forces on parts of the sheet, in proportion to the load (>= 0).
+struct Grip {
+  std::vector<GripHandle> handles;  ///< one or more
+  /// In the plane; unused for rotations. Shorter than 1 if it is the part in the plane of an axis
+  /// that leaves the plane. Amounts and forces are then along that axis.
+  Vector3 direction = Vector3::UnitX();
+  /// At load 1. For a move, the displacement of each handle along the direction since the start
+  /// (metres, radians). For a force, the total force on all handles (newtons, N m). It is a dead
+  /// load, which keeps its direction.
+  double amount = 0;
+  bool isForce = false;  ///< true: a force, false: a move
+  /// Of three consecutive grips that move the same handles along three axes of space: index of the
+  /// first. In the plane one of them is redundant.
+  std::optional<std::size_t> firstOfThree;
+  double outOfPlane = 0;  ///< the part of its axis along the normal, in [-1, 1]
+};
+
+/// A sheet in the plane. Its coordinates are x and y of the displacement of each brick's centre of
+/// mass in length scales, and the brick's rotation about z in radians, both since the start.
+class ElasticSheet : public mechanics::LoadedSheet {
+ public:
+  /// `pinned`: the fixed tiles. Pivots must belong to exact joints: links are not supported, and
+  /// ligaments replace the other joints. The length scale is the mean edge of the first brick.
+  /// Tiles, bricks and poses have the same order.
+  ElasticSheet(const std::vector<model::Brick>& bricks, Poses start,
+               const model::PairForces& pairForces, const std::vector<model::Pivot>& pivots,
+               const std::vector<int>& pinned, std::vector<Grip> grips);
+
+  int unknowns() const override { return 3 * static_cast<int>(start_.size()); }
+  int rows() const override { return static_cast<int>(rows_.size()); }
+  std::size_t grips() const override { return grips_.size(); }
+  Vector startCoordinates() const override;
+  Poses posesAt(const Vector& q) const override;
+  double energy(const Vector& q) const override;
+  double stiffnessScale() const override;
+  double noStiffness() const override { return 1e-8; }
+  double constraintWeight() const override { return 1e6; }
+  Vector gradient(const Vector& q, double load) const override;
+  Vector pull(const Vector& q) const override;
+  /// Pivots in length scales, pins, and grips that move.
+  Vector residual(const Vector& q, double load) const override;
+  Matrix jacobian(const Vector& q) const override;
+  Vector motion() const override;
+  Matrix hessian(const Vector& q, double load, const Vector& multipliers) const override;
+  double unit(std::size_t grip) const override;
+  double displacement(std::size_t grip, const Vector& q) const override;
+  double displacementSlope(std::size_t grip, const Vector& q, const Vector& along) const override;
+  double force(std::size_t grip, double load, const Vector& multipliers) const override;
+
+ private:
+  /// A term of a constraint: the position of a handle along a direction, times a factor.
+  struct Term {
+    GripHandle handle;
+    Vector3 direction;
+    double factor = 1;
+  };
+  /// sum of terms = offset + load * motion.
+  struct Row {
+    std::vector<Term> terms;
+    double offset = 0;
+    double motion = 0;
+  };
+
+  /// Energy of a pair of bricks, in their coordinates.
+  struct PairPart {
+    int brickA = 0;
+    int brickB = 0;
+    model::PlanarEnergy energy;
+  };
+
+  void addRow(std::vector<Term> terms, double motion, const Vector& start);
+  Vector3 centreDistance(int brickA, int brickB) const;
+  Vector3 arm(const GripHandle& handle, const Vector& q) const;
+  double place(const Term& term, const Vector& q) const;
+  Vector3 slope(const Term& term, const Vector& q) const;
+  double bend(const Term& term, const Vector& q) const;
+  std::vector<Term> forceTerms(const Grip& grip) const;
+  double multiplierForce(std::size_t grip, const Vector& multipliers) const;
+  model::PlanarEnergy inLengthScales(model::PlanarEnergy energy) const;
+  model::PlanarEnergy energyOf(const model::Ligament& ligament, const Vector& q) const;
+  std::vector<PairPart> pairParts(const Vector& q) const;
+
+  Poses start_;
+  std::vector<model::HingeSpring> springs_;
+  std::vector<Grip> grips_;
+  std::vector<model::Ligament> ligaments_;
+  model::PairForces others_;  // neither springs nor ligaments
+  double scale_;              // metres
+  std::vector<Row> rows_;
+  std::vector<std::size_t> firstRow_;  // of each moving grip
+};
+
+}  // namespace kirireel::statics

@@ -1,0 +1,652 @@
+// A scene with grips. Its sheet is created: in the plane with three coordinates per tile, or in
+// space as bars and hinges. Its equilibria are followed from load 0 to 1 (load_path.cpp). The
+// resulting states are played back like a kinematic path. Features that equilibria do not support
+// are rejected, with a message that names them: time, contacts, gravity, links, drives.
+#include "sim/statics/loading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
+
+#include <Eigen/QR>
+#include <Eigen/SparseCholesky>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/disjoint_sets.h"
+#include "sim/base/error.h"
+#include "sim/mechanics/load_path.h"
+#include "sim/model/convex_parts.h"
+#include "sim/model/stiffness.h"
+#include "sim/run/assembled_state.h"
+#include "sim/run/dynamics.h"
+#include "sim/run/geometric_path.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/run/path_evaluation.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/scene/scene_parts.h"
+#include "sim/statics/bar_hinge_sheet.h"
+#include "sim/statics/elastic_sheet.h"
+
+namespace kirireel::statics {
+namespace {
+
+/// The tiles that are pinned at the start. The timeline may contain nothing else.
+std::vector<int> pinnedTiles(const scene::Scene& scene) {
+  std::vector<int> tiles;
+  for (const scene::TimelineEntry& entry : scene.timeline) {
+    const auto* pin = std::get_if<scene::timeline::Pin>(&entry.action);
+    if (!pin || entry.when.value != 0) {
+      throw inputErrorAt(
+          entry.where,
+          "grips use equilibria without time, so this entry has no effect. Remove it or the grips");
+    }
+    tiles.insert(tiles.end(), pin->tiles.begin(), pin->tiles.end());
+  }
+  return tiles;
+}
+
+// Each message names the feature to remove.
+void requireEquilibria(const scene::Scene& scene) {
+  scene::Scene bare = scene;
+  // Features that the checks below allow are removed: isQuasiStatic() then reports only the
+  // rest.
+  bare.timeline.clear();
+  bare.hinges = {};
+  if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold unjoined tiles
+  bare.actuation.drive = scene::defaultDrive(bare.model);
+  std::string reason;
+  if (!scene::isQuasiStatic(bare, reason)) {
+    throw InputError(fmt::format(
+        "error: grips support scenes in equilibrium only, but {}. Remove it or the grips", reason));
+  }
+  if (scene.path.kind != scene::PathKind::Auto &&
+      scene.path.kind != scene::PathKind::Continuation) {
+    throw InputError(
+        "error: grips follow equilibria instead of a path. Remove `path` or the grips");
+  }
+  const scene::ContactFilter contacts = scene.environment.contacts;
+  if (contacts == scene::ContactFilter::All || contacts == scene::ContactFilter::Unjoined) {
+    throw InputError(
+        "error: equilibria under grips have no contacts. Remove `contacts` or the grips");
+  }
+  if (const scene::Need planar = scene::sceneNeeds(scene).planar;
+      !planar.on && !scene.hinges.panels) {
+    throw InputError(
+        fmt::format("error: grips load rigid tiles only in the plane, but {}. Let the tiles bend "
+                    "(`panels`) or remove the grips",
+                    scene.solver.planar ? "`planar` is off" : planar.reason));
+  }
+  const auto isLink = [](const model::Joint& joint) {
+    return joint.kind == model::JointKind::Link;
+  };
+  if (std::ranges::any_of(scene.model.joints, isLink)) {
+    throw InputError("error: grips do not support links. Remove `link` or the grips");
+  }
+}
+
+/// The points that a grip holds: its corners, or the centres of its tiles.
+std::vector<GripHandle> handlesOf(const GripOrder& grip, const std::vector<model::Brick>& bricks) {
+  std::vector<GripHandle> points;
+  for (const model::Corner& corner : grip.setting->corners) {
+    const model::Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
+    points.push_back({corner.tile, brick.bottom[static_cast<std::size_t>(corner.vertex)]});
+  }
+  if (!points.empty()) return points;
+  for (const int tile : grip.setting->tiles) {
+    points.push_back(
+        {tile, meanPoint(bricks[static_cast<std::size_t>(tile)].bottom), grip.name.isTurn});
+  }
+  return points;
+}
+
+/// The grips of a scene, one per direction.
+std::vector<GripOrder> gripsOf(const scene::Scene& scene) {
+  std::vector<GripOrder> found;
+  for (std::size_t k = 0; k < scene.grips.size(); ++k) {
+    const scene::GripSetting& setting = scene.grips[k];
+    const auto add = [&](const std::optional<double>& amount, const Vector3& direction,
+                         const char* word) {
+      if (!amount) return;
+      const bool isTurn = direction.isZero();
+      found.push_back(
+          {&setting, direction, *amount, {fmt::format("grip {} {}", k + 1, word), isTurn}, word});
+    };
+    add(setting.x, setting.axes.col(0), "x");
+    add(setting.y, setting.axes.col(1), "y");
+    add(setting.z, setting.axes.col(2), "z");
+    add(setting.turn, Vector3::Zero(), "turn");
+  }
+  return found;
+}
+
+/// The first grip that moves or pushes.
+std::size_t leadingOf(const std::vector<GripOrder>& grips) {
+  const auto leading =
+      std::ranges::find_if(grips, [](const GripOrder& grip) { return grip.amount != 0; });
+  if (leading == grips.end()) {
+    throw inputErrorAt(grips.front().setting->where,
+                       "no grip moves or pushes. Set an amount other than 0 for one of them, for "
+                       "example move = {x = 0.1}");
+  }
+  return static_cast<std::size_t>(leading - grips.begin());
+}
+
+/// For example "x of tile 3 (grip 2)".
+std::string held(const scene::Scene& scene, const GripOrder& grip) {
+  std::vector<std::string> parts;
+  const int first = scene.model.fileOrder.countsFrom;
+  for (const model::Corner& corner : grip.setting->corners) {
+    parts.push_back(fmt::format("tile {} vertex {}", first + corner.tile, corner.vertex));
+  }
+  if (parts.empty()) {
+    for (const int tile : grip.setting->tiles) parts.push_back(fmt::format("{}", first + tile));
+    return fmt::format("{} of tile{} {}", grip.axis, parts.size() == 1 ? "" : "s",
+                       fmt::join(parts, ", "));
+  }
+  return fmt::format("{} of {}", grip.axis, fmt::join(parts, ", "));
+}
+
+/// Whether joints, pins and grips allow their combined moves to first order at the start.
+bool allowMoves(const mechanics::LoadedSheet& sheet) {
+  using Matrix = mechanics::LoadedSheet::Matrix;
+  constexpr double kFirm = 1e-9;     // relative to the squares of the rows
+  constexpr double kAllowed = 1e-6;  // fraction of the moves that may be missing
+  const Matrix rows = sheet.jacobian(sheet.startCoordinates());
+  const Eigen::VectorXd motion = sheet.motion();
+  if (motion.size() == 0 || motion.isZero(0)) return true;
+  Matrix firm(rows.cols(), rows.cols());
+  firm.setIdentity();
+  const Matrix square = Matrix(rows.transpose() * rows) + kFirm * firm;
+  const Eigen::SimplicialLDLT<Matrix> factor(square);
+  Eigen::VectorXd move = Eigen::VectorXd::Zero(rows.cols());
+  Eigen::VectorXd missing = motion;
+  // Each round corrects the error of the added diagonal.
+  for (int round = 0; round < 5; ++round) {
+    move += factor.solve(Eigen::VectorXd(rows.transpose() * missing));
+    missing = motion - rows * move;
+  }
+  return missing.norm() <= kAllowed * motion.norm();
+}
+
+/// Throws InputError for contradicting grips: the joints do not allow their combined moves, but
+/// allow the moves without one of them.
+template <typename MakeSheet>
+void requireAgreement(const scene::Scene& scene, const std::vector<GripOrder>& grips,
+                      const MakeSheet& makeSheet) {
+  if (allowMoves(*makeSheet(grips))) return;
+  std::vector<std::string> names;
+  const GripOrder* last = nullptr;
+  for (std::size_t g = 0; g < grips.size(); ++g) {
+    if (grips[g].setting->isForce) continue;
+    std::vector<GripOrder> others = grips;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(g));
+    const bool isMoving = std::ranges::any_of(
+        others, [](const GripOrder& grip) { return grip.amount != 0 && !grip.setting->isForce; });
+    // Every contradiction contains all moving grips.
+    const bool isPart = !isMoving || allowMoves(*makeSheet(others));
+    if (!isPart) continue;
+    names.push_back(
+        fmt::format("{} by {:g} ({})", held(scene, grips[g]), grips[g].amount, grips[g].name.name));
+    last = &grips[g];
+  }
+  // With one grip or none the joints are the limit. The path reports this at its end.
+  if (names.size() < 2) return;
+  throw inputErrorAt(last->setting->where,
+                     fmt::format("grips contradict each other: the joints do not allow {} "
+                                 "together. Remove one of them or change its move",
+                                 fmt::join(names, ", ")));
+}
+
+/// The part of a direction in the plane of the sheet. The normal is the z axis of the
+/// scene.
+Vector3 inPlane(const Vector3& direction) {
+  constexpr double kRounding = 1e-9;
+  const Vector3 part(direction.x(), direction.y(), 0);
+  return part.norm() > kRounding ? part : Vector3::Zero();
+}
+
+/// Throws InputError if a grip names the normal of the sheet, has amounts that no move in the plane
+/// has, or has a force out of the plane.
+void requireInPlane(const scene::GripSetting& grip) {
+  constexpr double kRounding = 1e-9;
+  Eigen::Matrix<double, 3, 2> directions = Eigen::Matrix<double, 3, 2>::Zero();
+  Vector3 amounts = Vector3::Zero();
+  const std::optional<double>* const named[] = {&grip.x, &grip.y, &grip.z};
+  for (int k = 0; k < 3; ++k) {
+    if (!*named[k]) continue;
+    directions.row(k) = inPlane(grip.axes.col(k)).head<2>();
+    amounts[k] = **named[k];
+    if (!directions.row(k).isZero(0)) continue;
+    throw inputErrorAt(
+        grip.where,
+        fmt::format(
+            "grips load this sheet only in its plane. Remove {} or let the tiles bend (`panels`)",
+            "xyz"[k]));
+  }
+  const Eigen::Vector2d move = directions.colPivHouseholderQr().solve(amounts);
+  const double out =
+      grip.isForce ? std::abs((grip.axes * amounts).z()) : (directions * move - amounts).norm();
+  if (out <= kRounding * amounts.norm()) return;
+  throw inputErrorAt(grip.where,
+                     "this grip moves out of the plane of the sheet. Set x, y and z of a direction "
+                     "in the plane, or let the tiles bend (`panels`)");
+}
+
+/// The sheet with three coordinates per tile.
+std::unique_ptr<mechanics::LoadedSheet> planarSheet(const scene::Scene& scene,
+                                                    const std::vector<model::Brick>& bricks,
+                                                    const scene::Ties& ties,
+                                                    const std::vector<GripOrder>& grips) {
+  for (const scene::GripSetting& grip : scene.grips) requireInPlane(grip);
+  std::vector<Grip> held;
+  std::size_t first = 0;
+  const scene::GripSetting* lastOfThree = nullptr;
+  for (const GripOrder& grip : grips) {
+    held.push_back(
+        {handlesOf(grip, bricks), inPlane(grip.direction), grip.amount, grip.setting->isForce});
+    const scene::GripSetting& setting = *grip.setting;
+    const bool isOfThree = setting.x && setting.y && setting.z && !grip.name.isTurn;
+    if (!isOfThree) continue;
+    // gripsOf() lists x, y and z of a setting consecutively.
+    const bool isNext = &setting == lastOfThree;
+    first = isNext ? first : held.size() - 1;
+    lastOfThree = &setting;
+    held.back().firstOfThree = first;
+    held.back().outOfPlane = grip.direction.z();
+  }
+  return std::make_unique<ElasticSheet>(bricks, model::startPoses(scene.model.tiles, bricks),
+                                        ties.pairForces, ties.pivots, pinnedTiles(scene),
+                                        std::move(held));
+}
+
+/// The states as a path for playback.
+run::GeometricPath playbackPath(const std::vector<model::Brick>& bricks,
+                                const mechanics::LoadPath& loaded, bool isSoft) {
+  run::GeometricPath result;
+  result.hasCompliantJoints = isSoft;
+  result.contactReason = "equilibria under grips have no contacts";
+  result.reason = "equilibria under grips";
+  for (const mechanics::Equilibrium& state : loaded.states) {
+    run::MechanismPath& path = result.path;
+    const double length =
+        path.states.empty()
+            ? 0
+            : path.lengths.back() + run::pathDistance(bricks, path.states.back(), state.poses);
+    path.states.push_back(state.poses);
+    path.lengths.push_back(length);
+  }
+  return result;
+}
+
+/// Adds limit points and bifurcations as events, at their time in the playback.
+void noteTurnings(const mechanics::LoadCurve& curve, const run::MechanismPath& path, double seconds,
+                  const LengthUnit& unit, run::DeploymentResult& result) {
+  const mechanics::GripName& leading = curve.grips[curve.leading];
+  std::vector<trajectory::Event> events;
+  for (std::size_t k = 0; k < curve.states.size(); ++k) {
+    const mechanics::Equilibrium& state = curve.states[k];
+    if (state.turning == mechanics::Turning::None) continue;
+    const double time = path.length() > 0 ? seconds * path.lengths[k] / path.length() : 0;
+    const double moved = state.displacements[curve.leading];
+    events.push_back(
+        {time,
+         fmt::format("{} at the load {:.6g}: {} {}, {} {:.6g} {}",
+                     mechanics::toString(state.turning), state.load, leading.name,
+                     leading.isTurn ? fmt::format("{:.6g} rad", moved) : lengthText(moved, unit, 6),
+                     leading.isTurn ? "moment" : "force", state.forces[curve.leading],
+                     leading.isTurn ? "N m" : "N")});
+  }
+  result.trajectory.events.insert(result.trajectory.events.begin(), events.begin(), events.end());
+}
+
+/// Whether a grip moves a part of the sheet away from its centre.
+bool movesOutwards(const std::vector<model::Brick>& bricks, const Poses& start,
+                   const GripOrder& grip) {
+  Vector3 middle = Vector3::Zero(), place = Vector3::Zero();
+  for (const Pose& pose : start) middle += pose.position / static_cast<double>(start.size());
+  const std::vector<GripHandle> handles = handlesOf(grip, bricks);
+  for (const GripHandle& handle : handles) {
+    place += start[static_cast<std::size_t>(handle.brick)].apply(handle.point) /
+             static_cast<double>(handles.size());
+  }
+  return grip.amount * grip.direction.dot(place - middle) >= 0;
+}
+
+/// How the path ended, its stability, and its faults.
+void noteEnd(const scene::Scene& scene, const std::vector<model::Brick>& bricks,
+             const mechanics::LoadPath& loaded, const GripOrder& leading,
+             run::DeploymentResult& result) {
+  const mechanics::Equilibrium& last = loaded.states.back();
+  const int modes = last.unstableModes;
+  result.outcome = loaded.arrives ? run::Outcome::Settled : run::Outcome::Locked;
+  if (loaded.arrives) {
+    result.reason = modes == 0
+                        ? "reached, stable"
+                        : fmt::format("reached, {} unstable mode{}", modes, modes == 1 ? "" : "s");
+    result.reason += fmt::format(", through {} equilibria", loaded.states.size());
+  } else if (loaded.extent && !leading.name.isTurn) {
+    const bool isOut = movesOutwards(bricks, loaded.states.front().poses, leading);
+    result.reason = fmt::format("fully {} at {}, at the load {:.4g}", isOut ? "extended" : "closed",
+                                lengthText(*loaded.extent, scene.model.unit, 4), last.load);
+  } else {
+    result.reason = loaded.trouble;
+  }
+  if (loaded.arrives && modes > 0) {
+    result.warnings.push_back(fmt::format(
+        "the last equilibrium is unstable: the sheet would leave it in {} independent direction{}",
+        modes, modes == 1 ? "" : "s"));
+  }
+  // Poses of bending tiles are only fits: their overlaps do not count.
+  const double tile = model::tileSize(scene.model);
+  const double grown = scene.hinges.panels ? 0 : result.accuracy.penetrationGrownMax;
+  if (grown > run::kClearShare * tile) {
+    result.outcome = run::Outcome::Locked;
+    result.forbiddenOverlap = grown;
+    result.shortfall = fmt::format(
+        "tiles overlap by up to {}. Equilibria under grips have no contacts, so the sheet can pass "
+        "through itself",
+        model::lengthInTiles(grown, scene.model));
+    result.reason += "; " + result.shortfall;
+  }
+  result.trajectory.events.back().text = run::endText(result.outcome, result.reason);
+}
+
+}  // namespace
+
+run::DeploymentResult followGrips(const scene::Scene& scene, double sampleInterval,
+                                  const run::SampleObserver& observer) {
+  requireEquilibria(scene);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const scene::Ties ties = scene::loadedTies(scene, bricks);
+  const std::vector<GripOrder> grips = gripsOf(scene);
+  const std::size_t leading = leadingOf(grips);
+  const auto makeSheet = [&](const std::vector<GripOrder>& of) {
+    return scene.hinges.panels
+               ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), of)
+               : planarSheet(scene, bricks, ties, of);
+  };
+  requireAgreement(scene, grips, makeSheet);
+  const std::unique_ptr<mechanics::LoadedSheet> sheet = makeSheet(grips);
+  const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
+  mechanics::LoadPathSettings settings;
+  settings.leastStates = scene.path.loadSteps;
+  const mechanics::LoadPath loaded = mechanics::followLoad(*sheet, leading, settings, {});
+  const run::GeometricPath path = playbackPath(bricks, loaded, isSoft);
+  Poses last;
+  const run::SampleObserver watch = [&](const trajectory::Sample& sample) {
+    last = sample.poses;
+    return !observer || observer(sample);
+  };
+  run::DeploymentResult result =
+      run::playBack(scene, path, run::assembleAtTarget(scene), sampleInterval, watch);
+  result.loadCurve = mechanics::LoadCurve{{}, leading, loaded.states};
+  for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
+  if (!ties.pairForces.empty()) {
+    result.elasticity = model::elasticityOf(ties.pairForces, loaded.states.front().poses, last);
+    // Bars also store energy, which poses do not show.
+    if (scene.hinges.panels) {
+      result.elasticity->energyStart = loaded.states.front().energy;
+      result.elasticity->energyEnd = loaded.states.back().energy;
+    }
+  }
+  result.atTarget.reset();
+  noteTurnings(*result.loadCurve, path.path, std::min(scene.path.playTime, scene.stop.duration),
+               scene.model.unit, result);
+  if (result.outcome == run::Outcome::Interrupted) return result;
+  noteEnd(scene, bricks, loaded, grips[leading], result);
+  return result;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A scene's tiles as bars and hinges (bar_hinge_sheet.h).
+//
+// Joined corners become one node at the mean of their positions. Each tile is divided
+// into triangles. Every side of a triangle is a bar. Its area is the sum over the
+// triangles at this side (stiffness.h): a bar between two tiles carries load for both. A
+// tile bends at a side between two of its triangles. A side between triangles of two
+// tiles is a fold.
+
+namespace {
+
+/// The node of each corner of each tile. Joined corners have the same node.
+std::vector<std::vector<int>> nodesOfTiles(const model::Model& model, int& count) {
+  std::vector<std::vector<int>> corners;
+  // Numbers all corners, tile by tile.
+  int next = 0;
+  for (const model::Tile& tile : model.tiles) {
+    corners.emplace_back(tile.vertices.size());
+    std::iota(corners.back().begin(), corners.back().end(), next);
+    next += static_cast<int>(tile.vertices.size());
+  }
+  DisjointSets nodes(static_cast<std::size_t>(next));
+  const auto cornerAt = [&](const model::Corner& corner) {
+    return corners[static_cast<std::size_t>(corner.tile)][static_cast<std::size_t>(corner.vertex)];
+  };
+  for (const model::Joint& joint : model.joints) nodes.unite(cornerAt(joint.a), cornerAt(joint.b));
+  const std::vector<int> numbers = nodes.numbers();
+  for (std::vector<int>& tile : corners) {
+    for (int& corner : tile) corner = numbers[static_cast<std::size_t>(corner)];
+  }
+  count = numbers.empty() ? 0 : 1 + *std::ranges::max_element(numbers);
+  return corners;
+}
+
+/// One triangle at an edge.
+struct PanelSide {
+  int tile = 0;
+  int from = 0, to = 0;  // anticlockwise in the triangle
+  int wing = 0;          // index of its third node
+  std::array<int, 3> corners{};
+};
+
+/// The two triangles at a fold.
+struct FoldSides {
+  PanelSide left;
+  PanelSide right;
+};
+
+using Edge = std::pair<int, int>;
+using Edges = std::map<Edge, std::vector<PanelSide>>;
+
+// Edges by their two nodes, the lower index first, with the triangles at each edge.
+Edges edgesOf(const model::Model& model, const std::vector<std::vector<int>>& nodes) {
+  Edges edges;
+  for (std::size_t t = 0; t < model.tiles.size(); ++t) {
+    for (const std::array<int, 3>& triangle : model::tileTriangles(model.tiles[t])) {
+      std::array<int, 3> n{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        n[k] = nodes[t][static_cast<std::size_t>(triangle[k])];
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int from = n[k], to = n[(k + 1) % 3];
+        edges[std::minmax(from, to)].push_back({static_cast<int>(t), from, to, n[(k + 2) % 3], n});
+      }
+    }
+  }
+  return edges;
+}
+
+/// Builds the sheet of bars and hinges.
+class BarHingeMaker {
+ public:
+  BarHingeMaker(const scene::Scene& scene, const std::vector<model::Brick>& bricks)
+      : scene_(scene), material_(*scene.hinges.panels), thickness_(scene.brick.thickness) {
+    int count = 0;
+    made_.tiles = nodesOfTiles(scene.model, count);
+    made_.start = model::startPoses(scene.model.tiles, bricks);
+    placeNodes(count);
+    edges_ = edgesOf(scene.model, made_.tiles);
+    for (const auto& [edge, sides] : edges_) addBar(edge, sides);
+    for (const auto& [edge, sides] : edges_) addBends(sides);
+  }
+
+  /// Springs at hinges of the scene. Each common edge of the two tiles has a share by its length.
+  void addFolds(const std::vector<model::HingeSpring>& springs) {
+    for (const model::HingeSpring& spring : springs) {
+      const std::vector<FoldSides> shared = sidesBetween(spring.hinge.brickA, spring.hinge.brickB);
+      double length = 0;
+      for (const auto& [left, right] : shared) length += lengthOf({left.from, left.to});
+      for (const auto& [left, right] : shared) {
+        const double share = lengthOf({left.from, left.to}) / length;
+        addFold(left, right, share * spring.stiffness).rest = spring.rest;
+      }
+    }
+  }
+
+  // Fixes all nodes of these tiles.
+  void fix(const std::vector<int>& tiles) {
+    for (const int tile : tiles) {
+      const std::vector<int>& nodes = made_.tiles[static_cast<std::size_t>(tile)];
+      made_.fixed.insert(made_.fixed.end(), nodes.begin(), nodes.end());
+    }
+    std::ranges::sort(made_.fixed);
+    made_.fixed.erase(std::unique(made_.fixed.begin(), made_.fixed.end()), made_.fixed.end());
+  }
+
+  NodeGrip gripOf(const GripOrder& order) const {
+    if (order.name.isTurn) {
+      throw inputErrorAt(order.setting->where,
+                         "bending tiles have no rotation. Hold or move their vertices");
+    }
+    NodeGrip grip{{}, order.direction, order.amount, order.setting->isForce};
+    for (const model::Corner& corner : order.setting->corners) {
+      grip.handles.push_back({made_.tiles[static_cast<std::size_t>(corner.tile)]
+                                         [static_cast<std::size_t>(corner.vertex)]});
+    }
+    if (!grip.handles.empty()) return grip;
+    for (const int tile : order.setting->tiles) {
+      grip.handles.push_back(made_.tiles[static_cast<std::size_t>(tile)]);
+    }
+    return grip;
+  }
+
+  BarHingeModel take() { return std::move(made_); }
+
+ private:
+  /// Places each node at the mean of its corners.
+  void placeNodes(int count) {
+    made_.nodes.assign(static_cast<std::size_t>(count), Vector3::Zero());
+    std::vector<double> corners(static_cast<std::size_t>(count), 0);
+    for (std::size_t t = 0; t < made_.tiles.size(); ++t) {
+      for (std::size_t k = 0; k < made_.tiles[t].size(); ++k) {
+        const auto node = static_cast<std::size_t>(made_.tiles[t][k]);
+        made_.nodes[node] += scene_.model.tiles[t].vertices[k];
+        ++corners[node];
+      }
+    }
+    for (std::size_t n = 0; n < made_.nodes.size(); ++n) made_.nodes[n] /= corners[n];
+  }
+
+  const Vector3& at(int node) const { return made_.nodes[static_cast<std::size_t>(node)]; }
+  double lengthOf(const Edge& edge) const { return (at(edge.second) - at(edge.first)).norm(); }
+
+  // One bar for all triangles at the edge.
+  void addBar(const Edge& edge, const std::vector<PanelSide>& sides) {
+    double area = 0;
+    for (const PanelSide& side : sides) {
+      const auto& [a, b, c] = side.corners;
+      area += model::barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
+    }
+    const double length = lengthOf(edge);
+    // Stiffness of a bar: E A / l.
+    made_.bars.push_back({edge.first, edge.second, length, material_.youngs * area / length});
+  }
+
+  /// A tile bends between two of its triangles.
+  void addBends(const std::vector<PanelSide>& sides) {
+    for (std::size_t b = 1; b < sides.size(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        const PanelSide &left = sides[a], &right = sides[b];
+        if (left.tile != right.tile) continue;
+        const std::array<Vector3, 4> corners = {at(left.from), at(right.wing), at(left.to),
+                                                at(left.wing)};
+        addFold(left, right,
+                model::bendStiffness(corners, (corners[2] - corners[0]).norm(), material_.youngs,
+                                     material_.poisson, thickness_));
+      }
+    }
+  }
+
+  Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
+    Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
+    // Without a given rest angle, a fold is at rest at its start angle.
+    fold.rest = foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
+    return made_.folds.emplace_back(fold);
+  }
+
+  /// The triangles of two tiles at each edge that they share.
+  std::vector<FoldSides> sidesBetween(int a, int b) const {
+    std::vector<FoldSides> found;
+    for (const auto& [edge, sides] : edges_) {
+      for (const PanelSide& left : sides) {
+        for (const PanelSide& right : sides) {
+          if (left.tile == a && right.tile == b) found.push_back({left, right});
+        }
+      }
+    }
+    if (found.empty()) refuseHinge(a, b);
+    return found;
+  }
+
+  [[noreturn]] void refuseHinge(int a, int b) const {
+    const int first = scene_.model.fileOrder.countsFrom;
+    throw InputError(
+        fmt::format("error: bending tiles need common edges, but tiles {} and {} have none. Split "
+                    "the tile with the longer edge at the corner of the other",
+                    first + a, first + b));
+  }
+
+  const scene::Scene& scene_;
+  const scene::PanelMaterial& material_;
+  double thickness_;
+  BarHingeModel made_;
+  Edges edges_;
+};
+
+void requireNodes(const model::Model& model) {
+  for (const model::Joint& joint : model.joints) {
+    if (joint.kind != model::JointKind::Pivot) {
+      throw InputError(
+          "error: bending tiles can only be joined at corners. Remove `fix` and `link`, or "
+          "`panels`");
+    }
+    if (joint.face == model::JointFace::Both) {
+      throw InputError(
+          "error: bending tiles must be joined at one face, not at both. Set the face of each "
+          "joint to 1 (bottom), or remove `panels`");
+    }
+  }
+}
+
+/// Throws for forces other than springs at hinges: those need rigid bricks.
+void requireOnlySprings(const model::PairForces& forces) {
+  for (const std::shared_ptr<const model::PairForce>& force : forces) {
+    if (force->hingeSprings()) continue;
+    throw InputError(fmt::format(
+        "error: bending tiles (`panels`) support springs at hinges, but no {}. Remove one of them",
+        force->name().counted));
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<mechanics::LoadedSheet> makeBarHingeSheet(const scene::Scene& scene,
+                                                          const std::vector<model::Brick>& bricks,
+                                                          const model::PairForces& pairForces,
+                                                          const std::vector<int>& pinned,
+                                                          const std::vector<GripOrder>& grips) {
+  requireNodes(scene.model);
+  requireOnlySprings(pairForces);
+  BarHingeMaker maker(scene, bricks);
+  maker.addFolds(model::hingeSpringsOf(pairForces));
+  maker.fix(pinned);
+  std::vector<NodeGrip> held;
+  for (const GripOrder& grip : grips) held.push_back(maker.gripOf(grip));
+  return std::make_unique<BarHingeSheet>(maker.take(), std::move(held));
+}
+
+}  // namespace kirireel::statics

@@ -1,0 +1,117 @@
+// The second compact state of sheets, without their targets.
+#include "sim/path/closing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/deployment.h"
+#include "sim/generate/families.h"
+#include "sim/model/lattice.h"
+#include "sim/scene/scene_parts.h"
+
+namespace kirireel {
+namespace {
+
+using testing::HasSubstr;
+
+scene::Scene closing(model::Model model) {
+  scene::Scene scene = scene::openScene();
+  scene.model = std::move(model);
+  scene.path.to = scene::Destination::Closed;
+  std::vector<std::string> warnings;
+  scene::completeScene({}, scene, warnings);
+  scene::fillFromModel(scene);
+  return scene;
+}
+
+model::Model familyModel(const std::string& name) {
+  return generate::generateModel(generate::familyNamed(name), {});
+}
+
+/// The largest distance of a vertex from its target after the best rigid motion, metres.
+double distanceAtBest(const std::vector<model::Tile>& tiles,
+                      const std::vector<model::Tile>& target) {
+  std::vector<Vector3> from, to;
+  for (const model::Tile& tile : tiles)
+    from.insert(from.end(), tile.vertices.begin(), tile.vertices.end());
+  for (const model::Tile& tile : target)
+    to.insert(to.end(), tile.vertices.begin(), tile.vertices.end());
+  Eigen::Matrix3Xd a(3, from.size()), b(3, to.size());
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    a.col(static_cast<Eigen::Index>(k)) = from[k];
+    b.col(static_cast<Eigen::Index>(k)) = to[k];
+  }
+  const Eigen::Matrix4d best = Eigen::umeyama(a, b, false);
+  return ((best.topLeftCorner<3, 3>() * a).colwise() + best.topRightCorner<3, 1>() - b)
+      .colwise()
+      .norm()
+      .maxCoeff();
+}
+
+TEST(Closing, EndsAtTheOtherCompactStateOfTheDesign) {
+  for (const char* family : {"square-to-disk", "fan", "quads", "heart"}) {
+    const model::Model model = familyModel(family);
+    const scene::Scene scene = closing(model);
+    EXPECT_FALSE(scene.model.target.has_value());
+    const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
+    const double tile = model::tileSize(model);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    EXPECT_THAT(run.reason, HasSubstr("the path ends when the tiles meet again: "));
+    const std::vector<model::Tile> end =
+        model::bottomTiles(run.trajectory.bricks, run.trajectory.samples.back().poses);
+    EXPECT_LE(distanceAtBest(end, *model.target), 1e-6 * tile) << model.name;
+    EXPECT_LE(run.accuracy.jointGapMax, 1e-10 * tile) << model.name;
+    EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-9 * tile) << model.name;
+  }
+}
+
+std::string refusal(const scene::Scene& scene) {
+  try {
+    deploy::deploy(scene, 0.5, nullptr);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Closing, RefusesSheetsWithoutOneMotion) {
+  model::Model chain = model::makeTessellation({});
+  chain.joints.resize(chain.joints.size() - 3);
+  EXPECT_THAT(refusal(closing(chain)),
+              HasSubstr("error: `to = closed` needs a sheet with one motion, but this sheet has "));
+  model::Model loose = model::makeTessellation({});
+  loose.joints.clear();
+  EXPECT_THAT(refusal(closing(loose)), HasSubstr("error: `to = closed`"));
+}
+
+TEST(Closing, RefusesWhatItDoesNotFollow) {
+  scene::Scene falling = closing(model::makeTessellation({}));
+  falling.environment.gravity = {0, 0, -9.81};
+  EXPECT_THAT(
+      refusal(falling),
+      HasSubstr(
+          "error: `to = closed` supports kinematic scenes only, but there is gravity. Remove it"));
+  scene::Scene dynamic = closing(model::makeTessellation({}));
+  dynamic.path.kind = scene::PathKind::Dynamic;
+  EXPECT_EQ(
+      refusal(dynamic),
+      "error: `to = closed` needs a kinematic path. Remove `path` or use `path = continuation`");
+  scene::SceneParts parts;
+  parts.targets = {"other"};
+  scene::Scene scene = scene::openScene();
+  scene.path.to = scene::Destination::Closed;
+  scene.model = model::makeTessellation({});
+  std::vector<std::string> warnings;
+  EXPECT_THAT([&] { scene::completeScene(parts, scene, warnings); },
+              testing::ThrowsMessage<InputError>(
+                  "error: `to = closed` and `target` define different ends. Use only one"));
+}
+
+}  // namespace
+}  // namespace kirireel

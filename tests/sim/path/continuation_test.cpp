@@ -1,0 +1,583 @@
+// Deployments as geometry: paths of the mechanism.
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/deployment.h"
+#include "sim/generate/families.h"
+#include "sim/generate/shells.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
+#include "sim/run/geometric_path.h"
+#include "sim/run/mechanism_path.h"
+#include "sim/scene/scene_needs.h"
+#include "sim/trajectory/run_curves.h"
+#include "tests/support/drawn_models.h"
+
+namespace kirireel {
+namespace {
+
+scene::Scene sceneOf(model::Model model) {
+  scene::Scene scene = scene::openScene();
+  scene.model = std::move(model);
+  if (scene.model.target) model::alignStartToTarget(scene.model);
+  scene::fillFromModel(scene);
+  return scene;
+}
+
+scene::Scene cylinder() {
+  return sceneOf(generate::makeCylinder({}));
+}
+
+scene::Scene squares() {
+  return sceneOf(model::makeTessellation({}));
+}
+
+TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
+  for (const scene::Scene& scene : {squares(), cylinder()}) {
+    const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 60, nullptr);
+    const double tile = model::tileSize(scene.model);
+    EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
+    EXPECT_EQ(run.outcome, run::Outcome::Settled);
+    EXPECT_EQ(run.atTarget, true);
+    EXPECT_FALSE(run.needs.contacts.on);
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 2e-13
+    EXPECT_LE(run.accuracy.jointGapMax, 1e-10 * tile);         // 9e-13
+    EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-9 * tile);  // 2e-15
+  }
+}
+
+TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
+  scene::Scene scene = cylinder();
+  scene.path.playTime = 3;
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 20, nullptr);
+  const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  ASSERT_EQ(samples.size(), 61u);
+  EXPECT_DOUBLE_EQ(samples.back().time, 3);
+  std::vector<double> moves;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    moves.push_back(run::pathDistance(bricks, samples[k - 1].poses, samples[k].poses));
+    EXPECT_LE(samples[k].jointGap, 1e-9 * model::tileSize(scene.model)) << k;
+  }
+  // The first sample shows the jump from the closed start.
+  const auto [least, most] = std::minmax_element(moves.begin() + 1, moves.end());
+  EXPECT_LE(*most / *least, 1.1);  // measured: 1.02
+}
+
+/// The largest distance of any state of a run from its images under the symmetries of the model,
+/// metres.
+double asymmetryOf(const scene::Scene& scene, const run::DeploymentResult& run) {
+  const std::vector<model::Symmetry> group = model::symmetriesOf(scene.model);
+  EXPECT_GT(group.size(), 1u) << scene.model.name;
+  double farthest = 0;
+  for (const trajectory::Sample& sample : run.trajectory.samples) {
+    farthest =
+        std::max(farthest, model::asymmetry(sample.poses, group, model::tileSize(scene.model)));
+  }
+  return farthest;
+}
+
+/// Their starts are singular, and rounding would choose where they go.
+TEST(Continuation, KeepsTheSymmetriesOfItsModel) {
+  for (const scene::Scene& scene :
+       {squares(), cylinder(),
+        sceneOf(generate::generateModel(generate::familyNamed("hexagons"), {})),
+        sceneOf(generate::generateModel(generate::familyNamed("tessellation"),
+                                        {{"length", 2}, {"skew", 20}})),
+        sceneOf(generate::makeSphericalCap({.size = 4})),
+        sceneOf(generate::generateModel(generate::familyNamed("cube-to-sphere"),
+                                        {{"half-size", 1}}))}) {
+    const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+    // Measured: 5e-10 of a tile, below which a state is left as it is.
+    EXPECT_LE(asymmetryOf(scene, run), 1e-9 * model::tileSize(scene.model)) << scene.model.name;
+  }
+}
+
+TEST(Continuation, IsTheSameButForExponentsInOtherUnits) {
+  const scene::Scene scene = cylinder();
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  for (const double factor : {0x1p-10, 0x1p10}) {
+    scene::Scene scaled = scene;
+    for (std::vector<model::Tile>* tiles : {&scaled.model.tiles, &*scaled.model.target}) {
+      for (model::Tile& tile : *tiles) {
+        for (Vector3& vertex : tile.vertices) vertex *= factor;
+      }
+    }
+    scaled.brick.thickness *= factor;
+    const run::DeploymentResult other = deploy::deploy(scaled, 0.5, nullptr);
+    ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
+    for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
+      for (std::size_t i = 0; i < scene.model.tiles.size(); ++i) {
+        const Pose& pose = run.trajectory.samples[k].poses[i];
+        const Pose& same = other.trajectory.samples[k].poses[i];
+        EXPECT_EQ(factor * pose.position, same.position) << factor;
+        EXPECT_EQ(pose.rotation.coeffs(), same.rotation.coeffs()) << factor;
+      }
+    }
+  }
+}
+
+/// The farthest that two runs of one scene in two units are apart at any sample, in metres of the
+/// first or radians; `factor` is the second's unit over the first's.
+double differenceOf(const run::DeploymentResult& run, const run::DeploymentResult& other,
+                    double factor) {
+  double farthest = 0;
+  EXPECT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
+  for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
+    const Poses& poses = run.trajectory.samples[k].poses;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Pose& same = other.trajectory.samples[k].poses[i];
+      farthest = std::max({farthest, (poses[i].position - same.position / factor).norm(),
+                           turnBetween(poses[i].rotation, same.rotation).norm()});
+    }
+  }
+  return farthest;
+}
+
+scene::Scene inUnit(scene::Scene scene, double factor) {
+  for (std::vector<model::Tile>* tiles : {&scene.model.tiles, &*scene.model.target}) {
+    for (model::Tile& tile : *tiles) {
+      for (Vector3& vertex : tile.vertices) vertex *= factor;
+    }
+  }
+  scene.brick.thickness *= factor;
+  return scene;
+}
+
+/// Flush tiles that meet on the way to their sphere.
+scene::Scene touchingCap() {
+  scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
+  scene.environment.contacts = scene::ContactFilter::All;
+  return scene;
+}
+
+TEST(Continuation, IsTheSameButForExponentsAmongTouchingBricksToo) {
+  const scene::Scene scene = touchingCap();
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_TRUE(run.needs.contacts.on);
+  for (const double factor : {0x1p-10, 0x1p10}) {
+    const run::DeploymentResult other = deploy::deploy(inUnit(scene, factor), 0.1, nullptr);
+    EXPECT_EQ(differenceOf(run, other, factor), 0) << factor;
+  }
+}
+
+TEST(Continuation, IsTheSameInMillimetresAndKilometres) {
+  struct Case {
+    scene::Scene scene;
+    double tolerance;  // of a tile
+  };
+  // Measured: 4e-10 and 8e-10 without contacts, with them 2e-7.
+  for (const auto& [scene, tolerance] :
+       {Case{squares(), 1e-9}, Case{cylinder(), 1e-9}, Case{touchingCap(), 1e-4}}) {
+    const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+    for (const double factor : {1e3, 1e-3}) {
+      const run::DeploymentResult other = deploy::deploy(inUnit(scene, factor), 0.1, nullptr);
+      EXPECT_LE(differenceOf(run, other, factor), tolerance * model::tileSize(scene.model))
+          << scene.model.name << " by " << factor;
+    }
+  }
+}
+
+TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
+  const scene::Scene scene = squares();
+  const run::DeploymentResult often = deploy::deploy(scene, 1.0 / 240, nullptr);
+  const run::DeploymentResult seldom = deploy::deploy(scene, 1, nullptr);
+  // The largest gap covers samples, too, which are between the path's states. Measured: 1.5e-13.
+  EXPECT_NEAR(often.accuracy.jointGapMax, seldom.accuracy.jointGapMax, 1e-12);
+  EXPECT_EQ(often.accuracy.penetrationGrownMax, seldom.accuracy.penetrationGrownMax);
+  EXPECT_EQ(often.cost.took.steps, seldom.cost.took.steps);
+  EXPECT_EQ(often.trajectory.samples.back().time, seldom.trajectory.samples.back().time);
+}
+
+/// At full extension rotating squares stand corner to corner, their diagonals in two lines.
+/// The squares stand corner to corner then, turned by 45 degrees.
+TEST(Continuation, WithoutATargetEndsAtFullExtension) {
+  for (const int side : {4, 10, 40}) {
+    model::TessellationShape shape;
+    shape.columns = shape.rows = side;
+    model::Model model = model::makeTessellation(shape);
+    model.target.reset();
+    const scene::Scene scene = sceneOf(std::move(model));
+    const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled);
+    EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
+    EXPECT_FALSE(run.needs.contacts.on) << run.needs.contacts.reason;
+    Eigen::AlignedBox3d box;
+    for (const Pose& pose : run.trajectory.samples.back().poses) box.extend(pose.position);
+    const double expected = (side - 1) * std::sqrt(2) * model::tileSize(scene.model);
+    EXPECT_NEAR(box.sizes().x(), expected, 1e-6 * expected);  // measured: 4e-12
+    EXPECT_NEAR(box.sizes().y(), expected, 1e-6 * expected);
+  }
+}
+
+/// The sum of squared distances from the common centre, square metres.
+double extentOf(const trajectory::Sample& sample) {
+  std::vector<Vector3> places;
+  for (const Pose& pose : sample.poses) places.push_back(pose.position);
+  const Vector3 centre = meanPoint(places);
+  double sum = 0;
+  for (const Vector3& place : places) sum += (place - centre).squaredNorm();
+  return sum;
+}
+
+/// A sheet of a family that extends without contacts.
+scene::Scene extendingScene(const char* family, const std::map<std::string, double>& values = {}) {
+  model::Model model = generate::generateModel(generate::familyNamed(family), values);
+  model.target.reset();
+  scene::Scene scene = sceneOf(std::move(model));
+  scene.environment.contacts = scene::ContactFilter::None;
+  return scene;
+}
+
+/// Its tiles driven apart, and damped, until they rest or for 200 s.
+run::DeploymentResult driven(scene::Scene scene) {
+  scene.path.kind = scene::PathKind::Straight;
+  scene.stop.duration = 200;
+  return deploy::deploy(scene, 1, nullptr);
+}
+
+/// The second method is the integrator: tiles that are driven apart and damped come to rest there.
+TEST(Continuation, FullExtensionIsWhereDrivenTilesRest) {
+  for (const char* family : {"stampfli-chain", "stampfli-removal", "stampfli-expansion",
+                             "penrose-chain", "penrose-removal", "penrose-expansion",
+                             "ammann-beenker-expansion", "tessellation", "hexagons", "triangles"}) {
+    const scene::Scene scene = extendingScene(family);
+    const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled) << family;
+    const run::DeploymentResult rested = driven(scene);
+    const double extent = extentOf(rested.trajectory.samples.back());
+    EXPECT_EQ(rested.outcome, run::Outcome::Settled) << family;
+    // Measured: 5e-12.
+    EXPECT_NEAR(extentOf(run.trajectory.samples.back()), extent, 1e-6 * extent) << family;
+  }
+}
+
+/// The tiles of this chain still glide after 200 s, with the extent that they keep.
+TEST(Continuation, FullExtensionOfAChainIsWhereDrivenTilesGlide) {
+  const scene::Scene scene = extendingScene("ammann-beenker-chain");
+  const run::DeploymentResult run = deploy::deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled);
+  const double extent = extentOf(driven(scene).trajectory.samples.back());
+  // Measured: 3e-11 after 400 s.
+  EXPECT_NEAR(extentOf(run.trajectory.samples.back()), extent, 1e-6 * extent);
+}
+
+/// From the symmetric start of this sheet, a saddle of its extent, driven tiles do not move. From
+/// a state on the way they come to rest where the path ends.
+TEST(Continuation, FullExtensionBeyondASaddleIsWhereDrivenTilesRest) {
+  const scene::Scene scene = extendingScene("ammann-beenker-removal", {{"tiles", 37}});
+  const std::vector<trajectory::Sample> samples =
+      deploy::deploy(scene, 1, nullptr).trajectory.samples;
+  const Poses& start = samples.front().poses;
+  const Poses& onTheWay = samples[samples.size() / 3].poses;
+  scene::Scene moved = scene;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    for (Vector3& vertex : moved.model.tiles[i].vertices) {
+      vertex = onTheWay[i].apply(start[i].rotation.conjugate() * (vertex - start[i].position));
+    }
+  }
+  const run::DeploymentResult rested = driven(std::move(moved));
+  EXPECT_EQ(rested.outcome, run::Outcome::Settled);
+  const double extent = extentOf(rested.trajectory.samples.back());
+  EXPECT_GT(extent, 1.05 * extentOf(samples.front()));           // measured: 1.11
+  EXPECT_NEAR(extentOf(samples.back()), extent, 1e-6 * extent);  // measured: 8e-13
+}
+
+TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
+  scene::Scene scene = sceneOf(generate::makeSphericalCap({.size = 4}));
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  const bool isClear = run.accuracy.penetrationGrownMax <= 1e-4 * model::tileSize(scene.model);
+  const bool isSaid = std::ranges::any_of(run.warnings, [](const std::string& warning) {
+    return warning.starts_with("tiles overlap by up to ");
+  });
+  EXPECT_NE(isClear, isSaid);
+}
+
+/// Two squares side by side that are joined at a corner; in the target one lies across the other.
+model::Model foldedIntoEachOther() {
+  model::Model model = model::makeTessellation({.columns = 2, .rows = 1});
+  const model::Corner joint = model.joints.front().a;
+  const Vector3 pivot = model.tiles[joint.tile].vertices[joint.vertex];
+  const Vector3 from = model::tileCentroid(model.tiles[1 - joint.tile]) - pivot;
+  const Vector3 towards = model::tileCentroid(model.tiles[joint.tile]) - pivot;
+  const Eigen::AngleAxisd turn(0.5, from.cross(towards).normalized());
+  model.target = model.tiles;
+  for (Vector3& vertex : (*model.target)[1 - joint.tile].vertices) {
+    vertex = pivot + turn * (vertex - pivot);
+  }
+  return model;
+}
+
+TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
+  scene::Scene scene = sceneOf(foldedIntoEachOther());
+  scene.environment.contacts = scene::ContactFilter::Unjoined;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_LT(run.accuracy.targetErrorEnd, 1e-9);
+  EXPECT_EQ(run.needs.contacts.reason, "no bricks touch on the path");
+  EXPECT_GT(run.accuracy.penetrationGrownMax, 0.1);
+}
+
+/// A target whose upper half is moved away, so that the tiles there cannot hang together.
+scene::Scene openTargetSquares(double distance) {
+  model::Model model = model::makeTessellation({});
+  for (std::size_t i = model.tiles.size() / 2; i < model.tiles.size(); ++i) {
+    for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += distance;
+  }
+  return sceneOf(std::move(model));
+}
+
+TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
+  // Half of the distance is the least for two halves that keep together.
+  for (const double distance : {0.5, 1.0}) {
+    const run::DeploymentResult run =
+        deploy::deploy(openTargetSquares(distance), 1.0 / 60, nullptr);
+    EXPECT_EQ(run.path.kind, scene::PathKind::Continuation) << run.pathReason;
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.assembledError);  // measured: 1.0000
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.accuracy.targetErrorMin);
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1.1 * distance / 2);  // measured: 1.001
+  }
+}
+
+TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
+  scene::Scene scene = squares();
+  for (model::Tile& tile : *scene.model.target) {
+    for (Vector3& vertex : tile.vertices) vertex = 100 * vertex;
+  }
+  const run::AssembledState nearest = run::assembleAtTarget(scene);
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const double atStart = trajectory::targetError(*scene.model.target, bricks,
+                                                 model::startPoses(scene.model.tiles, bricks));
+  EXPECT_LE(nearest.error, atStart);
+}
+
+/// In the plane the four quads of this design have no freedom: their joints must open.
+TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  const double tile = model::tileSize(scene.model);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.atTarget, true);
+  EXPECT_EQ(run.path.kind, scene::PathKind::Continuation);
+  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 4e-16
+  EXPECT_LE(run.accuracy.jointGapEnd, 1e-10 * tile);         // 1e-16
+  EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 9e-6
+  // Measured: 0.0168; nearer to the tiles' own motion, with joints ten times softer: 0.0151.
+  EXPECT_LE(run.accuracy.jointOpeningMax, 0.02 * tile);
+  EXPECT_GT(run.accuracy.jointOpeningMax, 0.005 * tile);
+  EXPECT_THAT(run.reason, testing::HasSubstr("joints open by up to"));
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("no path with exact joints was found"));
+}
+
+/// Through space ball joints of the same design stay closed, and its bricks apart.
+TEST(Continuation, LeavesThePlaneIfOnlySpaceHasAPath) {
+  scene::Scene scene = sceneOf(generate::generateModel(generate::familyNamed("nonrigid"), {}));
+  for (model::Joint& joint : scene.model.joints) joint.face = model::JointFace::Bottom;
+  const double tile = model::tileSize(scene.model);
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_FALSE(run.needs.planar.on);
+  EXPECT_EQ(run.needs.planar.reason, "only a path in space keeps joints closed without overlaps");
+  EXPECT_EQ(run.atTarget, true);
+  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 8e-16
+  EXPECT_LE(run.accuracy.jointGapMax, 1e-3 * tile);          // 2.1e-4, to leave the flush start
+  EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 1e-5
+}
+
+/// Its flush start lies apart from all other states among touching bricks: no exact path leaves it.
+TEST(Continuation, OpensJointsToLeaveAFlushStart) {
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("cap"), {{"half-size", 4}}));
+  const double tile = model::tileSize(scene.model);
+  const run::DeploymentResult run = deploy::deploy(scene, 1.0 / 30, nullptr);
+  EXPECT_EQ(run.path.kind, scene::PathKind::Continuation);
+  EXPECT_TRUE(run.needs.contacts.on);
+  EXPECT_EQ(run.atTarget, true);
+  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 2e-15
+  EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 4.7e-5
+  EXPECT_LE(run.accuracy.jointOpeningMax, 0.02 * tile);      // MEASURE
+  const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
+  EXPECT_LE(samples.front().jointGap, 1e-10 * tile);
+  EXPECT_LE(samples.back().jointGap, 1e-10 * tile);
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("compliant joints"));
+}
+
+/// The symmetric start of this sheet is a saddle of its extent.
+TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
+  scene::Scene scene = sceneOf(
+      generate::generateModel(generate::familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
+  scene.environment.contacts = scene::ContactFilter::None;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_THAT(run.reason, testing::StrEq("the path ends at full extension"));
+  const std::vector<model::Brick> bricks = model::makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<trajectory::Sample>& samples = run.trajectory.samples;
+  // Measured: 0.7 tiles.
+  EXPECT_GT(run::pathDistance(bricks, samples.front().poses, samples.back().poses),
+            0.1 * model::tileSize(scene.model));
+}
+
+TEST(Continuation, SaysThatFlushTilesHoldEachOther) {
+  scene::Scene scene = sceneOf(
+      generate::generateModel(generate::familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
+  scene.environment.contacts = scene::ContactFilter::All;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled);
+  EXPECT_THAT(run.reason, testing::StartsWith("contacts lock the tiles at the start"));
+  EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
+}
+
+TEST(Continuation, SaysThatBricksHaveNoRoomAtFullExtension) {
+  const scene::Scene scene =
+      sceneOf(generate::generateModel(generate::familyNamed("stampfli-removal"), {{"tiles", 78}}));
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_GT(run.accuracy.penetrationGrownMax,
+            0.1 * model::tileSize(scene.model));  // measured: 0.84
+  EXPECT_THAT(run.warnings, testing::Contains(testing::AllOf(
+                                testing::HasSubstr("m at its end. `contacts = all` shows"),
+                                testing::Not(testing::HasSubstr("`thickness")))));
+}
+
+/// Two equal sheets and a loose tile: each sheet ends as it does alone, the tile stays.
+TEST(Continuation, ExtendsEachPieceAsIfItWereAlone) {
+  model::Model one = model::makeTessellation({});
+  one.target.reset();
+  const std::size_t count = one.tiles.size();
+  model::Model all = one;
+  for (const Vector3& move : {Vector3(100, 30, 0), Vector3(-100, 0, 0)}) {
+    for (std::size_t i = 0; i < (move.x() > 0 ? count : 1); ++i) {
+      model::Tile& tile = all.tiles.emplace_back(one.tiles[i]);
+      for (Vector3& vertex : tile.vertices) vertex += move;
+    }
+  }
+  for (model::Joint joint : one.joints) {
+    joint.a.tile += static_cast<int>(count);
+    joint.b.tile += static_cast<int>(count);
+    all.joints.push_back(joint);
+  }
+  EXPECT_EQ(std::ranges::max(model::piecesOf(all)), 2);
+  const auto end = [](const model::Model& model) {
+    const run::DeploymentResult run = deploy::deploy(sceneOf(model), 0.5, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    return run.trajectory.samples.back().poses;
+  };
+  const Poses alone = end(one), together = end(all);
+  const auto distance = [](const Poses& poses, std::size_t a, std::size_t b) {
+    return (poses[a].position - poses[b].position).norm();
+  };
+  const double tile = model::tileSize(one);
+  for (std::size_t i = 0; i < count; ++i) {
+    // Measured: 1e-8; a path to full extension ends where it hardly grows.
+    EXPECT_NEAR(distance(together, 0, i), distance(alone, 0, i), 1e-6 * tile);
+    EXPECT_NEAR(distance(together, count, count + i), distance(alone, 0, i), 1e-6 * tile);
+  }
+  const std::vector<model::Brick> bricks = model::makeBricks(all.tiles, sceneOf(all).brick);
+  EXPECT_LE((model::bottomTiles(bricks, together).back().vertices[0] - all.tiles.back().vertices[0])
+                .norm(),
+            1e-9 * tile);
+}
+
+/// Shared points moved by up to e in all digits, as an optimiser leaves them: the sheet extends as
+/// the exact one does, and says to what its tiles fit.
+TEST(Continuation, ExtendsTilesThatFitToATolerance) {
+  model::Model exact = generate::generateModel(generate::familyNamed("quads"), {});
+  exact.target.reset();
+  const auto widthOf = [](const run::DeploymentResult& run) {
+    const Poses& poses = run.trajectory.samples.back().poses;
+    double most = 0;
+    for (const Pose& a : poses) {
+      for (const Pose& b : poses) most = std::max(most, (a.position - b.position).norm());
+    }
+    return most;
+  };
+  const double width = widthOf(deploy::deploy(sceneOf(exact), 1, nullptr));
+  for (const double e : {1e-7, 1e-6, 1e-5}) {
+    model::Model moved = exact;
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> part(-e, e);
+    std::map<std::pair<long, long>, Vector3> moves;
+    for (model::Tile& tile : moved.tiles) {
+      for (Vector3& vertex : tile.vertices) {
+        const std::pair<long, long> place(std::lround(1e4 * vertex.x()),
+                                          std::lround(1e4 * vertex.y()));
+        const auto [move, isNew] = moves.try_emplace(place);
+        if (isNew) move->second = {part(random), part(random), 0};
+        vertex += move->second;
+      }
+    }
+    const run::DeploymentResult run = deploy::deploy(sceneOf(moved), 1, nullptr);
+    EXPECT_NEAR(widthOf(run), width, 1e-2 * width) << e << run.reason;
+    EXPECT_LE(run.accuracy.jointGapMax, 30 * e) << e;
+    EXPECT_THAT(run.reason, testing::HasSubstr("fit each other only to")) << e;
+  }
+}
+
+bool isAnnounced(const run::DeploymentResult& run) {
+  return std::ranges::any_of(run.warnings, [](const std::string& warning) {
+    return warning.find("tiles overlap by up to") != std::string::npos;
+  });
+}
+
+/// What is promised of a default deployment, whatever the model.
+void expectPromisesKept(const scene::Scene& scene, const run::DeploymentResult& run,
+                        const std::string& name) {
+  const double tile = model::tileSize(scene.model);
+  EXPECT_TRUE(run.accuracy.penetrationGrownMax <= 1.01e-4 * tile || isAnnounced(run))
+      << name << ": overlap " << run.accuracy.penetrationGrownMax / tile;
+  EXPECT_TRUE(run.accuracy.jointGapMax <= 1e-10 * tile || run.accuracy.jointOpeningMax > 0)
+      << name << ": gap " << run.accuracy.jointGapMax / tile;
+  if (!scene.model.target) return;
+  EXPECT_LE(run.accuracy.targetErrorEnd, std::max(1.05 * run.assembledError, 1e-6 * tile)) << name;
+}
+
+/// One member of each family but those whose bricks must be guided round each other, which cost
+/// more.
+TEST(Continuation, DrawnMembersOfTheFamiliesArriveByDefault) {
+  DrawnModels drawn(7, 40);
+  for (std::size_t i = 0; i < generate::families().size(); ++i) {
+    DrawnModel member = drawn.next();
+    const std::string family = generate::families()[i].name;
+    if (family == "moebius" || family == "sphere-to-saddle" || family == "cap") continue;
+    scene::Scene scene = scene::openScene();
+    scene.model = std::move(member.model);
+    scene.brick.thickness = member.thickness * model::tileSize(scene.model);
+    if (scene.model.target) model::alignStartToTarget(scene.model);
+    scene::fillFromModel(scene);
+    expectPromisesKept(scene, deploy::deploy(scene, 0.5, nullptr), member.name);
+  }
+}
+
+TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
+  scene::Scene scene = squares();
+  std::string reason;
+  EXPECT_TRUE(scene::isQuasiStatic(scene, reason)) << reason;
+  scene.springs.springStiffness = 25;
+  EXPECT_FALSE(scene::isQuasiStatic(scene, reason));
+  EXPECT_EQ(reason, "springs or damping were given");
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_NE(run.path.kind, scene::PathKind::Continuation);
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("springs or damping were given"));
+  scene.path.kind = scene::PathKind::Continuation;
+  EXPECT_THAT([&] { deploy::deploy(scene, 0.5, nullptr); },
+              testing::ThrowsMessage<InputError>(
+                  "error: `path = continuation` supports kinematic scenes only, but springs or "
+                  "damping were given. Remove it or use `path = dynamic`"));
+}
+
+TEST(Continuation, SaysWhetherPinsOrATimelineNeedDynamics) {
+  scene::Scene scene = squares();
+  std::string reason;
+  scene.timeline.push_back({{}, scene::timeline::Pin{{0}}, {}});
+  EXPECT_FALSE(scene::isQuasiStatic(scene, reason));
+  EXPECT_EQ(reason, "tiles are pinned");
+  scene.timeline.push_back({{}, scene::timeline::Pause{}, {}});
+  EXPECT_FALSE(scene::isQuasiStatic(scene, reason));
+  EXPECT_EQ(reason, "there is a timeline");
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,211 @@
+// A path improved as a whole: oracles are a dense solution, distances in closed form, differences
+// of gaps, and the figures of the paths.
+#include "sim/path/smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "sim/model/lattice.h"
+#include "sim/path/banded_program.h"
+#include "sim/path/near_gaps.h"
+#include "sim/trajectory/measures.h"
+
+namespace kirireel {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kStates = 5;
+constexpr int kSize = 3;
+
+/// A banded positive definite matrix, and the same without its band.
+struct BandedExample {
+  path::BandedMatrix banded;
+  MatrixXd dense = MatrixXd::Zero(kStates * kSize, kStates* kSize);
+
+  BandedExample() {
+    const auto value = [](int i, int j) { return std::sin(1.7 * i + 0.6 * j * j); };
+    for (int offset = 0; offset <= 2; ++offset) {
+      for (int i = 0; i + offset < kStates; ++i) {
+        MatrixXd block(kSize, kSize);
+        for (int r = 0; r < kSize; ++r) {
+          for (int c = 0; c < kSize; ++c) block(r, c) = value(7 * i + r, 5 * offset + c);
+        }
+        if (offset == 0)
+          block = (block * block.transpose()).eval() + 9 * MatrixXd::Identity(kSize, kSize);
+        dense.block((i + offset) * kSize, i * kSize, kSize, kSize) = block;
+        dense.block(i * kSize, (i + offset) * kSize, kSize, kSize) = block.transpose();
+        (offset == 0   ? banded.diagonal
+         : offset == 1 ? banded.first
+                       : banded.second)
+            .push_back(block);
+      }
+    }
+  }
+};
+
+path::BandedProgram programOf(const BandedExample& example) {
+  path::BandedProgram program{example.banded, MatrixXd(kSize, kStates), {}, {}, 1};
+  for (int i = 0; i < kStates; ++i) {
+    for (int k = 0; k < kSize; ++k) program.gradient(k, i) = std::cos(2.0 * i + k);
+    program.constraints.emplace_back(0, kSize);
+    program.bounds.emplace_back(0);
+  }
+  return program;
+}
+
+TEST(BandedProgram, WithoutConstraintsIsADenseSystem) {
+  const BandedExample example;
+  const path::BandedProgram program = programOf(example);
+  const MatrixXd found = path::solve(program);
+  const VectorXd expected = example.dense.fullPivLu().solve(-program.gradient.reshaped());
+  // Measured 3e-17.
+  EXPECT_LT((found.reshaped() - expected).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+// Of one constraint that is active, y = y0 + H^-1 a (b - a y0) / (a H^-1 a).
+TEST(BandedProgram, HoldsAConstraint) {
+  const BandedExample example;
+  path::BandedProgram program = programOf(example);
+  VectorXd row = VectorXd::Zero(kStates * kSize);
+  row.segment(2 * kSize, kSize) << 0.5, -1, 2;
+  const VectorXd free = example.dense.fullPivLu().solve(-program.gradient.reshaped());
+  const double bound = row.dot(free) + 0.3;
+  program.constraints[2] = row.segment(2 * kSize, kSize).transpose();
+  program.bounds[2] = VectorXd::Constant(1, bound);
+  const VectorXd along = example.dense.fullPivLu().solve(row);
+  const VectorXd expected = free + along * (0.3 / row.dot(along));
+  // Measured 4e-8: the iteration ends at 1e-7 of the gradient.
+  EXPECT_LT((path::solve(program).reshaped() - expected).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+// y >= 1 and -y >= 1: the least violation of both is at y = 0.
+TEST(BandedProgram, ViolatesContradictionsAsLittleAsPossible) {
+  path::BandedProgram program;
+  program.hessian.diagonal = {MatrixXd::Identity(1, 1)};
+  program.gradient = MatrixXd::Zero(1, 1);
+  program.constraints = {(MatrixXd(2, 1) << 1, -1).finished()};
+  program.bounds = {VectorXd::Ones(2)};
+  program.priceScale = 1;
+  EXPECT_NEAR(path::solve(program)(0, 0), 0, 1e-9);
+}
+
+TEST(BandedProgram, IsEmptyWithoutADefiniteHessian) {
+  path::BandedProgram program;
+  program.hessian.diagonal = {-MatrixXd::Identity(1, 1)};
+  program.gradient = MatrixXd::Ones(1, 1);
+  program.constraints = {MatrixXd(0, 1)};
+  program.bounds = {VectorXd()};
+  EXPECT_EQ(path::solve(program).size(), 0);
+}
+
+/// A row of squares of 1 m, each joined to the next at a corner.
+scene::Scene row(int squares) {
+  scene::Scene scene;
+  model::TessellationShape shape;
+  shape.columns = squares;
+  shape.rows = 1;
+  scene.model = model::makeTessellation(shape);
+  scene::fillFromModel(scene);
+  return scene;
+}
+
+struct Squares {
+  explicit Squares(int count)
+      : scene(row(count)),
+        bricks(model::makeBricks(scene.model.tiles, scene.brick)),
+        pivots(model::makePivots(scene.model.joints, bricks)),
+        start(model::startPoses(scene.model.tiles, bricks)) {}
+
+  scene::Scene scene;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Pivot> pivots;
+  Poses start;
+};
+
+TEST(NearGaps, OfAnUnjoinedPairAreItsDistance) {
+  Squares squares(2);
+  Poses apart = squares.start;
+  apart[1].position += Vector3(0.07, 0.02, 0.001);
+  path::NearGapFinder finder(squares.bricks, {}, scene::ContactFilter::All, 0.05, false,
+                             squares.start);
+  const std::vector<path::NearGap> found = finder.find(apart, 0.1, 1e-3);
+  ASSERT_FALSE(found.empty());
+  const double edge = (squares.bricks[0].bottom[1] - squares.bricks[0].bottom[0]).norm();
+  const double expected = (apart[1].position - apart[0].position).x() - edge;
+  for (const path::NearGap& near : found) EXPECT_NEAR(near.gap, expected, 1e-14);
+  EXPECT_TRUE(finder.find(apart, 0.05, 1e-3).empty());
+}
+
+// Small moves of both bricks change the least gap by its derivative: central differences.
+TEST(NearGaps, ChangeByTheirDerivatives) {
+  Squares squares(2);
+  Poses apart = squares.start;
+  apart[1] = displaced(apart[1], Vector3(0.08, 0.05, 0.03), Vector3(0.2, -0.3, 0.15));
+  path::NearGapFinder finder(squares.bricks, {}, scene::ContactFilter::All, 0.05, false,
+                             squares.start);
+  const auto least = [&](const Poses& poses) {
+    return std::ranges::min(finder.find(poses, 0.5, 1e-9), {}, &path::NearGap::gap).gap;
+  };
+  const std::vector<path::NearGap> nearest = finder.find(apart, 0.5, 1e-9);
+  ASSERT_EQ(nearest.size(), 1U);
+  constexpr double kStep = 1e-6;
+  for (int k = 0; k < 6; ++k) {
+    Vector6 move = Vector6::Zero();
+    move[k] = kStep;
+    Poses more = apart, less = apart;
+    more[0] = displaced(more[0], move.head<3>(), move.tail<3>());
+    less[0] = displaced(less[0], -move.head<3>(), -move.tail<3>());
+    // Measured 1e-10.
+    EXPECT_NEAR((least(more) - least(less)) / (2 * kStep), nearest.front().ofA[k], 1e-8) << k;
+  }
+}
+
+// Four squares in a row have three free angles: a path that goes through a kink is straightened.
+TEST(Smoothing, StraightensAKink) {
+  Squares squares(4);
+  squares.scene.environment.contacts = scene::ContactFilter::None;
+  const auto folded = [&](double first, double second) {
+    Poses guide = squares.start;
+    for (std::size_t i = 0; i < guide.size(); ++i) {
+      const double turn = (i % 2 == 0 ? 1 : -1) * (i < 2 ? first : second);
+      guide[i].rotation = Quaternion(Eigen::AngleAxisd(turn, Vector3::UnitZ()));
+    }
+    return guide;
+  };
+  run::SearchBudget budget;
+  run::GeometricPath found;
+  found.path =
+      path::connect(squares.scene, {squares.start, folded(0.1, 0.5), folded(0.6, 0.6)}, budget);
+  const run::MechanismPath smooth =
+      path::smoothed(squares.scene, found, scene::ContactFilter::None, budget);
+  ASSERT_GT(smooth.states.size(), found.path.states.size() / 2);
+  // The ends stay.
+  EXPECT_EQ(smooth.states.front()[2].position, found.path.states.front()[2].position);
+  EXPECT_EQ(smooth.states.back()[2].position, found.path.states.back()[2].position);
+  double gap = 0, turn = 0;
+  for (std::size_t k = 0; k < smooth.states.size(); ++k) {
+    gap = std::max(gap, trajectory::jointGap(squares.pivots, smooth.states[k]).max);
+    if (k < 2) continue;
+    // The largest angle between two moves of all squares together.
+    double product = 0, before = 0, after = 0;
+    for (std::size_t i = 0; i < squares.bricks.size(); ++i) {
+      const Vector3 come = smooth.states[k - 1][i].position - smooth.states[k - 2][i].position;
+      const Vector3 go = smooth.states[k][i].position - smooth.states[k - 1][i].position;
+      product += come.dot(go);
+      before += come.squaredNorm();
+      after += go.squaredNorm();
+    }
+    turn = std::max(turn, std::acos(std::min(1.0, product / std::sqrt(before * after))));
+  }
+  EXPECT_LT(gap, 1e-11);
+  EXPECT_LT(turn, 5 * kDegree);
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,86 @@
+// What is at rest, and what is only slow.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+scene::Scene sheet() {
+  scene::Scene scene;
+  scene.model = model::makeTessellation({});
+  model::alignStartToTarget(scene.model);
+  scene.path.kind = scene::PathKind::Straight;
+  scene.stop.duration = 3;
+  return scene;
+}
+
+TEST(Rest, SoftSpringsAreNotAtRest) {
+  for (const double stiffness : {1e-3, 1e-5}) {
+    scene::Scene scene = sheet();
+    scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
+    const run::DeploymentResult result = deploy::deploy(scene, 0.25, nullptr);
+    EXPECT_EQ(result.outcome, run::Outcome::OutOfTime) << result.reason;
+    EXPECT_THAT(result.reason, HasSubstr("from the target"));
+  }
+}
+
+TEST(Rest, HeavyBricksAreNotAtRest) {
+  scene::Scene scene = sheet();
+  scene.brick.mass = model::MassRule::Prism;
+  scene.brick.density = 1e12;
+  scene.springs = scene::paperSprings();
+  const run::DeploymentResult result = deploy::deploy(scene, 0.25, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::OutOfTime) << result.reason;
+}
+
+TEST(Rest, AnArrivedSheetIsAtRest) {
+  scene::Scene scene = sheet();
+  const run::DeploymentResult result = deploy::deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Settled) << result.reason;
+}
+
+TEST(Rest, TimeThatIsUpIsToldWithPlaceAndSpeed) {
+  scene::Scene scene = sheet();
+  scene.stop.duration = 0.1;
+  const run::DeploymentResult result = deploy::deploy(scene, 0.05, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::OutOfTime);
+  EXPECT_THAT(result.reason, StartsWith("still moving after 0.1 s, at "));
+  EXPECT_THAT(result.reason, HasSubstr(" m/s at most, "));
+}
+
+/// Three squares in a ring about a triangle that is closed: joints at three corners leave nothing
+/// to move. Its target is the same ring with one square turned away.
+scene::Scene immobile() {
+  scene::Scene scene;
+  scene.path.kind = scene::PathKind::Straight;
+  const double height = std::sqrt(3) / 2;
+  const Vector3 a(0, 0, 0), b(1, 0, 0), c(0.5, height, 0);
+  const auto outward = [](const Vector3& from, const Vector3& to) {
+    const Vector3 out = (to - from).cross(Vector3::UnitZ());
+    return model::Tile{{from, from + out, to + out, to}};
+  };
+  scene.model.tiles = {outward(a, b), outward(b, c), outward(c, a)};
+  scene.model.joints = {{{0, 3}, {1, 0}}, {{1, 3}, {2, 0}}, {{2, 3}, {0, 0}}};
+  scene.model.target = scene.model.tiles;
+  const Matrix3 turn = rotationFromVector({0, 0, 0.6}).toRotationMatrix();
+  for (Vector3& vertex : (*scene.model.target)[0].vertices) vertex = turn * vertex;
+  return scene;
+}
+
+TEST(Rest, ASheetWithoutFreedomIsToldSo) {
+  const run::DeploymentResult result = deploy::deploy(immobile(), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, run::Outcome::Locked);
+  EXPECT_THAT(result.reason, HasSubstr("(0 degrees of freedom)")) << result.reason;
+}
+
+}  // namespace
+}  // namespace kirireel

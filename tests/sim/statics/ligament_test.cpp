@@ -1,0 +1,339 @@
+// Ligaments: derivatives, large turns, beam theory, and sheets of them.
+#include <array>
+#include <cmath>
+#include <complex>
+
+#include <gtest/gtest.h>
+
+#include "sim/mechanics/load_path.h"
+#include "sim/model/hinge.h"
+#include "sim/model/lattice.h"
+#include "sim/statics/elastic_sheet.h"
+#include "tests/support/pair_forces.h"
+
+namespace kirireel {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// A ligament between two bricks at given places and turns.
+struct Two {
+  model::Ligament ligament{
+      .pointA = {0.3, 0.1, 0}, .pointB = {-0.2, 0.25, 0}, .start = {0.4, 0.2, 0}};
+  Two() {
+    ligament.stretchStiffness = 3;
+    ligament.shearStiffness = 0.7;
+  }
+  model::PlanarEnergy at(const Vector6& u) const {
+    const Vector3 armA = rotationFromVector({0, 0, u[2]}) * ligament.pointA;
+    const Vector3 armB = rotationFromVector({0, 0, u[5]}) * ligament.pointB;
+    return model::ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2],
+                                 u[5]);
+  }
+  /// Where the ligament is at rest.
+  Vector6 rest() const {
+    Vector6 u = Vector6::Zero();
+    u.segment<2>(3) = (ligament.pointA + ligament.start - ligament.pointB).head<2>();
+    return u;
+  }
+};
+
+TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
+  const Two two;
+  const double h = 1e-5;
+  for (const double size : {0.1, 0.5, 1.2}) {
+    Vector6 u = two.rest();
+    u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
+    const model::PlanarEnergy found = two.at(u);
+    for (int k = 0; k < 6; ++k) {
+      Vector6 more = u, less = u;
+      more[k] += h;
+      less[k] -= h;
+      const model::PlanarEnergy above = two.at(more), below = two.at(less);
+      EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
+      EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
+    }
+  }
+}
+
+/// A pin that gives, its points together at the start.
+Two twoPinned() {
+  Two two;
+  two.ligament.start.setZero();
+  two.ligament.across = Vector3(0.6, 0.8, 0);
+  two.ligament.opening = {0.9, -0.4};
+  return two;
+}
+
+TEST(Ligaments, WithoutLengthHaveTheDerivativesOfTheirEnergy) {
+  const Two two = twoPinned();
+  const double h = 1e-5;
+  for (const double size : {0.0, 0.1, 0.5, 1.2}) {
+    Vector6 u = two.rest();
+    u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
+    const model::PlanarEnergy found = two.at(u);
+    for (int k = 0; k < 6; ++k) {
+      Vector6 more = u, less = u;
+      more[k] += h;
+      less[k] -= h;
+      const model::PlanarEnergy above = two.at(more), below = two.at(less);
+      EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
+      EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(Ligaments, WithoutLengthPartAndSlide) {
+  const Two two = twoPinned();
+  Vector6 u = two.rest();
+  u.segment<2>(3) += 0.1 * Vector3(0.6, 0.8, 0).head<2>();
+  EXPECT_NEAR(two.at(u).energy, 0.5 * 3 * 0.01, 1e-15);
+  u = two.rest();
+  u.segment<2>(3) += 0.1 * Vector3(-0.8, 0.6, 0).head<2>();
+  EXPECT_NEAR(two.at(u).energy, 0.5 * 0.7 * 0.01, 1e-15);
+}
+
+TEST(Ligaments, HoldNothingAsTheWholeTurns) {
+  const Two two;
+  const Vector6 rest = two.rest();
+  for (const double turn : {0.5, 3.0, 7.0}) {
+    const Complex by = std::polar(1.0, turn);
+    const Complex b = by * Complex(rest[3], rest[4]);
+    Vector6 u;
+    u << 5, 6, turn, 5 + b.real(), 6 + b.imag(), turn;
+    EXPECT_NEAR(two.at(u).energy, 0, 1e-25);
+    EXPECT_LT(two.at(u).gradient.norm(), 1e-12);
+  }
+}
+
+// A slender neck that is clamped at one end gives F L^3 / (3 E I) at the other under a force, and
+// M L / (E I) as a turn under a moment.
+TEST(Ligaments, WithTheirBendingAreBeams) {
+  const double youngs = 2e6, width = 0.01, length = 1, thickness = 0.02;
+  const double bending = youngs * thickness * width * width * width / 12;
+  model::Ligament ligament;
+  ligament.pointA = ligament.pointB = Vector3::Zero();
+  ligament.start = Vector3(length, 0, 0);
+  model::setNeckStiffness(youngs, 0.3, thickness, width, length, ligament);
+  EXPECT_NEAR(ligament.stretchStiffness, youngs * width * thickness / length, 1e-9);
+  Matrix6 hessian =
+      model::ligamentEnergy(ligament, ligament.start, Vector3::Zero(), Vector3::Zero(), 0, 0)
+          .hessian;
+  hessian(5, 5) += bending / length;  // of the hinge's spring
+  const Matrix3 free = hessian.bottomRightCorner<3, 3>();
+  const Vector3 byForce = free.inverse() * Vector3(0, 1, 0);
+  const Vector3 byMoment = free.inverse() * Vector3(0, 0, 1);
+  // Shear adds E w^2 / (4 * 5/6 G L^2) = 0.8e-4 to the former.
+  EXPECT_NEAR(byForce.y(), length * length * length / (3 * bending), 1e-4 * byForce.y());
+  EXPECT_NEAR(byForce.z(), length * length / (2 * bending), 1e-9 * byForce.z());
+  EXPECT_NEAR(byMoment.z(), length / bending, 1e-9 * byMoment.z());
+  EXPECT_NEAR(byMoment.y(), length * length / (2 * bending), 1e-9 * byMoment.y());
+}
+
+/// A slender neck along x between two points, as a ligament and the spring at its hinge.
+struct ClampedBeam {
+  model::Ligament ligament;
+  model::HingeSpring spring{{0, 1, Vector3::UnitZ(), 0, -4, 4}};
+  double bending = 0;  // E I
+  static constexpr double kLength = 0.5;
+
+  ClampedBeam() {
+    const double youngs = 2e6, width = 1e-4, thickness = 0.02;
+    bending = youngs * thickness * width * width * width / 12;
+    ligament.brickB = 1;
+    ligament.start = Vector3(kLength, 0, 0);
+    ligament.pointA = Vector3(0.3, 0.2, 0);
+    ligament.pointB = Vector3(-0.1, 0.4, 0);
+    model::setNeckStiffness(youngs, 0.3, thickness, width, kLength, ligament);
+    spring.stiffness = bending / kLength;
+  }
+  /// Brick A as at the start; the neck's end at brick B moved, and that brick turned about it.
+  Poses posesAt(const Vector3& moved, double turned) const {
+    const Quaternion turn = rotationFromVector({0, 0, turned});
+    const Vector3 end = ligament.pointA + ligament.start + moved;
+    return {Pose{}, {end - turn * ligament.pointB, turn}};
+  }
+  std::array<double, 2> momentsAt(const Vector3& moved, double turned) const {
+    return model::endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
+  }
+};
+
+// The moments that a clamped beam puts on its ends: 6 E I d / L^2 on both where one moves across by
+// d; 4 E I a / L on the end that turns by a, and half of that on the other.
+TEST(Ligaments, PutTheMomentsOfABeamOnTheirEnds) {
+  ClampedBeam beam;
+  const double length = ClampedBeam::kLength, small = 1e-4;
+  const double moved = 6 * beam.bending * small / (length * length);
+  const double turned = 4 * beam.bending * small / length;
+  for (const double sign : {1.0, -1.0}) {
+    beam.spring.hinge.axis = Vector3(0, 0, sign);
+    const auto [acrossA, acrossB] = beam.momentsAt({0, small, 0}, 0);
+    EXPECT_NEAR(acrossA, sign * moved, 1e-6 * moved);  // measured 1.2e-7, of the shear
+    EXPECT_NEAR(acrossB, sign * moved, 1e-6 * moved);
+    const auto [turnA, turnB] = beam.momentsAt({0, 0, 0}, small);
+    EXPECT_NEAR(turnA, -sign * 0.5 * turned, 1e-6 * turned);
+    EXPECT_NEAR(turnB, -sign * turned, 1e-6 * turned);
+  }
+}
+
+// A pin's moments are the spring's and what its opening adds.
+TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
+  ClampedBeam pin;
+  pin.ligament.start.setZero();
+  pin.ligament.opening = {0.9, -0.4};
+  const double a = 0.3, moment = pin.spring.stiffness * a + 0.9 * a * a - 0.4 * a * a * a;
+  const auto [onA, onB] = pin.momentsAt({0, 0, 0}, a);
+  EXPECT_NEAR(onA, moment, 1e-12);
+  EXPECT_NEAR(onB, -moment, 1e-12);
+}
+
+TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
+  const ClampedBeam beam;
+  const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
+  const model::Elasticity found =
+      model::elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
+  EXPECT_EQ(found.count("springs"), 1);
+  EXPECT_EQ(found.count("ligaments"), 1);
+  EXPECT_NEAR(found.energyStart, 0, 1e-25);
+  EXPECT_EQ(found.energyEnd, model::ligamentEnergy(beam.ligament, end).energy);
+  EXPECT_NEAR(found.momentEnd, 6e-4 * beam.bending / 0.25, 1e-9 * beam.bending);
+}
+
+/// A sheet of squares whose hinges are ligaments of a length, along x.
+struct LigamentSheet {
+  LigamentSheet(int side, double angle, double stretch, double shear, double length) {
+    model::TessellationShape shape;
+    shape.columns = shape.rows = side;
+    shape.startAngle = angle;
+    model = model::makeTessellation(shape);
+    bricks = model::makeBricks(model.tiles, {0.02, model::MassRule::Unit, 1});
+    pivots = model::makePivots(model.joints, bricks);
+    for (const model::Hinge& hinge : model::findHinges(bricks, pivots, true).hinges) {
+      springs.push_back({hinge, 1, hinge.start, 0});
+    }
+    for (const model::Pivot& pivot : pivots) {
+      if (pivot.isUpper) continue;
+      model::Ligament ligament{pivot.brickA, pivot.brickB};
+      ligament.start = Vector3(length, 0, 0);
+      ligament.pointA = pivot.pointA - 0.5 * ligament.start;
+      ligament.pointB = pivot.pointB + 0.5 * ligament.start;
+      ligament.stretchStiffness = stretch;
+      ligament.shearStiffness = shear;
+      ligaments.push_back(ligament);
+    }
+  }
+  Poses start() const { return model::startPoses(model.tiles, bricks); }
+
+  model::Model model;
+  std::vector<model::Brick> bricks;
+  std::vector<model::Pivot> pivots;
+  std::vector<model::HingeSpring> springs;
+  std::vector<model::Ligament> ligaments;
+};
+
+/// Holds the left column's middles and moves those of the right.
+std::vector<statics::Grip> squeeze(const LigamentSheet& sheet, int side, double amount) {
+  std::vector<statics::Grip> grips(3);
+  const auto middle = [&](int tile) {
+    return statics::GripHandle{tile,
+                               meanPoint(sheet.bricks[static_cast<std::size_t>(tile)].bottom)};
+  };
+  for (int k = 0; k < side; ++k) {
+    grips[0].handles.push_back(middle(k));
+    grips[2].handles.push_back(middle(side * (side - 1) + k));
+  }
+  grips[1].handles = {middle(0)};
+  grips[1].direction = Vector3::UnitY();
+  grips[2].amount = amount;
+  return grips;
+}
+
+// The energy written anew in complex numbers: tiles are (z, phi), a point is z + r e^(i phi).
+double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places,
+                  const std::vector<double>& turns) {
+  double sum = 0;
+  for (const model::Ligament& ligament : sheet.ligaments) {
+    const auto point = [&](int brick, const Vector3& r) {
+      const auto i = static_cast<std::size_t>(brick);
+      return places[i] + Complex(r.x(), r.y()) * std::polar(1.0, turns[i]);
+    };
+    const Complex l =
+        point(ligament.brickB, ligament.pointB) - point(ligament.brickA, ligament.pointA);
+    const Complex l0(ligament.start.x(), ligament.start.y());
+    const double mean = 0.5 * (turns[static_cast<std::size_t>(ligament.brickA)] +
+                               turns[static_cast<std::size_t>(ligament.brickB)]);
+    const double shear = std::arg(l / l0 * std::polar(1.0, -mean));
+    const double stretch = std::abs(l) - std::abs(l0);
+    sum += 0.5 * (ligament.stretchStiffness * stretch * stretch +
+                  ligament.shearStiffness * shear * shear);
+  }
+  for (const model::HingeSpring& spring : sheet.springs) {
+    const double turn = turns[static_cast<std::size_t>(spring.hinge.brickB)] -
+                        turns[static_cast<std::size_t>(spring.hinge.brickA)];
+    sum += 0.5 * spring.stiffness * turn * turn;
+  }
+  return sum;
+}
+
+// Each state of 8 x 8 quads under compression is an equilibrium of the energy written anew: its
+// slope along every free coordinate is none.
+TEST(Ligaments, BalanceInASheetUnderCompression) {
+  const int side = 8;
+  const LigamentSheet sheet(side, 0.5, 50, 2, 0.1);
+  const statics::ElasticSheet elastic(sheet.bricks, sheet.start(),
+                                      test::pairForces(sheet.springs, sheet.ligaments), {}, {},
+                                      squeeze(sheet, side, -0.6));
+  const mechanics::LoadPath path = mechanics::followLoad(elastic, 2, {}, {});
+  ASSERT_TRUE(path.arrives) << path.trouble;
+  const mechanics::Equilibrium& state = path.states.back();
+  std::vector<Complex> places;
+  std::vector<double> turns;
+  for (const Pose& pose : state.poses) {
+    places.emplace_back(pose.position.x(), pose.position.y());
+    turns.push_back(2 * std::atan2(pose.rotation.z(), pose.rotation.w()));
+  }
+  EXPECT_NEAR(energyAnew(sheet, places, turns), state.energy, 1e-10);
+  const double h = 1e-6;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto slope = [&](const Complex& move, double turn) {
+      const auto shifted = [&](double by) {
+        std::vector<Complex> p = places;
+        std::vector<double> t = turns;
+        p[i] += by * move;
+        t[i] += by * turn;
+        return energyAnew(sheet, p, t);
+      };
+      return (shifted(h) - shifted(-h)) / (2 * h);
+    };
+    const bool isGripped = i < 8 || i >= 56;
+    EXPECT_NEAR(slope(0, 1), 0, 1e-7) << i;
+    EXPECT_NEAR(i == 0 ? 0 : slope(Complex(0, 1), 0), 0, 1e-7) << i;
+    EXPECT_NEAR(isGripped ? 0 : slope(1, 0), 0, 1e-7) << i;
+  }
+  EXPECT_LT(state.forces[2], 0);
+}
+
+// Ligaments that are stiff and short are exact joints: the force differs by what they give.
+TEST(Ligaments, ThatAreStiffAreExactJoints) {
+  const int side = 4;
+  double before = 1;
+  for (const double stiffness : {1e3, 1e4, 1e5}) {
+    const double length = 10 / stiffness;
+    const LigamentSheet sheet(side, 0.3, stiffness, stiffness * length * length, length);
+    const std::vector<statics::Grip> grips = squeeze(sheet, side, 0.4);
+    const statics::ElasticSheet soft(sheet.bricks, sheet.start(),
+                                     test::pairForces(sheet.springs, sheet.ligaments), {}, {},
+                                     grips);
+    const statics::ElasticSheet exact(sheet.bricks, sheet.start(), test::pairForces(sheet.springs),
+                                      sheet.pivots, {}, grips);
+    const mechanics::LoadPath path = mechanics::followLoad(soft, 2, {}, {}),
+                              wanted = mechanics::followLoad(exact, 2, {}, {});
+    ASSERT_TRUE(path.arrives && wanted.arrives) << path.trouble << wanted.trouble;
+    const double off = std::abs(path.states.back().forces[2] / wanted.states.back().forces[2] - 1);
+    EXPECT_LT(off, before);
+    before = 0.2 * off;
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

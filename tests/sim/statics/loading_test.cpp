@@ -1,0 +1,367 @@
+// Scenes with grips: equilibria in place of a deployment.
+#include "sim/statics/loading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/deployment.h"
+#include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Four squares with springs, open by 20 degrees: one is held, its neighbour turned by 40 degrees.
+scene::Scene turnedUnit() {
+  scene::Scene scene;
+  model::TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  shape.startAngle = 20 * kDegree;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
+  scene.hinges.stiffness = 3;
+  scene::GripSetting held, turned;
+  held.tiles = {0};
+  held.x = held.y = held.turn = 0;
+  turned.tiles = {1};
+  turned.turn = 40 * kDegree;
+  scene.grips = {held, turned};
+  return scene;
+}
+
+/// Likewise shut: all slits are.
+model::Model shutUnit() {
+  model::TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  return model::makeTessellation(shape);
+}
+
+/// What springs and ligaments hold, joules.
+double elasticEnergyOf(const trajectory::Subject& subject, const Poses& poses) {
+  return subject.pairForces.energy(poses);
+}
+
+TEST(Loading, IsSampledAsAWalkWithItsLoadCurve) {
+  const run::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+  ASSERT_TRUE(run.loadCurve.has_value());
+  EXPECT_EQ(run.loadCurve->leading, 3u);
+  const mechanics::Equilibrium& last = run.loadCurve->states.back();
+  const double turn = 40 * kDegree;
+  EXPECT_EQ(last.load, 1);
+  EXPECT_NEAR(last.forces[3], 12 * turn, 1e-9);  // 4 k t, as in the tests of equilibrium
+  EXPECT_NEAR(run.elasticity->energyEnd, 6 * turn * turn, 1e-9);
+  EXPECT_EQ(run.trajectory.samples.size(), 13u);
+  for (const trajectory::Sample& sample : run.trajectory.samples) EXPECT_LT(sample.jointGap, 1e-11);
+  const std::vector<model::HingeSpring>& springs = model::hingeSpringsOf(run.trajectory.pairForces);
+  EXPECT_NEAR(model::elasticEnergy(springs, run.trajectory.samples.back().poses), last.energy,
+              1e-12);
+}
+
+TEST(Loading, KeepsAStateForEachFigure) {
+  const run::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  EXPECT_FALSE(run.trajectory.figureStates.empty());
+  for (const trajectory::FigureState& state : run.trajectory.figureStates) {
+    EXPECT_EQ(state.poses.size(), 4u) << state.figure;
+  }
+}
+
+TEST(Loading, LeavesATable) {
+  const run::DeploymentResult run = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  const std::string table = mechanics::loadTable(*run.loadCurve);
+  EXPECT_THAT(table, testing::StartsWith(
+                         "load,energy_J,grip_2_turn_stiffness_N_m_per_rad,unstable_modes,turning,"
+                         "grip_1_x_m,grip_1_x_force_N,grip_1_y_m,grip_1_y_force_N,grip_1_turn_rad,"
+                         "grip_1_turn_moment_N_m,grip_2_turn_rad,grip_2_turn_moment_N_m\n0,"));
+  EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')),
+            run.loadCurve->states.size() + 1);
+}
+
+TEST(Loading, GivesTheSameEveryTime) {
+  EXPECT_EQ(mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.5, nullptr).loadCurve),
+            mechanics::loadTable(*deploy::deploy(turnedUnit(), 0.1, nullptr).loadCurve));
+}
+
+TEST(Loading, NecksGiveWhereTheyAreLigaments) {
+  scene::Scene scene = turnedUnit();
+  scene.hinges.stiffness = 0;
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
+  const run::DeploymentResult pinned = deploy::deploy(scene, 0.5, nullptr);
+  scene.hinges.areLigaments = true;
+  const run::DeploymentResult ligaments = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(ligaments.outcome, run::Outcome::Settled) << ligaments.reason;
+  const double exact = pinned.loadCurve->states.back().forces[3];
+  const double soft = ligaments.loadCurve->states.back().forces[3];
+  EXPECT_GT(soft, 0);
+  EXPECT_LT(soft, exact);
+  EXPECT_GT(ligaments.accuracy.jointOpeningMax, 1e-6);
+  EXPECT_LT(pinned.accuracy.jointGapMax, 1e-11);
+  EXPECT_EQ(pinned.accuracy.jointOpeningMax, 0);
+}
+
+TEST(Loading, NecksGiveInMotionToo) {
+  scene::Scene scene = turnedUnit();
+  scene.grips.clear();
+  scene.hinges.stiffness = 0;
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.areLigaments = true;
+  scene.environment.contacts = scene::ContactFilter::None;
+  scene.stop.duration = 0.5;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.1, nullptr);
+  EXPECT_GT(run.accuracy.jointOpeningMax, 1e-6);
+  ASSERT_TRUE(run.elasticity.has_value());
+  const trajectory::Sample& last = run.trajectory.samples.back();
+  EXPECT_EQ(model::ligamentsOf(run.trajectory.pairForces).size(), 4u);
+  EXPECT_EQ(run.elasticity->energyEnd, elasticEnergyOf(run.trajectory, last.poses));
+  EXPECT_EQ(run.elasticity->energyEnd, last.mechanics->energies.elastic);
+}
+
+// What the file has of springs and ligaments holds what the equilibria hold.
+TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
+  for (const double length : {0.0, 0.1}) {
+    scene::Scene scene = turnedUnit();
+    scene.model = shutUnit();
+    scene.hinges.stiffness = 0;
+    scene.hinges.neck = scene::HingeNeck{0.05, length, 1e6, 0.3};
+    scene.hinges.areLigaments = length > 0;
+    const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    const test::TemporaryFolder folder;
+    trajectory::writeTrajectory(run.trajectory, folder / "run.h5");
+    const trajectory::Trajectory read = trajectory::readTrajectory(folder / "run.h5");
+    ASSERT_EQ(model::ligamentsOf(read.pairForces).size(), 4u);
+    const double held = elasticEnergyOf(read, read.samples.back().poses);
+    const double wanted = run.loadCurve->states.back().energy;
+    EXPECT_GT(model::elasticEnergy(model::ligamentsOf(read.pairForces), read.samples.back().poses),
+              1e-6 * wanted);
+    EXPECT_NEAR(held, wanted, 1e-12 * wanted);  // measured 1.4e-16 of it
+    EXPECT_EQ(run.elasticity->energyEnd, held);
+    EXPECT_EQ(run.elasticity->count("ligaments"), 4);
+  }
+}
+
+std::string refusalOf(const scene::Scene& scene) {
+  try {
+    deploy::deploy(scene, 1, nullptr);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
+  scene::Scene scene = turnedUnit();
+  scene.environment.contacts = scene::ContactFilter::All;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("equilibria under grips have no contacts"));
+  scene = turnedUnit();
+  scene.environment.gravity = {0, 0, -9.81};
+  EXPECT_THAT(refusalOf(scene), HasSubstr("but there is gravity. Remove it or the grips"));
+  scene = turnedUnit();
+  scene.solver.planar = false;
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("grips load rigid tiles only in the plane, but `planar` is off"));
+  scene = turnedUnit();
+  scene.grips[1].turn = 0;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("no grip moves or pushes"));
+  scene = turnedUnit();
+  scene.grips.erase(scene.grips.begin());
+  EXPECT_THAT(refusalOf(scene), HasSubstr("the sheet can move without resistance"));
+  scene = turnedUnit();
+  scene.hinges.stiffness = 0;
+  scene.grips[1].isForce = true;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("the sheet can move without resistance"));
+  scene = turnedUnit();
+  scene.hinges.neck = scene::HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.areLigaments = true;
+  scene.grips.clear();
+  scene.solver.planar = false;
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("`ligaments` works only in the plane, but `planar` is off"));
+  scene = turnedUnit();
+  scene.hinges.neck = scene::HingeNeck{0.02, 0, 1e6, 0.3};
+  scene.hinges.areLigaments = true;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("`ligaments` needs necks with a length"));
+  scene = turnedUnit();
+  scene.grips[0].z = 0;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load this sheet only in its plane. Remove z"));
+}
+
+/// Squares of which a column is held along x and the last one moved by so much.
+scene::Scene pulledSquares(int columns, double angle, double move) {
+  scene::Scene scene;
+  model::TessellationShape shape;
+  shape.columns = columns;
+  shape.rows = 4;
+  shape.startAngle = angle;
+  scene.model = model::makeTessellation(shape);
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
+  scene.hinges.stiffness = 1;
+  scene::GripSetting left, corner, right;
+  for (int row = 0; row < 4; ++row) {
+    left.tiles.push_back(row);
+    right.tiles.push_back(4 * (columns - 1) + row);
+  }
+  left.x = 0;
+  corner.tiles = {0};
+  corner.y = 0;
+  right.x = move;
+  scene.grips = {left, corner, right};
+  return scene;
+}
+
+TEST(Loading, TellsTheStabilityOfTheLastState) {
+  const run::DeploymentResult stable = deploy::deploy(turnedUnit(), 0.5, nullptr);
+  EXPECT_THAT(stable.reason, HasSubstr("reached, stable, through"));
+  EXPECT_TRUE(stable.warnings.empty());
+}
+
+// The middles of n squares in a row are (n - 1) (cos(t/2) + sin(t/2)) apart, at most (n - 1)
+// sqrt 2.
+TEST(Loading, TellsWhereASheetIsFullyExtended) {
+  for (const int columns : {3, 5}) {
+    const double angle = 10 * kDegree;
+    const double extent =
+        (columns - 1) * (std::sqrt(2.0) - std::cos(angle / 2) - std::sin(angle / 2));
+    const run::DeploymentResult run =
+        deploy::deploy(pulledSquares(columns, angle, 1.2 * extent), 0.5, nullptr);
+    EXPECT_EQ(run.outcome, run::Outcome::Locked);
+    EXPECT_THAT(run.reason, HasSubstr(fmt::format("fully extended at {:.4g} m", extent)));
+    EXPECT_NEAR(run.loadCurve->states.back().displacements[2], extent,
+                1e-7 * extent);  // measured 2e-8
+  }
+}
+
+TEST(Loading, TellsThatASheetIsPressedThroughItself) {
+  const run::DeploymentResult run =
+      deploy::deploy(pulledSquares(4, 30 * kDegree, -1.2), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Locked);
+  EXPECT_THAT(run.reason, HasSubstr("pass through itself"));
+  EXPECT_FALSE(run.shortfall.empty());
+  // Not shut yet, it is not.
+  const run::DeploymentResult open =
+      deploy::deploy(pulledSquares(4, 30 * kDegree, -0.5), 0.5, nullptr);
+  EXPECT_EQ(open.outcome, run::Outcome::Settled) << open.reason;
+}
+
+TEST(Loading, NamesGripsThatContradictEachOther) {
+  scene::Scene twice = pulledSquares(4, 30 * kDegree, 0.3);
+  scene::GripSetting again;
+  again.tiles = {twice.grips[2].tiles.front()};
+  again.x = 0.1;
+  twice.grips.push_back(again);
+  EXPECT_THAT(refusalOf(twice), HasSubstr("grips contradict each other: the joints do not allow x "
+                                          "of tiles"));
+  EXPECT_THAT(refusalOf(twice), HasSubstr("by 0.1 (grip 4 x) together"));
+  // The height of squares that are pulled cannot stay.
+  scene::Scene held = pulledSquares(4, 30 * kDegree, 0.3);
+  scene::GripSetting all;
+  for (int tile = 0; tile < 16; ++tile) all.tiles.push_back(tile);
+  all.y = 0;
+  held.grips.push_back(all);
+  EXPECT_THAT(refusalOf(held), HasSubstr("grip 4 y"));
+  // Grips that say the same agree.
+  scene::Scene same = pulledSquares(4, 30 * kDegree, 0.3);
+  again.x = 0.3;
+  same.grips.push_back(again);
+  EXPECT_EQ(refusalOf(same), "accepted");
+}
+
+/// Two squares in the plane, joined at both ends of a common edge x = 1 as in folded sheets. The
+/// left one is held, and the outer edge of the right one lifted.
+scene::Scene liftedFold() {
+  scene::Scene scene;
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
+  scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}};
+  scene.brick.thickness = 0.01;
+  scene.environment.contacts = scene::ContactFilter::Auto;
+  scene.path.kind = scene::PathKind::Auto;
+  scene.hinges.stiffness = 0.5;
+  scene.hinges.panels = scene::PanelMaterial{1e9, 0.3, 0};
+  scene::GripSetting held, lifted;
+  held.tiles = {0};
+  held.corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
+  held.x = held.y = held.z = 0;
+  lifted.tiles = {1};
+  lifted.corners = {{1, 1}, {1, 2}};
+  lifted.z = 0.6;
+  scene.grips = {held, lifted};
+  return scene;
+}
+
+// The fold's moment k t is that of the force at the arm cos(t), sin(t) = 0.6 up.
+TEST(Loading, LiftsATileAboutAFold) {
+  const run::DeploymentResult run = deploy::deploy(liftedFold(), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+  const mechanics::Equilibrium& last = run.loadCurve->states.back();
+  const double angle = std::asin(0.6);
+  EXPECT_NEAR(last.forces[3], 0.5 * angle / 0.8, 1e-5);  // bars are not rigid
+  EXPECT_NEAR(last.energy, 0.25 * angle * angle, 1e-5);
+}
+
+// Without springs the length scale says how stiff folds are: E t^3 / (12 (1 - nu^2)) / scale.
+TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
+  scene::Scene scene = liftedFold();
+  scene.hinges.stiffness = 0;
+  scene.hinges.panels->foldLength = 200;
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  const double angle = std::asin(0.6), stiffness = 1e9 * 1e-6 / (12 * 0.91) / 200;
+  EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
+}
+
+// A fold that the model's file has folded: free of its grip it stands there, whether springs or the
+// length scale say how stiff it is.
+TEST(Loading, BeginsWhereTheFilesFoldsRest) {
+  for (const double stiffness : {0.5, 0.0}) {
+    scene::Scene scene = liftedFold();
+    const double rest = 0.3;
+    scene.model.foldAngles = {{{0, 1}, rest}, {{1, 0}, rest}};
+    scene.hinges.stiffness = stiffness;
+    scene.hinges.panels->foldLength = stiffness > 0 ? 0 : 200;
+    scene.grips[1].isForce = true;
+    scene.grips[1].z = 1e-3;
+    const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+    const mechanics::Equilibrium& first = run.loadCurve->states.front();
+    EXPECT_NEAR(first.energy, 0, 1e-15);
+    EXPECT_NEAR(first.displacements[3], std::sin(rest), 1e-9);
+    EXPECT_GT(run.loadCurve->states.back().displacements[3], std::sin(rest));
+  }
+}
+
+TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
+  scene::Scene scene = liftedFold();
+  scene.model.joints[0].face = model::JointFace::Both;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("bending tiles must be joined at one face, not at both"));
+  scene = liftedFold();
+  scene.grips[1].corners.clear();
+  scene.grips[1].turn = 0.1;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("bending tiles have no rotation"));
+}
+
+// An edge of two pieces is one fold, whose stiffness both have together.
+TEST(Loading, FoldsOfTwoEdgesAreOneHinge) {
+  scene::Scene scene = liftedFold();
+  scene.model.tiles = {model::Tile{{{0, 0, 0}, {1, 0, 0}, {1, 0.3, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       model::Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 0.3, 0}}}};
+  scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 4}}, {{0, 3}, {1, 3}}};
+  scene.grips[0].corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {0, 4}};
+  const run::DeploymentResult run = deploy::deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, run::Outcome::Settled) << run.reason;
+  const double angle = std::asin(0.6);
+  EXPECT_NEAR(run.loadCurve->states.back().energy, 0.25 * angle * angle, 1e-5);
+}
+
+}  // namespace
+}  // namespace kirireel
