@@ -82,7 +82,7 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   if (!hasTarget) {
     for (const auto figure : kOfTarget) json[nameOfField(figure)] = nullptr;
   }
-  json[deploy::kAssembledError] = onlyIf(summary.assembledError >= 0, summary.assembledError);
+  json[run::kAssembledError] = onlyIf(summary.assembledError >= 0, summary.assembledError);
   json["time_error"] = summary.timeError ? Json(*summary.timeError) : Json(nullptr);
   addStepFigures(json, "accuracy", summary.deployCost.took);
   return json;

@@ -320,7 +320,7 @@ class Verifier {
          [overlaps](const Poses& poses) { return overlaps->at(poses).grown; }}};
     if (!subject.model.target) return figures;
     figures.push_back({nameOfField(&Accuracy::targetErrorMin), error});
-    figures.push_back({deploy::kAssembledError, error});
+    figures.push_back({run::kAssembledError, error});
     figures.push_back({nameOfField(&Accuracy::springsRestError), error});
     return figures;
   }

@@ -582,20 +582,6 @@ bool isCollisionFree(const scene::Scene& scene, const run::GeometricPath& found)
   return found.evaluation.end == run::PathEnd::Arrived && !overlaps(scene, found);
 }
 
-std::string toString(run::PathEnd end) {
-  switch (end) {
-    case run::PathEnd::Arrived:
-      return "arrived";
-    case run::PathEnd::Short:
-      return "short";
-    case run::PathEnd::Stuck:
-      return "stuck";
-    case run::PathEnd::OutOfBudget:
-      return "out_of_budget";
-  }
-  return "unknown";
-}
-
 PlannedPath planPath(const scene::Scene& scene, const run::AssembledState& nearest,
                      run::SearchBudget& budget, const run::TrialObserver& observer) {
   return Planner(scene, nearest, budget, observer).find();
